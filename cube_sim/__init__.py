@@ -1,0 +1,1 @@
+"""Underwater vehicles in MuJoCo: water, path following, exact allocation, recordings."""

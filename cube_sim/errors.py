@@ -1,0 +1,41 @@
+"""The exceptions cube_sim raises on purpose; each carries what a caller needs to mend the cause."""
+
+from __future__ import annotations
+
+
+class CubeSimError(Exception):
+    """Root of every deliberate error; its text is one clear line per mistake."""
+
+
+class ModelError(CubeSimError):
+    """An MJCF model cannot be given water.
+
+    Attributes:
+        element: name of the MJCF element at fault, e.g. ``hull:added_mass``.
+        reason: what is wrong and what would be right.
+        model: path of the model, or "" when it was built in memory.
+    """
+
+    def __init__(self, element: str, reason: str, model: str = "") -> None:
+        self.element, self.reason, self.model = element, reason, model
+        super().__init__(": ".join(part for part in (model, element, reason) if part))
+
+
+class ScenarioError(CubeSimError):
+    """A scenario file cannot be run.
+
+    Attributes:
+        mistakes: one ``file:line:column: path: message`` line per mistake, in file order.
+    """
+
+    def __init__(self, mistakes: list[str]) -> None:
+        self.mistakes = mistakes
+        super().__init__("\n".join(mistakes))
+
+
+class AllocationError(CubeSimError):
+    """An allocator was built from a matrix or limits that mean nothing (crossed limits, NaN, wrong shape)."""
+
+
+class RecordingError(CubeSimError):
+    """A recording cannot be written or read."""
