@@ -1,0 +1,13 @@
+"""The JSON schema of scenario files, for editors."""
+
+from __future__ import annotations
+
+import json
+
+from .schema import Scenario
+
+
+def json_schema() -> str:
+    """The schema as JSON text, ending in a newline."""
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scenario.model_json_schema()}
+    return json.dumps(schema, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

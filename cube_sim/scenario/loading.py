@@ -1,0 +1,137 @@
+"""A scenario file, read with every mistake in it found at once."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ..errors import ScenarioError
+from .document import Document, Location, Mistake, Position, parse
+from .explain import Refusal, explain
+from .overrides import Override, apply
+from .resolved import to_yaml
+from .schema import Scenario
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A valid scenario and where it came from.
+
+    Attributes:
+        scenario: the frozen scenario; its model path is absolute.
+        text: the file as written.
+        path: the file, as given.
+        overrides: what replaced values of the file.
+    """
+
+    scenario: Scenario
+    text: str
+    path: Path
+    overrides: tuple[Override, ...]
+    _document: Document
+
+    def resolved_yaml(self) -> str:
+        """The scenario with every default and override written out; `load` reads it from any folder."""
+        return to_yaml(self.scenario)
+
+    def mistake(self, path: str, message: str) -> str:
+        """A mistake found after loading (the model has no such thruster...), as a line of a ScenarioError.
+
+        Args:
+            path: dotted path of the value at fault.
+            message: what is wrong and what would be right.
+        """
+        location = tuple(int(step) if step.isdigit() else step for step in path.split("."))
+        place = _place(Refusal(location, message, at_key=False), self._document, self.overrides)
+        return _line(self.path, place)
+
+
+def load(path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = None) -> Loaded:
+    """Read and validate a scenario file.
+
+    Args:
+        path: the YAML file.
+        overrides: dotted path -> value that replaces the file's, for example ``{"checks.0.at_most": 0.2}``.
+
+    Raises:
+        ScenarioError: with one ``file:line:column: path: message`` per mistake.
+    """
+    path = Path(path)
+    text = _read(path)
+    document = parse(text)
+    if document.data is None:
+        raise ScenarioError([_line(path, mistake) for mistake in document.mistakes])
+    if not isinstance(document.data, dict):
+        raise ScenarioError(
+            [f"{path}:1:1: a scenario is a block of keys, this file holds a {type(document.data).__name__}"]
+        )
+    data, applied, wrong_paths = apply(document.data, overrides or {})
+    scenario, refusals = _validate(data, path)
+    # What the YAML already got wrong at a place, the schema need not say again.
+    told = {mistake.location for mistake in document.mistakes}
+    found = [_place(refusal, document, applied) for refusal in refusals if refusal.location not in told]
+    in_file = sorted([*document.mistakes, *(mistake for mistake in found if mistake.position)], key=_by_position)
+    in_overrides = [mistake.message for mistake in found if not mistake.position]
+    lines = [_line(path, mistake) for mistake in in_file] + in_overrides
+    if lines or wrong_paths or scenario is None:
+        raise ScenarioError(lines + wrong_paths)
+    return Loaded(scenario, text, path, tuple(applied), document)
+
+
+def _read(path: Path) -> str:
+    try:
+        # A pipe or a device would be read for ever, or only once.
+        if path.exists() and not path.is_file():
+            raise ScenarioError(
+                [f"{path}: is {'a folder' if path.is_dir() else 'not a regular file'}, not a scenario file"]
+            )
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise ScenarioError([f"{path}: cannot be read: {reason}"]) from error
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = content[: error.start]
+        line, column = before.count(b"\n") + 1, error.start - before.rfind(b"\n")
+        raise ScenarioError([f"{path}:{line}:{column}: not UTF-8 text (byte 0x{content[error.start]:02x})"]) from error
+
+
+def _validate(data: dict[str, Any], path: Path) -> tuple[Scenario | None, list[Refusal]]:
+    try:
+        return Scenario.model_validate(data, context={"directory": path.parent}), []
+    except ValidationError as error:
+        return None, explain(error, Scenario)
+
+
+def _place(refusal: Refusal, document: Document, overrides: Sequence[Override]) -> Mistake:
+    """Find who wrote the value at fault: an override (the mistake then has no position) or the file."""
+    location = refusal.location
+    for override in overrides:
+        below = location[: len(override.location)] == override.location
+        # An unknown block that exists only because the override's path goes through it.
+        above = override.location[: len(location)] == location and refusal.at_key and location not in document.keys
+        if below or above:
+            inside = "" if location == override.location else f"{_dotted(location)}: "
+            return Mistake(None, location, f"override {override.path}: {inside}{refusal.message}")
+    return Mistake(document.position(location, key=refusal.at_key), location, refusal.message)
+
+
+def _by_position(mistake: Mistake) -> Position:
+    return mistake.position or Position(0, 0)
+
+
+def _line(path: Path, mistake: Mistake) -> str:
+    if mistake.position is None:
+        return mistake.message
+    place = f"{path}:{mistake.position.line}:{mistake.position.column}"
+    return ": ".join(part for part in (place, _dotted(mistake.location), mistake.message) if part)
+
+
+def _dotted(location: Location) -> str:
+    return ".".join(map(str, location))

@@ -1,0 +1,227 @@
+"""The scenario file as one frozen object; a block per class, a unit in every key name.
+
+To add a key: add a Field with bounds and a description to its block, then write the JSON schema anew with
+`cube-sim schema > scenarios/scenario.schema.json`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+from pydantic.types import Strict
+from pydantic_core.core_schema import ValidationInfo
+
+from .check_blocks import AllowedForcesCheck, Check
+from .path_blocks import Path
+from .values import Block, Name, Pair, Vector3, refuse
+
+ZERO: Vector3 = (0.0, 0.0, 0.0)
+
+
+class Physics(Block):
+    """How MuJoCo integrates."""
+
+    integrator: Literal["RK4", "implicitfast", "Euler"] = Field(default="RK4", description="MuJoCo's integrator.")
+    step_s: float = Field(default=0.01, gt=0, le=1, description="Physics step [s].")
+
+
+class Initial(Block):
+    """The vehicle's state at time 0."""
+
+    position_m: Vector3 = Field(default=ZERO, description="Body origin in world axes [m].")
+    attitude_deg: Vector3 = Field(
+        default=ZERO,
+        description="[roll, pitch, yaw] [deg]: yaw about z, pitch about the new y, roll about the new x.",
+    )
+    velocity_m_s: Vector3 = Field(default=ZERO, description="Velocity over ground in body axes [m/s].")
+    rates_deg_s: Vector3 = Field(default=ZERO, description="Angular velocity in body axes [deg/s].")
+
+
+class Thrusters(Block):
+    """Changes to the model's thrusters."""
+
+    dead_zone_N: Pair | None = Field(  # noqa: N815 - N is the newton
+        default=None,
+        description="Smallest attainable forces [F_DZ-, F_DZ+] of each thruster [N]. Default: the model's.",
+    )
+
+    @field_validator("dead_zone_N")
+    @classmethod
+    def _around_zero(cls, dead_zone_N: Pair | None) -> Pair | None:
+        if dead_zone_N is not None and not dead_zone_N[0] <= 0.0 <= dead_zone_N[1]:
+            refuse(f"must be [F_DZ-, F_DZ+] with F_DZ- <= 0 <= F_DZ+, got {list(dead_zone_N)}")
+        return dead_zone_N
+
+
+class Guidance(Block):
+    """How the virtual target moves and how the vehicle closes in on the path."""
+
+    speed_m_s: float = Field(gt=0, description="Speed along the path [m/s].")
+    approach_angle_deg: float = Field(
+        default=60.0,
+        gt=0,
+        lt=90,
+        description="Angle to the path at which the vehicle approaches from far away [deg].",
+    )
+    approach_gain_per_m: float = Field(
+        default=0.5,
+        gt=0,
+        description="k_delta in theta = approach angle * tanh(k_delta * cross-track error) [1/m].",
+    )
+    target_gain_per_s: float = Field(
+        default=0.5,
+        gt=0,
+        description="k_2 in s' = v_T + k_2 s_1: how fast the target closes its along-track gap [1/s].",
+    )
+    target_speed_limit_m_s: float | None = Field(
+        default=None, gt=0, description="Bound on |s'|, the virtual target's speed [m/s]. Default: none."
+    )
+    stop_time_s: float = Field(
+        default=2.0,
+        gt=0,
+        description="The speed falls as remaining path / stop_time_s before the end of the path [s].",
+    )
+
+
+class AlongPath(Block):
+    """The body x axis follows the path's tangent."""
+
+    mode: Literal["along_path"]
+
+
+class FixedAttitude(Block):
+    """The vehicle keeps one attitude in the world."""
+
+    mode: Literal["fixed"]
+    attitude_deg: Vector3 = Field(description="[roll, pitch, yaw], as in initial.attitude_deg [deg].")
+
+
+Attitude = Annotated[AlongPath | FixedAttitude, Field(discriminator="mode")]
+
+
+class Control(Block):
+    """The loops that turn errors into a wrench, each given by the time it takes to remove 63 % of one."""
+
+    velocity_time_s: float = Field(default=1.0, gt=0, description="Velocity loop [s].")
+    attitude_time_s: float = Field(default=1.0, gt=0, description="Attitude loop [s].")
+    rate_time_s: float = Field(default=0.3, gt=0, description="Angular rate loop [s].")
+    disturbance_time_s: float | None = Field(
+        default=5.0,
+        gt=0,
+        description="Estimate of the wrench the model does not explain [s]; null: no estimate.",
+    )
+    attitude: Attitude = Field(default=AlongPath(mode="along_path"), description="Which attitude the vehicle takes.")
+
+
+class Allocation(Block):
+    """How a wrench becomes thruster forces."""
+
+    method: Literal["search+proxqp", "search", "enumerate"] = Field(
+        default="search+proxqp",
+        description="search+proxqp: exact search picks the subset, one ProxQP solves it.",
+    )
+    allow_off: bool = Field(default=True, description="Whether a thruster may rest at 0 N, inside its dead zone.")
+    objective: Literal["energy"] = Field(
+        default="energy", description="What decides among exact allocations: energy = |f|^2."
+    )
+    torque_weight: float = Field(
+        default=30.0,
+        gt=0,
+        description="Weight of torque against force errors when the wrench is unattainable.",
+    )
+    reversal_penalty_N2: float = Field(  # noqa: N815 - N is the newton
+        default=0.0, ge=0, description="Cost of one thruster changing side [N^2]."
+    )
+
+
+class Scenario(Block):
+    """A mission of one vehicle: model, water, path, control and what must come out of it."""
+
+    schema_version: Literal[1] = Field(description="Version of this file format.")
+    name: Name = Field(description="Letters, digits, '_', '-', '.'; names the run's folder.")
+    description: str = Field(default="", description="What the scenario shows, for readers.")
+    model: str = Field(min_length=1, description="MJCF file, relative to the scenario file.")
+    seed: int = Field(default=0, ge=0, lt=2**63, description="Root of every random stream.")
+    duration_s: float = Field(gt=0, description="Simulated time [s].")
+    physics: Physics = Physics()
+    control_period_s: float = Field(
+        default=0.02,
+        gt=0,
+        le=10,
+        description="Time between two thruster commands [s]; an integer multiple of physics.step_s.",
+    )
+    current_m_s: Vector3 = Field(default=ZERO, description="Velocity of the water, world axes [m/s].")
+    initial: Initial = Initial()
+    thrusters: Thrusters = Thrusters()
+    path: Path
+    guidance: Guidance
+    control: Control = Control()
+    allocation: Allocation = Allocation()
+    checks: Annotated[tuple[Check, ...], Strict(False)] = Field(
+        description="What the run must show; at least one.", json_schema_extra={"minItems": 1}
+    )
+
+    @property
+    def steps_per_tick(self) -> int:
+        """Physics steps in one control period."""
+        return round(self.control_period_s / self.physics.step_s)
+
+    @property
+    def ticks(self) -> int:
+        """Whole control periods in the run."""
+        return int(self.duration_s / self.control_period_s * (1 + 1e-12))
+
+    @field_validator("model")
+    @classmethod
+    def _existing_file(cls, model: str, info: ValidationInfo) -> str:
+        if info.context is None:
+            return model
+        path = FilePath(info.context["directory"], model)
+        if "\0" in model:
+            refuse("a file name cannot hold a NUL character")
+        if path.is_dir():
+            refuse(f"{model} is a folder, not an MJCF file")
+        if not path.is_file():
+            refuse(f"no such file: {path}")
+        return str(path.resolve())
+
+    @field_validator("control_period_s")
+    @classmethod
+    def _whole_steps(cls, control_period_s: float, info: ValidationInfo) -> float:
+        physics = info.data.get("physics")
+        if physics is not None:
+            steps = control_period_s / physics.step_s
+            if round(steps) < 1 or abs(steps - round(steps)) > 1e-9 * steps:
+                refuse(
+                    f"must be an integer multiple of physics.step_s: {control_period_s:g} s is"
+                    f" {steps:.6g} steps of {physics.step_s:g} s"
+                )
+        duration_s = info.data.get("duration_s")
+        if duration_s is not None and duration_s < control_period_s:
+            refuse(f"must not exceed duration_s: {control_period_s:g} s against {duration_s:g} s")
+        return control_period_s
+
+    @field_validator("checks")
+    @classmethod
+    def _distinct_and_complete(cls, checks: tuple[Check, ...], info: ValidationInfo) -> tuple[Check, ...]:
+        if not checks:
+            refuse("a run without checks shows nothing: give at least one")
+        seen: dict[str, int] = {}
+        for index, check in enumerate(checks):
+            first = seen.setdefault(check.title, index)
+            if first != index:
+                refuse(
+                    f"checks {first} and {index} are both called '{check.title}'; give one another name",
+                    index,
+                )
+        allocation = info.data.get("allocation")
+        if allocation is None:
+            return checks
+        return tuple(
+            check.model_copy(update={"allow_off": allocation.allow_off})
+            if isinstance(check, AllowedForcesCheck) and check.allow_off is None
+            else check
+            for check in checks
+        )

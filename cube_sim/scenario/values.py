@@ -1,0 +1,35 @@
+"""What every block of a scenario file shares: strictness, three-vectors, names."""
+
+from __future__ import annotations
+
+from typing import Annotated, NoReturn
+
+from pydantic import BaseModel, ConfigDict, StringConstraints
+from pydantic.types import Strict
+from pydantic_core import PydanticCustomError
+
+# A YAML list becomes a tuple; the numbers inside stay strict (no "3" for 3, no true for 1).
+Vector3 = Annotated[tuple[float, float, float], Strict(False)]
+Pair = Annotated[tuple[float, float], Strict(False)]
+
+# Names become folder names and test ids, so they hold nothing a shell or a file system would mind.
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
+# Titles are shown in one line of a table.
+Title = Annotated[str, StringConstraints(pattern=r"^\S(.*\S)?$", max_length=100)]
+
+
+class Block(BaseModel):
+    """A frozen group of keys: unknown keys, wrong types, NaN and infinities are mistakes."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True)
+
+
+def refuse(message: str, *below: str | int) -> NoReturn:
+    """Report a mistake from inside a validator.
+
+    Args:
+        message: what is wrong and what would be right, starting in lower case.
+        below: where the mistake sits, relative to the validated value: keys and list indices.
+    """
+    # The text travels as a value: a template would stumble over braces in it.
+    raise PydanticCustomError("refused", "{text}", {"text": message, "below": below})
