@@ -1,1 +1,30 @@
-"""Underwater vehicles in MuJoCo: water, path following, exact allocation, recordings."""
+"""Underwater vehicles in MuJoCo: real water, 3-D path following, exact thruster allocation, recordings.
+
+`load_model` and `Vehicle` need only MuJoCo; `run` is the whole loop. Names are resolved when first used, so that
+importing the package costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cube_sim.simulation import Run, run
+    from cube_sim.vehicle.loading import load_model
+    from cube_sim.vehicle.vehicle import Vehicle
+
+__all__ = ["Run", "Vehicle", "load_model", "run"]
+
+_HOME = {
+    "Run": "cube_sim.simulation",
+    "Vehicle": "cube_sim.vehicle.vehicle",
+    "load_model": "cube_sim.vehicle.loading",
+    "run": "cube_sim.simulation",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(import_module(_HOME[name]), name)
+    raise AttributeError(f"module 'cube_sim' has no attribute '{name}'; it has {', '.join(__all__)}")

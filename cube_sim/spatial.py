@@ -1,0 +1,102 @@
+"""Rotations and cross products: the few formulas every other module leans on.
+
+Quaternions are wxyz, unit, body to world.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+class State(NamedTuple):
+    """Where a vehicle is and how it moves.
+
+    Attributes:
+        position: p_WB (3,) [m], world axes.
+        quaternion: q_WB (4,) wxyz.
+        rotation: R_WB (3,3), the same attitude.
+        velocity: v (3,) of the body origin [m/s], body axes.
+        rates: w (3,) [rad/s], body axes.
+    """
+
+    position: Vector
+    quaternion: Vector
+    rotation: Matrix
+    velocity: Vector
+    rates: Vector
+
+
+def skew(a: ArrayLike) -> Matrix:
+    """S(a) with S(a) b = a x b."""
+    x, y, z = np.asarray(a, dtype=float)
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """a x b of two (3,) arrays; np.cross costs ten times as much on vectors this short."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def rotation_from_quaternion(q: ArrayLike) -> Matrix:
+    """R (3,3) of a unit quaternion wxyz."""
+    w, x, y, z = (float(value) for value in np.asarray(q))
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
+
+
+def quaternion_from_rotation(R: Matrix) -> Vector:
+    """Unit quaternion wxyz with w >= 0, from the largest of its four components (Shepperd 1978)."""
+    diagonal = np.array([R[0, 0], R[1, 1], R[2, 2]])
+    trace = diagonal.sum()
+    squares = np.array([trace, *(2.0 * diagonal - trace)])  # 4 q_i^2 - 1
+    i = int(np.argmax(squares))
+    products = np.array(
+        [
+            [squares[0] + 1.0, R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
+            [R[2, 1] - R[1, 2], squares[1] + 1.0, R[1, 0] + R[0, 1], R[0, 2] + R[2, 0]],
+            [R[0, 2] - R[2, 0], R[1, 0] + R[0, 1], squares[2] + 1.0, R[2, 1] + R[1, 2]],
+            [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[2, 1] + R[1, 2], squares[3] + 1.0],
+        ]
+    )
+    q = products[i] / np.linalg.norm(products[i])
+    return -q if q[0] < 0.0 else q
+
+
+def multiply(p: Vector, q: Vector) -> Vector:
+    """Quaternion product p q."""
+    a, b, c, d = p
+    w, x, y, z = q
+    return np.array(
+        [
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        ]
+    )
+
+
+def conjugate(q: Vector) -> Vector:
+    """The inverse of a unit quaternion."""
+    return np.array([q[0], -q[1], -q[2], -q[3]])
+
+
+def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Vector:
+    """Unit quaternion of R = Rz(yaw) Ry(pitch) Rx(roll), angles in radians."""
+    half = [0.5 * angle for angle in (roll, pitch, yaw)]
+    qx = np.array([cos(half[0]), sin(half[0]), 0.0, 0.0])
+    qy = np.array([cos(half[1]), 0.0, sin(half[1]), 0.0])
+    qz = np.array([cos(half[2]), 0.0, 0.0, sin(half[2])])
+    return multiply(qz, multiply(qy, qx))

@@ -1,0 +1,1 @@
+"""MJCF to a vehicle in water: the force law, its hook into MuJoCo, thrusters, and the numbers read back."""

@@ -1,0 +1,105 @@
+"""Thruster characteristic: command to steady force and back (report 3.3.3, figure 4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cube_sim.compiled import compiled
+
+
+@dataclass(frozen=True)
+class Characteristic:
+    """A measured curve with a dead zone.
+
+    Outside the dead zone the force is the piecewise linear curve through the measured points; inside, it is zero. At
+    the edges of the dead zone the force jumps to F_DZ+ and F_DZ-, the smallest forces the motor can hold.
+
+    Attributes:
+        commands: (n,) normalised commands, strictly increasing, c = 1 full forward.
+        forces: (n,) steady forces along the thruster's axis [N], never decreasing.
+        force_dead_zone: (F_DZ-, F_DZ+) [N], F_DZ- <= 0 <= F_DZ+.
+    """
+
+    commands: NDArray[np.float64]
+    forces: NDArray[np.float64]
+    force_dead_zone: tuple[float, float]
+
+    @cached_property
+    def command_dead_zone(self) -> tuple[float, float]:
+        """(c_DZ-, c_DZ+): the commands between which the force is zero."""
+        low, high = self.force_dead_zone
+        (c_reverse, F_reverse), (c_forward, F_forward) = self._sides
+        return float(np.interp(low, F_reverse, c_reverse)), float(np.interp(high, F_forward, c_forward))
+
+    @cached_property
+    def limits(self) -> NDArray[np.float64]:
+        """[F_max-, F_DZ-, F_DZ+, F_max+] [N], the allowed set [F_max-, F_DZ-] u {0} u [F_DZ+, F_max+]."""
+        low, high = self.force_dead_zone
+        return np.array([self.forces[0], low, high, self.forces[-1]])
+
+    def force(self, command: ArrayLike) -> NDArray[np.float64]:
+        """Steady force [N] at each command; commands beyond the curve saturate."""
+        c = np.asarray(command, dtype=float)
+        low, high = self.command_dead_zone
+        return np.where((c < low) | (c > high), np.interp(c, self.commands, self.forces), 0.0)
+
+    def command(self, force: float) -> float:
+        """Command whose steady force is `force` [N]; forces beyond the curve saturate.
+
+        A force inside the dead zone has no command: the nearest of 0, F_DZ- and F_DZ+ is commanded. Commands for a
+        non-zero force lie strictly outside the command dead zone, so that rounding never stops the motor.
+        """
+        low, high = self.force_dead_zone
+        (c_reverse, F_reverse), (c_forward, F_forward) = self._sides
+        if force > 0.0 and force >= 0.5 * high:
+            at_edge = np.nextafter(self.command_dead_zone[1], np.inf)
+            return max(interpolate(force, F_forward, c_forward), at_edge)
+        if force < 0.0 and force <= 0.5 * low:
+            at_edge = np.nextafter(self.command_dead_zone[0], -np.inf)
+            return min(interpolate(force, F_reverse, c_reverse), at_edge)
+        return 0.0
+
+    @cached_property
+    def _sides(self) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...]:
+        """(commands, forces) of the reverse and of the forward side, each with one point of zero force."""
+        end = int(np.flatnonzero(self.forces >= 0.0)[0]) + 1
+        start = int(np.flatnonzero(self.forces <= 0.0)[-1])
+        return (self.commands[:end], self.forces[:end]), (self.commands[start:], self.forces[start:])
+
+
+@compiled
+def interpolate(x, xs, ys):
+    """Piecewise linear y(x) through (xs, ys), xs increasing; constant beyond the ends."""
+    last = xs.shape[0] - 1
+    if x <= xs[0]:
+        return ys[0]
+    if x >= xs[last]:
+        return ys[last]
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if xs[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    return ys[low] + (x - xs[low]) / (xs[high] - xs[low]) * (ys[high] - ys[low])
+
+
+@compiled
+def force_of_command(command, dead_low, dead_high, commands, forces):
+    """`Characteristic.force` for one command, as the callback runs it.
+
+    Args:
+        command: normalised command after the motor's lag.
+        dead_low: c_DZ-.
+        dead_high: c_DZ+.
+        commands: (n,) increasing commands of the curve.
+        forces: (n,) forces [N].
+    """
+    if dead_low <= command <= dead_high:
+        return 0.0
+    return interpolate(command, commands, forces)

@@ -1,0 +1,155 @@
+"""From an MJCF file to a compiled model whose every step includes the water."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cube_sim.errors import ModelError
+from cube_sim.vehicle import hook, packing, structs
+from cube_sim.vehicle.parameters import WaterParameters, read_parameters
+
+
+def load_model(path: str | Path | mujoco.MjSpec, parameters: Mapping[str, ArrayLike] | None = None) -> mujoco.MjModel:
+    """Compile a model with water.
+
+    The returned model is an ordinary `mujoco.MjModel`: mj_step, rollout, batch and the viewer step it with added mass,
+    drag, buoyancy, current (`model.opt.wind` [m/s], world axes) and thrusters included.
+
+    Args:
+        path: an MJCF file, or a spec built in memory (left as it is).
+        parameters: values that take the place of the MJCF's custom numerics of the same name, e.g.
+            ``{"hull:thruster_dead_zone": (-2.0, 2.0)}``; see `cube_sim.vehicle.parameters` for the names.
+
+    Raises:
+        ModelError: the file cannot be read or compiled, or its water makes no sense; names the element.
+    """
+    if isinstance(path, (str, Path)):
+        spec, name = _read(Path(path)), str(path)
+    else:
+        spec, name = path.copy(), path.modelname
+    try:
+        return _immerse(spec, dict(parameters or {}))
+    except ModelError as error:
+        raise ModelError(error.element, error.reason, name) from None
+    except ValueError as error:  # MuJoCo's compiler
+        raise ModelError("compile", _one_line(error), name) from None
+
+
+def _read(path: Path) -> mujoco.MjSpec:
+    if not path.is_file():
+        raise ModelError("", "no such model file", str(path))
+    try:
+        return mujoco.MjSpec.from_file(str(path))
+    except ValueError as error:
+        raise ModelError("", _one_line(error), str(path)) from None
+
+
+def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike]) -> mujoco.MjModel:
+    hook.install()
+    numerics = {n.name: np.array(n.data, dtype=float) for n in spec.numerics}
+    for name, values in overrides.items():
+        numerics[name] = np.atleast_1d(np.asarray(values, dtype=float))
+    if packing.PACKED in numerics:
+        raise ModelError(packing.PACKED, "is written by load_model; remove it from the MJCF")
+    bodies = [body.name for body in spec.bodies if body.name]
+    parameters = read_parameters(numerics, bodies, _thrusters(spec))
+    _require_usable_options(spec)
+    for hull in parameters.hulls:
+        _require_free(spec, hull.body)
+        spec.body(hull.body).simple = 0  # otherwise M has no room for what couples the axes
+
+    spec.add_numeric(name=packing.PACKED, size=packing.packed_size(parameters), data=[0.0])
+    model = spec.compile()
+    ids = [model.body(hull.body).id for hull in parameters.hulls]
+    dofs = [int(model.body_dofadr[i]) for i in ids]
+    start = model.numeric_adr[model.nnumeric - 1]
+    packed = packing.pack(parameters, ids, dofs)
+    model.numeric_data[start : start + packed.size] = packed
+    data = mujoco.MjData(model)
+    structs.verify(model, data)
+    _set_inverse_weights(model, data, parameters)
+    return model
+
+
+def _thrusters(spec: mujoco.MjSpec) -> list[tuple[str, str] | None]:
+    """Per actuator (name, name of the body that carries its site), None where it is not a thruster."""
+    found: list[tuple[str, str] | None] = []
+    for actuator in spec.actuators:
+        if actuator.biastype != mujoco.mjtBias.mjBIAS_USER:
+            found.append(None)
+            continue
+        if actuator.trntype != mujoco.mjtTrn.mjTRN_SITE:
+            raise ModelError(actuator.name, 'has biastype "user" but no site; a thruster pushes along a site\'s z axis')
+        if actuator.dyntype == mujoco.mjtDyn.mjDYN_NONE:
+            raise ModelError(
+                actuator.name, 'is a thruster without dyntype="filter", the lag of its motor [s] in dynprm'
+            )
+        found.append((actuator.name, _hull_of(spec, actuator.target)))
+    return found
+
+
+def _hull_of(spec: mujoco.MjSpec, site: str) -> str:
+    body = spec.site(site).parent
+    while body.parent is not None and body.parent.name != "world":
+        body = body.parent
+    return body.name
+
+
+def _require_usable_options(spec: mujoco.MjSpec) -> None:
+    option = spec.option
+    if option.density or option.viscosity:
+        raise ModelError(
+            "option", "density and viscosity switch MuJoCo's own fluid model on; put 0 and use water:density"
+        )
+    if option.solver == mujoco.mjtSolver.mjSOL_PGS:
+        raise ModelError("option", 'solver="PGS" does not see the added mass; use Newton or CG')
+    off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+    if option.disableflags & off == off:
+        raise ModelError("option", "disabling both spring and damper skips the passive stage, and the water with it")
+
+
+def _require_free(spec: mujoco.MjSpec, name: str) -> None:
+    body = spec.body(name)
+    free = [joint for joint in body.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
+    if len(free) != 1 or body.parent.name != "world":
+        raise ModelError(name, "has water parameters but no free joint; only a free body of the world is a hull")
+
+
+def _set_inverse_weights(model: mujoco.MjModel, data: mujoco.MjData, parameters: WaterParameters) -> None:
+    """Recompute the inverse weights that scale contact softness, for the inertia with added mass.
+
+    The definitions are MuJoCo's own (mj_setConst): for a body, the mean of the diagonal of J M^-1 J' over its three
+    translations and three rotations at the reference pose; for a free joint, the same means over its own axes.
+    """
+    data.qpos[:] = model.qpos0
+    mujoco.mj_forward(model, data)
+    hulls = {model.body(hull.body).id for hull in parameters.hulls}
+    J = np.zeros((6, model.nv))
+    for body in range(1, model.nbody):
+        if model.body_rootid[body] not in hulls:
+            continue
+        mujoco.mj_jacBodyCom(model, data, J[:3], J[3:], body)
+        diagonal = np.diag(J @ _solve(model, data, J).T)
+        model.body_invweight0[body] = diagonal[:3].mean(), diagonal[3:].mean()
+    for hull in hulls:
+        dof = int(model.body_dofadr[hull])
+        identity = np.eye(model.nv)[dof : dof + 6]
+        diagonal = np.diag(_solve(model, data, identity)[:, dof : dof + 6])
+        model.dof_invweight0[dof : dof + 3] = diagonal[:3].mean()
+        model.dof_invweight0[dof + 3 : dof + 6] = diagonal[3:].mean()
+
+
+def _solve(model: mujoco.MjModel, data: mujoco.MjData, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """M^-1 applied to each row of an (n, nv) array."""
+    solution = np.zeros_like(rows)
+    mujoco.mj_solveM(model, data, solution, rows)
+    return solution
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,205 @@
+"""The water's numbers as the MJCF states them: custom numerics named after the element they describe.
+
+    water:density                       [kg/m^3]
+    <body>:volume                       displaced volume [m^3]
+    <body>:centre_of_buoyancy           [m], body axes
+    <body>:added_mass                   6 (diagonal) or 36 values, symmetric positive semidefinite [kg, kg m, kg m^2]
+    <body>:linear_damping               6 or 36 values [N s/m, N s, N m s]
+    <body>:quadratic_damping            6 or 36 values [N s^2/m^2, N s^2/m, N m s^2]
+    <body>:thruster_characteristic      pairs command, force [N] for every thruster of the hull
+    <body>:thruster_dead_zone           F_DZ-, F_DZ+ [N]
+    <actuator>:thruster_characteristic  the same for one thruster, before its hull's
+    <actuator>:thruster_dead_zone
+
+A body with any of the first group is a hull: it needs a free joint. What a hull leaves out is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.errors import ModelError
+from cube_sim.vehicle.characteristic import Characteristic
+
+DENSITY = "water:density"
+HULL_PARAMETERS = ("volume", "centre_of_buoyancy", "added_mass", "linear_damping", "quadratic_damping")
+THRUSTER_PARAMETERS = ("thruster_characteristic", "thruster_dead_zone")
+
+
+@dataclass(frozen=True)
+class Hull:
+    """One body in the water.
+
+    Attributes:
+        body: its name.
+        displaced_mass: rho V [kg].
+        centre_of_buoyancy: (3,) [m], body axes.
+        added_mass: (6,6), symmetric positive semidefinite.
+        linear_damping: (6,6).
+        quadratic_damping: (6,6).
+    """
+
+    body: str
+    displaced_mass: float
+    centre_of_buoyancy: NDArray[np.float64]
+    added_mass: NDArray[np.float64]
+    linear_damping: NDArray[np.float64]
+    quadratic_damping: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WaterParameters:
+    """All hulls of a model, and one characteristic per actuator (None: not a thruster of ours)."""
+
+    hulls: tuple[Hull, ...]
+    characteristics: tuple[Characteristic | None, ...]
+
+
+def read_parameters(
+    numerics: Mapping[str, NDArray[np.float64]],
+    bodies: list[str],
+    thrusters: list[tuple[str, str] | None],
+) -> WaterParameters:
+    """Validate the numerics of a model.
+
+    Args:
+        numerics: name -> values.
+        bodies: names of the bodies, to resolve the numerics against.
+        thrusters: per actuator (its name, the body that carries it), or None where the actuator is not a thruster.
+
+    Raises:
+        ModelError: names the numeric at fault and says what would be right.
+    """
+    actuators = [pair[0] for pair in thrusters if pair]
+    hull_names = _owners(numerics, bodies, actuators)
+    if not hull_names:
+        raise ModelError(
+            "custom", f"no numeric '<body>:{HULL_PARAMETERS[0]}', so there is no hull to put into the water"
+        )
+    density = _scalar(numerics, DENSITY)
+    if density <= 0.0:
+        raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
+    hulls = tuple(_hull(numerics, name, density) for name in hull_names)
+    curves = tuple(_characteristic(numerics, *pair) if pair else None for pair in thrusters)
+    return WaterParameters(hulls, curves)
+
+
+def _owners(numerics: Mapping[str, NDArray[np.float64]], bodies: list[str], actuators: list[str]) -> list[str]:
+    """Names of the hulls in body order; a numeric that belongs to nothing is a mistake, not a comment."""
+    found: set[str] = set()
+    for name, values in numerics.items():
+        owner, colon, parameter = name.rpartition(":")
+        if not colon or name == DENSITY:
+            continue
+        if not np.all(np.isfinite(values)):
+            raise ModelError(name, "holds a value that is not finite")
+        known = HULL_PARAMETERS + THRUSTER_PARAMETERS
+        if parameter not in known:
+            raise ModelError(name, f"is no parameter of the water; there are {', '.join(known)}")
+        if parameter in HULL_PARAMETERS and owner not in bodies:
+            raise ModelError(name, f"no body '{owner}'; the model has {', '.join(bodies)}")
+        if parameter in THRUSTER_PARAMETERS and owner not in bodies and owner not in actuators:
+            raise ModelError(name, f"no body or thruster '{owner}'; the model has {', '.join(bodies + actuators)}")
+        if parameter in HULL_PARAMETERS:
+            found.add(owner)
+    return [body for body in bodies if body in found]
+
+
+def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> Hull:
+    volume = _scalar(numerics, f"{body}:volume")
+    if volume < 0.0:
+        raise ModelError(f"{body}:volume", f"is {volume:g}; a volume [m^3] is not negative")
+    added_mass = _matrix(numerics, f"{body}:added_mass")
+    _require_symmetric(f"{body}:added_mass", added_mass)
+    linear = _matrix(numerics, f"{body}:linear_damping")
+    quadratic = _matrix(numerics, f"{body}:quadratic_damping")
+    for name, matrix in (("linear_damping", linear), ("quadratic_damping", quadratic)):
+        if np.any(np.diag(matrix) < 0.0):
+            raise ModelError(f"{body}:{name}", "has a negative diagonal value; damping takes energy out")
+    return Hull(
+        body=body,
+        displaced_mass=density * volume,
+        centre_of_buoyancy=_vector(numerics, f"{body}:centre_of_buoyancy", 3),
+        added_mass=added_mass,
+        linear_damping=linear,
+        quadratic_damping=quadratic,
+    )
+
+
+def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str) -> Characteristic:
+    curve_name = _first(numerics, actuator, body, "thruster_characteristic")
+    zone_name = _first(numerics, actuator, body, "thruster_dead_zone")
+    pairs = numerics[curve_name]
+    if pairs.size < 4 or pairs.size % 2:
+        raise ModelError(curve_name, f"has {pairs.size} values; it takes pairs of command and force [N], two at least")
+    commands, forces = pairs[0::2].copy(), pairs[1::2].copy()
+    if np.any(np.diff(commands) <= 0.0):
+        raise ModelError(curve_name, "its commands do not increase from pair to pair")
+    if np.any(np.diff(forces) < 0.0) or forces[0] > 0.0 or forces[-1] < 0.0:
+        raise ModelError(
+            curve_name,
+            "its forces [N] must never decrease and must run from reverse (<= 0) to forward (>= 0)",
+        )
+    if not np.any(forces == 0.0):
+        raise ModelError(curve_name, "no pair has force 0, so there is no command at which the motor rests")
+    zone = _vector(numerics, zone_name, 2)
+    if not forces[0] <= zone[0] <= 0.0 <= zone[1] <= forces[-1]:
+        raise ModelError(
+            zone_name,
+            f"[{zone[0]:g}, {zone[1]:g}] N is out of order; "
+            f"{forces[0]:g} <= F_DZ- <= 0 <= F_DZ+ <= {forces[-1]:g} N is right",
+        )
+    return Characteristic(commands, forces, (float(zone[0]), float(zone[1])))
+
+
+def _first(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, parameter: str) -> str:
+    for owner in (actuator, body):
+        if f"{owner}:{parameter}" in numerics:
+            return f"{owner}:{parameter}"
+    raise ModelError(f"{body}:{parameter}", f"is missing; thruster '{actuator}' needs it, or '{actuator}:{parameter}'")
+
+
+def _scalar(numerics: Mapping[str, NDArray[np.float64]], name: str) -> float:
+    if name not in numerics:
+        if name == DENSITY:
+            raise ModelError(DENSITY, "is missing; the water needs a density [kg/m^3]")
+        return 0.0
+    return float(_vector(numerics, name, 1)[0])
+
+
+def _vector(numerics: Mapping[str, NDArray[np.float64]], name: str, size: int) -> NDArray[np.float64]:
+    values = numerics.get(name, np.zeros(size))
+    if values.size != size:
+        raise ModelError(name, f"has {values.size} values; it takes {size}")
+    if not np.all(np.isfinite(values)):
+        raise ModelError(name, "holds a value that is not finite")
+    return values.copy()
+
+
+def _matrix(numerics: Mapping[str, NDArray[np.float64]], name: str) -> NDArray[np.float64]:
+    values = numerics.get(name, np.zeros(6))
+    if values.size == 6:
+        return np.diag(values)
+    if values.size == 36:
+        return values.reshape(6, 6).copy()
+    raise ModelError(name, f"has {values.size} values; it takes 6 (a diagonal) or 36 (a full matrix by rows)")
+
+
+def _require_symmetric(name: str, matrix: NDArray[np.float64]) -> None:
+    scale = float(np.abs(matrix).max(initial=0.0))
+    if np.abs(matrix - matrix.T).max() > 1e-9 * scale:
+        i, j = np.unravel_index(np.argmax(np.abs(matrix - matrix.T)), matrix.shape)
+        raise ModelError(
+            name,
+            f"is not symmetric: entry ({i + 1},{j + 1}) is {matrix[i, j]:g}, ({j + 1},{i + 1}) is {matrix[j, i]:g}",
+        )
+    lowest = float(np.linalg.eigvalsh(matrix)[0])
+    if lowest < -1e-9 * scale:
+        raise ModelError(
+            name,
+            f"is not positive semidefinite (lowest eigenvalue {lowest:g}); kinetic energy is never negative",
+        )

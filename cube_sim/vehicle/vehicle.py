@@ -1,0 +1,162 @@
+"""A hull read back from the compiled model: the numbers a controller, an allocator or an analysis starts from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.errors import ModelError
+from cube_sim.spatial import skew
+from cube_sim.vehicle import packing
+from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.thrusters import Thrusters
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """One hull of a water model; matrices are in body axes at the body origin.
+
+    Attributes:
+        name: the body's name.
+        body: its index in the model.
+        qpos_address: where its pose (position, quaternion wxyz) starts in qpos.
+        dof_address: where its velocity starts in qvel.
+        mass_matrix: rigid-body mass M_RB (6,6) [kg, kg m, kg m^2], arms included at the reference pose.
+        added_mass: M_A (6,6).
+        linear_damping: D (6,6) [N s/m, N s, N m s].
+        quadratic_damping: D_q (6,6) [N s^2/m^2, ...], acting on |nu_r| nu_r.
+        displaced_mass: rho V [kg].
+        centre_of_mass: r_CG (3,) [m].
+        centre_of_buoyancy: r_CB (3,) [m].
+        gravity: (3,) world axes [m/s^2].
+        actuation_matrix: A (6,m), F_B = A F_m, read from the compiled transmission.
+        thrusters: names, indices, limits and characteristics of the m thrusters.
+    """
+
+    name: str
+    body: int
+    qpos_address: int
+    dof_address: int
+    mass_matrix: NDArray[np.float64]
+    added_mass: NDArray[np.float64]
+    linear_damping: NDArray[np.float64]
+    quadratic_damping: NDArray[np.float64]
+    displaced_mass: float
+    centre_of_mass: NDArray[np.float64]
+    centre_of_buoyancy: NDArray[np.float64]
+    gravity: NDArray[np.float64]
+    actuation_matrix: NDArray[np.float64]
+    thrusters: Thrusters
+
+    @property
+    def mass(self) -> float:
+        """Rigid-body mass [kg]."""
+        return float(self.mass_matrix[0, 0])
+
+    @staticmethod
+    def from_model(model: mujoco.MjModel, name: str | None = None) -> Vehicle:
+        """Read a hull from a model made by `load_model`.
+
+        Args:
+            model: the compiled model.
+            name: which hull; may be left out when there is only one.
+
+        Raises:
+            ModelError: the model has no water, or no such hull, or several and no name was given.
+        """
+        packed = _packed(model)
+        records = _hull_records(packed)
+        names = {model.body(int(record[packing.BODY])).name: record for record in records}
+        if name is None and len(names) > 1:
+            raise ModelError("", f"the model has several hulls, name one of {', '.join(names)}")
+        chosen = next(iter(names)) if name is None else name
+        if chosen not in names:
+            raise ModelError(chosen, f"is no hull; the model has {', '.join(names)}")
+        return _vehicle(model, packed, names[chosen], chosen)
+
+
+def _packed(model: mujoco.MjModel) -> NDArray[np.float64]:
+    if model.nnumeric:
+        start = model.numeric_adr[model.nnumeric - 1]
+        packed = np.array(model.numeric_data[start : start + model.numeric_size[model.nnumeric - 1]])
+        if packed[0] == packing.MAGIC:
+            return packed
+    raise ModelError("", "the model has no water; compile it with cube_sim.load_model")
+
+
+def _hull_records(packed: NDArray[np.float64]) -> NDArray[np.float64]:
+    start, count = int(packed[packing.HULLS]), int(packed[packing.COUNT])
+    return packed[start : start + count * packing.HULL_SIZE].reshape(count, packing.HULL_SIZE)
+
+
+def _vehicle(model: mujoco.MjModel, packed: NDArray[np.float64], record: NDArray[np.float64], name: str) -> Vehicle:
+    body, dof = int(record[packing.BODY]), int(record[packing.DOF])
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.qpos0
+    mujoco.mj_forward(model, data)
+    mass_matrix, centre_of_mass = _rigid_body(model, data, body)
+    actuators = [i for i in range(model.nu) if _is_thruster_of(model, packed, i, body)]
+    R = data.xmat[body].reshape(3, 3)
+    moment = np.zeros((model.nu, model.nv))
+    mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
+    joint_axes = moment[actuators, dof : dof + 6].T
+    return Vehicle(
+        name=name,
+        body=body,
+        qpos_address=int(model.jnt_qposadr[model.body_jntadr[body]]),
+        dof_address=dof,
+        mass_matrix=mass_matrix,
+        added_mass=record[packing.ADDED_MASS : packing.LINEAR].reshape(6, 6),
+        linear_damping=record[packing.LINEAR : packing.QUADRATIC].reshape(6, 6),
+        quadratic_damping=record[packing.QUADRATIC :].reshape(6, 6),
+        displaced_mass=float(record[packing.DISPLACED_MASS]),
+        centre_of_mass=centre_of_mass,
+        centre_of_buoyancy=record[packing.CENTRE : packing.ADDED_MASS],
+        gravity=np.array(model.opt.gravity),
+        actuation_matrix=np.vstack([R.T @ joint_axes[:3], joint_axes[3:]]),
+        thrusters=Thrusters(
+            names=tuple(model.actuator(i).name for i in actuators),
+            actuators=np.array(actuators, dtype=int),
+            characteristics=tuple(_characteristic(packed, i) for i in actuators),
+            lag_s=np.array([model.actuator_dynprm[i, 0] for i in actuators]),
+        ),
+    )
+
+
+def _rigid_body(
+    model: mujoco.MjModel, data: mujoco.MjData, hull: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """M_RB about the hull's origin in its axes, and the centre of mass, of the hull with everything on it."""
+    R, p = data.xmat[hull].reshape(3, 3), data.xpos[hull]
+    total = np.zeros((6, 6))
+    for body in range(hull, model.nbody):
+        if model.body_rootid[body] != model.body_rootid[hull]:
+            continue
+        m = model.body_mass[body]
+        S = skew(R.T @ (data.xipos[body] - p))
+        axes = R.T @ data.ximat[body].reshape(3, 3)
+        inertia = axes @ np.diag(model.body_inertia[body]) @ axes.T
+        total += np.block([[m * np.eye(3), -m * S], [m * S, inertia - m * S @ S]])
+    first_moment = np.array([total[5, 1], total[3, 2], total[4, 0]])
+    return total, first_moment / total[0, 0]
+
+
+def _is_thruster_of(model: mujoco.MjModel, packed: NDArray[np.float64], actuator: int, body: int) -> bool:
+    if packed[int(packed[packing.ACTUATORS]) + actuator] < 0.0:
+        return False
+    site = model.actuator_trnid[actuator, 0]
+    return bool(model.body_rootid[model.site_bodyid[site]] == body)
+
+
+def _characteristic(packed: NDArray[np.float64], actuator: int) -> Characteristic:
+    start = int(packed[int(packed[packing.ACTUATORS]) + actuator])
+    n = int(packed[start + packing.POINTS])
+    curve = start + packing.CURVE
+    return Characteristic(
+        commands=packed[curve : curve + n],
+        forces=packed[curve + n : curve + 2 * n],
+        force_dead_zone=(float(packed[start + packing.ZONE_LOW]), float(packed[start + packing.ZONE_HIGH])),
+    )
