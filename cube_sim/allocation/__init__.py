@@ -1,0 +1,23 @@
+"""Wrench to thruster forces: the exact dead-zone allocation of the report's section 4.3.
+
+The names are loaded on first use, because the compiled search and ProxQP take a moment to import.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cube_sim.allocation.allocator import Allocator
+    from cube_sim.allocation.result import Allocation, Status
+
+__all__ = ["Allocation", "Allocator", "Status"]
+
+_HOME = {"Allocator": "allocator", "Allocation": "result", "Status": "result"}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)

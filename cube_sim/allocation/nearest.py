@@ -1,0 +1,163 @@
+"""The exact search for an unattainable wrench: the closest wrench that allowed forces can make."""
+
+from __future__ import annotations
+
+import math
+
+import numba as nb
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation.projection import INFEASIBLE, STALLED, project
+from cube_sim.allocation.relaxation import split
+
+CANDIDATES = 32
+"""Most distinct equally close wrenches kept; symmetric vehicles have a handful."""
+
+
+@nb.njit(cache=True)
+def nearest(
+    goal: NDArray[np.float64],
+    spread: NDArray[np.float64],
+    kernel: NDArray[np.float64],
+    gain: NDArray[np.float64],
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    relaxed: NDArray[np.float64],
+    masks: NDArray[np.uint8],
+    tolerance: float,
+    forces: NDArray[np.float64],
+) -> tuple[int, float, bool, int]:
+    """Minimise ``|gain @ f - goal|`` over forces on allowed sides, exactly over the union of all subsets.
+
+    Branch and bound as in `search`, on another distance. In the coordinates (s, z) of `WrenchDistance` a node is
+    again a projection; z costs nothing, so it is held by a proximal term that is moved to the last answer until
+    the node is solved. What discards a node is not that answer but the plane it defines: with g the unit vector
+    from the made to the wanted wrench, no force of the node comes closer than ``g.goal - max g.gain f``, which
+    is a sum over motors and holds whatever the rounding.
+
+    Args:
+        goal: (r,) demanded wrench in the coordinates s.
+        spread: (m, r), kernel: (m, k), gain: (r, m): see `WrenchDistance`.
+        low, high: (m, 3) sides.
+        relaxed: (m, 8, 4): only the interval ends are used.
+        masks: (m,) sides open to each motor at the root.
+        tolerance: force that counts as rounding [N].
+        forces: (CANDIDATES, m) out: forces making the equally closest, distinct wrenches.
+
+    Returns:
+        Number of candidates, their distance, whether the bound was proven everywhere, nodes solved.
+    """
+    m, k = kernel.shape
+    r = goal.shape[0]
+    d = r + k
+    stack = np.empty((2 * m + 2, m), np.uint8)
+    bound = np.empty(2 * m + 2)
+    mask = np.empty(m, np.uint8)
+    bottom, top, mu, f = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
+    start, point = np.empty(d), np.empty(d)
+    made, g = np.empty(r), np.empty(r)
+    images = np.empty((CANDIDATES, r))
+    size = 0.0
+    for a in range(r):
+        for i in range(m):
+            size = max(size, abs(gain[a, i]))
+    near = size * tolerance  # wrench distance that counts as rounding
+    soft = 0.1 * size  # weight of the proximal term against the wrench
+    rows = np.empty((m, d))
+    for i in range(m):
+        for a in range(r):
+            rows[i, a] = spread[i, a]
+        for b in range(k):
+            rows[i, r + b] = kernel[i, b] / soft
+    best = math.inf
+    found = 0
+    proven = True
+    solved = 0
+    stack[0] = masks
+    bound[0] = 0.0
+    depth = 1
+    while depth > 0:
+        depth -= 1
+        if bound[depth] > best + near:
+            continue
+        mask[:] = stack[depth]
+        empty = False
+        for i in range(m):
+            bottom[i], top[i] = relaxed[i, mask[i], 0], relaxed[i, mask[i], 1]
+            empty = empty or bottom[i] > top[i]
+        if empty:
+            continue
+        start[:r] = goal
+        start[r:] = 0.0
+        lower, distance = bound[depth], math.inf
+        for _ in range(50):
+            outcome = project(rows, bottom, top, start, math.inf, tolerance, point, mu)
+            if outcome == STALLED or outcome == INFEASIBLE:
+                break
+            solved += 1
+            for i in range(m):
+                f[i] = 0.0
+                for a in range(d):
+                    f[i] += rows[i, a] * point[a]
+                f[i] = min(max(f[i], bottom[i]), top[i])
+            distance = 0.0
+            for a in range(r):
+                made[a] = 0.0
+                for i in range(m):
+                    made[a] += gain[a, i] * f[i]
+                g[a] = goal[a] - made[a]
+                distance += g[a] * g[a]
+            distance = math.sqrt(distance)
+            if distance > 0.0:
+                plane = 0.0
+                for a in range(r):
+                    plane += g[a] * goal[a]
+                for i in range(m):
+                    reach = 0.0
+                    for a in range(r):
+                        reach += g[a] * gain[a, i]
+                    plane -= max(reach * bottom[i], reach * top[i])
+                lower = max(lower, plane / distance)
+            if distance - lower <= near + 1e-12 * distance or lower > best + near:
+                break
+            start[r:] = point[r:]
+        if lower > best + near:
+            continue
+        if distance - lower > 10.0 * near + 1e-9 * distance:
+            proven = False
+            if distance == math.inf:
+                continue
+        repeated = False
+        for c in range(found):
+            gap = 0.0
+            for a in range(r):
+                gap = max(gap, abs(images[c, a] - made[a]))
+            repeated = repeated or gap <= 1e3 * near
+        if repeated and distance >= best - near:
+            continue
+        chosen, furthest = -1, 2.0 * tolerance
+        for i in range(m):
+            gap = math.inf
+            for s in range(3):
+                if mask[i] >> s & 1 and low[i, s] <= high[i, s]:
+                    gap = min(gap, max(low[i, s] - f[i], f[i] - high[i, s]))
+            if gap > furthest:
+                chosen, furthest = i, gap
+        if chosen < 0:
+            if distance < best - near:
+                found = 0
+            best = min(best, distance)
+            if found < CANDIDATES:
+                forces[found] = f
+                images[found] = made
+                found += 1
+            continue
+        first, second = split(f[chosen], chosen, mask[chosen], low, high)
+        for child in (second, first):
+            if child != 0:
+                stack[depth] = mask
+                stack[depth, chosen] = child
+                bound[depth] = lower
+                depth += 1
+    return found, best, proven, solved

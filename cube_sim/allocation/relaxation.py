@@ -1,0 +1,109 @@
+"""What a motor may still do when its side is undecided: an interval and a cost that never exceeds the true one."""
+
+from __future__ import annotations
+
+import math
+
+import numba as nb
+import numpy as np
+from numpy.typing import NDArray
+
+ANY_SIDE = 7
+"""Bit mask of the sides still open to a motor: 1 negative, 2 off, 4 positive."""
+
+
+@nb.njit(cache=True)
+def relax(
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    target: NDArray[np.float64],
+    penalty: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    relaxed: NDArray[np.float64],
+) -> None:
+    """Tabulate, for every motor and every mask of open sides, an interval and a quadratic below the true cost.
+
+    On side s the true cost is ``w (f - target_s)^2 + penalty_s``. With t the mean target of the open sides,
+    ``w (f - t)^2 + c`` stays below it when c is the least difference of the two; that difference is linear in f,
+    so the ends of the intervals decide.
+
+    Args:
+        low: (m, 3) lower ends per side; an empty side has low > high.
+        high: (m, 3) upper ends.
+        target: (m, 3) preferred force per side [N].
+        penalty: (m, 3) cost of choosing the side [N^2].
+        weight: (m,) w.
+        relaxed: (m, 8, 4) out: interval ends, t and c for each mask; an empty mask has low > high.
+    """
+    for i in range(low.shape[0]):
+        for mask in range(8):
+            bottom, top, total, sides = math.inf, -math.inf, 0.0, 0
+            for s in range(3):
+                if mask >> s & 1 and low[i, s] <= high[i, s]:
+                    bottom, top = min(bottom, low[i, s]), max(top, high[i, s])
+                    total += target[i, s]
+                    sides += 1
+            mean = total / sides if sides > 0 else 0.0
+            constant = math.inf if sides > 0 else 0.0
+            for s in range(3):
+                if mask >> s & 1 and low[i, s] <= high[i, s]:
+                    t = target[i, s]
+                    for end in (low[i, s], high[i, s]):
+                        excess = penalty[i, s]
+                        if t != mean:
+                            excess += weight[i] * ((end - t) ** 2 - (end - mean) ** 2)
+                        constant = min(constant, excess)
+            relaxed[i, mask, 0], relaxed[i, mask, 1] = bottom, top
+            relaxed[i, mask, 2], relaxed[i, mask, 3] = mean, constant
+
+
+@nb.njit(cache=True)
+def choose_side(
+    f: float,
+    motor: int,
+    mask: int,
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    target: NDArray[np.float64],
+    penalty: NDArray[np.float64],
+    weight: float,
+    tolerance: float,
+) -> tuple[int, float]:
+    """The cheapest open side whose interval holds force f, and its true cost; (-1, inf) in a dead zone.
+
+    Where sides touch and cost the same, off wins, then the side of f's sign.
+    """
+    best, cost = -1, math.inf
+    for order in range(3):
+        s = 1 if order == 0 else (0 if (order == 1) == (f < 0.0) else 2)
+        if mask >> s & 1 and low[motor, s] - tolerance <= f <= high[motor, s] + tolerance:
+            value = weight * (f - target[motor, s]) ** 2 + penalty[motor, s]
+            if value < cost:
+                best, cost = s, value
+    return best, cost
+
+
+@nb.njit(cache=True)
+def split(f: float, motor: int, mask: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[int, int]:
+    """Divide the open sides of a motor at force f, the part nearer to f first; both parts are smaller than the mask.
+
+    A force in a gap divides the sides left of it from those right of it; a force inside a side divides that side
+    from the others.
+    """
+    below, above = 0, 0
+    gap_below, gap_above = math.inf, math.inf
+    nearest, distance = 0, math.inf
+    for s in range(3):
+        if mask >> s & 1 and low[motor, s] <= high[motor, s]:
+            gap = max(low[motor, s] - f, f - high[motor, s], 0.0)
+            if gap < distance:
+                nearest, distance = 1 << s, gap
+            if high[motor, s] < f:
+                below |= 1 << s
+                gap_below = min(gap_below, gap)
+            elif low[motor, s] > f:
+                above |= 1 << s
+                gap_above = min(gap_above, gap)
+    if below and above and (below | above) == mask:
+        return (below, above) if gap_below <= gap_above else (above, below)
+    return nearest, mask & ~nearest

@@ -1,0 +1,49 @@
+"""What an allocation answers: forces, the wrench they make, and how far that is from the demand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Status(IntEnum):
+    """How an allocation ended; the numbers are stable, recordings store them.
+
+    Attributes:
+        EXACT: the forces make the demanded wrench at the least cost over every subset. Nothing to mend.
+        CLOSEST: no allowed forces make the demanded wrench; these make the closest attainable one.
+            Remedy: ask for less, allow motors to rest, or change ``wrench_weights`` to say which rows may give.
+        INVALID_WRENCH: the demand holds a NaN or an infinity, so it was answered as a zero demand.
+            Remedy: mend the controller that produced it; the vehicle coasts meanwhile.
+    """
+
+    EXACT = 0
+    CLOSEST = 1
+    INVALID_WRENCH = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Allocation:
+    """Thruster forces for one demanded wrench.
+
+    Attributes:
+        force: (m,) thruster forces [N], each inside its allowed set.
+        wrench: (n,) the wrench these forces make, ``A @ force`` [N, N m].
+        wrench_error: (n,) demanded minus achieved wrench [N, N m]; NaN nowhere, also for an invalid demand,
+            which counts as zero.
+        residual: norm of ``wrench_error`` [N], its torque rows divided by ``Allocator.length_m``.
+        cost: ``sum w (f - target)^2`` plus reversal penalties [N^2].
+        subset: (m,) int8, the side each motor works on: -1 negative, 0 off, +1 positive.
+        status: how the allocation ended.
+    """
+
+    force: NDArray[np.float64]
+    wrench: NDArray[np.float64]
+    wrench_error: NDArray[np.float64]
+    residual: float
+    cost: float
+    subset: NDArray[np.int8]
+    status: Status

@@ -1,0 +1,166 @@
+"""The exact search: which subset of motor sides makes a wrench at the least cost, with proof that none is better."""
+
+from __future__ import annotations
+
+import math
+
+import numba as nb
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation.projection import CUT, INFEASIBLE, STALLED, project
+from cube_sim.allocation.relaxation import choose_side, split
+
+FOUND, NONE, UNPROVEN = 0, 1, 2
+"""Outcomes: the optimum; no allowed forces make the wrench; a projection stalled, so nothing is proven."""
+
+
+@nb.njit(cache=True)
+def search(
+    origin: NDArray[np.float64],
+    kernel: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    target: NDArray[np.float64],
+    penalty: NDArray[np.float64],
+    relaxed: NDArray[np.float64],
+    masks: NDArray[np.uint8],
+    previous: NDArray[np.int8],
+    tolerance: float,
+    force: NDArray[np.float64],
+    subset: NDArray[np.int8],
+    multiplier: NDArray[np.float64],
+) -> tuple[int, float, int]:
+    """Minimise ``sum w (f - target)^2 + penalty`` over ``f = origin + kernel z`` with every f_i on an allowed side.
+
+    Branch and bound over the motors, depth first. A node leaves each motor a set of sides; relaxing that set to
+    one interval (`relax`) makes the node one projection in the k kernel coordinates, whose value is a lower bound
+    for everything below it. A node whose projection already lies on allowed sides is closed by it; otherwise the
+    motor that is furthest off decides its side. Nothing is discarded unless its lower bound exceeds the best cost
+    found, so the answer is the optimum over all subsets.
+
+    Ties within rounding go to the subset with the fewest changes from ``previous``, then to the one whose first
+    differing motor pushes forward.
+
+    Args:
+        origin: (m,) any forces making the wrench [N].
+        kernel: (m, k) with ``kernel.T @ diag(w) @ kernel = I``.
+        weight: (m,) w.
+        low, high, target, penalty: (m, 3) sides, see `relax`.
+        relaxed: (m, 8, 4) from `relax`.
+        masks: (m,) sides open to each motor at the root.
+        previous: (m,) subset that ties prefer.
+        tolerance: force that counts as rounding [N].
+        force: (m,) out [N].
+        subset: (m,) out: -1, 0, +1.
+        multiplier: (m,) out: multipliers of the interval ends in the last projection that won.
+
+    Returns:
+        Outcome, cost of ``force``, and the number of projections solved.
+    """
+    m, k = kernel.shape
+    stack = np.empty((2 * m + 2, m), np.uint8)
+    bound = np.empty(2 * m + 2)
+    bottom, top = np.empty(m), np.empty(m)
+    start, point = np.empty(k), np.empty(k)
+    f, mu = np.empty(m), np.empty(m)
+    sides = np.empty(m, np.int8)
+    mask = np.empty(m, np.uint8)
+    best, value_best = math.inf, math.inf
+    changes_best = 0
+    proven = True
+    solved = 0
+    stack[0] = masks
+    bound[0] = -math.inf
+    depth = 1
+    while depth > 0:
+        depth -= 1
+        slack = 1e-9 * (abs(best) + 1e-6) if best < math.inf else 0.0
+        if bound[depth] > best + slack:
+            continue
+        mask[:] = stack[depth]
+        empty = False
+        constant = 0.0
+        for i in range(m):
+            bottom[i], top[i] = relaxed[i, mask[i], 0], relaxed[i, mask[i], 1]
+            constant += relaxed[i, mask[i], 3]
+            empty = empty or bottom[i] > top[i]
+        if empty:
+            continue
+        for a in range(k):
+            start[a] = 0.0
+        for i in range(m):
+            pull = weight[i] * (relaxed[i, mask[i], 2] - origin[i])
+            for a in range(k):
+                start[a] += kernel[i, a] * pull
+        free = constant
+        for i in range(m):
+            value = origin[i] - relaxed[i, mask[i], 2]
+            for a in range(k):
+                value += kernel[i, a] * start[a]
+            free += weight[i] * value * value
+            bottom[i] -= origin[i]
+            top[i] -= origin[i]
+        outcome = project(kernel, bottom, top, start, best + slack - free, tolerance, point, mu)
+        solved += 1
+        if outcome == INFEASIBLE or outcome == CUT:
+            continue
+        if outcome == STALLED:
+            proven = False
+            continue
+        lower, cost = constant, 0.0
+        chosen, worst = -1, 0.0
+        stuck, furthest = -1, 0.0
+        for i in range(m):
+            value = origin[i]
+            for a in range(k):
+                value += kernel[i, a] * point[a]
+            f[i] = value
+            here = weight[i] * (value - relaxed[i, mask[i], 2]) ** 2
+            lower += here
+            s, price = choose_side(value, i, mask[i], low, high, target, penalty, weight[i], 2.0 * tolerance)
+            sides[i] = s - 1
+            if s < 0:
+                gap = math.inf
+                for other in range(3):
+                    if mask[i] >> other & 1 and low[i, other] <= high[i, other]:
+                        gap = min(gap, max(low[i, other] - value, value - high[i, other]))
+                if gap > furthest:
+                    stuck, furthest = i, gap
+            else:
+                cost += price
+                if price - here - relaxed[i, mask[i], 3] > worst:
+                    chosen, worst = i, price - here - relaxed[i, mask[i], 3]
+        if lower > best + slack:
+            continue
+        if stuck < 0:
+            changes = 0
+            for i in range(m):
+                changes += sides[i] != previous[i]
+            wins = cost < best - slack
+            if not wins and cost <= best + slack:
+                wins = changes < changes_best
+                if changes == changes_best:
+                    for i in range(m):
+                        if sides[i] != subset[i]:
+                            wins = sides[i] > subset[i]
+                            break
+            if wins:
+                best, value_best, changes_best = min(best, cost), cost, changes
+                for i in range(m):
+                    force[i], subset[i], multiplier[i] = f[i], sides[i], mu[i]
+            if chosen < 0 or worst <= 1e-12 * abs(best):
+                continue
+        else:
+            chosen = stuck
+        first, second = split(f[chosen], chosen, mask[chosen], low, high)
+        for child in (second, first):
+            if child != 0:
+                stack[depth] = mask
+                stack[depth, chosen] = child
+                bound[depth] = lower
+                depth += 1
+    if not proven:
+        return UNPROVEN, value_best, solved
+    return (FOUND if best < math.inf else NONE), value_best, solved
