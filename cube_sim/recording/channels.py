@@ -1,0 +1,176 @@
+"""The channel table: everything a run records, declared once, with widths and units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+XYZ = ("x", "y", "z")
+WXYZ = ("w", "x", "y", "z")
+WRENCH = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+LIMITS = ("F_max-", "F_DZ-", "F_DZ+", "F_max+")
+
+TICK_HZ = 50.0
+ON_CHANGE = 0.0
+
+
+@dataclass(frozen=True)
+class Field:
+    """One quantity of a channel.
+
+    Attributes:
+        name: key of the quantity within its channel.
+        width: how many numbers it has.
+        unit: SI unit, "1" for a pure number; one unit for all its numbers, or two where a wrench needs them.
+        doc: what it is, in one line, with the frame it is expressed in.
+        columns: a name for each of its numbers, or () when they have none.
+        labels: what the values 0, 1, 2 ... mean when the quantity is a code, or ().
+    """
+
+    name: str
+    width: int
+    unit: str
+    doc: str
+    columns: tuple[str, ...] = ()
+    labels: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse a field whose names do not fit its width."""
+        if self.width < 1:
+            raise ValueError(f"field {self.name!r} has width {self.width}; the smallest is 1")
+        if self.columns and len(self.columns) != self.width:
+            raise ValueError(f"field {self.name!r} has width {self.width} but {len(self.columns)} column names")
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A row of numbers that is recorded together.
+
+    Attributes:
+        name: topic of the channel.
+        fields: its quantities, in the order in which a row holds them.
+        rate: rows per simulated second, or ``ON_CHANGE`` when a row comes only with a change.
+    """
+
+    name: str
+    fields: tuple[Field, ...]
+    rate: float = TICK_HZ
+
+    @cached_property
+    def width(self) -> int:
+        """How many numbers a row holds, the time not counted."""
+        return sum(field.width for field in self.fields)
+
+    @cached_property
+    def columns(self) -> tuple[slice, ...]:
+        """Where each field lies in a row whose column 0 is the time."""
+        ends = [1]
+        for field in self.fields:
+            ends.append(ends[-1] + field.width)
+        return tuple(slice(a, b) for a, b in pairwise(ends))
+
+
+def channel_table(
+    thrusters: tuple[str, ...],
+    path_points: int,
+    allocation_status: tuple[str, ...] = (),
+) -> tuple[Channel, ...]:
+    """Declare what a run of a vehicle with these thrusters records.
+
+    Args:
+        thrusters: names of the m motors, in the order of the columns of A.
+        path_points: n, the points of the polyline by which the path is displayed.
+        allocation_status: what the status codes 0, 1, 2 ... of the allocation mean.
+
+    Returns:
+        The channels in the order in which they are written.
+    """
+    m = len(thrusters)
+    motor_wrench = tuple(f"{component}/{motor}" for component in WRENCH for motor in thrusters)
+    motor_limits = tuple(f"{motor}/{limit}" for motor in thrusters for limit in LIMITS)
+    path_columns = tuple(f"{i}/{axis}" for i in range(path_points) for axis in XYZ)
+    return (
+        Channel(
+            "actuation",
+            (
+                Field("matrix", 6 * m, "N/N, N m/N", "A of F_B = A f, row-major (6, m), body axes", motor_wrench),
+                Field("limits", 4 * m, "N", "dead zone and saturation of each motor, (m, 4)", motor_limits),
+            ),
+            ON_CHANGE,
+        ),
+        Channel(
+            "path",
+            (Field("points", 3 * path_points, "m", "polyline of the whole path, world axes", path_columns),),
+            ON_CHANGE,
+        ),
+        Channel(
+            "pose",
+            (
+                Field("position", 3, "m", "p_WB, body origin in world axes", XYZ),
+                Field("quaternion", 4, "1", "q_WB, body to world", WXYZ),
+            ),
+        ),
+        Channel(
+            "velocity",
+            (
+                Field("linear", 3, "m/s", "velocity of the body origin over ground, body axes", XYZ),
+                Field("angular", 3, "rad/s", "angular velocity, body axes", XYZ),
+            ),
+        ),
+        Channel(
+            "target",
+            (
+                Field("arc_length", 1, "m", "where the virtual target is on the path"),
+                Field("remaining", 1, "m", "arc length from the virtual target to the end of the path"),
+                Field("position", 3, "m", "virtual target, world axes", XYZ),
+                Field("quaternion", 4, "1", "path frame [T N1 N2] to world at the virtual target", WXYZ),
+            ),
+        ),
+        Channel(
+            "path_error",
+            (
+                Field("along", 1, "m", "s1, vehicle ahead of the virtual target along the tangent"),
+                Field("lateral", 2, "m", "y1 and z1, offset along the path's normals N1 and N2", ("y1", "z1")),
+                Field("cross_track", 1, "m", "distance from the path, sqrt(y1^2 + z1^2)"),
+                Field("attitude", 1, "rad", "angle of the rotation between desired and actual attitude"),
+            ),
+        ),
+        Channel(
+            "reference",
+            (
+                Field("linear", 3, "m/s", "desired velocity of the body origin, body axes", XYZ),
+                Field("angular", 3, "rad/s", "desired angular velocity, body axes", XYZ),
+                Field("quaternion", 4, "1", "desired attitude, body to world", WXYZ),
+            ),
+        ),
+        Channel(
+            "wrench",
+            (
+                Field("demanded", 6, "N, N m", "F_B asked for by the control law, body axes", WRENCH),
+                Field("allocated", 6, "N, N m", "A f of the allocated forces, body axes", WRENCH),
+                Field("disturbance", 6, "N, N m", "estimated disturbance, body axes", WRENCH),
+            ),
+        ),
+        Channel(
+            "allocation",
+            (
+                Field("residual", 1, "N", "norm of A f - F_B"),
+                Field("cost", 1, "N^2", "f' f, what the allocation minimises"),
+                Field("status", 1, "1", "how the allocation ended, a code", (), allocation_status),
+                Field("subset", m, "1", "side of the dead zone each motor works on, -1, 0 or +1", thrusters),
+            ),
+        ),
+        Channel(
+            "thrusters",
+            (
+                Field("force_demanded", m, "N", "allocated force of each motor", thrusters),
+                Field("command", m, "1", "command sent to each motor, -1 to 1", thrusters),
+                Field("force", m, "N", "force each motor produces, after its lag and characteristic", thrusters),
+            ),
+        ),
+        Channel(
+            "water",
+            (Field("current", 3, "m/s", "velocity of the water at the vehicle, world axes", XYZ),),
+        ),
+    )

@@ -1,0 +1,110 @@
+"""Protobuf messages of constant length, written and read a block at a time with numpy.
+
+A channel's message is flat: ``double t = 1`` and then each field as ``double`` or packed ``repeated double``.
+Tags and lengths then never change, so a block of n messages is an (n, L) array of bytes in which only the
+columns of the numbers differ. Any protobuf reader decodes it; none is needed to write it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.errors import RecordingError
+from cube_sim.recording.channels import Channel
+
+_DOUBLE, _BYTES = 1, 2  # protobuf wire types: 64 bits, length-delimited
+
+
+def varint(value: int) -> bytes:
+    """Encode a non-negative integer in protobuf's base-128 form."""
+    out = bytearray()
+    while value > 0x7F:
+        out.append(value & 0x7F | 0x80)
+        value >>= 7
+    out.append(value)
+    return bytes(out)
+
+
+def tag(number: int, wire_type: int) -> bytes:
+    """Encode the key that precedes a field's value."""
+    return varint(number << 3 | wire_type)
+
+
+def double_tag(number: int) -> bytes:
+    """Encode the key of a ``double`` field."""
+    return tag(number, _DOUBLE)
+
+
+def length_prefix(number: int, length: int) -> bytes:
+    """Encode the key and length of a string, message or packed field."""
+    return tag(number, _BYTES) + varint(length)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the numbers of a row lie in the bytes of its message.
+
+    Attributes:
+        template: (L,) uint8, one message with zero numbers.
+        spans: for each run of adjacent numbers: first byte, first column, number of columns.
+        constant: (L,) bool, True where the bytes are the same in every message.
+    """
+
+    template: NDArray[np.uint8]
+    spans: tuple[tuple[int, int, int], ...]
+    constant: NDArray[np.bool_]
+
+    @property
+    def length(self) -> int:
+        """Bytes per message."""
+        return self.template.size
+
+    def write(self, rows: NDArray[np.float64], out: NDArray[np.uint8]) -> None:
+        """Encode rows into bytes.
+
+        Args:
+            rows: (n, 1+width), column 0 the time [s].
+            out: (n, L) uint8, filled.
+        """
+        out[:] = self.template
+        for start, column, count in self.spans:
+            numbers = np.ascontiguousarray(rows[:, column : column + count], dtype="<f8")
+            out[:, start : start + 8 * count] = numbers.view(np.uint8)
+
+    def read(self, data: NDArray[np.uint8], width: int) -> NDArray[np.float64]:
+        """Decode bytes into rows.
+
+        Args:
+            data: (n, L) uint8.
+            width: numbers per row, the time not counted.
+
+        Returns:
+            (n, 1+width), column 0 the time [s].
+
+        Raises:
+            RecordingError: the bytes are not messages of this layout.
+        """
+        if not np.array_equal(data[:, self.constant], np.broadcast_to(self.template, data.shape)[:, self.constant]):
+            raise RecordingError("a message does not have the layout its channel declares")
+        rows = np.empty((len(data), 1 + width))
+        for start, column, count in self.spans:
+            numbers = np.ascontiguousarray(data[:, start : start + 8 * count])
+            rows[:, column : column + count] = numbers.view("<f8")
+        return rows
+
+
+def channel_layout(channel: Channel) -> Layout:
+    """Lay out the message of a channel: ``t`` is field 1, the channel's fields are 2, 3, ... in order."""
+    message = bytearray(double_tag(1) + bytes(8))
+    spans = [(1, 0, 1)]
+    for number, (field, columns) in enumerate(zip(channel.fields, channel.columns, strict=True), start=2):
+        message += double_tag(number) if field.width == 1 else length_prefix(number, 8 * field.width)
+        spans.append((len(message), columns.start, field.width))
+        message += bytes(8 * field.width)
+    constant = np.ones(len(message), dtype=bool)
+    for start, _, count in spans:
+        constant[start : start + 8 * count] = False
+    return Layout(np.frombuffer(bytes(message), np.uint8), tuple(spans), constant)

@@ -1,0 +1,119 @@
+"""The records of an MCAP file, as far as the file goes.
+
+``mcap.make_reader`` wants the index at the end, which a killed writer never wrote; this walks the file from
+its beginning, checks every checksum, and stops where the last whole record ends.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from io import BytesIO
+from pathlib import Path
+
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Chunk, DataEnd, Metadata
+from mcap.stream_reader import CRCValidationError, get_chunk_data_stream
+from mcap.writer import MCAP0_MAGIC
+
+from cube_sim.errors import RecordingError
+
+_PREFIX = 9  # opcode and length of a record
+
+
+@dataclass
+class McapContents:
+    """What an MCAP file holds.
+
+    Attributes:
+        metadata: tables of texts by name.
+        attachments: files by name.
+        channels: channels by id.
+        chunks: uncompressed records of each chunk, in file order.
+        complete: whether the file has its end.
+    """
+
+    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+    attachments: dict[str, bytes] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    chunks: list[bytes] = field(default_factory=list)
+    complete: bool = False
+
+
+def read_contents(path: Path) -> McapContents:
+    """Read an MCAP file up to its end or up to where it was cut off.
+
+    Args:
+        path: the file.
+
+    Raises:
+        RecordingError: no such file, not an MCAP, or a checksum that does not fit.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
+    if not data.startswith(MCAP0_MAGIC):
+        raise RecordingError(f"{path} is not an MCAP file")
+    contents = McapContents()
+    for position, opcode, body in _records(data, len(MCAP0_MAGIC)):
+        stream = ReadDataStream(BytesIO(body))
+        if opcode == Opcode.METADATA:
+            metadata = Metadata.read(stream)
+            contents.metadata[metadata.name] = metadata.metadata
+        elif opcode == Opcode.ATTACHMENT:
+            attachment = Attachment.read(stream)
+            if zlib.crc32(body[:-4]) != int.from_bytes(body[-4:], "little"):
+                raise RecordingError(f"{path}: attachment {attachment.name!r} is damaged")
+            contents.attachments[attachment.name] = attachment.data
+        elif opcode == Opcode.CHUNK:
+            chunk = _uncompressed(path, Chunk.read(stream))
+            contents.chunks.append(chunk)
+            _read_channels(chunk, contents.channels)
+        elif opcode == Opcode.DATA_END:
+            checksum = DataEnd.read(stream).data_section_crc
+            if checksum and checksum != zlib.crc32(data[:position]):
+                raise RecordingError(f"{path} is damaged: its contents do not fit their checksum")
+            _check_summary(path, data, position + _PREFIX + len(body))
+            contents.complete = data.endswith(MCAP0_MAGIC)
+            break
+    return contents
+
+
+def _check_summary(path: Path, data: bytes, start: int) -> None:
+    """Hold the summary that starts at ``start`` against its checksum, the last four bytes before the magic."""
+    end = len(data) - len(MCAP0_MAGIC) - 4
+    checksum = int.from_bytes(data[end : end + 4], "little")
+    if data.endswith(MCAP0_MAGIC) and checksum and checksum != zlib.crc32(data[start:end]):
+        raise RecordingError(f"{path} is damaged: its summary does not fit its checksum")
+
+
+def _records(data: bytes, position: int) -> Iterator[tuple[int, int, bytes]]:
+    """Walk the whole records from ``position`` on: (where it starts, opcode, body)."""
+    while position + _PREFIX <= len(data):
+        end = position + _PREFIX + int.from_bytes(data[position + 1 : position + _PREFIX], "little")
+        if end > len(data):
+            return
+        yield position, data[position], data[position + _PREFIX : end]
+        position = end
+
+
+def _uncompressed(path: Path, chunk: Chunk) -> bytes:
+    # zstandard and lz4 have exceptions of their own for data that cannot be decompressed.
+    try:
+        stream, length = get_chunk_data_stream(chunk, validate_crc=True)
+    except CRCValidationError:
+        raise RecordingError(f"{path} is damaged: a chunk does not fit its checksum") from None
+    except Exception as error:
+        raise RecordingError(f"{path} is damaged: a chunk cannot be decompressed ({error})") from error
+    return stream.read(length)
+
+
+def _read_channels(chunk: bytes, channels: dict[int, Channel]) -> None:
+    """Collect the channels a chunk declares; they come before its first message of that channel."""
+    for _, opcode, body in _records(chunk, 0):
+        if opcode == Opcode.CHANNEL:
+            channel = Channel.read(ReadDataStream(BytesIO(body)))
+            channels[channel.id] = channel
