@@ -1,0 +1,1 @@
+"""From desired motion to a wrench."""

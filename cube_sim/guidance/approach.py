@@ -1,0 +1,84 @@
+"""The velocity that brings the vehicle onto the path and along it."""
+
+from __future__ import annotations
+
+from math import cos, hypot, sin, tanh
+from typing import NamedTuple
+
+import numpy as np
+
+from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.spatial import Vector
+
+
+class DesiredMotion(NamedTuple):
+    """What the velocity loop is to follow, world axes.
+
+    Attributes:
+        velocity: over ground (3,) [m/s].
+        acceleration: its time derivative along the present motion (3,) [m/s^2].
+    """
+
+    velocity: Vector
+    acceleration: Vector
+
+
+class Approach:
+    """The 3-D form of the approach angle delta (Lapierre and Soetanto 2007).
+
+    With rho = |(y1, z1)| and theta = psi_a tanh(k_delta rho) the desired velocity in the path frame is
+    u_d [cos theta, -sin theta (y1, z1) / rho]: from far away it points at the path under the angle psi_a, on the path
+    along it, and y1 v_1 + z1 v_2 = -u_d rho sin theta <= 0 everywhere. Towards the end of the path the speed along it
+    falls as the remaining length over `stop_time`, and changes sign beyond: the vehicle comes to rest at the end.
+
+    Args:
+        speed: u_d [m/s].
+        angle: psi_a [rad], in (0, pi/2).
+        gain: k_delta [1/m].
+        stop_time: [s].
+    """
+
+    def __init__(self, speed: float, angle: float, gain: float, stop_time: float) -> None:
+        self._speed, self._angle, self._gain, self._stop_time = speed, angle, gain, stop_time
+
+    def motion(self, view: TargetView, length: float) -> DesiredMotion:
+        """Desired velocity and its derivative, for a vehicle seen from the target on a path of `length` [m]."""
+        s1, y1, z1 = view.error.tolist()
+        v_T, v_1, v_2 = view.velocity.tolist()
+        k1, k2 = view.point.curvature
+        ds = view.speed
+        # error kinematics in the moving frame
+        ds1 = v_T - ds * (1.0 - k1 * y1 - k2 * z1)
+        dy1 = v_1 - k1 * ds * s1
+        dz1 = v_2 - k2 * ds * s1
+
+        rho = hypot(y1, z1)
+        drho = (y1 * dy1 + z1 * dz1) / rho if rho > 0.0 else 0.0
+        saturation = tanh(self._gain * rho)
+        theta = self._angle * saturation
+        dtheta = self._angle * self._gain * (1.0 - saturation**2) * drho
+        pull, dpull = self._pull(rho, theta, drho, dtheta)
+        along, dalong = self._speed * cos(theta), -self._speed * sin(theta) * dtheta
+        remaining = length - view.arc_length - s1
+        if remaining / self._stop_time < along:
+            along, dalong = remaining / self._stop_time, -(ds + ds1) / self._stop_time
+        side_1, side_2 = -pull * y1, -pull * z1
+        dside_1, dside_2 = -dpull * y1 - pull * dy1, -dpull * z1 - pull * dz1
+
+        # the path frame itself turns at s' [0, -k2, k1] about its own axes
+        R = view.point.rotation
+        acceleration = np.array(
+            [
+                dalong - ds * (k1 * side_1 + k2 * side_2),
+                dside_1 + ds * k1 * along,
+                dside_2 + ds * k2 * along,
+            ]
+        )
+        return DesiredMotion(R @ np.array([along, side_1, side_2]), R @ acceleration)
+
+    def _pull(self, rho: float, theta: float, drho: float, dtheta: float) -> tuple[float, float]:
+        """u_d sin(theta) / rho and its time derivative; smooth through rho = 0, where it is u_d psi_a k_delta."""
+        if self._gain * rho < 1e-4:
+            return self._speed * self._angle * self._gain, 0.0  # off by the square of that, 1e-8 of itself
+        pull = self._speed * sin(theta) / rho
+        return pull, (self._speed * cos(theta) * dtheta - pull * drho) / rho

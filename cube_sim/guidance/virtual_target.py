@@ -1,0 +1,67 @@
+"""The virtual target: a point that runs along the path at a speed of its own choosing."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import NamedTuple
+
+from cube_sim.guidance.path import Path, PathPoint
+from cube_sim.spatial import Vector
+
+
+class TargetView(NamedTuple):
+    """The vehicle as seen from the target.
+
+    Attributes:
+        arc_length: s of the target [m].
+        speed: s' of the target [m/s].
+        point: the path at s.
+        error: (s1, y1, z1) = R_F' (p - p_d(s)) [m].
+        velocity: (v_T, v_1, v_2), the vehicle's velocity in the path frame [m/s].
+    """
+
+    arc_length: float
+    speed: float
+    point: PathPoint
+    error: Vector
+    velocity: Vector
+
+
+class VirtualTarget:
+    """s' = v_T + k2 s1, saturated and kept on the path.
+
+    With V = |e|^2 / 2 the curvature terms of the error dynamics cancel, V' = s1 (v_T - s') + y1 v_1 + z1 v_2, so this
+    choice leaves V' = -k2 s1^2 plus the lateral part, whatever the curvature and however large the initial error: there
+    is no division by 1 - k1 y1 - k2 z1 (the 3-D form of Lapierre and Soetanto 2007, Ocean Eng. 34, equation 5).
+
+    Args:
+        path: what to run along.
+        gain: k2 [1/s].
+        speed_limit: bound on |s'| [m/s].
+        arc_length: where to start [m].
+    """
+
+    def __init__(self, path: Path, gain: float, speed_limit: float = inf, arc_length: float = 0.0) -> None:
+        self._path, self._gain, self._limit = path, gain, speed_limit
+        self.arc_length = arc_length
+
+    def view(self, position: Vector, velocity_W: Vector) -> TargetView:
+        """The vehicle in the target's frame, and the target's speed that follows.
+
+        Args:
+            position: p_WB (3,) [m].
+            velocity_W: velocity over ground (3,) [m/s], world axes.
+        """
+        s = self.arc_length
+        point = self._path.at(s)
+        error = (position - point.position) @ point.rotation
+        velocity = velocity_W @ point.rotation
+        speed = float(velocity[0] + self._gain * error[0])
+        speed = min(max(speed, -self._limit), self._limit)
+        if (s <= 0.0 and speed < 0.0) or (s >= self._path.length and speed > 0.0):
+            speed = 0.0
+        return TargetView(s, speed, point, error, velocity)
+
+    def advance(self, speed: float, dt: float) -> None:
+        """Move the target for dt [s] at s' = speed [m/s], never past an end of the path."""
+        self.arc_length = min(max(self.arc_length + speed * dt, 0.0), self._path.length)

@@ -1,0 +1,92 @@
+"""The equations of motion of one hull, as a controller or an observer uses them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cube_sim.compiled import compiled
+from cube_sim.spatial import Matrix, Vector
+from cube_sim.vehicle.hydrodynamics import coriolis, cross, times, to_body, water_wrench
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """Mass, water and weight of a hull; matrices in body axes at the body origin.
+
+    A controller may hold one that differs from the simulated vehicle: its knowledge.
+
+    Attributes:
+        mass_matrix: M_RB (6,6).
+        added_mass: M_A (6,6).
+        linear_damping: D (6,6).
+        quadratic_damping: D_q (6,6).
+        displaced_mass: rho V [kg].
+        centre_of_mass: r_CG (3,) [m].
+        centre_of_buoyancy: r_CB (3,) [m].
+        gravity: (3,) [m/s^2], world axes.
+    """
+
+    mass_matrix: Matrix
+    added_mass: Matrix
+    linear_damping: Matrix
+    quadratic_damping: Matrix
+    displaced_mass: float
+    centre_of_mass: Vector
+    centre_of_buoyancy: Vector
+    gravity: Vector
+
+    def wrench(self, rotation: Matrix, nu: Vector, nu_dot: Vector, current: Vector) -> Vector:
+        """Inverse dynamics: the wrench (6,) [N, N m], body axes, under which nu changes at the rate nu_dot.
+
+        Args:
+            rotation: R_WB (3,3).
+            nu: [v; w] (6,) over ground, body axes.
+            nu_dot: its derivative in body axes (6,).
+            current: (3,) [m/s], world axes, steady.
+        """
+        return np.array(
+            inverse_dynamics(
+                self.mass_matrix,
+                self.added_mass,
+                self.linear_damping,
+                self.quadratic_damping,
+                self.displaced_mass,
+                self.centre_of_mass,
+                self.centre_of_buoyancy,
+                self.gravity,
+                rotation,
+                nu,
+                nu_dot,
+                current,
+            )
+        )
+
+
+@compiled
+def inverse_dynamics(M_RB, M_A, D, D_q, displaced_mass, r_CG, r_CB, gravity, R_WB, nu, nu_dot, v_c_W):
+    """tau = M_RB nu' + C_RB nu + M_A a - (everything else the water does) - weight, as a 6-tuple.
+
+    Arguments as in `Dynamics`; a = [v' + w x v; w'] as in `cube_sim.vehicle.hydrodynamics.water_wrench`.
+    """
+    velocity = (nu[0], nu[1], nu[2], nu[3], nu[4], nu[5])
+    rate = (nu_dot[0], nu_dot[1], nu_dot[2], nu_dot[3], nu_dot[4], nu_dot[5])
+    turning = cross(velocity[3:], velocity[:3])
+    classical = (rate[0] + turning[0], rate[1] + turning[1], rate[2] + turning[2], rate[3], rate[4], rate[5])
+    rigid, c = times(M_RB, rate), coriolis(M_RB, velocity)
+    added = times(M_A, classical)
+    lift = (-displaced_mass * gravity[0], -displaced_mass * gravity[1], -displaced_mass * gravity[2])
+    current = (v_c_W[0], v_c_W[1], v_c_W[2])
+    water = water_wrench(M_A, D, D_q, R_WB, velocity, current, lift, (r_CB[0], r_CB[1], r_CB[2]))
+    m = M_RB[0, 0]
+    weight = to_body(R_WB, (m * gravity[0], m * gravity[1], m * gravity[2]))
+    moment = cross((r_CG[0], r_CG[1], r_CG[2]), weight)
+    return (
+        rigid[0] + c[0] + added[0] - water[0] - weight[0],
+        rigid[1] + c[1] + added[1] - water[1] - weight[1],
+        rigid[2] + c[2] + added[2] - water[2] - weight[2],
+        rigid[3] + c[3] + added[3] - water[3] - moment[0],
+        rigid[4] + c[4] + added[4] - water[4] - moment[1],
+        rigid[5] + c[5] + added[5] - water[5] - moment[2],
+    )
