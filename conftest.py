@@ -1,0 +1,3 @@
+"""Every scenario in scenarios/ is a test."""
+
+pytest_plugins = ["cube_sim.testing"]

@@ -1,0 +1,64 @@
+"""Pytest plugin: every YAML file in a folder called `scenarios` is a test that flies it.
+
+Name it in the root conftest: ``pytest_plugins = ["cube_sim.testing"]``. A scenario file that cannot be read is a
+failing test, not an error of the whole session. Each check's value goes into the test's user properties, and so
+into JUnit reports.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from .errors import CubeSimError
+
+
+class ScenarioFailedError(Exception):
+    """A scenario did not pass; the text is what to show."""
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Collect scenario files."""
+    if file_path.suffix == ".yaml" and file_path.parent.name == "scenarios":
+        return ScenarioFile.from_parent(parent, path=file_path)
+    return None
+
+
+class ScenarioFile(pytest.File):
+    """One scenario file."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        """One test, named after the file."""
+        yield ScenarioItem.from_parent(self, name=self.path.stem)
+
+
+class ScenarioItem(pytest.Item):
+    """Flies one scenario and expects PASS."""
+
+    def runtest(self) -> None:
+        """Run the scenario, recording into pytest's temporary folder."""
+        from .result_table import as_text, result_table
+        from .simulation import run
+
+        # The factory behind pytest's tmp_path, which only function tests can ask for.
+        temporary: pytest.TempPathFactory = self.config._tmp_path_factory  # type: ignore[attr-defined]
+        directory = temporary.mktemp(self.name)
+        result = run(self.path, out=directory)
+        self.user_properties.append(("verdict", result.verdict))
+        self.user_properties += [(check.name, check.value) for check in result.checks]
+        if result.verdict != "PASS":
+            table = result_table(f"{self.path.name}, recorded in {directory}", result.verdict, result.checks)
+            raise ScenarioFailedError(as_text(table))
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        """What was wrong with the scenario or its result; a traceback only for what nobody foresaw."""
+        if isinstance(excinfo.value, ScenarioFailedError | CubeSimError):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """How pytest names the test."""
+        return self.path, None, f"scenario {self.name}"
