@@ -131,6 +131,13 @@ class Allocation(Block):
         gt=0,
         description="Weight of torque against force errors when the wrench is unattainable.",
     )
+    dead_zone_margin: float = Field(
+        default=0.1,
+        ge=0,
+        le=1,
+        description="Share of F_DZ by which allocated forces stay clear of the dead zone: a lagging motor commanded "
+        "onto its very edge would never start.",
+    )
     reversal_penalty_N2: float = Field(  # noqa: N815 - N is the newton
         default=0.0, ge=0, description="Cost of one thruster changing side [N^2]."
     )

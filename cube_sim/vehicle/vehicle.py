@@ -12,6 +12,7 @@ from cube_sim.errors import ModelError
 from cube_sim.spatial import skew
 from cube_sim.vehicle import packing
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.thrusters import Thrusters
 
 
@@ -55,6 +56,20 @@ class Vehicle:
     def mass(self) -> float:
         """Rigid-body mass [kg]."""
         return float(self.mass_matrix[0, 0])
+
+    @property
+    def dynamics(self) -> Dynamics:
+        """The equations of motion with these numbers: what a controller knows when it knows the vehicle exactly."""
+        return Dynamics(
+            mass_matrix=self.mass_matrix,
+            added_mass=self.added_mass,
+            linear_damping=self.linear_damping,
+            quadratic_damping=self.quadratic_damping,
+            displaced_mass=self.displaced_mass,
+            centre_of_mass=self.centre_of_mass,
+            centre_of_buoyancy=self.centre_of_buoyancy,
+            gravity=self.gravity,
+        )
 
     @staticmethod
     def from_model(model: mujoco.MjModel, name: str | None = None) -> Vehicle:

@@ -1,0 +1,182 @@
+"""A loaded scenario turned into the objects the loop drives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, radians
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation import Allocator
+from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
+from cube_sim.control.disturbance import DisturbanceObserver
+from cube_sim.control.loops import MotionLoops
+from cube_sim.errors import ModelError, ScenarioError
+from cube_sim.guidance.approach import Approach
+from cube_sim.guidance.helix import Helix
+from cube_sim.guidance.line import Line
+from cube_sim.guidance.path import Path
+from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.scenario import Loaded, Scenario
+from cube_sim.scenario import path_blocks as blocks
+from cube_sim.scenario import schema
+from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
+from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class Mission:
+    """Everything a run needs, ready at time 0.
+
+    Attributes:
+        scenario: what was asked for.
+        model: the compiled model with water.
+        data: its state, at the scenario's initial condition.
+        vehicle: the hull that follows the path.
+        path: the path.
+        target: the virtual target on it.
+        approach: the desired velocity.
+        attitude: the desired attitude.
+        loops: desired motion to wrench.
+        observer: the disturbance estimate, None when the scenario wants none.
+        allocator: wrench to thruster forces.
+    """
+
+    scenario: Scenario
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    vehicle: Vehicle
+    path: Path
+    target: VirtualTarget
+    approach: Approach
+    attitude: AttitudeMode
+    loops: MotionLoops
+    observer: DisturbanceObserver | None
+    allocator: Allocator
+
+
+def prepare(loaded: Loaded) -> Mission:
+    """Build a mission; nothing is written.
+
+    Raises:
+        ScenarioError: the model does not fit the scenario; with position.
+    """
+    scenario = loaded.scenario
+    model, vehicle = _vehicle(loaded)
+    path = make_path(scenario.path)
+    guidance, control = scenario.guidance, scenario.control
+    dynamics = vehicle.dynamics
+    limit = guidance.target_speed_limit_m_s
+    return Mission(
+        scenario=scenario,
+        model=model,
+        data=_initial_state(model, vehicle, scenario),
+        vehicle=vehicle,
+        path=path,
+        target=VirtualTarget(path, guidance.target_gain_per_s, inf if limit is None else limit),
+        approach=Approach(
+            guidance.speed_m_s,
+            radians(guidance.approach_angle_deg),
+            guidance.approach_gain_per_m,
+            guidance.stop_time_s,
+        ),
+        attitude=_attitude(control.attitude),
+        loops=MotionLoops(dynamics, control.velocity_time_s, control.attitude_time_s, control.rate_time_s),
+        observer=None
+        if control.disturbance_time_s is None
+        else DisturbanceObserver(dynamics, control.disturbance_time_s),
+        allocator=_allocator(vehicle, scenario.allocation),
+    )
+
+
+def make_path(block: blocks.Path) -> Path:
+    """The curve a scenario's `path` block describes."""
+    match block:
+        case blocks.Line():
+            return Line(block.start_m, block.end_m)
+        case blocks.Helix():
+            return Helix(
+                block.centre_m,
+                block.radius_m,
+                block.pitch_m,
+                block.turns,
+                radians(block.start_angle_deg),
+                clockwise=block.direction == "right",
+            )
+
+
+def _vehicle(loaded: Loaded) -> tuple[mujoco.MjModel, Vehicle]:
+    scenario = loaded.scenario
+    try:
+        model = load_model(scenario.model)
+        vehicle = Vehicle.from_model(model)
+        zone = scenario.thrusters.dead_zone_N
+        if zone is not None:
+            # Every thruster gets it, whether the model states dead zones per hull or per thruster.
+            owners = (vehicle.name, *vehicle.thrusters.names)
+            model = load_model(scenario.model, {f"{owner}:thruster_dead_zone": zone for owner in owners})
+            vehicle = Vehicle.from_model(model)
+    except ModelError as error:
+        where = "thrusters.dead_zone_N" if error.element.endswith("thruster_dead_zone") else "model"
+        raise ScenarioError([loaded.mistake(where, str(error))]) from None
+    if not vehicle.thrusters.names:
+        raise ScenarioError([loaded.mistake("model", f"{scenario.model}: '{vehicle.name}' has no thruster")])
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{scenario.physics.integrator.upper()}")
+    model.opt.timestep = scenario.physics.step_s
+    model.opt.wind[:] = scenario.current_m_s
+    # A state that has left the real numbers must end the run, not silently start it again.
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    return model, vehicle
+
+
+def _initial_state(model: mujoco.MjModel, vehicle: Vehicle, scenario: Scenario) -> mujoco.MjData:
+    data = mujoco.MjData(model)
+    initial = scenario.initial
+    q = quaternion_from_euler(*np.radians(initial.attitude_deg))
+    at, dof = vehicle.qpos_address, vehicle.dof_address
+    data.qpos[at : at + 3] = initial.position_m
+    data.qpos[at + 3 : at + 7] = q
+    data.qvel[dof : dof + 3] = rotation_from_quaternion(q) @ np.array(initial.velocity_m_s)
+    data.qvel[dof + 3 : dof + 6] = np.radians(initial.rates_deg_s)
+    return data
+
+
+def _attitude(block: schema.Attitude) -> AttitudeMode:
+    match block:
+        case schema.AlongPath():
+            return AlongPath()
+        case schema.FixedAttitude():
+            return FixedAttitude(quaternion_from_euler(*np.radians(block.attitude_deg)))
+
+
+def _allocator(vehicle: Vehicle, block: schema.Allocation) -> Allocator:
+    weights = np.ones(6)
+    weights[3:] = block.torque_weight
+    return Allocator(
+        vehicle.actuation_matrix,
+        clear_of_dead_zone(vehicle.thrusters.limits, block.dead_zone_margin),
+        allow_off=block.allow_off,
+        objective=block.objective,
+        wrench_weights=weights,
+        reversal_penalty=block.reversal_penalty_N2,
+        method=block.method,
+    )
+
+
+def clear_of_dead_zone(limits: NDArray[np.float64], margin: float) -> NDArray[np.float64]:
+    """Limits whose dead zones are wider by the share `margin`, never beyond saturation.
+
+    A lagging motor approaches a constant command from inside: commanded exactly onto the edge of its dead zone it
+    would never start, and close to the edge it starts late, after lag * ln(1 / margin).
+
+    Args:
+        limits: (m,4) [F_max-, F_DZ-, F_DZ+, F_max+] [N].
+        margin: share of F_DZ.
+    """
+    wider = limits.copy()
+    wider[:, 1] = np.maximum(limits[:, 0], limits[:, 1] * (1.0 + margin))
+    wider[:, 2] = np.minimum(limits[:, 3], limits[:, 2] * (1.0 + margin))
+    return wider

@@ -1,0 +1,202 @@
+"""The loop, and nothing else.
+
+One tick: state (MuJoCo) -> path error and desired motion (guidance) -> wrench (control) -> thruster forces (allocation)
+-> thruster commands -> one row per channel (recording) -> MuJoCo steps with water.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation import Status
+from cube_sim.checks import evaluate
+from cube_sim.mission import Mission, prepare
+from cube_sim.provenance import header, versions
+from cube_sim.recording.channels import channel_table
+from cube_sim.recording.recorder import Recorder
+from cube_sim.run_directory import check as check_directory
+from cube_sim.run_directory import default_directory
+from cube_sim.run_directory import prepare as prepare_directory
+from cube_sim.scenario import load
+from cube_sim.spatial import State, quaternion_from_rotation
+from cube_sim.verdict import CheckResult, Verdict, overall, to_json
+
+PATH_POINTS = 400
+"""Points of the polyline by which a recording shows the path."""
+
+Progress = Callable[[float, float], None]
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run leaves in memory; the same stands in its directory.
+
+    Attributes:
+        verdict: PASS, FAIL or ERROR (could not be judged).
+        checks: one result per check of the scenario.
+        signals: "channel.field" -> (n, 1 + width), column 0 the time [s].
+        directory: where run.mcap, run.rrd, resolved.yaml and verdict.json are.
+        real_time_factor: simulated time over wall-clock time of the loop, recording included.
+        versions: of the packages that took part.
+    """
+
+    verdict: Verdict
+    checks: tuple[CheckResult, ...]
+    signals: Mapping[str, NDArray[np.float64]]
+    directory: Path
+    real_time_factor: float
+    versions: Mapping[str, str]
+
+
+def run(
+    scenario: str | Path,
+    overrides: Mapping[str, Any] | None = None,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Run:
+    """Fly a scenario, record it and judge its checks.
+
+    Args:
+        scenario: YAML file.
+        overrides: dotted path -> value in place of the file's, e.g. ``{"guidance.speed_m_s": 0.3}``.
+        out: directory to write into: new, empty, or an earlier run's, which is replaced. Default: a new one in logs/.
+        progress: called about once per simulated second with (simulated time, whole time) [s].
+
+    Raises:
+        ScenarioError: the scenario cannot be run; one line per mistake, nothing is written.
+        RecordingError: `out` holds something else or cannot be written.
+    """
+    loaded = load(scenario, overrides)
+    directory = default_directory(loaded.scenario.name) if out is None else Path(out)
+    check_directory(directory)
+    mission = prepare(loaded)
+    prepare_directory(directory)
+    (directory / "resolved.yaml").write_text(loaded.resolved_yaml(), encoding="utf-8")
+
+    thrusters = mission.vehicle.thrusters.names
+    channels = channel_table(thrusters, PATH_POINTS, tuple(status.name for status in Status))
+    with Recorder(directory, header(loaded), channels, mission.model) as recorder:
+        started = time.perf_counter()
+        _fly(mission, recorder, progress)
+        signals = recorder.signals
+    elapsed = time.perf_counter() - started
+
+    results = evaluate(loaded.scenario.checks, signals, duration_s=loaded.scenario.duration_s)
+    verdict = overall(results)
+    factor = float(mission.data.time) / elapsed
+    text = to_json(verdict, results, factor, versions())
+    (directory / "verdict.json").write_text(text, encoding="utf-8")
+    return Run(verdict, results, signals, directory, factor, versions())
+
+
+def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> None:
+    """All ticks of a run; the last row is the state at its end."""
+    scenario = mission.scenario
+    model, data = mission.model, mission.data
+    steps, ticks = scenario.steps_per_tick, scenario.ticks
+    ticks_per_second = max(1, round(1.0 / scenario.control_period_s))
+    _describe(mission, recorder)
+    applied, status = np.zeros(6), Status.EXACT
+    for k in range(ticks + 1):
+        t = k * scenario.control_period_s
+        mujoco.mj_forward(model, data)
+        if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all() and np.isfinite(data.qacc).all()):
+            recorder.log(t, "ERROR", "the state is no longer finite: the run ends here")
+            return
+        applied, reached = _tick(mission, recorder, t, applied)
+        if reached is not status:
+            _report(recorder, t, reached)
+            status = reached
+        if k < ticks:
+            mujoco.mj_step(model, data, nstep=steps)
+        if progress is not None and k % ticks_per_second == 0:
+            progress(t, scenario.duration_s)
+
+
+def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.float64]):
+    """One control period up to the thruster commands; returns the wrench they make and the allocation's status.
+
+    Args:
+        mission: whose MuJoCo data are up to date at t.
+        recorder: gets one row per channel.
+        t: simulated time [s].
+        applied: (6,) wrench commanded over the tick before.
+    """
+    vehicle, data, dt = mission.vehicle, mission.data, mission.scenario.control_period_s
+    state = read_state(vehicle, data)
+
+    view = mission.target.view(state.position, state.rotation @ state.velocity)
+    motion = mission.approach.motion(view, mission.path.length)
+    attitude = mission.attitude.attitude(view)
+
+    wrench, reference = mission.loops.wrench(state, motion, attitude)
+    disturbance = np.zeros(6)
+    if mission.observer is not None:
+        disturbance = mission.observer.update(state, applied, dt)
+    demanded = wrench - disturbance
+
+    allocation = mission.allocator.allocate(demanded)
+    commands = vehicle.thrusters.command(allocation.force)
+    data.ctrl[vehicle.thrusters.actuators] = commands
+
+    point, error = view.point, view.error
+    recorder.append("pose", t, state.position, state.quaternion)
+    recorder.append("velocity", t, state.velocity, state.rates)
+    recorder.append(
+        "target",
+        t,
+        view.arc_length,
+        mission.path.length - view.arc_length,
+        point.position,
+        quaternion_from_rotation(point.rotation),
+    )
+    cross_track = float(np.hypot(error[1], error[2]))
+    recorder.append("path_error", t, error[0], error[1:], cross_track, reference.attitude_error)
+    recorder.append("reference", t, reference.velocity, reference.rates, attitude.quaternion)
+    recorder.append("wrench", t, demanded, allocation.wrench, disturbance)
+    recorder.append("allocation", t, allocation.residual, allocation.cost, allocation.status, allocation.subset)
+    produced = data.actuator_force[vehicle.thrusters.actuators]
+    recorder.append("thrusters", t, allocation.force, commands, produced)
+    recorder.append("water", t, mission.model.opt.wind)
+
+    mission.target.advance(view.speed, dt)
+    return allocation.wrench, allocation.status
+
+
+def read_state(vehicle, data: mujoco.MjData) -> State:
+    """The vehicle's state from MuJoCo's, whose free joint has its linear velocity in world axes."""
+    at, dof = vehicle.qpos_address, vehicle.dof_address
+    rotation = data.xmat[vehicle.body].reshape(3, 3).copy()
+    return State(
+        position=data.qpos[at : at + 3].copy(),
+        quaternion=data.xquat[vehicle.body].copy(),
+        rotation=rotation,
+        velocity=data.qvel[dof : dof + 3] @ rotation,
+        rates=data.qvel[dof + 3 : dof + 6].copy(),
+    )
+
+
+def _describe(mission: Mission, recorder: Recorder) -> None:
+    """What a reader of the recording must know before the first row."""
+    vehicle = mission.vehicle
+    recorder.append("actuation", 0.0, vehicle.actuation_matrix.ravel(), vehicle.thrusters.limits.ravel())
+    points = np.array([mission.path.at(s).position for s in np.linspace(0.0, mission.path.length, PATH_POINTS)])
+    recorder.append("path", 0.0, points.ravel())
+    recorder.log(0.0, "INFO", f"{mission.scenario.name}: {mission.path.length:.2f} m of path")
+
+
+def _report(recorder: Recorder, t: float, status: Status) -> None:
+    text = {
+        Status.EXACT: "the demanded wrench is attainable again",
+        Status.CLOSEST: "the demanded wrench is out of reach: the closest attainable one is made",
+        Status.INVALID_WRENCH: "the demanded wrench is not finite: the thrusters rest",
+    }[status]
+    recorder.log(t, "INFO" if status is Status.EXACT else "WARNING", text)
