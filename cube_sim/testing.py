@@ -41,6 +41,10 @@ class ScenarioItem(pytest.Item):
     def runtest(self) -> None:
         """Run the scenario, recording into pytest's temporary folder."""
         from .result_table import as_text, result_table
+        from .scenario import load
+
+        # A file that is wrong says so before MuJoCo is even loaded.
+        load(self.path)
         from .simulation import run
 
         # The factory behind pytest's tmp_path, which only function tests can ask for.

@@ -14,6 +14,9 @@ from ruamel.yaml.reader import ReaderError
 Location = tuple[str | int, ...]
 """Keys and list indices from the top of the document to a value."""
 
+_EMPTY = "the file is empty"
+# Far above any scenario; a tower of aliases passes it within a second.
+_MOST_VALUES = 20_000
 _PLAIN_TAGS = {"tag:yaml.org,2002:map", "tag:yaml.org,2002:seq"}
 
 
@@ -75,7 +78,7 @@ def parse(text: str) -> Document:
     except YAMLError as error:
         return Document(None, (_syntax_mistake(text, error),))
     if root is None or root.tag == "tag:yaml.org,2002:null":
-        return Document(None, (Mistake(Position(1, 1), (), "the file is empty"),))
+        return Document(None, (Mistake(Position(1, 1), (), _EMPTY),))
     builder = _Builder(yaml)
     data = builder.build(root, ())
     return Document(data, tuple(builder.mistakes), builder.keys, builder.values)
@@ -88,7 +91,7 @@ def parse_value(text: str) -> Any:
         ValueError: the text is not one YAML value; the message says why.
     """
     document = parse(text)
-    if document.mistakes and text.strip():
+    if document.mistakes and document.mistakes[0].message != _EMPTY:
         raise ValueError(document.mistakes[0].message)
     return document.data
 
@@ -127,7 +130,7 @@ class _Builder:
         if node.tag not in _PLAIN_TAGS:
             return self._refuse(node, location, f"the tag {node.tag} is not supported")
         # Aliases are followed, so a loop or a tower of them would grow without end.
-        if node in self._open or len(self.values) > 100_000:
+        if node in self._open or len(self.values) > _MOST_VALUES:
             return self._refuse(node, location, "an alias that contains itself or grows without bound")
         self._open.append(node)
         try:
@@ -149,6 +152,9 @@ class _Builder:
                 continue
             self.keys[here] = _start(key_node)
             data[key] = self.build(value_node, here)
+            if value_node.start_mark.index == value_node.end_mark.index:
+                # Nothing is written: YAML puts that wherever the next word is, a reader at the key.
+                self.values[here] = self.keys[here]
         return data
 
     def _sequence(self, node: Node, location: Location) -> list[Any]:

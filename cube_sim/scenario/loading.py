@@ -17,6 +17,9 @@ from .overrides import Override, apply
 from .resolved import to_yaml
 from .schema import Scenario
 
+# Far above any scenario; a recording or a table given by mistake is not parsed for minutes.
+_LARGEST_BYTES = 1_000_000
+
 
 @dataclass(frozen=True)
 class Loaded:
@@ -72,9 +75,10 @@ def load(path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = Non
         )
     data, applied, wrong_paths = apply(document.data, overrides or {})
     scenario, refusals = _validate(data, path)
-    # What the YAML already got wrong at a place, the schema need not say again.
-    told = {mistake.location for mistake in document.mistakes}
-    found = [_place(refusal, document, applied) for refusal in refusals if refusal.location not in told]
+    # Where the YAML itself is wrong, the schema need not say so again.
+    told = {mistake.position for mistake in document.mistakes}
+    found = [_place(refusal, document, applied) for refusal in refusals]
+    found = [mistake for mistake in found if mistake.position not in told]
     in_file = sorted([*document.mistakes, *(mistake for mistake in found if mistake.position)], key=_by_position)
     in_overrides = [mistake.message for mistake in found if not mistake.position]
     lines = [_line(path, mistake) for mistake in in_file] + in_overrides
@@ -90,6 +94,8 @@ def _read(path: Path) -> str:
             raise ScenarioError(
                 [f"{path}: is {'a folder' if path.is_dir() else 'not a regular file'}, not a scenario file"]
             )
+        if path.stat().st_size > _LARGEST_BYTES:
+            raise ScenarioError([f"{path}: is larger than {_LARGEST_BYTES} bytes, so it is no scenario file"])
         content = path.read_bytes()
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
