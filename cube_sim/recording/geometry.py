@@ -18,14 +18,19 @@ class ThrusterMounts:
     Attributes:
         names: of the m actuators.
         positions: (m, 3) p_BT in body axes [m].
-        axes: (m, 3) unit vectors of positive thrust in body axes.
+        rotations: (m, 3, 3) site axes to body axes; positive thrust is along the site's z axis.
         sizes: (m, 2) radius and half-length by which each site is drawn [m].
     """
 
     names: tuple[str, ...]
     positions: NDArray[np.float64]
-    axes: NDArray[np.float64]
+    rotations: NDArray[np.float64]
     sizes: NDArray[np.float64]
+
+    @property
+    def axes(self) -> NDArray[np.float64]:
+        """(m, 3) unit vectors of positive thrust in body axes."""
+        return self.rotations[:, :, 2]
 
 
 def vehicle_body(model: mujoco.MjModel) -> int:
@@ -59,7 +64,7 @@ def thruster_mounts(model: mujoco.MjModel) -> ThrusterMounts:
     return ThrusterMounts(
         names=tuple(model.actuator(i).name for i in ids),
         positions=model.site_pos[sites].copy(),
-        axes=rotations[:, :, 2],
+        rotations=rotations,
         sizes=model.site_size[sites, :2].copy(),
     )
 
@@ -69,3 +74,64 @@ def rotation(quaternion_wxyz: NDArray[np.float64]) -> NDArray[np.float64]:
     matrix = np.empty(9)
     mujoco.mju_quat2Mat(matrix, quaternion_wxyz)
     return matrix.reshape(3, 3)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A geom in the frame it moves with.
+
+    Attributes:
+        name: of the geom, or ``geom<i>``.
+        kind: its type.
+        size: (3,) as MuJoCo has it, half lengths and radii [m].
+        position: (3,) centre [m].
+        rotation: (3, 3) geom axes to frame axes.
+        rgba: (4,) 0 to 1.
+        mesh: index of its mesh, or -1.
+    """
+
+    name: str
+    kind: mujoco.mjtGeom
+    size: NDArray[np.float64]
+    position: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    rgba: NDArray[np.float64]
+    mesh: int
+
+
+def vehicle_shapes(model: mujoco.MjModel) -> list[Shape]:
+    """List the geoms that move with the vehicle, in body axes."""
+    body = vehicle_body(model)
+    return _shapes(model, body, [i for i in range(model.ngeom) if _welded_to(model, i) == body])
+
+
+def world_shapes(model: mujoco.MjModel) -> list[Shape]:
+    """List the geoms that never move, in world axes."""
+    return _shapes(model, 0, [i for i in range(model.ngeom) if _welded_to(model, i) == 0])
+
+
+def _welded_to(model: mujoco.MjModel, geom: int) -> int:
+    return int(model.body_weldid[model.geom_bodyid[geom]])
+
+
+def _shapes(model: mujoco.MjModel, frame: int, geoms: list[int]) -> list[Shape]:
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    R_WF, p_WF = data.xmat[frame].reshape(3, 3), data.xpos[frame]
+    return [
+        Shape(
+            name=model.geom(i).name or f"geom{i}",
+            kind=mujoco.mjtGeom(model.geom_type[i]),
+            size=model.geom_size[i].copy(),
+            position=R_WF.T @ (data.geom_xpos[i] - p_WF),
+            rotation=R_WF.T @ data.geom_xmat[i].reshape(3, 3),
+            rgba=_colour(model, i),
+            mesh=int(model.geom_dataid[i]) if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_MESH else -1,
+        )
+        for i in geoms
+    ]
+
+
+def _colour(model: mujoco.MjModel, geom: int) -> NDArray[np.float64]:
+    material = int(model.geom_matid[geom])
+    return (model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]).astype(float)

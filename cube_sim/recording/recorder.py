@@ -20,6 +20,7 @@ from cube_sim.recording.mcap_sink import McapSink
 from cube_sim.recording.schemas import LOG_LEVELS
 
 MCAP_NAME = "run.mcap"
+RRD_NAME = "run.rrd"
 
 
 class Recorder:
@@ -30,9 +31,26 @@ class Recorder:
 
     Attributes:
         mcap: path of the record.
+        rrd: path of its Rerun view.
     """
 
-    def __init__(self, directory: Path, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel) -> None:
+    def __init__(
+        self,
+        directory: Path,
+        header: RunHeader,
+        channels: Sequence[Channel],
+        model: mujoco.MjModel,
+        view: bool = True,
+    ) -> None:
+        """Start the files.
+
+        Args:
+            directory: where they go; it exists.
+            header: the inputs of the run.
+            channels: the channel table.
+            model: the compiled model, for what there is to draw.
+            view: whether the Rerun view is written beside the record.
+        """
         self._channels = tuple(channels)
         self._buffers = {channel.name: ChannelBuffer(channel) for channel in self._channels}
         self._written: dict[str, list[Rows]] = {channel.name: [] for channel in self._channels}
@@ -41,7 +59,13 @@ class Recorder:
         self._block_end = -np.inf
         self._closed = False
         self.mcap = directory / MCAP_NAME
+        self.rrd = directory / RRD_NAME
         self._sinks: list[Sink] = [McapSink(self.mcap, header, self._channels, vehicle_name(model))]
+        if view:
+            # Only a run that wants the view pays for its import.
+            from cube_sim.recording.rerun_sink import RerunSink
+
+            self._sinks.append(RerunSink(self.rrd, header, self._channels, model))
 
     def append(self, channel: str, t: float, *values: ArrayLike) -> None:
         """Record one row.

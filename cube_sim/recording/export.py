@@ -1,0 +1,34 @@
+"""``run.rrd`` made again from ``run.mcap`` alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+
+from cube_sim.errors import RecordingError
+from cube_sim.recording.block import split_blocks
+from cube_sim.recording.reading import read_recording
+from cube_sim.recording.rerun_sink import RerunSink
+
+
+def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
+    """Write the Rerun recording that belongs to a record.
+
+    Args:
+        mcap: the record; one that a crash cut short gives the view of what it holds.
+        rrd: file to write.
+
+    Raises:
+        RecordingError: the record cannot be read, or its model cannot be compiled.
+    """
+    recording = read_recording(mcap)
+    header = recording.header
+    try:
+        model = mujoco.MjModel.from_xml_string(header.mjcf, dict(header.assets))
+    except ValueError as error:
+        raise RecordingError(f"{mcap}: the recorded model does not compile: {error}") from None
+    sink = RerunSink(rrd, header, recording.channels, model)
+    for block in split_blocks(recording.rows, recording.log):
+        sink.write(block)
+    sink.close()

@@ -1,0 +1,107 @@
+"""Which curves and lanes the Rerun view shows, by name; the sink fills them, the blueprint lays them out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cube_sim.recording import palette
+from cube_sim.recording.channels import Channel, Field
+from cube_sim.recording.palette import Rgb
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Curves drawn as one Rerun entity.
+
+    Attributes:
+        channel: where the numbers are recorded.
+        field: which of them.
+        entity: Rerun path.
+        names: of the curves, with their unit.
+        colours: one per curve.
+        columns: which numbers of the field are drawn, or () for all.
+        width: line width [points].
+    """
+
+    channel: str
+    field: str
+    entity: str
+    names: tuple[str, ...]
+    colours: tuple[Rgb, ...]
+    columns: tuple[int, ...] = ()
+    width: float = 1.5
+
+
+@dataclass(frozen=True)
+class Lane:
+    """A coloured lane of a state that changes now and then.
+
+    Attributes:
+        channel: where the code is recorded.
+        field: which field of it.
+        column: which number of the field.
+        entity: Rerun path; its last part names the lane.
+        states: label and colour by code.
+    """
+
+    channel: str
+    field: str
+    column: int
+    entity: str
+    states: dict[int, tuple[str, Rgb]]
+
+
+ERROR, ATTITUDE, FORCE, MOMENT = "/plot/path_error", "/plot/attitude", "/plot/force", "/plot/moment"
+THRUSTERS, LANES = "/plot/thrusters", "/state"
+
+_SIDES = {-1: ("reverse", palette.REVERSE), 0: ("off", palette.IDLE), 1: ("forward", palette.FORWARD)}
+_STATUS_COLOURS = (palette.GREEN, palette.ORANGE, palette.BAD)
+
+
+def curves(channels: Sequence[Channel]) -> list[Curves]:
+    """List the curves of a run."""
+    table = {channel.name: {field.name: field for field in channel.fields} for channel in channels}
+    found = []
+    if errors := table.get("path_error"):
+        found += [
+            _single(errors["cross_track"], "path_error", ERROR, "cross-track", palette.ORANGE),
+            _single(errors["along"], "path_error", ERROR, "along", palette.SKY),
+            _single(errors["attitude"], "path_error", ATTITUDE, "attitude", palette.PURPLE),
+        ]
+    if "wrench" in table:
+        bold, faint = (palette.ORANGE, palette.SKY, palette.GREEN), ((140, 104, 24), (58, 106, 134), (24, 96, 76))
+        for entity, axes, unit, columns in (
+            (FORCE, ("Fx", "Fy", "Fz"), "N", (0, 1, 2)),
+            (MOMENT, ("Mx", "My", "Mz"), "N m", (3, 4, 5)),
+        ):
+            for field, colours, width in (("allocated", faint, 4.0), ("demanded", bold, 1.2)):
+                names = tuple(f"{axis} {field} [{unit}]" for axis in axes)
+                found.append(Curves("wrench", field, f"{entity}/{field}", names, colours, columns, width))
+    if thrusters := table.get("thrusters"):
+        force = thrusters["force"]
+        names = tuple(f"{name} [{force.unit}]" for name in force.columns)
+        found.append(Curves("thrusters", "force", THRUSTERS, names, tuple(palette.series(force.width))))
+    return found
+
+
+def lanes(channels: Sequence[Channel]) -> list[Lane]:
+    """List the state lanes of a run: the side of each motor's dead zone, and how the allocation ended."""
+    found = []
+    for channel in channels:
+        for field in channel.fields:
+            if (channel.name, field.name) == ("allocation", "subset"):
+                found += [
+                    Lane(channel.name, field.name, i, f"{LANES}/{name}", _SIDES) for i, name in enumerate(field.columns)
+                ]
+            elif field.labels:
+                states = {
+                    code: (label, _STATUS_COLOURS[min(code, len(_STATUS_COLOURS) - 1)])
+                    for code, label in enumerate(field.labels)
+                }
+                found.append(Lane(channel.name, field.name, 0, f"{LANES}/{channel.name}", states))
+    return found
+
+
+def _single(field: Field, channel: str, parent: str, name: str, colour: Rgb) -> Curves:
+    return Curves(channel, field.name, f"{parent}/{field.name}", (f"{name} [{field.unit}]",), (colour,))

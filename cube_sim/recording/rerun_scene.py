@@ -1,0 +1,117 @@
+"""What stands still in the Rerun view: the shapes of the model, the thrusters, styles and names of curves."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from cube_sim.recording import palette
+from cube_sim.recording.geometry import (
+    Shape,
+    ThrusterMounts,
+    thruster_mounts,
+    vehicle_shapes,
+    world_shapes,
+)
+
+WORLD = "/world"
+VEHICLE = f"{WORLD}/vehicle"
+THRUST = f"{VEHICLE}/thrust"
+PATH = f"{WORLD}/path"
+TRAIL = f"{WORLD}/trail"
+TARGET = f"{WORLD}/target"
+CURRENT = f"{WORLD}/current"
+
+ARROW_M_PER_N = 0.03
+ARROW_M_PER_M_S = 6.0
+
+_DUCT_RADIUS, _DUCT_HALF_LENGTH = 0.045, 0.02  # where a site has no size [m]
+_ENDLESS_PLANE = 30.0  # half size [m] by which a plane without an end is drawn
+
+
+def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel) -> None:
+    """Draw what the model alone says."""
+    recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    for shape in world_shapes(model):
+        _log_shape(recording, f"{WORLD}/surroundings/{shape.name}", model, shape, rr.components.FillMode.Solid)
+    see_through = rr.components.FillMode.TransparentFillMajorWireframe
+    for shape in vehicle_shapes(model):
+        _log_shape(recording, f"{VEHICLE}/body/{shape.name}", model, shape, see_through)
+    mounts = thruster_mounts(model)
+    _log_ducts(recording, mounts)
+    recording.log(THRUST, rr.Arrows3D.from_fields(origins=mounts.positions, radii=0.012), static=True)
+    recording.log(f"{VEHICLE}/axes", rr.TransformAxes3D(0.45), static=True)
+    recording.log(TRAIL, rr.LineStrips3D.from_fields(colors=[palette.TRAIL], radii=[0.02]), static=True)
+    recording.log(CURRENT, rr.Arrows3D.from_fields(colors=[palette.CURRENT], radii=[0.018]), static=True)
+    recording.log(f"{TARGET}/point", rr.Points3D([[0, 0, 0]], colors=[palette.TARGET], radii=0.09), static=True)
+    recording.log(f"{TARGET}/frame", rr.TransformAxes3D(0.5), static=True)
+
+
+def _log_ducts(recording: rr.RecordingStream, mounts: ThrusterMounts) -> None:
+    if not mounts.names:
+        return
+    sized = mounts.sizes[:, 1] > 0
+    recording.log(
+        f"{VEHICLE}/thrusters",
+        rr.Cylinders3D(
+            centers=mounts.positions,
+            radii=np.where(sized, mounts.sizes[:, 0], _DUCT_RADIUS),
+            lengths=2 * np.where(sized, mounts.sizes[:, 1], _DUCT_HALF_LENGTH),
+            quaternions=[_xyzw(frame) for frame in mounts.rotations],
+            colors=[palette.DUCT],
+            fill_mode=rr.components.FillMode.Solid,
+            labels=mounts.names,
+            show_labels=False,
+        ),
+        static=True,
+    )
+
+
+def _log_shape(
+    recording: rr.RecordingStream,
+    entity: str,
+    model: mujoco.MjModel,
+    shape: Shape,
+    fill: rr.components.FillMode,
+) -> None:
+    geom = mujoco.mjtGeom
+    colours = [palette.rgba8(shape.rgba)]
+    placed = {"quaternions": [_xyzw(shape.rotation)], "colors": colours, "fill_mode": fill}
+    centre = [shape.position]
+    if shape.kind == geom.mjGEOM_BOX:
+        drawn = rr.Boxes3D(half_sizes=[shape.size], centers=centre, **placed)
+    elif shape.kind == geom.mjGEOM_PLANE:
+        half = [*np.where(shape.size[:2] > 0, shape.size[:2], _ENDLESS_PLANE), 1e-3]
+        drawn = rr.Boxes3D(half_sizes=[half], centers=centre, **placed)
+    elif shape.kind == geom.mjGEOM_SPHERE:
+        drawn = rr.Ellipsoids3D(half_sizes=[np.repeat(shape.size[0], 3)], centers=centre, **placed)
+    elif shape.kind == geom.mjGEOM_ELLIPSOID:
+        drawn = rr.Ellipsoids3D(half_sizes=[shape.size], centers=centre, **placed)
+    elif shape.kind == geom.mjGEOM_CYLINDER:
+        drawn = rr.Cylinders3D(radii=[shape.size[0]], lengths=[2 * shape.size[1]], centers=centre, **placed)
+    elif shape.kind == geom.mjGEOM_CAPSULE:
+        # Rerun's capsule starts at its origin, MuJoCo's has it in the middle.
+        start = shape.position - shape.rotation[:, 2] * shape.size[1]
+        drawn = rr.Capsules3D(radii=[shape.size[0]], lengths=[2 * shape.size[1]], translations=[start], **placed)
+    elif shape.mesh >= 0:
+        vertices, faces = _mesh(model, shape)
+        drawn = rr.Mesh3D(vertex_positions=vertices, triangle_indices=faces, albedo_factor=colours[0])
+    else:
+        recording.log("/log", rr.TextLog(f"{shape.name}: a {shape.kind.name} is not drawn", level="WARN"), static=True)
+        return
+    recording.log(entity, drawn, static=True)
+
+
+def _mesh(model: mujoco.MjModel, shape: Shape) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    first, count = model.mesh_vertadr[shape.mesh], model.mesh_vertnum[shape.mesh]
+    face, faces = model.mesh_faceadr[shape.mesh], model.mesh_facenum[shape.mesh]
+    vertices = model.mesh_vert[first : first + count] @ shape.rotation.T + shape.position
+    return vertices.astype(np.float32), model.mesh_face[face : face + faces].copy()
+
+
+def _xyzw(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    wxyz = np.empty(4)
+    mujoco.mju_mat2Quat(wxyz, np.ascontiguousarray(matrix).ravel())
+    return wxyz[[1, 2, 3, 0]]
