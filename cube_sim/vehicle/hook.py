@@ -129,7 +129,7 @@ def _added(M_A, R, i, j):
     return M_A[i, j]
 
 
-def _build(model_type: np.dtype, data_type: np.dtype, fingerprint: str):
+def _build(model_type: np.dtype, data_type: np.dtype, no_gravity: int, fingerprint: str):
     """Compile both callbacks for one memory layout.
 
     What the machine code depends on beyond its own source stands in closure variables, because the disk cache is
@@ -148,13 +148,16 @@ def _build(model_type: np.dtype, data_type: np.dtype, fingerprint: str):
         if header[0] != _MAGIC:
             return
         d = carray(data, 1, data_type)[0]
+        weightless = m.opt_disableflags & no_gravity
+        gravity = m.opt_gravity
+        down = (0.0, 0.0, 0.0) if weightless else (gravity[0], gravity[1], gravity[2])
         for k in range(int(header[_COUNT])):
             hull = _doubles(address, int(header[_HULLS]) + k * _SIZE, _SIZE)
             body, dof = int(hull[_BODY]), int(hull[_DOF])
             rows = _integers(m.M_rowadr, dof, 6)
             _immerse(
                 hull,
-                m.opt_gravity,
+                down,
                 m.opt_wind,
                 _doubles(d.qvel, dof, 6),
                 _doubles(d.xmat, 9 * body, 9).reshape(3, 3),
@@ -215,6 +218,7 @@ def _callbacks():
     return _build(
         structs.record("mjModel", structs.MODEL_FIELDS),
         structs.record("mjData", structs.DATA_FIELDS),
+        int(mujoco.mjtDisableBit.mjDSBL_GRAVITY),
         _fingerprint(),
     )
 

@@ -56,15 +56,15 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike]) -> mujoco.MjM
         numerics[name] = np.atleast_1d(np.asarray(values, dtype=float))
     if packing.PACKED in numerics:
         raise ModelError(packing.PACKED, "is written by load_model; remove it from the MJCF")
-    bodies = [body.name for body in spec.bodies if body.name]
+    bodies = [body.name for body in spec.bodies if body.name and body.name != "world"]
     parameters = read_parameters(numerics, bodies, _thrusters(spec))
     _require_usable_options(spec)
     for hull in parameters.hulls:
-        _require_free(spec, hull.body)
-        spec.body(hull.body).simple = 0  # otherwise M has no room for what couples the axes
-
+        _prepare(spec, hull.body)
     spec.add_numeric(name=packing.PACKED, size=packing.packed_size(parameters), data=[0.0])
     model = spec.compile()
+    if np.any(model.tendon_armature != 0.0):
+        raise ModelError("tendon", "has armature, which a hull's inertia has no room for; put armature on a joint")
     ids = [model.body(hull.body).id for hull in parameters.hulls]
     dofs = [int(model.body_dofadr[i]) for i in ids]
     start = model.numeric_adr[model.nnumeric - 1]
@@ -108,16 +108,22 @@ def _require_usable_options(spec: mujoco.MjSpec) -> None:
         )
     if option.solver == mujoco.mjtSolver.mjSOL_PGS:
         raise ModelError("option", 'solver="PGS" does not see the added mass; use Newton or CG')
+    if option.noslip_iterations:
+        raise ModelError("option", "noslip_iterations does not see the added mass; put 0")
     off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
     if option.disableflags & off == off:
         raise ModelError("option", "disabling both spring and damper skips the passive stage, and the water with it")
 
 
-def _require_free(spec: mujoco.MjSpec, name: str) -> None:
+def _prepare(spec: mujoco.MjSpec, name: str) -> None:
+    """Turn off what MuJoCo would make simpler about a body than its water is."""
     body = spec.body(name)
     free = [joint for joint in body.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
     if len(free) != 1 or body.parent.name != "world":
         raise ModelError(name, "has water parameters but no free joint; only a free body of the world is a hull")
+    body.simple = 0  # otherwise M has no room for what couples the axes
+    body.sleep = mujoco.mjtSleepPolicy.mjSLEEP_NEVER  # otherwise a current could not pick it up again
+    free[0].align = mujoco.mjtAlignFree.mjALIGNFREE_FALSE  # otherwise the axes its numbers are about could move
 
 
 def _set_inverse_weights(model: mujoco.MjModel, data: mujoco.MjData, parameters: WaterParameters) -> None:

@@ -18,7 +18,7 @@ from cube_sim.vehicle.characteristic import Characteristic
 from cube_sim.vehicle.parameters import Hull, WaterParameters
 
 PACKED = "cube_sim:packed"
-MAGIC = 20071734.0  # never a plausible physical value; the callback's test for "one of ours"
+MAGIC = -7.390851332151607e-137  # nobody's physical value; the callback's test for "one of ours"
 
 # the header
 COUNT, HULLS, ACTUATORS = 1, 2, 3

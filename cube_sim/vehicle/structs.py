@@ -15,7 +15,7 @@ from mujoco.introspect import ast_nodes, structs
 from cube_sim.errors import ModelError
 
 MODEL_FIELDS = (
-    "nu", "nv", "nnumeric", "opt.gravity", "opt.wind", "numeric_adr", "numeric_data",
+    "nu", "nv", "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "numeric_adr", "numeric_data",
     "dof_armature", "M_rowadr", "actuator_actadr",
 )  # fmt: skip
 DATA_FIELDS = ("qvel", "xmat", "act", "cdof", "crb", "M", "qfrc_passive")

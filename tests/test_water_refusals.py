@@ -1,0 +1,163 @@
+"""Every mistake in a model's water is refused when it is loaded, by the name of the element at fault."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from water_bodies import Body
+
+import cube_sim
+from cube_sim.errors import ModelError
+
+CUBE = Path(__file__).parents[1] / "models" / "cube.xml"
+LOPSIDED = np.eye(6) + np.eye(6, k=1)
+INDEFINITE = np.diag([1.0, 1.0, 1.0, 1.0, 1.0, -0.1])
+CURVE = [-1.0, -40.0, 0.0, 0.0, 1.0, 50.0]
+
+MISTAKES = [
+    ("hull:added_mass", LOPSIDED, "not symmetric: entry (1,2) is 1, (2,1) is 0"),
+    ("hull:added_mass", INDEFINITE, "not positive semidefinite"),
+    ("hull:added_mass", [1.0, 2.0, 3.0], "has 3 values; it takes 6 (a diagonal) or 36"),
+    ("hull:added_mass", [np.nan] * 6, "not finite"),
+    ("hull:volume", [-0.1], "is -0.1"),
+    ("hull:volume", [0.1, 0.2], "has 2 values; it takes 1"),
+    ("hull:volume", [np.inf], "not finite"),
+    ("hull:centre_of_buoyancy", [0.0, 0.0], "has 2 values; it takes 3"),
+    ("hull:linear_damping", [1.0, 1.0, 1.0, 1.0, 1.0, -1.0], "negative diagonal"),
+    ("hull:quadratic_damping", [-1.0, 1.0, 1.0, 1.0, 1.0, 1.0], "negative diagonal"),
+    ("hull:linear_damping", np.ones(7), "has 7 values"),
+    ("water:density", [0.0], "density [kg/m^3] is positive"),
+    ("water:density", [np.nan], "not finite"),
+    ("hull:thruster_dead_zone", [0.4, -0.3], "out of order"),
+    ("hull:thruster_dead_zone", [-0.4, 99.0], "out of order"),
+    ("hull:thruster_dead_zone", [0.4], "has 1 values; it takes 2"),
+    ("hull:thruster_dead_zone", [np.nan, 1.0], "not finite"),
+    ("hull:thruster_characteristic", [*CURVE, 2.0], "has 7 values; it takes pairs"),
+    ("hull:thruster_characteristic", [1.0, -40.0, 0.0, 0.0, -1.0, 50.0], "commands do not increase"),
+    ("hull:thruster_characteristic", [-1.0, 40.0, 0.0, 0.0, 1.0, -50.0], "never decrease"),
+    ("hull:thruster_characteristic", [-1.0, -40.0, 1.0, 50.0], "no pair has force 0"),
+    ("hull:aded_mass", [1.0] * 6, "is no parameter of the water; there are volume"),
+    ("hul:added_mass", [1.0] * 6, "no body 'hul'; the model has hull"),
+    ("T9:thruster_dead_zone", [-1.0, 1.0], "no body or thruster 'T9'"),
+    ("T1:thruster_dead_zone", [1.0, -1.0], "out of order"),
+    ("T1:volume", [1.0], "no body 'T1'"),
+]
+
+
+@pytest.mark.parametrize(("element", "value", "reason"), MISTAKES, ids=[f"{e}-{r[:24]}" for e, _, r in MISTAKES])
+def test_wrong_parameter(element, value, reason):
+    with pytest.raises(ModelError) as caught:
+        cube_sim.load_model(CUBE, {element: value})
+    assert caught.value.element == element
+    assert reason in str(caught.value)
+    assert str(caught.value).startswith(str(CUBE))
+    assert "\n" not in str(caught.value)
+
+
+def edited(**changes) -> mujoco.MjSpec:
+    spec = mujoco.MjSpec.from_file(str(CUBE))
+    for name, value in changes.items():
+        setattr(spec.option, name, value)
+    return spec
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"solver": mujoco.mjtSolver.mjSOL_PGS}, "PGS"),
+        ({"noslip_iterations": 3}, "noslip"),
+        ({"density": 1000.0}, "MuJoCo's own fluid model"),
+        ({"viscosity": 0.001}, "MuJoCo's own fluid model"),
+        (
+            {"disableflags": int(mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER)},
+            "skips the passive stage",
+        ),
+    ],
+)
+def test_wrong_option(changes, reason):
+    with pytest.raises(ModelError, match=reason):
+        cube_sim.load_model(edited(**changes))
+
+
+def test_no_water_at_all():
+    with pytest.raises(ModelError, match="no hull to put into the water"):
+        cube_sim.load_model(
+            mujoco.MjSpec.from_string(
+                "<mujoco><worldbody><body name='b'><freejoint/><geom size='.1'/></body></worldbody></mujoco>"
+            )
+        )
+
+
+def test_hull_without_a_free_joint():
+    xml = CUBE.read_text().replace('<freejoint name="hull"/>', '<joint name="hull" type="hinge"/>')
+    with pytest.raises(ModelError, match="no free joint"):
+        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+
+
+def test_missing_density():
+    xml = CUBE.read_text().replace('<numeric name="water:density" data="1000"/>', "")
+    with pytest.raises(ModelError, match="water:density: is missing"):
+        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+
+
+def test_missing_characteristic_names_the_thruster():
+    spec = mujoco.MjSpec.from_file(str(CUBE))
+    spec.delete(next(n for n in spec.numerics if n.name == "hull:thruster_dead_zone"))
+    with pytest.raises(ModelError, match="thruster 'T1' needs it"):
+        cube_sim.load_model(spec)
+
+
+def test_thruster_that_is_no_site_actuator():
+    xml = CUBE.read_text().replace(
+        '<general name="T1" class="thruster" site="T1"/>', '<general name="T1" class="thruster" body="hull"/>'
+    )
+    with pytest.raises(ModelError, match=r"T1: .*site"):
+        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+
+
+def test_thruster_without_a_lag():
+    xml = CUBE.read_text().replace('dyntype="filter" ', "")
+    with pytest.raises(ModelError, match=r'T1: .*dyntype="filter"'):
+        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+
+
+def test_tendon_armature_on_a_hull():
+    inside = (
+        '<site name="a"/><body><joint name="arm" axis="0 1 0"/><geom size="0.05" pos="0.3 0 0"/>'
+        '<site name="b" pos="0.3 0 0"/></body>'
+    )
+    extra = '<tendon><spatial armature="1"><site site="a"/><site site="b"/></spatial></tendon>'
+    with pytest.raises(ModelError, match="tendon"):
+        Body().model(inside=inside, extra=extra)
+
+
+@pytest.mark.parametrize("text", ["<mujoco><worldbody>", "", "<mujoco><nonsense/></mujoco>"])
+def test_a_file_that_is_no_model(tmp_path, text):
+    path = tmp_path / "broken.xml"
+    path.write_text(text)
+    with pytest.raises(ModelError) as caught:
+        cube_sim.load_model(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_no_such_file():
+    with pytest.raises(ModelError, match="no such model file"):
+        cube_sim.load_model("nowhere/at_all.xml")
+
+
+def test_the_packed_numeric_is_ours():
+    xml = CUBE.read_text().replace("<custom>", '<custom><numeric name="cube_sim:packed" data="1"/>')
+    with pytest.raises(ModelError, match="written by load_model"):
+        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+
+
+def test_vehicle_needs_water_and_the_right_name():
+    dry = mujoco.MjModel.from_xml_path(str(CUBE))
+    with pytest.raises(ModelError, match="no water"):
+        cube_sim.Vehicle.from_model(dry)
+    with pytest.raises(ModelError, match="ship: is no hull; the model has hull"):
+        cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE), "ship")
