@@ -177,7 +177,7 @@ def _window(check: SignalCheck, rows: Array) -> Array:
     to_s = end if check.to_s is None else check.to_s
     # Samples stand for the period around them: a window may stick out by one.
     slack = 1.5 * _period(rows)
-    if from_s < start - slack or to_s > end + slack:
+    if not (start - slack <= from_s <= end + slack and start - slack <= to_s <= end + slack):
         raise _NotJudgedError(f"window {from_s:g} s to {to_s:g} s is outside the run, {start:g} s to {end:g} s")
     times = rows[:, 0]
     inside = rows[(times >= from_s) & (times <= to_s)]
@@ -239,11 +239,11 @@ def _allowed_forces(check: AllowedForcesCheck, recorded: _Recorded) -> CheckResu
     allow_off = check.allow_off is not False
     distance = distance_to_allowed(force, limits, allow_off)
     tick, motor = np.unravel_index(int(np.argmax(distance)), distance.shape)
-    low, dead_low, dead_high, high = limits[tick, motor]
-    allowed = f"[{low:g}, {dead_low:g}] u {'{0} u ' if allow_off else ''}[{dead_high:g}, {high:g}] N"
-    detail = (
-        f"{distance.size} forces; worst: thruster {motor + 1} asked for {force[tick, motor]:g} N, allowed {allowed}"
-    )
+    detail = f"{distance.size} forces of {force.shape[1]} thrusters"
+    if distance[tick, motor] > 0:
+        low, dead_low, dead_high, high = limits[tick, motor]
+        allowed = f"[{low:g}, {dead_low:g}] u {'{0} u ' if allow_off else ''}[{dead_high:g}, {high:g}] N"
+        detail += f"; worst: thruster {motor + 1} asked for {force[tick, motor]:g} N, allowed {allowed}"
     return _judge(check, distance[tick, motor], rows[tick, 0], detail)
 
 
