@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation.enumeration import enumerate_subsets
+from cube_sim.allocation.enumeration import OUTER_ITERATIONS, enumerate_subsets
 from cube_sim.allocation.geometry import (
     actuation_matrix,
     lever_length,
@@ -110,10 +110,11 @@ class Allocator:
             raise AllocationError("objective 'target' and the argument target go together: give both or neither")
         self.target = _row("target", 0.0 if target is None else target, m)
         self.weights = _row("weights", 1.0 if weights is None else weights, m, positive=True)
-        if wrench_weights is None:
-            wrench_weights = np.ones(n)
-            wrench_weights[torque_rows(n)] = 30.0
-        self.wrench_weights = _row("wrench_weights", wrench_weights, n, positive=True)
+        attitude_first = np.ones(n)
+        attitude_first[torque_rows(n)] = 30.0
+        self.wrench_weights = _row(
+            "wrench_weights", attitude_first if wrench_weights is None else wrench_weights, n, positive=True
+        )
         self.reversal_penalty = float(_row("reversal_penalty", reversal_penalty, 1)[0])
         if self.reversal_penalty < 0.0:
             raise AllocationError(f"reversal_penalty is {reversal_penalty}; it must be >= 0")
@@ -131,7 +132,8 @@ class Allocator:
         self._masks = ((self._low <= self._high) * (1, 2, 4)).sum(axis=1).astype(np.uint8)
         self._fibre = wrench_fibre(self.A, self.weights, self.length_m)
         self._distance = wrench_distance(self.A, self.wrench_weights)
-        self._solver = SubsetSolver(m, self._fibre.rank)
+        self._solver = SubsetSolver(self.weights, self._fibre.equations)
+        self._enumerator = SubsetSolver(self.weights, self._fibre.equations, OUTER_ITERATIONS)
         self._reach = float(np.max(np.abs(self.A) @ np.max(np.abs(self.limits), axis=1)))
         self._agreement_N = AGREEMENT * max(largest, 1e-6)
         self._side_target = np.ascontiguousarray(np.tile(self.target[:, None], (1, 3)))
@@ -222,7 +224,7 @@ class Allocator:
     def _enumerate(self, origin: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int8]] | None:
         sides = self._low, self._high, self._side_target, self._penalty, self.weights
         self.effort.qps += int(np.prod([bin(mask).count("1") for mask in self._masks]))
-        return enumerate_subsets(self._solver, origin, self._fibre.equations, *sides)
+        return enumerate_subsets(self._enumerator, origin, self._fibre.equations, *sides)
 
     def _closest(self, demand: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
         """Forces making the closest attainable wrench, of those the cheapest."""
@@ -237,6 +239,8 @@ class Allocator:
         )  # fmt: skip
         self.effort.nodes += nodes
         self.effort.unproven += not proven
+        if count == 0:  # every projection stalled: the nearest sides to the pseudo-inverse are at least allowed
+            return self._as_is(self._fibre.particular @ used)
         answers = [self._best(candidate) or self._as_is(candidate) for candidate in candidates[:count]]
         return min(answers, key=lambda answer: round(self._cost(*answer) / self.tolerance_N))
 

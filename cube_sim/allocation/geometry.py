@@ -64,7 +64,7 @@ def actuation_matrix(A: ArrayLike) -> NDArray[np.float64]:
     """Check an actuation matrix: (3, m) rows ``[Fx Fy Mz]`` or (6, m) rows ``[Fx Fy Fz Mx My Mz]``.
 
     Raises:
-        AllocationError: another shape, no motor, or an entry that is not finite.
+        AllocationError: another shape, no motor, an entry that is not finite, or nothing but zeros.
     """
     try:
         matrix = np.array(A, dtype=np.float64, order="C")
@@ -75,6 +75,8 @@ def actuation_matrix(A: ArrayLike) -> NDArray[np.float64]:
     if not np.all(np.isfinite(matrix)):
         row, column = np.argwhere(~np.isfinite(matrix))[0]
         raise AllocationError(f"A[{row}, {column}] is {matrix[row, column]}; every entry must be finite")
+    if not np.any(matrix):
+        raise AllocationError("A is zero: no motor makes any wrench")
     return matrix
 
 

@@ -38,8 +38,11 @@ def nearest(
 
     Args:
         goal: (r,) demanded wrench in the coordinates s.
-        spread: (m, r), kernel: (m, k), gain: (r, m): see `WrenchDistance`.
-        low, high: (m, 3) sides.
+        spread: (m, r) see `WrenchDistance`.
+        kernel: (m, k) see `WrenchDistance`.
+        gain: (r, m) see `WrenchDistance`.
+        low: (m, 3) lower end of each side [N].
+        high: (m, 3) upper end of each side [N].
         relaxed: (m, 8, 4): only the interval ends are used.
         masks: (m,) sides open to each motor at the root.
         tolerance: force that counts as rounding [N].
@@ -63,13 +66,10 @@ def nearest(
         for i in range(m):
             size = max(size, abs(gain[a, i]))
     near = size * tolerance  # wrench distance that counts as rounding
-    soft = 0.1 * size  # weight of the proximal term against the wrench
     rows = np.empty((m, d))
     for i in range(m):
         for a in range(r):
             rows[i, a] = spread[i, a]
-        for b in range(k):
-            rows[i, r + b] = kernel[i, b] / soft
     best = math.inf
     found = 0
     proven = True
@@ -90,10 +90,14 @@ def nearest(
             continue
         start[:r] = goal
         start[r:] = 0.0
+        soft = 0.1 * size  # weight of the proximal term against the wrench
         lower, distance = bound[depth], math.inf
         for _ in range(50):
+            for i in range(m):
+                for b in range(k):
+                    rows[i, r + b] = kernel[i, b] / soft
             outcome = project(rows, bottom, top, start, math.inf, tolerance, point, mu)
-            if outcome == STALLED or outcome == INFEASIBLE:
+            if outcome in (STALLED, INFEASIBLE):
                 break
             solved += 1
             for i in range(m):
@@ -121,7 +125,10 @@ def nearest(
                 lower = max(lower, plane / distance)
             if distance - lower <= near + 1e-12 * distance or lower > best + near:
                 break
-            start[r:] = point[r:]
+            # A weaker term lets z travel further next time, which a short distance to the goal needs.
+            shrink = 0.1 if soft > 1e-5 * size else 1.0
+            start[r:] = shrink * point[r:]
+            soft *= shrink
         if lower > best + near:
             continue
         if distance - lower > 10.0 * near + 1e-9 * distance:

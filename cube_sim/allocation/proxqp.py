@@ -30,53 +30,58 @@ class Solution:
 
 
 class SubsetSolver:
-    """ProxQP for problems of one shape (m motors, r equations).
+    """ProxQP for the subsets of one vehicle: the weights and equations stay, the intervals and demands change.
 
     The settings are those that survive infeasible subsets: iterations are capped, infeasibility is never declared
     from a threshold (thin but live subsets would be lost with it), and the duality gap is checked (SOLVED alone can
     hide a large cost error). Every solve starts afresh or from a guess that is passed in, never from the previous
-    solve, so that an answer depends on its own problem only.
+    solve, so that an answer depends on its own problem only, to the last bit.
 
     The intervals are given as rows of a unit matrix, not as ProxQP's box: a guess has no place for the multipliers
     of a box, and a warm start without them crashes the process (proxsuite 0.8.0).
+
+    Args:
+        weight: (m,) w of `SubsetQP`.
+        equations: (r, m) of `SubsetQP`.
+        outer_iterations: limit that ends an infeasible problem.
     """
 
-    def __init__(self, motors: int, equations: int) -> None:
+    def __init__(
+        self, weight: NDArray[np.float64], equations: NDArray[np.float64], outer_iterations: int = 200
+    ) -> None:
+        rows, motors = equations.shape
         self._qp = proxqp.dense.QP(
             motors,
-            equations,
+            rows,
             motors,
             False,
             proxqp.dense.HessianType.Diagonal,
             proxqp.dense.DenseBackend.PrimalDualLDLT,
         )
         settings = self._qp.settings
-        settings.max_iter, settings.max_iter_in = 200, 50
+        settings.max_iter, settings.max_iter_in = outer_iterations, 50
         settings.eps_abs, settings.eps_rel = ACCURACY, 0.0
         settings.eps_primal_inf = 0.0
         settings.check_duality_gap = True
         settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = ACCURACY, 0.0
-        self._initialised = False
+        zero, one = np.zeros(motors), np.ones(motors)
+        # No preconditioner: the equations are orthonormal and the intervals are unit rows already.
+        self._qp.init(
+            np.diag(weight), zero, equations, np.zeros(rows), np.eye(motors), -one, one, compute_preconditioner=False
+        )
+        # The first solve of a ProxQP object rounds differently from all later ones; spend it here.
+        self._qp.solve()
 
     def solve(self, problem: SubsetQP, guess: tuple[NDArray, NDArray, NDArray] | None = None) -> Solution:
         """Solve one problem.
 
         Args:
-            problem: of the shape the solver was made for.
-            guess: optional (m,) forces, (r,) multipliers of the equations and (m,) of the
-                intervals to start from.
+            problem: with the weights and equations the solver was made for.
+            guess: optional (m,) forces, (r,) multipliers of the equations and (m,) of the intervals to start from.
         """
         qp, settings = self._qp, self._qp.settings
-        gradient = -problem.weight * problem.target
-        if not self._initialised:
-            qp.init(
-                np.diag(problem.weight), gradient, problem.equations, problem.demand,
-                np.eye(len(problem.low)), problem.low, problem.high,
-            )  # fmt: skip
-            self._initialised = True
-        else:
-            qp.cleanup()
-            qp.update(g=gradient, b=problem.demand, l=problem.low, u=problem.high)
+        qp.cleanup()
+        qp.update(g=-problem.weight * problem.target, b=problem.demand, l=problem.low, u=problem.high)
         if guess is None:
             settings.initial_guess = proxqp.InitialGuess.EQUALITY_CONSTRAINED_INITIAL_GUESS
             qp.solve()

@@ -44,7 +44,9 @@ def subset_qp(
         subset: (m,) side per motor, -1, 0, +1.
         origin: (m,) any forces making the demanded wrench [N].
         equations: (r, m) see `SubsetQP`.
-        low, high, target: (m, 3) per side, negative, off, positive [N].
+        low: (m, 3) lower end of each side, negative, off, positive [N].
+        high: (m, 3) upper end of each side [N].
+        target: (m, 3) preferred force on each side [N].
         weight: (m,) w.
     """
     at = np.arange(len(subset)), subset + 1

@@ -47,7 +47,10 @@ def search(
         origin: (m,) any forces making the wrench [N].
         kernel: (m, k) with ``kernel.T @ diag(w) @ kernel = I``.
         weight: (m,) w.
-        low, high, target, penalty: (m, 3) sides, see `relax`.
+        low: (m, 3) lower end of each side [N].
+        high: (m, 3) upper end of each side [N].
+        target: (m, 3) preferred force on each side [N].
+        penalty: (m, 3) cost of choosing each side [N^2].
         relaxed: (m, 8, 4) from `relax`.
         masks: (m,) sides open to each motor at the root.
         previous: (m,) subset that ties prefer.
@@ -104,7 +107,7 @@ def search(
             top[i] -= origin[i]
         outcome = project(kernel, bottom, top, start, best + slack - free, tolerance, point, mu)
         solved += 1
-        if outcome == INFEASIBLE or outcome == CUT:
+        if outcome in (INFEASIBLE, CUT):
             continue
         if outcome == STALLED:
             proven = False

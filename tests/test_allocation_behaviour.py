@@ -1,0 +1,140 @@
+"""What an allocator does with history, nonsense and mistakes."""
+
+import itertools
+
+import numpy as np
+import pytest
+from allocation_reference import cells, cube, in_allowed_set, jack, least_cost
+
+from cube_sim.allocation import Allocator, Status
+from cube_sim.errors import AllocationError
+
+LIMITS = np.array([-40.0, -3.2, 4.0, 50.0])
+
+
+@pytest.mark.parametrize("method", ["search+proxqp", "search"])
+def test_an_answer_depends_on_its_own_demand_to_the_last_bit(method):
+    """Unique optima come out the same whatever was asked before: nothing is warm-started from history."""
+    A = cube(direction_noise=0.05, position_noise_m=0.01, seed=4)
+    wrenches = np.random.default_rng(6).normal(size=(60, 6)) * [30, 30, 30, 8, 8, 8]
+    allocator = Allocator(A, LIMITS, method=method)
+    forward = [allocator.allocate(w).force.tobytes() for w in wrenches]
+    backward = [allocator.allocate(w).force.tobytes() for w in wrenches[::-1]][::-1]
+    fresh = [Allocator(A, LIMITS, method=method).allocate(w).force.tobytes() for w in wrenches[:10]]
+    assert forward == backward
+    assert forward[:10] == fresh
+
+
+def test_ties_keep_the_previous_subset():
+    """At zero demand the strict planar vehicle may run all forward or all backward at the same cost: it stays."""
+    allocator = Allocator(jack(), [-30, -4, 4, 30], allow_off=False)
+    assert np.allclose(allocator.allocate(np.zeros(3)).force, 4.0)
+    backward = np.array([-6.0, -4.0, -4.0, -4.0])  # its forward twin costs more: 4, 6, 6, 6
+    assert np.allclose(allocator.allocate(jack() @ backward).force, backward)
+    assert np.allclose(allocator.allocate(np.zeros(3)).force, -4.0)
+    allocator.reset()
+    assert np.allclose(allocator.allocate(np.zeros(3)).force, 4.0)
+
+
+def test_reversal_penalty_is_part_of_the_optimum():
+    """Cost with penalties against every subset: least energy of the subset plus a price per reversed motor."""
+    A, price = jack(), 300.0
+    limits = np.tile([-30.0, -3.0, 4.0, 30.0], (4, 1))
+    allocator = Allocator(A, limits, allow_off=False, reversal_penalty=price)
+    last = np.zeros(4)
+    kept = 0
+    for wrench in np.random.default_rng(9).normal(size=(60, 3)) * [10, 3, 3]:
+        answer = allocator.allocate(wrench)
+        if answer.status != Status.EXACT:
+            last = np.where(answer.subset != 0, answer.subset, last)
+            continue
+        best, plain = np.inf, np.inf
+        for (low, high), signs in zip(cells(limits, False), itertools.product((-1, 1), repeat=4), strict=True):
+            cell = np.column_stack([low, low, low, high])  # one interval: both its sides are the cell itself
+            cell[:, 1], cell[:, 2] = high, low
+            solved = least_cost(A, cell, False, wrench)
+            if solved is not None:
+                plain = min(plain, solved[0])
+                best = min(best, solved[0] + price * np.sum(np.array(signs) * last < 0))
+        assert answer.cost == pytest.approx(best, rel=1e-7, abs=1e-6)
+        kept += answer.force @ answer.force > plain * (1 + 1e-6)
+        last = np.where(answer.subset != 0, answer.subset, last)
+    assert kept > 5  # the penalty did change decisions
+
+
+def test_the_penalty_remembers_through_rest():
+    allocator = Allocator([[1.0], [0.0], [0.0]], [-30, -3, 3, 30], reversal_penalty=5.0)
+    assert allocator.allocate([10, 0, 0]).cost == pytest.approx(100.0)
+    assert allocator.allocate([0, 0, 0]).cost == 0.0
+    assert allocator.allocate([-10, 0, 0]).cost == pytest.approx(105.0)
+    assert allocator.allocate([-10, 0, 0]).cost == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize("nonsense", [np.nan, np.inf, -np.inf])
+def test_a_wrench_that_is_no_number_is_answered_as_zero(nonsense):
+    allocator = Allocator(cube(), LIMITS)
+    answer = allocator.allocate([1, 2, nonsense, 0, 0, 0])
+    assert answer.status == Status.INVALID_WRENCH
+    assert np.array_equal(answer.force, np.zeros(8))
+    assert answer.residual == 0.0
+    assert allocator.allocate(np.eye(6)[0]).status == Status.EXACT
+
+
+@pytest.mark.parametrize("size", [1e3, 1e9, 1e100, 1e300])
+def test_a_huge_demand_saturates_in_its_direction(size):
+    allocator = Allocator(cube(), LIMITS, wrench_weights=np.ones(6))
+    direction = np.array([1.0, 0.2, -0.3, 0.1, 0, 0])
+    with np.errstate(over="ignore"):
+        answer = allocator.allocate(size * direction)
+    assert answer.status == Status.CLOSEST
+    assert in_allowed_set(answer.force, allocator.limits, True).all()
+    assert direction @ answer.wrench == pytest.approx(
+        np.maximum(direction @ allocator.A * -40, direction @ allocator.A * 50).sum(), rel=2e-2
+    )
+
+
+def test_one_sided_and_fixed_motors():
+    limits = [[0, 0, 4, 50], [-40, -4, 0, 0], [0, 0, 0, 0], [7, 7, 7, 7]]
+    with pytest.raises(AllocationError, match=r"motor 4: limits \[7.0"):
+        Allocator(jack(), limits)
+    allocator = Allocator(jack(), [*limits[:3], [-7, -7, 7, 7]], allow_off=False)
+    for wrench in np.random.default_rng(0).normal(size=(20, 3)) * 10:
+        force = allocator.allocate(wrench).force
+        assert in_allowed_set(force, allocator.limits, False).all()
+        assert force[2] == 0.0
+        assert abs(force[3]) == 7.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"limits": [-1, 2, 3]}, r"limits have shape \(3,\); A has 4 motors"),
+        ({"limits": [[-9, -1, 1, 9]] * 3}, r"limits have shape \(3, 4\)"),
+        ({"limits": [-9, -1, 2, 1]}, "motor 1: .* must be ordered"),
+        ({"limits": [-9, 1, 2, 9]}, "must be ordered"),
+        ({"limits": [-9, -1, 1, np.inf]}, "are not finite"),
+        ({"limits": "strong"}, "not a table of numbers"),
+        ({"A": np.zeros((4, 4))}, r"A has shape \(4, 4\)"),
+        ({"A": np.zeros((3, 4))}, "A is zero"),
+        ({"A": np.full((3, 4), np.nan)}, r"A\[0, 0\] is nan"),
+        ({"A": np.zeros((3, 0))}, "at least one motor"),
+        ({"method": "magic"}, r"no method 'magic'; there are search\+proxqp, search, enumerate"),
+        ({"objective": "speed"}, "no objective 'speed'; there are energy, target"),
+        ({"objective": "target"}, "go together"),
+        ({"target": np.zeros(4)}, "go together"),
+        ({"weights": [1, 1, 0, 1]}, "finite and > 0"),
+        ({"weights": [1, 1]}, r"weights has shape \(2,\); it needs \(4,\)"),
+        ({"wrench_weights": [1, 1, np.nan]}, "finite"),
+        ({"reversal_penalty": -1.0}, "must be >= 0"),
+        ({"tolerance_N": 0.0}, "> 0"),
+        ({"length_m": -1.0}, "> 0"),
+    ],
+)
+def test_a_mistake_is_named(arguments, message):
+    with pytest.raises(AllocationError, match=message):
+        Allocator(**{"A": jack(), "limits": LIMITS} | arguments)
+
+
+def test_a_wrench_of_the_wrong_size_is_named():
+    with pytest.raises(AllocationError, match=r"shape \(6,\); A has 3 rows"):
+        Allocator(jack(), LIMITS).allocate(np.zeros(6))
