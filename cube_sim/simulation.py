@@ -27,10 +27,14 @@ from cube_sim.run_directory import default_directory
 from cube_sim.run_directory import prepare as prepare_directory
 from cube_sim.scenario import load
 from cube_sim.spatial import State, quaternion_from_rotation
+from cube_sim.vehicle.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, Verdict, overall, to_json
 
 PATH_POINTS = 400
 """Points of the polyline by which a recording shows the path."""
+
+DIVERGED = 1e6
+"""A position [m], velocity [m/s] or acceleration [m/s^2] beyond which a simulation has failed, far from any vehicle."""
 
 Progress = Callable[[float, float], None]
 
@@ -44,7 +48,7 @@ class Run:
         checks: one result per check of the scenario.
         signals: "channel.field" -> (n, 1 + width), column 0 the time [s].
         directory: where run.mcap, run.rrd, resolved.yaml and verdict.json are.
-        real_time_factor: simulated time over wall-clock time of the loop, recording included.
+        real_time_factor: simulated time over the wall-clock time of the loop, its recording included.
         versions: of the packages that took part.
     """
 
@@ -83,22 +87,24 @@ def run(
 
     thrusters = mission.vehicle.thrusters.names
     channels = channel_table(thrusters, PATH_POINTS, tuple(status.name for status in Status))
-    with Recorder(directory, header(loaded), channels, mission.model) as recorder:
+    with Recorder(directory, header(loaded), channels, mission.model) as recorder, collect_warnings() as warnings:
         started = time.perf_counter()
-        _fly(mission, recorder, progress)
+        end_s = _fly(mission, recorder, progress)
+        elapsed_s = time.perf_counter() - started
+        for warning in warnings:
+            recorder.log(end_s, "WARNING", f"MuJoCo: {warning}")
         signals = recorder.signals
-    elapsed = time.perf_counter() - started
 
     results = evaluate(loaded.scenario.checks, signals, duration_s=loaded.scenario.duration_s)
     verdict = overall(results)
-    factor = float(mission.data.time) / elapsed
+    factor = end_s / elapsed_s
     text = to_json(verdict, results, factor, versions())
     (directory / "verdict.json").write_text(text, encoding="utf-8")
     return Run(verdict, results, signals, directory, factor, versions())
 
 
-def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> None:
-    """All ticks of a run; the last row is the state at its end."""
+def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> float:
+    """All ticks of a run; the last row is the state at its end, whose time [s] is returned."""
     scenario = mission.scenario
     model, data = mission.model, mission.data
     steps, ticks = scenario.steps_per_tick, scenario.ticks
@@ -108,9 +114,9 @@ def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> Non
     for k in range(ticks + 1):
         t = k * scenario.control_period_s
         mujoco.mj_forward(model, data)
-        if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all() and np.isfinite(data.qacc).all()):
-            recorder.log(t, "ERROR", "the state is no longer finite: the run ends here")
-            return
+        if not all(np.abs(values).max() < DIVERGED for values in (data.qpos, data.qvel, data.qacc)):
+            recorder.log(t, "ERROR", "the state has left all bounds or is not a number: the run ends here")
+            return t
         applied, reached = _tick(mission, recorder, t, applied)
         if reached is not status:
             _report(recorder, t, reached)
@@ -119,6 +125,7 @@ def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> Non
             mujoco.mj_step(model, data, nstep=steps)
         if progress is not None and k % ticks_per_second == 0:
             progress(t, scenario.duration_s)
+    return ticks * scenario.control_period_s
 
 
 def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.float64]):
@@ -135,7 +142,7 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
 
     view = mission.target.view(state.position, state.rotation @ state.velocity)
     motion = mission.approach.motion(view, mission.path.length)
-    attitude = mission.attitude.attitude(view)
+    attitude = mission.attitude.attitude(view, dt)
 
     wrench, reference = mission.loops.wrench(state, motion, attitude)
     disturbance = np.zeros(6)

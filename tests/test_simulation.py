@@ -1,0 +1,140 @@
+"""The whole loop: what a run leaves behind, that it is repeatable, and what happens when it goes wrong."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cube_sim
+from cube_sim.errors import RecordingError, ScenarioError
+
+ROOT = Path(__file__).parents[1]
+HELIX = ROOT / "scenarios" / "cube_helix.yaml"
+SHORT = {"duration_s": 3.0, "checks": [{"kind": "allowed_forces"}]}
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    return cube_sim.run(HELIX, SHORT, tmp_path_factory.mktemp("short"))
+
+
+def test_a_run_leaves_its_four_files_and_the_same_in_memory(short):
+    assert sorted(p.name for p in short.directory.iterdir()) == [
+        "resolved.yaml",
+        "run.mcap",
+        "run.rrd",
+        "verdict.json",
+    ]
+    written = json.loads((short.directory / "verdict.json").read_text())
+    assert written["verdict"] == short.verdict == "PASS"
+    assert set(written) == {"verdict", "checks", "real_time_factor", "versions"}
+    assert {"name", "verdict", "value", "limit", "margin", "at_s"} <= set(written["checks"][0])
+    assert set(written["versions"]) >= {"mujoco", "numpy", "proxsuite", "cube-sim"}
+
+
+def test_every_channel_has_a_row_per_tick_from_start_to_end(short):
+    t = short.signals["pose.position"][:, 0]
+    np.testing.assert_allclose(t, 0.02 * np.arange(151), atol=1e-12)
+    for name, rows in short.signals.items():
+        assert np.all(np.isfinite(rows)), name
+        if not name.startswith(("actuation.", "path.")):
+            np.testing.assert_array_equal(rows[:, 0], t, err_msg=name)
+
+
+def test_the_recorded_numbers_hang_together(short):
+    s = {name: rows[:, 1:] for name, rows in short.signals.items()}
+    A = s["actuation.matrix"][0].reshape(6, -1)
+    np.testing.assert_allclose(s["thrusters.force_demanded"] @ A.T, s["wrench.allocated"], atol=1e-9)
+    from cube_sim.spatial import rotation_from_quaternion
+
+    for k in range(0, 151, 10):
+        R_WF = rotation_from_quaternion(s["target.quaternion"][k])
+        e = R_WF.T @ (s["pose.position"][k] - s["target.position"][k])
+        np.testing.assert_allclose(e, [*s["path_error.along"][k], *s["path_error.lateral"][k]], atol=1e-9)
+
+
+def test_the_velocity_is_the_derivative_of_the_pose(short):
+    s = {name: rows[:, 1:] for name, rows in short.signals.items()}
+    from cube_sim.spatial import rotation_from_quaternion
+
+    for k in range(10, 140, 10):
+        slope = (s["pose.position"][k + 1] - s["pose.position"][k - 1]) / 0.04
+        R = rotation_from_quaternion(s["pose.quaternion"][k])
+        np.testing.assert_allclose(R @ s["velocity.linear"][k], slope, atol=2e-3)
+
+
+def test_the_produced_forces_follow_the_commands_through_lag_and_characteristic(short):
+    vehicle = cube_sim.Vehicle.from_model(
+        cube_sim.load_model(ROOT / "models" / "cube.xml", {"hull:thruster_dead_zone": (-2.0, 2.0)})
+    )
+    s = {name: rows[:, 1:] for name, rows in short.signals.items()}
+    activation = np.zeros(8)
+    for k in range(150):
+        np.testing.assert_allclose(vehicle.thrusters.force(activation), s["thrusters.force"][k], atol=1e-5)
+        c = s["thrusters.command"][k]
+        activation = c + (activation - c) * np.exp(-0.02 / 0.02)
+        # RK4 integrates the 20 ms lag in two steps of 10 ms: its own growth factor, not the exact exponential
+        z = -0.5
+        rk4 = (1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24) ** 2
+        activation = c + (activation - c) * rk4 / np.exp(-1.0)
+
+
+def test_the_same_scenario_gives_the_same_bytes_in_another_process(short, tmp_path):
+    code = "import sys, json, cube_sim\ncube_sim.run(sys.argv[1], json.loads(sys.argv[2]), sys.argv[3])\n"
+    subprocess.run(
+        [sys.executable, "-c", code, str(HELIX), json.dumps(SHORT), str(tmp_path / "again")], check=True, cwd=tmp_path
+    )
+    assert (tmp_path / "again" / "run.mcap").read_bytes() == (short.directory / "run.mcap").read_bytes()
+
+
+def test_a_state_that_leaves_the_real_numbers_ends_the_run_as_error_with_the_last_good_state(tmp_path):
+    """An Euler step of 0.5 s on a hull thrown at 10 m/s: its drag overshoots and the state blows up."""
+    blown = {
+        **SHORT,
+        "duration_s": 20.0,
+        "physics.integrator": "Euler",
+        "physics.step_s": 0.5,
+        "control_period_s": 0.5,
+        "initial.velocity_m_s": [10.0, 0.0, 0.0],
+    }
+    result = cube_sim.run(HELIX, blown, tmp_path / "out")
+    assert result.verdict == "ERROR"
+    assert json.loads((tmp_path / "out" / "verdict.json").read_text())["verdict"] == "ERROR"
+    pose = result.signals["pose.position"]
+    assert 0.0 < pose[-1, 0] < 20.0
+    assert np.all(np.isfinite(pose))
+
+
+def test_bad_input_writes_nothing(tmp_path):
+    with pytest.raises(ScenarioError, match="duration_s"):
+        cube_sim.run(HELIX, {"duration_s": -1.0}, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path):
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(RecordingError, match=r"thesis\.tex"):
+        cube_sim.run(HELIX, SHORT, tmp_path)
+    assert (tmp_path / "thesis.tex").read_text() == "years of work"
+
+
+def test_a_dead_zone_beyond_the_thrusters_reach_is_a_mistake_at_its_place(tmp_path):
+    text = HELIX.read_text().replace("dead_zone_N: [-2.0, 2.0]", "dead_zone_N: [-60.0, 2.0]")
+    text = text.replace("../models/", f"{ROOT}/models/")
+    (tmp_path / "x.yaml").write_text(text)
+    with pytest.raises(ScenarioError, match=r"x\.yaml:\d+:\d+: thrusters\.dead_zone_N: .*out of order"):
+        cube_sim.run(tmp_path / "x.yaml", None, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_model_without_water_is_a_mistake_at_its_place(tmp_path):
+    (tmp_path / "dry.xml").write_text(
+        "<mujoco><worldbody><body name='b'><freejoint/><geom size='1'/></body></worldbody></mujoco>"
+    )
+    text = HELIX.read_text().replace("../models/cube.xml", "dry.xml")
+    (tmp_path / "x.yaml").write_text(text)
+    with pytest.raises(ScenarioError, match=r"x\.yaml:\d+:\d+: model: .*no hull to put into the water"):
+        cube_sim.run(tmp_path / "x.yaml", None, tmp_path / "out")
