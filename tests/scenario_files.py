@@ -23,6 +23,20 @@ checks:
   - {kind: path_end, reach_m: 0.5}
 """
 
+# Half a second of the real vehicle, enough to be judged.
+FLIGHT = f"""\
+schema_version: 1
+name: short_flight
+model: {REPO / "models" / "cube.xml"}
+duration_s: 0.5
+path: {{type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}}
+initial: {{position_m: [0, 0, -5]}}
+guidance: {{speed_m_s: 0.4}}
+checks:
+  - {{kind: signal, signal: path_error.cross_track, statistic: max, at_most: 0.05}}
+  - {{kind: allowed_forces}}
+"""
+
 
 def write(folder: Path, text: str | bytes = MINIMAL, name: str = "mission.yaml") -> Path:
     """Save a scenario file beside an empty MJCF file."""

@@ -12,26 +12,13 @@ import time
 from importlib.metadata import version
 
 import pytest
-from scenario_files import MINIMAL, REPO, write
+from scenario_files import FLIGHT, MINIMAL, write
 
 from cube_sim.run_directory import FILES
 from cube_sim.scenario import load
 from cube_sim.scenario.json_schema import json_schema
 
 HEAVY = ("mujoco", "rerun", "numba", "scipy", "pydantic", "numpy", "rich", "ruamel", "proxsuite")
-
-FLIGHT = f"""\
-schema_version: 1
-name: short_flight
-model: {REPO / "models" / "cube.xml"}
-duration_s: 0.5
-path: {{type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}}
-initial: {{position_m: [0, 0, -5]}}
-guidance: {{speed_m_s: 0.4}}
-checks:
-  - {{kind: signal, signal: path_error.cross_track, statistic: max, at_most: 0.05}}
-  - {{kind: allowed_forces}}
-"""
 
 
 def cube_sim(*arguments, cwd, **options) -> subprocess.CompletedProcess[str]:
