@@ -12,43 +12,46 @@ from numpy.typing import NDArray
 from cube_sim.recording import palette
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.rerun_plots import ATTITUDE, ERROR, FORCE, LANES, MOMENT, THRUSTERS
-from cube_sim.recording.rerun_scene import TRAIL, WORLD
+from cube_sim.recording.rerun_scene import TARGET, TRAIL, VEHICLE, WORLD
 
 TIMELINE = "sim_time"
 
 # From where the path is seen, in multiples of its radius: a little above, towards a corner of the x-y plane.
-_EYE_DIRECTION = np.array([-1.45, -1.75, 0.95])
+_EYE_DIRECTION = np.array([-0.95, -1.2, 0.6])
 _SMALLEST_RADIUS = 1.5  # m
+_CLOSE_UP = (-1.0, -1.15, 0.75)  # m, in body axes
+
+_WHOLE_RUN = rrb.TimeAxis(
+    view_range=rrb.TimeRange(start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.infinite())
+)
 
 
-def blueprint(channels: Sequence[Channel], points: NDArray[np.float64]) -> rrb.Blueprint:
+def blueprint(channels: Sequence[Channel], points: NDArray[np.float64], boxes: Sequence[str] = ()) -> rrb.Blueprint:
     """Lay out the view of a run.
 
     Args:
         channels: the channel table; views of channels it does not have are left out.
         points: (n, 3) what must be in sight in world axes [m]; n may be 0.
+        boxes: Rerun paths of the boxes the vehicle is made of.
     """
     names = {channel.name for channel in channels}
-    left: list[rrb.View] = [_scene(points)]
-    if "allocation" in names:
-        left.append(rrb.StateTimelineView(origin=LANES, name="Side of the dead zone, and the allocation"))
-    right: list[rrb.View] = []
+    scene = _scene(points)
+    close_up = _close_up(boxes)
+    lanes = rrb.StateTimelineView(origin=LANES, name="Side of the dead zone, allocation", time_view=_WHOLE_RUN)
+    plots: list[tuple[float, rrb.View | rrb.Container]] = []
     if "path_error" in names:
-        right += [_plot(ERROR, "Path error [m]"), _plot(ATTITUDE, "Attitude error [rad]")]
+        plots += [(2.0, _plot(ERROR, "Path error [m]")), (1.5, _plot(ATTITUDE, "Attitude error [rad]"))]
     if "wrench" in names:
-        right += [
-            _plot(FORCE, "Force: demanded, allocated [N]"),
-            _plot(MOMENT, "Moment: demanded, allocated [N m]"),
-        ]
+        force = _plot(FORCE, "Force: demanded, allocated [N]")
+        moment = _plot(MOMENT, "Moment: demanded, allocated [N m]")
+        plots.append((2.6, rrb.Tabs(force, moment, active_tab=0)))
     if "thrusters" in names:
-        right.append(_plot(THRUSTERS, "Thruster forces [N]"))
-    layout = rrb.Horizontal(
-        rrb.Vertical(*left, row_shares=[3.0, 1.0][: len(left)]),
-        rrb.Vertical(*right),
-        column_shares=[3.0, 2.0],
-    )
+        plots.append((3.0, _plot(THRUSTERS, "Thruster forces [N]")))
+    below = rrb.Horizontal(close_up, lanes, column_shares=[4.0, 5.0]) if "allocation" in names else close_up
+    left = rrb.Vertical(scene, below, row_shares=[1.0, 0.95])
+    right = rrb.Vertical(*(view for _, view in plots), row_shares=[share for share, _ in plots])
     return rrb.Blueprint(
-        layout if right else left[0],
+        rrb.Horizontal(left, right, column_shares=[3.0, 2.0]) if plots else left,
         rrb.TimePanel(state="collapsed", timeline=TIMELINE),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
@@ -61,6 +64,12 @@ def _scene(points: NDArray[np.float64]) -> rrb.Spatial3DView:
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
     centre = (low + high) / 2
     radius = max(float(np.linalg.norm(high - low)) / 2, _SMALLEST_RADIUS)
+    eye = rrb.EyeControls3D(
+        kind=rrb.Eye3DKind.Orbital,
+        position=centre + radius * _EYE_DIRECTION,
+        look_target=centre,
+        eye_up=(0.0, 0.0, 1.0),
+    )
     start, end = rrb.TimeRangeBoundary.infinite(), rrb.TimeRangeBoundary.cursor_relative()
     return rrb.Spatial3DView(
         origin=WORLD,
@@ -73,18 +82,38 @@ def _scene(points: NDArray[np.float64]) -> rrb.Spatial3DView:
             color=[*palette.GRID, 255],
             stroke_width=1.0,
         ),
-        eye_controls=rrb.EyeControls3D(
-            kind=rrb.Eye3DKind.Orbital,
-            position=centre + radius * _EYE_DIRECTION,
-            look_target=centre,
-            eye_up=(0.0, 0.0, 1.0),
-        ),
+        eye_controls=eye,
         # All of the trail up to now; everything else as it is now.
         overrides={TRAIL: rrb.VisibleTimeRanges(timeline=TIMELINE, start=start, end=end)},
     )
 
 
+def _close_up(bodies: Sequence[str]) -> rrb.Spatial3DView:
+    """Ride with the vehicle: the view stands still in body axes, the path goes by.
+
+    The hull is a wire frame here, so that the thrusters inside it are seen, and they carry their names.
+    """
+    eye = rrb.EyeControls3D(
+        kind=rrb.Eye3DKind.Orbital, position=_CLOSE_UP, look_target=(0.0, 0.0, 0.1), eye_up=(0.0, 0.0, 1.0)
+    )
+    return rrb.Spatial3DView(
+        origin=VEHICLE,
+        contents=[f"+ {WORLD}/**", f"- {TRAIL}", f"- {VEHICLE}/axes", f"- {TARGET}/**"],
+        name="Thrust and current, seen from the vehicle",
+        background=rrb.Background(color=[*palette.WATER, 255]),
+        line_grid=rrb.LineGrid3D(visible=False),
+        eye_controls=eye,
+        overrides={
+            **{body: rr.Boxes3D.from_fields(fill_mode=rr.components.FillMode.MajorWireframe) for body in bodies},
+            f"{VEHICLE}/thrusters": rr.Cylinders3D.from_fields(show_labels=True),
+        },
+    )
+
+
 def _plot(origin: str, name: str) -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
-        origin=origin, name=name, plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=True)
+        origin=origin,
+        name=name,
+        axis_x=_WHOLE_RUN,
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=True),
     )

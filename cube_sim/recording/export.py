@@ -9,7 +9,7 @@ import mujoco
 from cube_sim.errors import RecordingError
 from cube_sim.recording.block import split_blocks
 from cube_sim.recording.reading import read_recording
-from cube_sim.recording.rerun_sink import RerunSink
+from cube_sim.recording.rerun_sink import rerun_sink
 
 
 def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
@@ -28,7 +28,7 @@ def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
         model = mujoco.MjModel.from_xml_string(header.mjcf, dict(header.assets))
     except ValueError as error:
         raise RecordingError(f"{mcap}: the recorded model does not compile: {error}") from None
-    sink = RerunSink(rrd, header, recording.channels, model)
+    sink = rerun_sink(rrd, header, recording.channels, model)
     for block in split_blocks(recording.rows, recording.log):
         sink.write(block)
     sink.close()

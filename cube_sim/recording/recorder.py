@@ -63,9 +63,9 @@ class Recorder:
         self._sinks: list[Sink] = [McapSink(self.mcap, header, self._channels, vehicle_name(model))]
         if view:
             # Only a run that wants the view pays for its import.
-            from cube_sim.recording.rerun_sink import RerunSink
+            from cube_sim.recording.rerun_sink import rerun_sink
 
-            self._sinks.append(RerunSink(self.rrd, header, self._channels, model))
+            self._sinks.append(rerun_sink(self.rrd, header, self._channels, model))
 
     def append(self, channel: str, t: float, *values: ArrayLike) -> None:
         """Record one row.

@@ -24,15 +24,19 @@ TRAIL = f"{WORLD}/trail"
 TARGET = f"{WORLD}/target"
 CURRENT = f"{WORLD}/current"
 
-ARROW_M_PER_N = 0.03
+ARROW_M_PER_N = 0.04
 ARROW_M_PER_M_S = 6.0
 
 _DUCT_RADIUS, _DUCT_HALF_LENGTH = 0.045, 0.02  # where a site has no size [m]
 _ENDLESS_PLANE = 30.0  # half size [m] by which a plane without an end is drawn
 
 
-def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel) -> None:
-    """Draw what the model alone says."""
+def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel) -> list[str]:
+    """Draw what the model alone says.
+
+    Returns:
+        Rerun paths of the boxes the vehicle is made of.
+    """
     recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for shape in world_shapes(model):
         _log_shape(recording, f"{WORLD}/surroundings/{shape.name}", model, shape, rr.components.FillMode.Solid)
@@ -41,12 +45,16 @@ def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel) -> None:
         _log_shape(recording, f"{VEHICLE}/body/{shape.name}", model, shape, see_through)
     mounts = thruster_mounts(model)
     _log_ducts(recording, mounts)
-    recording.log(THRUST, rr.Arrows3D.from_fields(origins=mounts.positions, radii=0.012), static=True)
+    recording.log(
+        THRUST, rr.Arrows3D.from_fields(origins=mounts.positions, radii=[0.014] * len(mounts.names)), static=True
+    )
     recording.log(f"{VEHICLE}/axes", rr.TransformAxes3D(0.45), static=True)
-    recording.log(TRAIL, rr.LineStrips3D.from_fields(colors=[palette.TRAIL], radii=[0.02]), static=True)
+    recording.log(TRAIL, rr.LineStrips3D.from_fields(colors=[palette.TRAIL], radii=[0.03]), static=True)
     recording.log(CURRENT, rr.Arrows3D.from_fields(colors=[palette.CURRENT], radii=[0.018]), static=True)
     recording.log(f"{TARGET}/point", rr.Points3D([[0, 0, 0]], colors=[palette.TARGET], radii=0.09), static=True)
     recording.log(f"{TARGET}/frame", rr.TransformAxes3D(0.5), static=True)
+    box = mujoco.mjtGeom.mjGEOM_BOX
+    return [f"{VEHICLE}/body/{shape.name}" for shape in vehicle_shapes(model) if shape.kind == box]
 
 
 def _log_ducts(recording: rr.RecordingStream, mounts: ThrusterMounts) -> None:

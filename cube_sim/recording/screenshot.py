@@ -14,22 +14,30 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
+
+from PIL import Image
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.rerun_sink import TIMELINE
 
+_MENU_BAR = 36  # pixels
+_NOTICE_S = 10.0  # for so long the viewer shows a notice that it has no screen
 _STARTUP_S, _LOADING_S, _SETTLING_S = 60.0, 120.0, 120.0
 
 
-def screenshot(rrd: Path, png: Path, t: float, size: tuple[int, int] = (1600, 900)) -> list[str]:
+def screenshot(
+    rrd: Path, png: Path, t: float, size: tuple[int, int] = (1600, 900), menu_bar: bool = False
+) -> list[str]:
     """Open a recording in a viewer, go to an instant and save what is seen.
 
     Args:
         rrd: the recording.
         png: file to write.
         t: simulated time [s].
-        size: width and height [pixels].
+        size: width and height of the window [pixels].
+        menu_bar: whether the picture keeps the viewer's menu bar, which speaks of the machine, not of the run.
 
     Returns:
         What the viewer complains about, one line per complaint; empty when all views are well.
@@ -39,12 +47,15 @@ def screenshot(rrd: Path, png: Path, t: float, size: tuple[int, int] = (1600, 90
     """
     from rerun.experimental import ViewerClient
 
+    started = time.monotonic()
     with _viewer(size) as (port, process):
         client = _connect(ViewerClient, port, process)
         client.open(str(rrd.resolve()))
         _wait(lambda: not client.get_state().loading, _LOADING_S, f"the viewer did not load {rrd}")
         client.set_time(TIMELINE, duration=t, play_state="paused")
-        png.write_bytes(_settled(client))
+        time.sleep(max(0.0, started + _NOTICE_S - time.monotonic()))
+        picture = Image.open(BytesIO(_settled(client)))
+        picture.crop((0, 0 if menu_bar else _MENU_BAR, *picture.size)).save(png, optimize=True)
         state = client.get_state()
         return [f"{view.name}: {report}" for view in state.views for report in view.reports]
 
