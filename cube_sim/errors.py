@@ -33,6 +33,10 @@ class ScenarioError(CubeSimError):
         super().__init__("\n".join(mistakes))
 
 
+class ActuationError(CubeSimError):
+    """An actuation matrix, limits or lost thrusters that mean nothing (wrong shape, NaN, no such thruster)."""
+
+
 class AllocationError(CubeSimError):
     """An allocator was built from a matrix or limits that mean nothing (crossed limits, NaN, wrong shape)."""
 

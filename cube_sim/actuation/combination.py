@@ -1,0 +1,89 @@
+"""Combinations of wrench components that must stay zero, and how to say so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cube_sim.actuation.wrench_axes import Matrix, Vector, WrenchAxes
+
+# Coefficients below this share of the largest are left out of the words, never out of the numbers.
+_SPOKEN = 0.02
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Combination:
+    """One independent condition on every wrench the thrusters can produce: coefficients . F_B = 0.
+
+    Attributes:
+        coefficients: (n,) of the components of F_B [1] for forces, [1/m] for torques; unit norm once torques are
+            scaled to newtons.
+        text: the condition in words.
+    """
+
+    coefficients: Vector
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def combinations(null_rows: Matrix, axes: WrenchAxes, length_m: float) -> tuple[Combination, ...]:
+    """Spell out a left null space in the sparsest rows elimination finds.
+
+    Args:
+        null_rows: (d,n) basis of the left null space of W A, in scaled components.
+        axes: what the components are.
+        length_m: the torque length of W [m].
+
+    Returns:
+        d combinations; a component that is lost outright comes first and alone.
+    """
+    rows = _reduced(null_rows)
+    lost_outright = np.count_nonzero(_spoken(rows), axis=1) != 1
+    order = np.lexsort((np.argmax(_spoken(rows), axis=1), lost_outright)) if len(rows) else []
+    return tuple(Combination(rows[i] * axes.scale(length_m), _words(rows[i], axes, length_m)) for i in order)
+
+
+def _reduced(null_rows: Matrix) -> Matrix:
+    """Row-reduced basis of the same space, pivots chosen over all columns, rows of unit norm."""
+    rows = null_rows.copy()
+    pivots: list[int] = []
+    for i in range(len(rows)):
+        rest = np.abs(rows[i:]).round(9)
+        rest[:, pivots] = 0.0
+        below, column = np.unravel_index(int(np.argmax(rest)), rest.shape)
+        rows[[i, i + int(below)]] = rows[[i + int(below), i]]
+        rows[i] /= rows[i, column]
+        for j in range(len(rows)):
+            if j != i:
+                rows[j] -= rows[j, column] * rows[i]
+        pivots.append(int(column))
+    rows[np.abs(rows) < _ROUNDING] = 0.0
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True) if len(rows) else rows
+
+
+def _spoken(rows: Matrix) -> np.ndarray:
+    return np.abs(rows) >= _SPOKEN * np.max(np.abs(rows), axis=-1, keepdims=True, initial=0.0)
+
+
+def _words(row: Vector, axes: WrenchAxes, length_m: float) -> str:
+    spoken = np.flatnonzero(_spoken(row))
+    if len(spoken) == 1:
+        return f"cannot {axes.abilities[spoken[0]]}: {axes.names[spoken[0]]} = 0 always"
+    leading = row[spoken[0]]
+    terms = [_term(row[j] / leading, axes, int(j), length_m) for j in spoken]
+    formula = " ".join(terms).removeprefix("+ ")
+    tied = [axes.names[j] for j in spoken]
+    return f"{', '.join(tied[:-1])} and {tied[-1]} only together: {formula} = 0 always"
+
+
+def _term(scaled: float, axes: WrenchAxes, j: int, length_m: float) -> str:
+    """A summand in physical units: a torque's coefficient is per metre."""
+    torque = j >= axes.forces
+    value = abs(scaled) / length_m if torque else abs(scaled)
+    number = "" if abs(value - 1.0) < 5e-4 else f"{value:.3g} "
+    unit = "/m" if torque else ""
+    return f"{'-' if scaled < 0.0 else '+'} {number}{axes.names[j]}{unit}"
