@@ -1,4 +1,7 @@
-"""The pytest plugin in a pytest of its own: one test per scenario file, its text the table or the mistakes."""
+"""The pytest plugin in a pytest of its own: one test per scenario file, its text the table or the mistakes.
+
+Its own process, too: pytester forgets the modules an inner pytest has imported, and native code loads only once.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +19,6 @@ WRONG = FLIGHT.replace("duration_s", "durtion_s").replace("kind: allowed_forces"
 
 @pytest.fixture
 def folder(pytester):
-    # The inner pytest forgets what it has imported, but native code can be loaded only once: load it out here.
-    import cube_sim.simulation  # noqa: F401
-
     scenarios = pytester.mkdir("scenarios")
     for name, text in (
         ("short_flight.yaml", FLIGHT),
@@ -34,7 +34,7 @@ def folder(pytester):
 
 
 def test_one_test_per_scenario_file_and_none_for_other_files(folder):
-    result = folder.runpytest_inprocess("-p", "cube_sim.testing", "--collect-only", "-q")
+    result = folder.runpytest_subprocess("-p", "cube_sim.testing", "--collect-only", "-q")
     assert sorted(line for line in result.outlines if "::" in line) == [
         "scenarios/misnamed.yaml::misnamed",
         "scenarios/short_flight.yaml::short_flight",
@@ -46,7 +46,7 @@ def test_one_test_per_scenario_file_and_none_for_other_files(folder):
 
 def test_outcomes_texts_properties_and_recordings(folder):
     report, base = folder.path / "report.xml", folder.path / "recordings"
-    result = folder.runpytest_inprocess("-p", "cube_sim.testing", f"--junitxml={report}", f"--basetemp={base}", "-ra")
+    result = folder.runpytest_subprocess("-p", "cube_sim.testing", f"--junitxml={report}", f"--basetemp={base}", "-ra")
     result.assert_outcomes(passed=1, failed=3)
     text = result.stdout.str()
     assert "Traceback" not in text
@@ -80,13 +80,17 @@ def test_outcomes_texts_properties_and_recordings(folder):
     assert not (folder.path / "logs").exists()
 
 
-def test_an_unforeseen_error_keeps_its_traceback(folder, monkeypatch):
-    import cube_sim.simulation
+def test_an_unforeseen_error_keeps_its_traceback(folder):
+    folder.makeconftest(
+        """
+        import sys, types
 
-    def broken(*_, **__):
-        raise ZeroDivisionError("a bug")
+        def broken(*_, **__):
+            raise ZeroDivisionError("a bug")
 
-    monkeypatch.setattr(cube_sim.simulation, "run", broken)
-    result = folder.runpytest_inprocess("-p", "cube_sim.testing", "scenarios/short_flight.yaml")
+        sys.modules["cube_sim.simulation"] = types.SimpleNamespace(run=broken)
+        """
+    )
+    result = folder.runpytest_subprocess("-p", "cube_sim.testing", "scenarios/short_flight.yaml")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["*testing.py*", "*ZeroDivisionError: a bug*"])
