@@ -15,7 +15,7 @@ CANDIDATES = 32
 """Most distinct equally close wrenches kept; symmetric vehicles have a handful."""
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, error_model="numpy")
 def nearest(
     goal: NDArray[np.float64],
     spread: NDArray[np.float64],
@@ -74,22 +74,23 @@ def nearest(
     found = 0
     proven = True
     solved = 0
-    stack[0] = masks
+    for i in range(m):
+        stack[0, i] = masks[i]
     bound[0] = 0.0
     depth = 1
     while depth > 0:
         depth -= 1
         if bound[depth] > best + near:
             continue
-        mask[:] = stack[depth]
         empty = False
         for i in range(m):
+            mask[i] = stack[depth, i]
             bottom[i], top[i] = relaxed[i, mask[i], 0], relaxed[i, mask[i], 1]
             empty = empty or bottom[i] > top[i]
         if empty:
             continue
-        start[:r] = goal
-        start[r:] = 0.0
+        for a in range(d):
+            start[a] = goal[a] if a < r else 0.0
         soft = 0.1 * size  # weight of the proximal term against the wrench
         lower, distance = bound[depth], math.inf
         for _ in range(50):
@@ -127,7 +128,8 @@ def nearest(
                 break
             # A weaker term lets z travel further next time, which a short distance to the goal needs.
             shrink = 0.1 if soft > 1e-5 * size else 1.0
-            start[r:] = shrink * point[r:]
+            for a in range(r, d):
+                start[a] = shrink * point[a]
             soft *= shrink
         if lower > best + near:
             continue
@@ -156,14 +158,17 @@ def nearest(
                 found = 0
             best = min(best, distance)
             if found < CANDIDATES:
-                forces[found] = f
-                images[found] = made
+                for i in range(m):
+                    forces[found, i] = f[i]
+                for a in range(r):
+                    images[found, a] = made[a]
                 found += 1
             continue
         first, second = split(f[chosen], chosen, mask[chosen], low, high)
         for child in (second, first):
             if child != 0:
-                stack[depth] = mask
+                for i in range(m):
+                    stack[depth, i] = mask[i]
                 stack[depth, chosen] = child
                 bound[depth] = lower
                 depth += 1

@@ -15,7 +15,7 @@ _PARALLEL = 1e-10
 """Sine of the angle below which a strip adds no new direction to the active ones."""
 
 
-@nb.njit(cache=True, fastmath=False)
+@nb.njit(cache=True, error_model="numpy")
 def project(
     rows: NDArray[np.float64],
     low: NDArray[np.float64],
@@ -143,7 +143,7 @@ def project(
     return STALLED
 
 
-@nb.njit(cache=True, fastmath=False)
+@nb.njit(cache=True, error_model="numpy")
 def _drop(
     rows: NDArray[np.float64],
     active: NDArray[np.int64],

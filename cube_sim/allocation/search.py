@@ -15,7 +15,7 @@ FOUND, NONE, UNPROVEN = 0, 1, 2
 """Outcomes: the optimum; no allowed forces make the wrench; a projection stalled, so nothing is proven."""
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, error_model="numpy")
 def search(
     origin: NDArray[np.float64],
     kernel: NDArray[np.float64],
@@ -74,7 +74,8 @@ def search(
     changes_best = 0
     proven = True
     solved = 0
-    stack[0] = masks
+    for i in range(m):
+        stack[0, i] = masks[i]
     bound[0] = -math.inf
     depth = 1
     while depth > 0:
@@ -82,10 +83,10 @@ def search(
         slack = 1e-9 * (abs(best) + 1e-6) if best < math.inf else 0.0
         if bound[depth] > best + slack:
             continue
-        mask[:] = stack[depth]
         empty = False
         constant = 0.0
         for i in range(m):
+            mask[i] = stack[depth, i]
             bottom[i], top[i] = relaxed[i, mask[i], 0], relaxed[i, mask[i], 1]
             constant += relaxed[i, mask[i], 3]
             empty = empty or bottom[i] > top[i]
@@ -160,7 +161,8 @@ def search(
         first, second = split(f[chosen], chosen, mask[chosen], low, high)
         for child in (second, first):
             if child != 0:
-                stack[depth] = mask
+                for i in range(m):
+                    stack[depth, i] = mask[i]
                 stack[depth, chosen] = child
                 bound[depth] = lower
                 depth += 1
