@@ -1,0 +1,60 @@
+"""The set {A F_m : F_min <= F_m <= F_max}, a zonotope: support, volume and inscribed ball in closed form.
+
+G. M. Ziegler, Lectures on Polytopes (1995), chapter 7; volume after P. McMullen (1984). Matrices here are scaled to
+one unit and given in coordinates of their range, so that they have full row rank.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from cube_sim.actuation.wrench_axes import Matrix, Vector
+
+_PARALLEL = 1e-9
+
+
+def support(generators: Matrix, low: Vector, high: Vector, directions: Matrix) -> Vector:
+    """Largest d . (G F) over the box [low, high] for each row d.
+
+    Args:
+        generators: G (r,m).
+        low: (m,) [N].
+        high: (m,) [N].
+        directions: (p,r).
+
+    Returns:
+        (p,) in the unit of G F.
+    """
+    per_newton = directions @ generators
+    return np.sum(np.maximum(per_newton * low, per_newton * high), axis=1)
+
+
+def facet_normals(generators: Matrix) -> Matrix:
+    """(p,r) unit normals, of one sign, of all facets of the zonotope: orthogonal to r - 1 independent generators."""
+    r, m = generators.shape
+    if r == 1:
+        return np.ones((1, 1))
+    choices = np.array(list(combinations(range(m), r - 1)), dtype=int).reshape(-1, r - 1)
+    columns = np.transpose(generators[:, choices], (1, 0, 2))
+    U, sigma, _ = np.linalg.svd(columns)
+    independent = sigma[:, -1] > _PARALLEL * np.max(sigma, initial=0.0)
+    return U[independent, :, -1]
+
+
+def inscribed_radius(generators: Matrix, low: Vector, high: Vector) -> float:
+    """Radius of the largest ball round zero inside the zonotope; 0 when zero is on its boundary or outside.
+
+    The ball touches a facet, and the zonotope's facets are the `facet_normals` in both signs: exact.
+    """
+    normals = facet_normals(generators)
+    return max(0.0, float(np.min(support(generators, low, high, np.concatenate([normals, -normals])), initial=np.inf)))
+
+
+def volume(generators: Matrix, low: Vector, high: Vector) -> float:
+    """Volume of the zonotope: sum over all r-subsets of generators of |det| times their ranges."""
+    r, m = generators.shape
+    spans = generators * (high - low)
+    choices = np.array(list(combinations(range(m), r)), dtype=int).reshape(-1, r)
+    return float(np.sum(np.abs(np.linalg.det(np.transpose(spans[:, choices], (1, 0, 2))))))
