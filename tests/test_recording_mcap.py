@@ -3,6 +3,7 @@ from __future__ import annotations
 import io
 import os
 import signal
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +13,9 @@ import numpy as np
 import pytest
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from helix_run import DT, HEADER, THRUSTERS, append_tick, fly, model, table
-from mcap.records import Message
-from mcap.stream_reader import StreamReader
+from mcap.opcode import Opcode
+from mcap.records import Chunk, Message, MessageIndex
+from mcap.stream_reader import StreamReader, breakup_chunk, get_chunk_data_stream
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.channels import Channel, Field
@@ -162,6 +164,35 @@ def test_the_index_leads_to_the_messages_of_a_time_window(run):
         window = mcap.reader.make_reader(file).iter_messages("/pose", starting_at=start, ending_before=end)
         found = [message.log_time for _, _, message in window]
     assert found == [EPOCH_NS + k * 20_000_000 for k in range(75, 105)]
+
+
+def test_the_message_index_points_at_every_message(run):
+    data = run[0].read_bytes()
+    records = StreamReader(io.BytesIO(data), emit_chunks=True).records
+    chunk, indexed, messages_in_chunks = b"", 0, 0
+    for record in records:
+        if isinstance(record, Chunk):
+            chunk = get_chunk_data_stream(record)[0].read(record.uncompressed_size)
+            messages_in_chunks += sum(isinstance(part, Message) for part in breakup_chunk(record))
+        if isinstance(record, MessageIndex):
+            for log_time, offset in record.records:
+                assert chunk[offset] == Opcode.MESSAGE
+                channel_id, _, stamp = struct.unpack_from("<HIQ", chunk, offset + 9)
+                assert (channel_id, stamp) == (record.channel_id, log_time)
+                indexed += 1
+    assert indexed == messages_in_chunks == TICKS * 10 + 2 + 2
+
+
+def test_a_second_is_in_the_file_as_soon_as_it_is_over(tmp_path):
+    # So few numbers that several seconds would fit into the buffer of an open file.
+    depth = Channel("depth", (Field("depth", 1, "m", "below the surface"),))
+    recorder = Recorder(tmp_path, HEADER, (depth,), model(), view=False)
+    for k in range(501):
+        recorder.append("depth", k * DT, 0.5)
+        if k and k % 50 == 0:
+            kept = read_signals(recorder.mcap)["depth.depth"]
+            assert np.array_equal(kept[:, 0], np.arange(k) * DT)
+    recorder.close()
 
 
 def test_a_killed_run_loses_less_than_a_simulated_second(tmp_path):

@@ -1,7 +1,7 @@
 """A picture of a recording, taken by the real viewer without a screen.
 
 Needs a Vulkan driver; on a machine without a GPU a software one will do (Debian: mesa-vulkan-drivers).
-The pictures of one recording at one instant are alike to the pixel.
+Pictures of one recording at one instant are alike to the pixel, but for the strip of the time line.
 """
 
 from __future__ import annotations
