@@ -19,9 +19,8 @@ from cube_sim.guidance.helix import Helix
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
-from cube_sim.scenario import Loaded, Scenario
+from cube_sim.scenario import Loaded, Scenario, schema
 from cube_sim.scenario import path_blocks as blocks
-from cube_sim.scenario import schema
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle

@@ -1,5 +1,7 @@
 """Desired attitudes: their angular velocity is their own derivative; vertical stretches do no harm."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -63,7 +65,7 @@ def test_a_half_loop_through_the_vertical_never_jumps_and_ends_level():
         desired = mode.attitude(TargetView(s, speed, point, np.zeros(3), np.zeros(3)), dt)
         assert np.all(np.isfinite(desired.rates))
         steps.append((rotation_from_quaternion(desired.quaternion), np.linalg.norm(desired.rates)))
-    for (R, rate), (after, _) in zip(steps, steps[1:], strict=False):
+    for (R, rate), (after, _) in pairwise(steps):
         turned = np.arccos(np.clip((np.trace(R.T @ after) - 1.0) / 2.0, -1.0, 1.0))
         assert turned <= rate * dt * 1.05 + 1e-6
     assert min(R[2, 2] for R, _ in steps) < -0.2  # upside down for a while, past the vertical
