@@ -175,15 +175,16 @@ def _window(check: SignalCheck, rows: Array) -> Array:
     start, end = rows[0, 0], rows[-1, 0]
     from_s = start if check.from_s is None else check.from_s
     to_s = end if check.to_s is None else check.to_s
+    window = f"window {from_s:g} s to {'the end' if check.to_s is None else f'{to_s:g} s'}"
     # Samples stand for the period around them: a window may stick out by one.
     slack = 1.5 * _period(rows)
     if not (start - slack <= from_s <= end + slack and start - slack <= to_s <= end + slack):
-        raise _NotJudgedError(f"window {from_s:g} s to {to_s:g} s is outside the run, {start:g} s to {end:g} s")
+        raise _NotJudgedError(f"{window} is outside the run, {start:g} s to {end:g} s")
     times = rows[:, 0]
     inside = rows[(times >= from_s) & (times <= to_s)]
     needed = 1 if check.statistic == "final" else 2
     if len(inside) < needed:
-        raise _NotJudgedError(f"window {from_s:g} s to {to_s:g} s holds {len(inside)} samples, needs {needed}")
+        raise _NotJudgedError(f"{window} holds {len(inside)} samples, needs {needed}")
     return inside
 
 

@@ -91,17 +91,19 @@ def run(
     except (ScenarioError, RecordingError) as error:
         _stop(BAD_INPUT, str(error))
 
-    from . import simulation
-
     try:
-        with _progress(loaded.scenario.name, hidden=quiet) as progress:
+        from . import simulation
+
+        with _progress(loaded.scenario.name, loaded.scenario.duration_s, hidden=quiet) as progress:
             result = simulation.run(scenario, overrides=overrides, out=directory, progress=progress)
     except (ScenarioError, ModelError) as error:
         _stop(BAD_INPUT, str(error))
     except CubeSimError as error:
         _stop(NOT_JUDGED, str(error))
     except KeyboardInterrupt:
-        _stop(INTERRUPTED, f"interrupted; recorded so far: {directory}")
+        _stop(
+            INTERRUPTED, f"interrupted; {f'recorded so far: {directory}' if directory.exists() else 'nothing recorded'}"
+        )
     if json:
         _print_json(result)
     elif not quiet:
@@ -151,7 +153,7 @@ def _stop(code: int, message: str) -> NoReturn:
 
 
 @contextlib.contextmanager
-def _progress(name: str, *, hidden: bool) -> Iterator[Callable[[float, float], None] | None]:
+def _progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[Callable[[float, float], None] | None]:
     """A bar on the terminal while a run lasts; yields what the run calls with (simulated, whole) seconds."""
     if hidden or not sys.stderr.isatty():
         yield None
@@ -169,13 +171,17 @@ def _progress(name: str, *, hidden: bool) -> Iterator[Callable[[float, float], N
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(name, total=None, completed=0, factor="")
-        started = time.perf_counter()
+        task = bar.add_task(name, total=duration_s, factor="")
+        started: float | None = None
 
-        def update(simulated_s: float, duration_s: float) -> None:
-            elapsed_s = time.perf_counter() - started
-            factor = f"{simulated_s / elapsed_s:.1f} x real time" if elapsed_s > 0 else ""
-            bar.update(task, completed=simulated_s, total=duration_s, factor=factor)
+        def update(simulated_s: float, whole_s: float) -> None:
+            nonlocal started
+            now = time.perf_counter()
+            if started is None:
+                # The first report: loading and compiling are over, nothing has moved yet.
+                started = now
+            factor = f"{simulated_s / (now - started):.1f} x real time" if simulated_s > 0 and now > started else ""
+            bar.update(task, completed=simulated_s, total=whole_s, factor=factor)
 
         yield update
 
