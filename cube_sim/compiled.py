@@ -13,4 +13,4 @@ def compiled(function: Callable[..., Any]) -> Any:
 
     No fast-math: results are the same bits on every run, and equal to the reference's up to rounding.
     """
-    return numba.njit(cache=True, fastmath=False)(function)
+    return numba.njit(cache=True, fastmath=False, error_model="numpy")(function)

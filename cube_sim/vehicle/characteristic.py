@@ -41,6 +41,14 @@ class Characteristic:
         low, high = self.force_dead_zone
         return np.array([self.forces[0], low, high, self.forces[-1]])
 
+    @cached_property
+    def reactivity(self) -> tuple[float, float]:
+        """(F_react-, F_react+) [N]: on each side the force where the curve is steepest, so a motor answers fastest.
+
+        That is the middle of the steepest measured segment.
+        """
+        return tuple(_steepest(c, F) for c, F in self._sides)  # type: ignore[return-value]
+
     def force(self, command: ArrayLike) -> NDArray[np.float64]:
         """Steady force [N] at each command; commands beyond the curve saturate."""
         c = np.asarray(command, dtype=float)
@@ -69,6 +77,13 @@ class Characteristic:
         end = int(np.flatnonzero(self.forces >= 0.0)[0]) + 1
         start = int(np.flatnonzero(self.forces <= 0.0)[-1])
         return (self.commands[:end], self.forces[:end]), (self.commands[start:], self.forces[start:])
+
+
+def _steepest(commands: NDArray[np.float64], forces: NDArray[np.float64]) -> float:
+    if commands.size < 2:
+        return 0.0
+    i = int(np.argmax(np.diff(forces) / np.diff(commands)))
+    return float(0.5 * (forces[i] + forces[i + 1]))
 
 
 @compiled

@@ -10,11 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle import hook, packing, structs
+from cube_sim.vehicle import hook, packing, structs, user_forces
 from cube_sim.vehicle.parameters import WaterParameters, read_parameters
+from cube_sim.vehicle.user_forces import UserForce
 
 
-def load_model(path: str | Path | mujoco.MjSpec, parameters: Mapping[str, ArrayLike] | None = None) -> mujoco.MjModel:
+def load_model(
+    path: str | Path | mujoco.MjSpec,
+    parameters: Mapping[str, ArrayLike] | None = None,
+    forces: Mapping[str, UserForce] | None = None,
+) -> mujoco.MjModel:
     """Compile a model with water.
 
     The returned model is an ordinary `mujoco.MjModel`: mj_step, rollout, batch and the viewer step it with added mass,
@@ -24,6 +29,8 @@ def load_model(path: str | Path | mujoco.MjSpec, parameters: Mapping[str, ArrayL
         path: an MJCF file, or a spec built in memory (left as it is).
         parameters: values that take the place of the MJCF's custom numerics of the same name, e.g.
             ``{"hull:thruster_dead_zone": (-2.0, 2.0)}``; see `cube_sim.vehicle.parameters` for the names.
+        forces: hull -> a force of your own, see `cube_sim.vehicle.user_forces`. The MJCF can name one too:
+            ``<text name="hull:force" data="package.module:function"/>``.
 
     Raises:
         ModelError: the file cannot be read or compiled, or its water makes no sense; names the element.
@@ -33,7 +40,7 @@ def load_model(path: str | Path | mujoco.MjSpec, parameters: Mapping[str, ArrayL
     else:
         spec, name = path.copy(), path.modelname
     try:
-        return _immerse(spec, dict(parameters or {}))
+        return _immerse(spec, dict(parameters or {}), dict(forces or {}))
     except ModelError as error:
         raise ModelError(error.element, error.reason, name) from None
     except ValueError as error:  # MuJoCo's compiler
@@ -49,7 +56,7 @@ def _read(path: Path) -> mujoco.MjSpec:
         raise ModelError("", _one_line(error), str(path)) from None
 
 
-def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike]) -> mujoco.MjModel:
+def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[str, UserForce]) -> mujoco.MjModel:
     hook.install()
     numerics = {n.name: np.array(n.data, dtype=float) for n in spec.numerics}
     for name, values in overrides.items():
@@ -58,6 +65,9 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike]) -> mujoco.MjM
         raise ModelError(packing.PACKED, "is written by load_model; remove it from the MJCF")
     bodies = [body.name for body in spec.bodies if body.name and body.name != "world"]
     parameters = read_parameters(numerics, bodies, _thrusters(spec))
+    for text in spec.texts:
+        if text.name.endswith(":force"):
+            forces.setdefault(text.name.removesuffix(":force"), user_forces.resolve(text.data, text.name))
     _require_usable_options(spec)
     for hull in parameters.hulls:
         _prepare(spec, hull.body)
@@ -68,12 +78,21 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike]) -> mujoco.MjM
     ids = [model.body(hull.body).id for hull in parameters.hulls]
     dofs = [int(model.body_dofadr[i]) for i in ids]
     start = model.numeric_adr[model.nnumeric - 1]
-    packed = packing.pack(parameters, ids, dofs)
+    table = _register(forces, [hull.body for hull in parameters.hulls])
+    packed = packing.pack(parameters, ids, dofs, table, user_forces.process_number())
     model.numeric_data[start : start + packed.size] = packed
     data = mujoco.MjData(model)
     structs.verify(model, data)
     _set_inverse_weights(model, data, parameters)
     return model
+
+
+def _register(forces: dict[str, UserForce], hulls: list[str]) -> list[int]:
+    """The place of each hull's own force in the table of this process, -1 where there is none."""
+    for body in forces:
+        if body not in hulls:
+            raise ModelError(f"{body}:force", f"no hull '{body}'; the model has {', '.join(hulls)}")
+    return [user_forces.register(forces[h], f"{h}:force") if h in forces else -1 for h in hulls]
 
 
 def _thrusters(spec: mujoco.MjSpec) -> list[tuple[str, str] | None]:

@@ -8,8 +8,12 @@
     <body>:quadratic_damping            6 or 36 values [N s^2/m^2, N s^2/m, N m s^2]
     <body>:thruster_characteristic      pairs command, force [N] for every thruster of the hull
     <body>:thruster_dead_zone           F_DZ-, F_DZ+ [N]
+    <body>:thruster_power               k_P-, k_P+ of the electrical power k_P |F|^1.5 [W/N^1.5]; may be left out
     <actuator>:thruster_characteristic  the same for one thruster, before its hull's
     <actuator>:thruster_dead_zone
+    <actuator>:thruster_power
+    water:current                       rows time [s], height z [m], v_x, v_y, v_z [m/s] (world axes) on a full grid of
+                                        times and heights, added to `option wind`; linear between, constant beyond
 
 A body with any of the first group is a hull: it needs a free joint. What a hull leaves out is zero.
 """
@@ -27,7 +31,8 @@ from cube_sim.vehicle.characteristic import Characteristic
 
 DENSITY = "water:density"
 HULL_PARAMETERS = ("volume", "centre_of_buoyancy", "added_mass", "linear_damping", "quadratic_damping")
-THRUSTER_PARAMETERS = ("thruster_characteristic", "thruster_dead_zone")
+THRUSTER_PARAMETERS = ("thruster_characteristic", "thruster_dead_zone", "thruster_power")
+CURRENT = "water:current"
 
 
 @dataclass(frozen=True)
@@ -52,11 +57,40 @@ class Hull:
 
 
 @dataclass(frozen=True)
+class ThrusterParameters:
+    """One thruster.
+
+    Attributes:
+        characteristic: command to force.
+        power: (k_P-, k_P+) of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 when not known.
+    """
+
+    characteristic: Characteristic
+    power: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class CurrentProfile:
+    """A current on a grid of times and heights.
+
+    Attributes:
+        times_s: (n_t,) increasing [s].
+        heights: (n_z,) z in the world, increasing [m].
+        velocities: (n_t, n_z, 3) [m/s], world axes.
+    """
+
+    times_s: NDArray[np.float64]
+    heights: NDArray[np.float64]
+    velocities: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class WaterParameters:
-    """All hulls of a model, and one characteristic per actuator (None: not a thruster of ours)."""
+    """All hulls of a model, one entry per actuator (None: not a thruster of ours), and the current, if it varies."""
 
     hulls: tuple[Hull, ...]
-    characteristics: tuple[Characteristic | None, ...]
+    thrusters: tuple[ThrusterParameters | None, ...]
+    current: CurrentProfile | None
 
 
 def read_parameters(
@@ -84,8 +118,8 @@ def read_parameters(
     if density <= 0.0:
         raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
     hulls = tuple(_hull(numerics, name, density) for name in hull_names)
-    curves = tuple(_characteristic(numerics, *pair) if pair else None for pair in thrusters)
-    return WaterParameters(hulls, curves)
+    motors = tuple(_thruster(numerics, *pair) if pair else None for pair in thrusters)
+    return WaterParameters(hulls, motors, _current(numerics))
 
 
 def _owners(numerics: Mapping[str, NDArray[np.float64]], bodies: list[str], actuators: list[str]) -> list[str]:
@@ -93,7 +127,7 @@ def _owners(numerics: Mapping[str, NDArray[np.float64]], bodies: list[str], actu
     found: set[str] = set()
     for name, values in numerics.items():
         owner, colon, parameter = name.rpartition(":")
-        if not colon or name == DENSITY:
+        if not colon or name in (DENSITY, CURRENT):
             continue
         if not np.all(np.isfinite(values)):
             raise ModelError(name, "holds a value that is not finite")
@@ -128,6 +162,35 @@ def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float
         linear_damping=linear,
         quadratic_damping=quadratic,
     )
+
+
+def _current(numerics: Mapping[str, NDArray[np.float64]]) -> CurrentProfile | None:
+    if CURRENT not in numerics:
+        return None
+    values = numerics[CURRENT]
+    if values.size == 0 or values.size % 5:
+        raise ModelError(CURRENT, f"has {values.size} values; it takes rows of five: time, height, v_x, v_y, v_z")
+    if not np.all(np.isfinite(values)):
+        raise ModelError(CURRENT, "holds a value that is not finite")
+    rows = values.reshape(-1, 5)
+    times_s, heights = np.unique(rows[:, 0]), np.unique(rows[:, 1])
+    order = np.lexsort((rows[:, 1], rows[:, 0]))
+    grid = np.stack(np.meshgrid(times_s, heights, indexing="ij"), axis=-1).reshape(-1, 2)
+    if rows.shape[0] != grid.shape[0] or not np.array_equal(rows[order, :2], grid):
+        raise ModelError(
+            CURRENT,
+            f"has {rows.shape[0]} rows; one for each of its {times_s.size} times at each of its "
+            f"{heights.size} heights is right",
+        )
+    return CurrentProfile(times_s, heights, rows[order, 2:].reshape(times_s.size, heights.size, 3))
+
+
+def _thruster(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str) -> ThrusterParameters:
+    name = next((n for n in (f"{o}:thruster_power" for o in (actuator, body)) if n in numerics), None)
+    power = np.zeros(2) if name is None else _vector(numerics, name, 2)
+    if name and np.any(power < 0.0):
+        raise ModelError(name, "has a negative value; a motor takes power in both directions")
+    return ThrusterParameters(_characteristic(numerics, actuator, body), (float(power[0]), float(power[1])))
 
 
 def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str) -> Characteristic:

@@ -1,4 +1,4 @@
-"""The memory layout of mjModel and mjData, as numpy record types that compiled code can read.
+"""The memory layout of mjModel and mjData, as offsets that compiled code can read.
 
 The layout is taken from the running MuJoCo's own description of its C structs and checked against the live objects,
 so a new MuJoCo release changes numbers here, not code.
@@ -15,16 +15,22 @@ from mujoco.introspect import ast_nodes, structs
 from cube_sim.errors import ModelError
 
 MODEL_FIELDS = (
-    "nu", "nv", "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "numeric_adr", "numeric_data",
-    "dof_armature", "M_rowadr", "actuator_actadr",
+    "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "numeric_adr", "numeric_data",
+    "dof_armature", "M_rowadr", "actuator_actadr", "actuator_actnum",
 )  # fmt: skip
-DATA_FIELDS = ("qvel", "xmat", "act", "cdof", "crb", "M", "qfrc_passive")
+DATA_FIELDS = ("time", "qvel", "xpos", "xmat", "act", "cdof", "crb", "M", "qfrc_passive")
 
 _SCALARS = {
     "mjtSize": ctypes.c_int64, "mjtNum": ctypes.c_double, "mjtByte": ctypes.c_ubyte, "mjtBool": ctypes.c_bool,
     "int": ctypes.c_int, "float": ctypes.c_float, "size_t": ctypes.c_size_t, "uint64_t": ctypes.c_uint64,
     "uintptr_t": ctypes.c_size_t,
 }  # fmt: skip
+
+
+def offsets(struct: str, fields: tuple[str, ...]) -> dict[str, int]:
+    """Byte offset of each field, by the path it was asked for."""
+    layout = record(struct, fields)
+    return {path: int(layout.fields[path.replace(".", "_")][1]) for path in fields}  # type: ignore[index]
 
 
 def record(struct: str, fields: tuple[str, ...]) -> np.dtype:

@@ -82,7 +82,7 @@ class Vehicle:
         Raises:
             ModelError: the model has no water, or no such hull, or several and no name was given.
         """
-        packed = _packed(model)
+        packed = packing.numbers(model).copy()
         records = _hull_records(packed)
         names = {model.body(int(record[packing.BODY])).name: record for record in records}
         if name is None and len(names) > 1:
@@ -91,15 +91,6 @@ class Vehicle:
         if chosen not in names:
             raise ModelError(chosen, f"is no hull; the model has {', '.join(names)}")
         return _vehicle(model, packed, names[chosen], chosen)
-
-
-def _packed(model: mujoco.MjModel) -> NDArray[np.float64]:
-    if model.nnumeric:
-        start = model.numeric_adr[model.nnumeric - 1]
-        packed = np.array(model.numeric_data[start : start + model.numeric_size[model.nnumeric - 1]])
-        if packed[0] == packing.MAGIC:
-            return packed
-    raise ModelError("", "the model has no water; compile it with cube_sim.load_model")
 
 
 def _hull_records(packed: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -126,7 +117,7 @@ def _vehicle(model: mujoco.MjModel, packed: NDArray[np.float64], record: NDArray
         mass_matrix=mass_matrix,
         added_mass=record[packing.ADDED_MASS : packing.LINEAR].reshape(6, 6),
         linear_damping=record[packing.LINEAR : packing.QUADRATIC].reshape(6, 6),
-        quadratic_damping=record[packing.QUADRATIC :].reshape(6, 6),
+        quadratic_damping=record[packing.QUADRATIC : packing.FORCE].reshape(6, 6),
         displaced_mass=float(record[packing.DISPLACED_MASS]),
         centre_of_mass=centre_of_mass,
         centre_of_buoyancy=record[packing.CENTRE : packing.ADDED_MASS],
@@ -136,6 +127,7 @@ def _vehicle(model: mujoco.MjModel, packed: NDArray[np.float64], record: NDArray
             names=tuple(model.actuator(i).name for i in actuators),
             actuators=np.array(actuators, dtype=int),
             characteristics=tuple(_characteristic(packed, i) for i in actuators),
+            power_coefficients=np.array([_power(packed, i) for i in actuators]).reshape(-1, 2),
             lag_s=np.array([model.actuator_dynprm[i, 0] for i in actuators]),
         ),
     )
@@ -164,6 +156,11 @@ def _is_thruster_of(model: mujoco.MjModel, packed: NDArray[np.float64], actuator
         return False
     site = model.actuator_trnid[actuator, 0]
     return bool(model.body_rootid[model.site_bodyid[site]] == body)
+
+
+def _power(packed: NDArray[np.float64], actuator: int) -> NDArray[np.float64]:
+    start = int(packed[int(packed[packing.ACTUATORS]) + actuator])
+    return packed[start + packing.POWER : start + packing.POWER + 2]
 
 
 def _characteristic(packed: NDArray[np.float64], actuator: int) -> Characteristic:

@@ -1,0 +1,138 @@
+"""Compiled callbacks kept on disk as object files, and loaded without the compiler.
+
+numba's own cache needs numba's typing machinery before it can load a line (0.7 s); linking an object file takes
+milliseconds. A file is named by everything its code depends on, so a stale one is never found, only left behind.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import llvmlite.binding as llvm
+
+_DIGEST_SIZE = 32
+_engines: list[Any] = []  # they own the executable memory
+
+
+def addresses(key: str, build: Callable[[], Mapping[str, Any]], names: tuple[str, ...]) -> dict[str, int]:
+    """Addresses of compiled callbacks, from disk when they are there, else from `build`.
+
+    Args:
+        key: everything the code depends on besides this machine's processor and LLVM.
+        build: makes name -> numba cfunc; called only when the disk has no usable file.
+        names: the callbacks wanted.
+    """
+    _initialise()
+    processor = f"{llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+    versions = f"{llvmlite.__version__} {llvm.llvm_version_info}"
+    digest = hashlib.sha256("\n".join([key, processor, versions]).encode()).hexdigest()[:20]
+    folders = cache_folders()
+    for folder in folders:
+        objects = {name: _read(folder / f"{name}-{digest}.o") for name in names}
+        if all(objects.values()):
+            return {name: _link(code, name) for name, code in objects.items() if code}
+    compiled = build()
+    objects = {name: emit(compiled[name].inspect_llvm(), compiled[name].native_name, name) for name in names}
+    if any(code is None for code in objects.values()):
+        _engines.append(compiled)
+        return {name: int(compiled[name].address) for name in names}
+    for folder in folders:
+        if all(_write(folder / f"{name}-{digest}.o", code) for name, code in objects.items() if code):
+            break
+    return {name: _link(code, name) for name, code in objects.items() if code}
+
+
+def cache_folders() -> list[Path]:
+    """Where object files may lie, best first: a folder the user names, beside the code, the user's cache, scratch."""
+    named = os.environ.get("CUBE_SIM_CACHE_DIR")
+    if named:
+        return [Path(named)]
+    home = os.environ.get("XDG_CACHE_HOME") or (Path.home() / ".cache")
+    scratch = Path(tempfile.gettempdir()) / f"cube_sim-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
+    return [Path(__file__).parent / "__pycache__", Path(home) / "cube_sim", scratch]
+
+
+def emit(text: str, symbol: str, name: str) -> bytes | None:
+    """An object file for this processor from LLVM code, its entry renamed; None if it leans on Python's runtime.
+
+    numba leaves every function replaceable at link time, so LLVM may not conclude that none of ours ever raises. Made
+    internal, they lose all the code that would report exceptions, and with it every tie to Python.
+
+    Args:
+        text: LLVM IR of a cfunc.
+        symbol: the entry's name there.
+        name: the entry's name in the object file.
+    """
+    text = re.sub(
+        rf"^define (?:linkonce_odr )?(?=[^\n]*@(?!{re.escape(symbol)}\())", "define internal ", text, flags=re.M
+    )
+    module = llvm.parse_assembly(text)
+    module.get_function(symbol).name = name
+    machine = _machine()
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    builder.getModulePassManager().run(module, builder)
+    module.verify()
+    outside = [f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")]
+    outside += [g.name for g in module.global_variables if g.is_declaration]
+    for other in outside:
+        if other.startswith(("Py", "_Py", "numba_", "NRT_")) or llvm.address_of_symbol(other) is None:
+            return None
+    return machine.emit_object(module)
+
+
+def _initialise() -> None:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+
+
+def _machine():
+    return llvm.Target.from_default_triple().create_target_machine(
+        cpu=llvm.get_host_cpu_name(),
+        features=llvm.get_host_cpu_features().flatten(),
+        opt=3,
+        reloc="default",
+        codemodel="jitdefault",
+        jit=True,
+    )
+
+
+def _link(code: bytes, name: str) -> int:
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    _engines.append(engine)
+    return engine.get_function_address(name)
+
+
+def _read(path: Path) -> bytes | None:
+    """The object code of a whole file that belongs to this user or the system; None for any other."""
+    try:
+        content = path.read_bytes()
+        owner = path.stat().st_uid
+    except OSError:
+        return None
+    if hasattr(os, "getuid") and owner not in (0, os.getuid()):
+        return None
+    code = content[_DIGEST_SIZE:]
+    return code if code and hashlib.sha256(code).digest() == content[:_DIGEST_SIZE] else None
+
+
+def _write(path: Path, code: bytes) -> bool:
+    """Write at once or not at all; other processes may be reading or writing the same file."""
+    try:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent)
+        with os.fdopen(handle, "wb") as file:
+            file.write(hashlib.sha256(code).digest() + code)
+        Path(name).chmod(0o644)  # an installation is shared; nobody but its owner may change it
+        Path(name).replace(path)
+    except OSError:
+        return False
+    return True

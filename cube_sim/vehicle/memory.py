@@ -1,0 +1,131 @@
+"""Reading and writing MuJoCo's memory from compiled code: an address is an int64, everything else is an offset.
+
+These are the only places where a bare address is trusted. `cube_sim.vehicle.structs` has checked every offset against
+live objects before a model is stepped.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba import carray, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+FORCE_TABLE = "cube_sim_force_table"  # symbol of the process's table of user forces
+
+_DOUBLE, _INT64 = ir.DoubleType(), ir.IntType(64)
+
+
+@intrinsic
+def _pointer(typingctx, address):
+    def codegen(context, builder, signature, args):
+        return builder.inttoptr(args[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.int64), codegen
+
+
+@intrinsic
+def _load_double(typingctx, address):
+    def codegen(context, builder, signature, args):
+        return builder.load(builder.inttoptr(args[0], _DOUBLE.as_pointer()))
+
+    return types.float64(types.int64), codegen
+
+
+@intrinsic
+def _load_int32(typingctx, address):
+    def codegen(context, builder, signature, args):
+        value = builder.load(builder.inttoptr(args[0], ir.IntType(32).as_pointer()))
+        return builder.sext(value, _INT64)
+
+    return types.int64(types.int64), codegen
+
+
+@intrinsic
+def _load_int64(typingctx, address):
+    def codegen(context, builder, signature, args):
+        return builder.load(builder.inttoptr(args[0], _INT64.as_pointer()))
+
+    return types.int64(types.int64), codegen
+
+
+@intrinsic
+def _store_double(typingctx, address, value):
+    def codegen(context, builder, signature, args):
+        builder.store(args[1], builder.inttoptr(args[0], _DOUBLE.as_pointer()))
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.float64), codegen
+
+
+@intrinsic
+def force_table(typingctx):
+    """Address of this process's table of user forces, known to the linker by name."""
+
+    def codegen(context, builder, signature, args):
+        module = builder.module
+        table = module.globals.get(FORCE_TABLE) or ir.GlobalVariable(module, _INT64, FORCE_TABLE)
+        return builder.ptrtoint(table, _INT64)
+
+    return types.int64(), codegen
+
+
+@intrinsic
+def call_force(typingctx, function, time, position, rotation, nu):
+    """Call ``void (double time, position, rotation, velocity, wrench)`` at an address; the wrench as a 6-tuple."""
+
+    def codegen(context, builder, signature, args):
+        address, time, position, rotation, nu = args
+        pointer = _DOUBLE.as_pointer()
+        kind = ir.FunctionType(ir.VoidType(), [_DOUBLE, pointer, pointer, pointer, pointer])
+        velocity = cgutils.alloca_once(builder, _DOUBLE, size=6)
+        wrench = cgutils.alloca_once(builder, _DOUBLE, size=6)
+        for i in range(6):
+            builder.store(builder.extract_value(nu, i), cgutils.gep(builder, velocity, i))
+            builder.store(ir.Constant(_DOUBLE, 0.0), cgutils.gep(builder, wrench, i))
+        builder.call(
+            builder.inttoptr(address, kind.as_pointer()),
+            [time, builder.inttoptr(position, pointer), builder.inttoptr(rotation, pointer), velocity, wrench],
+        )
+        return cgutils.pack_array(builder, [builder.load(cgutils.gep(builder, wrench, i)) for i in range(6)])
+
+    six = types.UniTuple(types.float64, 6)
+    return six(types.int64, types.float64, types.int64, types.int64, six), codegen
+
+
+@numba.njit
+def double(address, i):
+    """Element i of an array of doubles."""
+    return _load_double(address + 8 * i)
+
+
+@numba.njit
+def integer(address, i):
+    """Element i of an array of 32-bit integers."""
+    return _load_int32(address + 4 * i)
+
+
+@numba.njit
+def field(address, offset):
+    """A pointer or 64-bit size inside a struct."""
+    return _load_int64(address + offset)
+
+
+@numba.njit
+def put(address, i, value):
+    """Set element i of an array of doubles."""
+    _store_double(address + 8 * i, value)
+
+
+@numba.njit
+def vector(address, n):
+    """(n,) view of doubles."""
+    return carray(_pointer(address), (n,), np.float64)
+
+
+@numba.njit
+def matrix(address, rows, columns):
+    """(rows, columns) view of doubles."""
+    return carray(_pointer(address), (rows, columns), np.float64)
