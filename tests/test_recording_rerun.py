@@ -188,6 +188,15 @@ def test_the_log_is_shown(run):
     assert len(texts) == 4
 
 
+def test_the_viewer_knows_the_levels_of_the_log(tmp_path):
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        for t, level in enumerate(("INFO", "WARNING", "ERROR", "FATAL")):
+            recorder.log(float(t), level, "said")
+    _, levels = drawn(recorder.rrd, "/log", "TextLog:level")
+    assert levels == [["INFO"], ["WARN"], ["ERROR"], ["CRITICAL"]]
+    assert [line.level for line in read_recording(recorder.mcap).log] == ["INFO", "WARNING", "ERROR", "FATAL"]
+
+
 def test_the_file_carries_its_blueprint(run):
     (entry,) = RrdReader(run.rrd).blueprints()
     classes = set()
@@ -195,7 +204,7 @@ def test_the_file_carries_its_blueprint(run):
         batch = chunk.to_record_batch()
         if "ViewBlueprint:class_identifier" in batch.schema.names:
             classes |= {name for (name,) in batch.column("ViewBlueprint:class_identifier").to_pylist()}
-    assert classes == {"3D", "TimeSeries", "StateTimeline"}
+    assert classes == {"3D", "TimeSeries", "StateTimeline", "TextLog"}
 
 
 def test_a_run_without_rows_still_leaves_a_view(tmp_path):
@@ -243,8 +252,13 @@ def test_every_kind_of_geom_is_drawn(tmp_path):
       <geom name="cylinder" type="cylinder" size="0.1 0.2" euler="90 0 0"/>
       <geom name="frame" type="mesh" mesh="tetrahedron" pos="0 0 1" rgba="0 1 0 1"/>
     """
-    mesh = '<asset><mesh name="tetrahedron" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/></asset>'
-    xml = MJCF.replace("<worldbody>", mesh + "<worldbody>").replace('<geom name="hull"', geoms + '<geom name="hull"')
+    assets = """<asset>
+      <hfield name="sand" nrow="2" ncol="2" size="1 1 1 1"/>
+      <mesh name="tetrahedron" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/>
+    </asset>"""
+    xml = MJCF.replace("<worldbody>", assets + "<worldbody>")
+    xml = xml.replace("<body", '<geom name="bed" type="hfield" hfield="sand"/><body')
+    xml = xml.replace('<geom name="hull"', geoms + '<geom name="hull"')
     compiled = mujoco.MjModel.from_xml_string(xml)
     with Recorder(tmp_path, HEADER, table(), compiled) as recorder:
         append_tick(recorder, 0)
@@ -257,6 +271,7 @@ def test_every_kind_of_geom_is_drawn(tmp_path):
     length = still(recorder.rrd, f"{body}/tube", "Capsules3D:lengths")[0]
     assert abs(start[0]) == pytest.approx(0.2)
     assert length == pytest.approx(0.4)
+    assert "bed is not drawn" in still(recorder.rrd, "/log/model/bed", "TextLog:text")[0]
     corners = np.array(still(recorder.rrd, f"{body}/frame", "Mesh3D:vertex_positions"))
     wanted = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1], [0, 0, 2]], dtype=float)
     for corner in wanted:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cube_sim.recording import palette
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.rerun_plots import ATTITUDE, ERROR, FORCE, LANES, MOMENT, THRUSTERS
-from cube_sim.recording.rerun_scene import TARGET, TRAIL, VEHICLE, WORLD
+from cube_sim.recording.rerun_scene import LOG, TARGET, TRAIL, VEHICLE, WORLD
 
 TIMELINE = "sim_time"
 
@@ -47,7 +47,9 @@ def blueprint(channels: Sequence[Channel], points: NDArray[np.float64], boxes: S
         plots.append((2.6, rrb.Tabs(force, moment, active_tab=0)))
     if "thrusters" in names:
         plots.append((3.0, _plot(THRUSTERS, "Thruster forces [N]")))
-    below = rrb.Horizontal(close_up, lanes, column_shares=[4.0, 5.0]) if "allocation" in names else close_up
+    log = rrb.TextLogView(origin=LOG, name="Log")
+    said = rrb.Tabs(lanes, log, active_tab=0) if "allocation" in names else log
+    below = rrb.Horizontal(close_up, said, column_shares=[4.0, 5.0])
     left = rrb.Vertical(scene, below, row_shares=[1.0, 0.95])
     right = rrb.Vertical(*(view for _, view in plots), row_shares=[share for share, _ in plots])
     return rrb.Blueprint(

@@ -23,6 +23,7 @@ PATH = f"{WORLD}/path"
 TRAIL = f"{WORLD}/trail"
 TARGET = f"{WORLD}/target"
 CURRENT = f"{WORLD}/current"
+LOG = "/log"
 
 ARROW_M_PER_N = 0.04
 ARROW_M_PER_M_S = 6.0
@@ -107,7 +108,9 @@ def _log_shape(
         vertices, faces = _mesh(model, shape)
         drawn = rr.Mesh3D(vertex_positions=vertices, triangle_indices=faces, albedo_factor=colours[0])
     else:
-        recording.log("/log", rr.TextLog(f"{shape.name}: a {shape.kind.name} is not drawn", level="WARN"), static=True)
+        # Beside the log and not in it: what is static hides what comes later.
+        said = rr.TextLog(f"{shape.name} is not drawn: its type is {shape.kind.name}", level="WARN")
+        recording.log(f"{LOG}/model/{shape.name}", said, static=True)
         return
     recording.log(entity, drawn, static=True)
 

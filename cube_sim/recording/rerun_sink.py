@@ -23,6 +23,7 @@ from cube_sim.recording.rerun_scene import (
     ARROW_M_PER_M_S,
     ARROW_M_PER_N,
     CURRENT,
+    LOG,
     PATH,
     TARGET,
     THRUST,
@@ -32,8 +33,8 @@ from cube_sim.recording.rerun_scene import (
 )
 
 TIMELINE = "sim_time"
-LOG = "/log"
 _TRAIL_HZ = 10
+_LEVELS = {"WARNING": "WARN", "FATAL": "CRITICAL"}  # where the viewer has another word
 
 
 # A piece of five seconds costs a third of what five pieces of one second cost.
@@ -90,7 +91,7 @@ class RerunSink:
                 self._write_lane(lane, block.rows[lane.channel])
         if block.log:
             t = np.array([[line.t] for line in block.log])
-            text, level = [line.text for line in block.log], [line.level for line in block.log]
+            text, level = [line.text for line in block.log], [_LEVELS.get(line.level, line.level) for line in block.log]
             self._send(LOG, t, rr.TextLog.columns(text=text, level=level))
 
     def close(self) -> None:
