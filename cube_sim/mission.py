@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation import Allocator
 from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
+from cube_sim.control.controller import Controller
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
+from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.helix import Helix
@@ -36,11 +38,7 @@ class Mission:
         data: its state, at the scenario's initial condition.
         vehicle: the hull that follows the path.
         path: the path.
-        target: the virtual target on it.
-        approach: the desired velocity.
-        attitude: the desired attitude.
-        loops: desired motion to wrench.
-        observer: the disturbance estimate, None when the scenario wants none.
+        controller: state to wrench.
         allocator: wrench to thruster forces.
     """
 
@@ -49,11 +47,7 @@ class Mission:
     data: mujoco.MjData
     vehicle: Vehicle
     path: Path
-    target: VirtualTarget
-    approach: Approach
-    attitude: AttitudeMode
-    loops: MotionLoops
-    observer: DisturbanceObserver | None
+    controller: Controller
     allocator: Allocator
 
 
@@ -66,14 +60,21 @@ def prepare(loaded: Loaded) -> Mission:
     scenario = loaded.scenario
     model, vehicle = _vehicle(loaded)
     path = make_path(scenario.path)
-    guidance, control = scenario.guidance, scenario.control
-    dynamics = vehicle.dynamics
-    limit = guidance.target_speed_limit_m_s
     return Mission(
         scenario=scenario,
         model=model,
         data=_initial_state(model, vehicle, scenario),
         vehicle=vehicle,
+        path=path,
+        controller=_controller(scenario, path, vehicle),
+        allocator=_allocator(vehicle, scenario.allocation),
+    )
+
+
+def _controller(scenario: Scenario, path: Path, vehicle: Vehicle) -> Controller:
+    guidance, control, dynamics = scenario.guidance, scenario.control, vehicle.dynamics
+    limit, time = guidance.target_speed_limit_m_s, control.disturbance_time_s
+    return PathFollower(
         path=path,
         target=VirtualTarget(path, guidance.target_gain_per_s, inf if limit is None else limit),
         approach=Approach(
@@ -84,10 +85,7 @@ def prepare(loaded: Loaded) -> Mission:
         ),
         attitude=_attitude(control.attitude),
         loops=MotionLoops(dynamics, control.velocity_time_s, control.attitude_time_s, control.rate_time_s),
-        observer=None
-        if control.disturbance_time_s is None
-        else DisturbanceObserver(dynamics, control.disturbance_time_s),
-        allocator=_allocator(vehicle, scenario.allocation),
+        observer=None if time is None else DisturbanceObserver(dynamics, time),
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -137,44 +138,25 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
         t: simulated time [s].
         applied: (6,) wrench commanded over the tick before.
     """
-    vehicle, data, dt = mission.vehicle, mission.data, mission.scenario.control_period_s
+    vehicle, data = mission.vehicle, mission.data
     state = read_state(vehicle, data)
-
-    view = mission.target.view(state.position, state.rotation @ state.velocity)
-    motion = mission.approach.motion(view, mission.path.length)
-    attitude = mission.attitude.attitude(view, dt)
-
-    wrench, reference = mission.loops.wrench(state, motion, attitude)
-    disturbance = np.zeros(6)
-    if mission.observer is not None:
-        disturbance = mission.observer.update(state, applied, dt)
-    demanded = wrench - disturbance
-
-    allocation = mission.allocator.allocate(demanded)
+    decision = mission.controller.decide(state, applied, mission.scenario.control_period_s)
+    allocation = mission.allocator.allocate(decision.wrench)
     commands = vehicle.thrusters.command(allocation.force)
     data.ctrl[vehicle.thrusters.actuators] = commands
 
-    point, error = view.point, view.error
     recorder.append("pose", t, state.position, state.quaternion)
     recorder.append("velocity", t, state.velocity, state.rates)
-    recorder.append(
-        "target",
-        t,
-        view.arc_length,
-        mission.path.length - view.arc_length,
-        point.position,
-        quaternion_from_rotation(point.rotation),
-    )
-    cross_track = float(np.hypot(error[1], error[2]))
-    recorder.append("path_error", t, error[0], error[1:], cross_track, reference.attitude_error)
-    recorder.append("reference", t, reference.velocity, reference.rates, attitude.quaternion)
-    recorder.append("wrench", t, demanded, allocation.wrench, disturbance)
+    point, (s1, y1, z1) = decision.view.point, decision.view.error
+    orientation = quaternion_from_rotation(point.rotation)
+    recorder.append("target", t, decision.view.arc_length, decision.remaining, point.position, orientation)
+    recorder.append("path_error", t, s1, (y1, z1), hypot(y1, z1), decision.attitude_error)
+    recorder.append("reference", t, decision.velocity, decision.rates, decision.quaternion)
+    recorder.append("wrench", t, decision.wrench, allocation.wrench, decision.disturbance)
     recorder.append("allocation", t, allocation.residual, allocation.cost, allocation.status, allocation.subset)
     produced = data.actuator_force[vehicle.thrusters.actuators]
     recorder.append("thrusters", t, allocation.force, commands, produced)
     recorder.append("water", t, mission.model.opt.wind)
-
-    mission.target.advance(view.speed, dt)
     return allocation.wrench, allocation.status
 
 

@@ -1,0 +1,46 @@
+"""What every controller answers, so that the loop and the recording need not know which one flies."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.spatial import State, Vector
+
+
+class Decision(NamedTuple):
+    """One tick of a controller; vectors in body axes unless said otherwise.
+
+    Attributes:
+        wrench: F_B^d (6,) demanded of the thrusters [N, N m].
+        disturbance: estimate (6,) of what the model does not explain [N, N m].
+        view: the vehicle seen from the virtual target.
+        remaining: arc length from the target to the end of the path [m].
+        velocity: desired velocity of the body origin over ground (3,) [m/s].
+        rates: desired angular velocity (3,) [rad/s].
+        quaternion: desired attitude q_WD (4,) wxyz.
+        attitude_error: angle between desired and actual attitude [rad].
+    """
+
+    wrench: Vector
+    disturbance: Vector
+    view: TargetView
+    remaining: float
+    velocity: Vector
+    rates: Vector
+    quaternion: Vector
+    attitude_error: float
+
+
+class Controller(Protocol):
+    """A law from the vehicle's state to the wrench that should act on it; keeps its own virtual target."""
+
+    def decide(self, state: State, applied: Vector, dt: float) -> Decision:
+        """The wrench for the coming tick.
+
+        Args:
+            state: the vehicle now.
+            applied: wrench (6,) [N, N m] the thrusters were allocated over the tick before, body axes.
+            dt: length of a tick [s].
+        """
+        ...
