@@ -105,14 +105,10 @@ def judge(
         mission: what is asked; default `Mission()`.
 
     Raises:
-        ActuationError: the mission's speed, time, side step or turn is not positive.
+        ActuationError: the mission asks for nothing sensible.
     """
     asked = Mission() if mission is None else mission
-    if (
-        not min(asked.speed_m_s, asked.horizon_s, asked.side_step_m, asked.most_turn_rad) > 0.0
-        or not asked.inclinations_rad
-    ):
-        raise ActuationError(f"a mission needs a positive speed, time, side step and turn, and a course; it is {asked}")
+    _check(asked)
     body = Hull.neutral(actuation.length_m) if hull is None else hull
     inclinations = (0.0,) if len(actuation.matrix) == 3 else asked.inclinations_rad
     best: list[SteeredCourse] = []
@@ -128,6 +124,14 @@ def judge(
             text = f"{_course(inclination)} at {asked.speed_m_s:g} m/s needs more force than the thrusters have"
             return Verdict(Outcome.STUCK, f"{_left(actuation)}; {text}", tuple(best))
     return _verdict(actuation, tuple(best), asked)
+
+
+def _check(asked: Mission) -> None:
+    figures = [asked.speed_m_s, asked.horizon_s, asked.side_step_m, asked.most_turn_rad]
+    if not (np.all(np.isfinite(figures)) and min(figures) > 0.0):
+        raise ActuationError(f"a mission needs a positive speed, time, side step and turn; it is {asked}")
+    if not asked.inclinations_rad or not np.all(np.abs(asked.inclinations_rad) <= np.pi / 2.0):
+        raise ActuationError(f"a mission needs courses, inclined by at most 90 degrees; it is {asked}")
 
 
 def _steer(
