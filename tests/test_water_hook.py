@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import subprocess
 import sys
 from dataclasses import replace
@@ -103,8 +104,6 @@ def test_a_copy_and_a_saved_model_keep_their_water(tmp_path):
     body, start = random_body(rng), tumbling(rng)
     model = body.model()
     mujoco.mj_saveModel(model, str(tmp_path / "m.mjb"), None)
-    import copy
-
     for other in (copy.copy(model), mujoco.MjModel.from_binary_path(str(tmp_path / "m.mjb"))):
         a, b = mujoco.MjData(model), mujoco.MjData(other)
         for data in (a, b):
@@ -135,6 +134,34 @@ def test_rollout_on_two_threads_is_the_loop_bit_for_bit():
         state = np.zeros_like(initial[0])
         mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         assert np.array_equal(states[k, -1], state)
+
+
+def test_batch_on_two_threads_is_the_loop_bit_for_bit():
+    """And each simulation of a batch may have thrusters of its own condition."""
+    from mujoco import batch
+
+    from cube_sim.vehicle import condition, packing
+
+    rng = np.random.default_rng(4)
+    model = cube_sim.load_model(CUBE)
+    fleet = batch.Batch(model, nsim=4, nthread=2)
+    numbers = fleet.expand("numeric_data")
+    models = []
+    for k in range(4):
+        own = copy.copy(model)
+        condition.set_efficiency(own, "T1", k / 4)
+        numbers[k] = own.numeric_data
+        models.append(own)
+    control = rng.uniform(-1.0, 1.0, (4, model.nu))
+    fleet.ctrl[:] = control
+    fleet.step(nstep=100)
+    for k, own in enumerate(models):
+        data = mujoco.MjData(own)
+        data.ctrl[:] = control[k]
+        mujoco.mj_step(own, data, nstep=100)
+        assert np.array_equal(fleet.qpos[k], data.qpos)
+    assert np.unique(np.array(fleet.qpos)[:, 0]).size == 4
+    assert packing.numbers(model)[0] == packing.MAGIC
 
 
 def test_repeats_bitwise():

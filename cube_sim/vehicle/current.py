@@ -10,10 +10,11 @@ from cube_sim.vehicle.hydrodynamics import cross, times, to_body
 def bracket(x, xs):
     """Where x lies among increasing xs (n,): index of the point before it, fraction to the next, 1/spacing.
 
-    Beyond the ends the nearest point holds, and 1/spacing is 0: nothing changes out there.
+    Beyond the ends the nearest point holds, and 1/spacing is 0: nothing changes out there. On a point the slope is that
+    of the interval that begins there.
     """
     last = xs.shape[0] - 1
-    if last == 0 or x <= xs[0]:
+    if last == 0 or x < xs[0]:
         return 0, 0.0, 0.0
     if x >= xs[last]:
         return last - 1, 1.0, 0.0

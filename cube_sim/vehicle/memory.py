@@ -1,7 +1,8 @@
 """Reading and writing MuJoCo's memory from compiled code: an address is an int64, everything else is an offset.
 
 These are the only places where a bare address is trusted. `cube_sim.vehicle.structs` has checked every offset against
-live objects before a model is stepped.
+live objects before a model is stepped. They are written for the code generator rather than compiled as functions:
+numba would specialise each of them for every literal index, a quarter of a second a time.
 """
 
 from __future__ import annotations
@@ -27,37 +28,50 @@ def _pointer(typingctx, address):
 
 
 @intrinsic
-def _load_double(typingctx, address):
-    def codegen(context, builder, signature, args):
-        return builder.load(builder.inttoptr(args[0], _DOUBLE.as_pointer()))
+def double(typingctx, address, i):
+    """Element i of an array of doubles."""
 
-    return types.float64(types.int64), codegen
+    def codegen(context, builder, signature, args):
+        return builder.load(_element(builder, args, 8, _DOUBLE))
+
+    return types.float64(types.int64, types.int64), codegen
 
 
 @intrinsic
-def _load_int32(typingctx, address):
-    def codegen(context, builder, signature, args):
-        value = builder.load(builder.inttoptr(args[0], ir.IntType(32).as_pointer()))
-        return builder.sext(value, _INT64)
+def integer(typingctx, address, i):
+    """Element i of an array of 32-bit integers."""
 
-    return types.int64(types.int64), codegen
+    def codegen(context, builder, signature, args):
+        return builder.sext(builder.load(_element(builder, args, 4, ir.IntType(32))), _INT64)
+
+    return types.int64(types.int64, types.int64), codegen
 
 
 @intrinsic
-def _load_int64(typingctx, address):
-    def codegen(context, builder, signature, args):
-        return builder.load(builder.inttoptr(args[0], _INT64.as_pointer()))
+def field(typingctx, address, offset):
+    """A pointer or 64-bit size, `offset` bytes into a struct."""
 
-    return types.int64(types.int64), codegen
+    def codegen(context, builder, signature, args):
+        return builder.load(_element(builder, args, 1, _INT64))
+
+    return types.int64(types.int64, types.int64), codegen
 
 
 @intrinsic
-def _store_double(typingctx, address, value):
+def put(typingctx, address, i, value):
+    """Set element i of an array of doubles."""
+
     def codegen(context, builder, signature, args):
-        builder.store(args[1], builder.inttoptr(args[0], _DOUBLE.as_pointer()))
+        builder.store(args[2], _element(builder, args[:2], 8, _DOUBLE))
         return context.get_dummy_value()
 
-    return types.void(types.int64, types.float64), codegen
+    return types.void(types.int64, types.int64, types.float64), codegen
+
+
+def _element(builder, args, size, kind):
+    """Pointer to `kind` at address + size * index."""
+    address, index = args
+    return builder.inttoptr(builder.add(address, builder.mul(index, ir.Constant(_INT64, size))), kind.as_pointer())
 
 
 @intrinsic
@@ -95,37 +109,13 @@ def call_force(typingctx, function, time, position, rotation, nu):
     return six(types.int64, types.float64, types.int64, types.int64, six), codegen
 
 
-@numba.njit
-def double(address, i):
-    """Element i of an array of doubles."""
-    return _load_double(address + 8 * i)
-
-
-@numba.njit
-def integer(address, i):
-    """Element i of an array of 32-bit integers."""
-    return _load_int32(address + 4 * i)
-
-
-@numba.njit
-def field(address, offset):
-    """A pointer or 64-bit size inside a struct."""
-    return _load_int64(address + offset)
-
-
-@numba.njit
-def put(address, i, value):
-    """Set element i of an array of doubles."""
-    _store_double(address + 8 * i, value)
-
-
-@numba.njit
+@numba.njit("float64[::1](int64, int64)")
 def vector(address, n):
     """(n,) view of doubles."""
     return carray(_pointer(address), (n,), np.float64)
 
 
-@numba.njit
+@numba.njit("float64[:,::1](int64, int64, int64)")
 def matrix(address, rows, columns):
     """(rows, columns) view of doubles."""
     return carray(_pointer(address), (rows, columns), np.float64)
