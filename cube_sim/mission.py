@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from math import inf, radians
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation import Allocator
+from cube_sim.allocation import Allocator, Status
 from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
 from cube_sim.control.controller import Controller
 from cube_sim.control.disturbance import DisturbanceObserver
@@ -21,11 +22,16 @@ from cube_sim.guidance.helix import Helix
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.recording.channels import Channel, channel_table
 from cube_sim.scenario import Loaded, Scenario, schema
 from cube_sim.scenario import path_blocks as blocks
+from cube_sim.scenario.check_blocks import SignalCheck
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle
+
+PATH_POINTS = 400
+"""Points of the polyline by which a recording shows the path."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +46,7 @@ class Mission:
         path: the path.
         controller: state to wrench.
         allocator: wrench to thruster forces.
+        channels: what will be recorded.
     """
 
     scenario: Scenario
@@ -49,6 +56,7 @@ class Mission:
     path: Path
     controller: Controller
     allocator: Allocator
+    channels: tuple[Channel, ...]
 
 
 def prepare(loaded: Loaded) -> Mission:
@@ -60,6 +68,8 @@ def prepare(loaded: Loaded) -> Mission:
     scenario = loaded.scenario
     model, vehicle = _vehicle(loaded)
     path = make_path(scenario.path)
+    channels = channel_table(vehicle.thrusters.names, PATH_POINTS, tuple(status.name for status in Status))
+    _require_signals(loaded, channels)
     return Mission(
         scenario=scenario,
         model=model,
@@ -68,7 +78,26 @@ def prepare(loaded: Loaded) -> Mission:
         path=path,
         controller=_controller(scenario, path, vehicle),
         allocator=_allocator(vehicle, scenario.allocation),
+        channels=channels,
     )
+
+
+def _require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
+    """Find the signals no run will record before the run, not after it."""
+    widths = {f"{channel.name}.{field.name}": field.width for channel in channels for field in channel.fields}
+    mistakes = []
+    for i, check in enumerate(loaded.scenario.checks):
+        if not isinstance(check, SignalCheck):
+            continue
+        if check.signal not in widths:
+            near = get_close_matches(check.signal, widths, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(widths)}"
+            mistakes.append(loaded.mistake(f"checks.{i}.signal", f"no signal '{check.signal}' is recorded, {hint}"))
+        elif check.component is not None and check.component >= widths[check.signal]:
+            last = widths[check.signal] - 1
+            mistakes.append(loaded.mistake(f"checks.{i}.component", f"{check.signal} has columns 0 to {last}"))
+    if mistakes:
+        raise ScenarioError(mistakes)
 
 
 def _controller(scenario: Scenario, path: Path, vehicle: Vehicle) -> Controller:

@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation import Status
 from cube_sim.checks import evaluate
-from cube_sim.mission import Mission, prepare
+from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.provenance import header, versions
-from cube_sim.recording.channels import channel_table
 from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import check as check_directory
 from cube_sim.run_directory import default_directory
@@ -30,9 +29,6 @@ from cube_sim.scenario import load
 from cube_sim.spatial import State, quaternion_from_rotation
 from cube_sim.vehicle.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, Verdict, overall, to_json
-
-PATH_POINTS = 400
-"""Points of the polyline by which a recording shows the path."""
 
 DIVERGED = 1e6
 """A position [m], velocity [m/s] or acceleration [m/s^2] beyond which a simulation has failed, far from any vehicle."""
@@ -86,9 +82,10 @@ def run(
     prepare_directory(directory)
     (directory / "resolved.yaml").write_text(loaded.resolved_yaml(), encoding="utf-8")
 
-    thrusters = mission.vehicle.thrusters.names
-    channels = channel_table(thrusters, PATH_POINTS, tuple(status.name for status in Status))
-    with Recorder(directory, header(loaded), channels, mission.model) as recorder, collect_warnings() as warnings:
+    with (
+        Recorder(directory, header(loaded), mission.channels, mission.model) as recorder,
+        collect_warnings() as warnings,
+    ):
         started = time.perf_counter()
         end_s = _fly(mission, recorder, progress)
         elapsed_s = time.perf_counter() - started

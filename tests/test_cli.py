@@ -138,7 +138,6 @@ def test_pass_fail_and_error_have_their_exit_codes(tmp_path, monkeypatch, capsys
     for code, verdict, settings in (
         (0, "PASS", []),
         (1, "FAIL", ["--set", "checks.0.at_most=-1"]),
-        (3, "ERROR", ["--set", "checks.0.signal=no.where"]),
         (3, "ERROR", ["--set", "checks.0.from_s=100"]),
     ):
         assert call(monkeypatch, capsys, "run", path, "--out", out, "--quiet", *settings) == (code, "", "")

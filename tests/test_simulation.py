@@ -138,3 +138,17 @@ def test_a_model_without_water_is_a_mistake_at_its_place(tmp_path):
     (tmp_path / "x.yaml").write_text(text)
     with pytest.raises(ScenarioError, match=r"x\.yaml:\d+:\d+: model: .*no hull to put into the water"):
         cube_sim.run(tmp_path / "x.yaml", None, tmp_path / "out")
+
+
+def test_a_check_of_a_signal_nobody_records_is_a_mistake_before_the_run(tmp_path):
+    text = (
+        HELIX.read_text()
+        .replace("../models/", f"{ROOT}/models/")
+        .replace("path_error.cross_track", "path_error.crosstrack")
+    )
+    (tmp_path / "x.yaml").write_text(text)
+    with pytest.raises(
+        ScenarioError, match=r"x\.yaml:\d+:\d+: checks\.0\.signal: .*did you mean path_error\.cross_track"
+    ):
+        cube_sim.run(tmp_path / "x.yaml", None, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
