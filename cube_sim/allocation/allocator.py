@@ -47,7 +47,7 @@ class Effort:
     Attributes:
         nodes: projections solved by the searches.
         qps: problems given to ProxQP.
-        disagreements: times ProxQP did not confirm the search, whose own answer was then used.
+        disagreements: times ProxQP did not confirm the search.
         unproven: times the search stalled and every subset was enumerated instead.
     """
 
@@ -198,7 +198,7 @@ class Allocator:
         if outcome != FOUND:
             return None
         if self.method == "search+proxqp":
-            force = self._confirm(origin, force, subset, multiplier)
+            self._confirm(origin, force, subset, multiplier)
         at = np.arange(m), subset + 1
         return np.clip(force, self._low[at], self._high[at]), subset
 
@@ -208,18 +208,20 @@ class Allocator:
         force: NDArray[np.float64],
         subset: NDArray[np.int8],
         multiplier: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
-        """Let ProxQP solve the subset from the search's own point; keep the search's forces unless it agrees."""
+    ) -> None:
+        """Let ProxQP solve the subset from the search's own point, and count it when it does not agree.
+
+        The forces stay the search's: ProxQP's last bit depends on where its buffers happen to lie in memory, and the
+        same run has to give the same bytes.
+        """
         problem = subset_qp(
             subset, origin, self._fibre.equations, self._low, self._high, self._side_target, self.weights
         )
         gradient = self.weights * (force - problem.target) + multiplier
         self.effort.qps += 1
         solution = self._solver.solve(problem, (force, -problem.equations @ gradient, multiplier))
-        if solution.trusted and np.max(np.abs(solution.force - force)) <= self._agreement_N:
-            return solution.force
-        self.effort.disagreements += 1
-        return force
+        if not (solution.trusted and np.max(np.abs(solution.force - force)) <= self._agreement_N):
+            self.effort.disagreements += 1
 
     def _enumerate(self, origin: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int8]] | None:
         sides = self._low, self._high, self._side_target, self._penalty, self.weights
