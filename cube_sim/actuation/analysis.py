@@ -1,0 +1,141 @@
+"""One call from an actuation matrix to everything there is to know about it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cube_sim.actuation.allowed import AllowedForces
+from cube_sim.actuation.combination import Combination
+from cube_sim.actuation.criteria import Directions, final_approach, first_approach, second_approach
+from cube_sim.actuation.extents import Extent, extents
+from cube_sim.actuation.hull import Hull
+from cube_sim.actuation.indices import Indices, indices
+from cube_sim.actuation.subspaces import RANK_TOLERANCE, Subspaces, subspaces
+from cube_sim.actuation.verdict import Mission, Verdict, judge
+from cube_sim.actuation.wrench_axes import Matrix, Vector, actuation_matrix, lever_arm
+from cube_sim.errors import ActuationError
+
+COST_LIMIT = 100.0
+"""Directions that cost more thruster force per newton of wrench than this are not worth steering with (a choice)."""
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What a set of thrusters can do.
+
+    Attributes:
+        names: (m,) of the thrusters that are left.
+        lost: names of those that are not.
+        subspaces: range, kernel, projector, all solutions, of the thrusters that are left.
+        gains: (rank,) the report's first approach with singular vectors [N/N].
+        component_costs: (n,) second approach: least thruster-force norm per scaled newton of each component alone.
+        directions: final approach: eigen directions and their costs, cheapest first.
+        kept: those directions whose cost is within the limit, for a controller to work with.
+        extents: attainable range of each component; None without limits.
+        indices: figures of merit of the layout.
+        verdict: whether a path can be followed, and why.
+    """
+
+    names: tuple[str, ...]
+    lost: tuple[str, ...]
+    subspaces: Subspaces
+    gains: Vector
+    component_costs: Vector
+    directions: Directions
+    kept: Directions
+    extents: tuple[Extent, ...] | None
+    indices: Indices
+    verdict: Verdict
+
+    @property
+    def matrix(self) -> Matrix:
+        """A (n,m) of the thrusters that are left."""
+        return self.subspaces.matrix
+
+    @property
+    def rank(self) -> int:
+        """Rank of W A by the relative threshold."""
+        return self.subspaces.rank
+
+    @property
+    def redundancy(self) -> int:
+        """m - rank."""
+        return self.subspaces.redundancy
+
+    @property
+    def unreachable(self) -> tuple[Combination, ...]:
+        """Independent combinations of wrench components that stay zero, in numbers and words."""
+        return self.subspaces.unreachable
+
+
+def analyse(
+    A: ArrayLike,
+    limits: ArrayLike | None = None,
+    *,
+    names: Sequence[str] | None = None,
+    lost: Sequence[str] = (),
+    hull: Hull | None = None,
+    mission: Mission | None = None,
+    length_m: float | None = None,
+    rank_tolerance: float = RANK_TOLERANCE,
+    cost_limit: float = COST_LIMIT,
+    rest: bool = True,
+) -> Analysis:
+    """Analyse an actuation matrix, with all its thrusters or without some.
+
+    Args:
+        A: (6,m) rows Fx Fy Fz Mx My Mz, or (3,m) rows Fx Fy Mz; F_B = A F_m.
+        limits: (m,4) [F_max-, F_DZ-, F_DZ+, F_max+] [N], (m,2), or one row; without them no extents.
+        names: of the thrusters, default T1..Tm.
+        lost: names of thrusters that are dead.
+        hull: the moving body for the verdict; without one, `Hull.neutral`.
+        mission: what the verdict asks for.
+        length_m: what torques are divided by [m]; default the rms lever arm of all thrusters, lost ones included.
+        rank_tolerance: relative to the largest singular value.
+        cost_limit: [N/N] above which a direction is not kept.
+        rest: whether a thruster may stand still inside its dead zone.
+
+    Raises:
+        ActuationError: something among the arguments is malformed, or no thruster is left.
+    """
+    matrix, axes = actuation_matrix(A)
+    m = matrix.shape[1]
+    all_names = tuple(f"T{i + 1}" for i in range(m)) if names is None else tuple(names)
+    if len(set(all_names)) != m:
+        raise ActuationError(f"the names {', '.join(all_names)} are not {m} different ones")
+    keep = _left(all_names, lost)
+    length = lever_arm(matrix, axes) if length_m is None else length_m
+    left = matrix[:, keep]
+    table, allowed = None, None
+    if limits is not None:
+        AllowedForces.from_limits(limits, m, dead_zones=True, rest=rest)
+        table = np.broadcast_to(limits, (m, np.shape(limits)[-1]))[keep]
+        allowed = AllowedForces.from_limits(table, len(keep), dead_zones=False)
+    spaces = subspaces(left, length_m=length, rank_tolerance=rank_tolerance)
+    directions = final_approach(left, length_m=length)
+    return Analysis(
+        names=tuple(all_names[i] for i in keep),
+        lost=tuple(name for name in all_names if name in set(lost)),
+        subspaces=spaces,
+        gains=first_approach(left, length_m=length),
+        component_costs=second_approach(left, length_m=length),
+        directions=directions,
+        kept=directions.keep(cost_limit),
+        extents=None if table is None else extents(left, table, rest=rest),
+        indices=indices(spaces, allowed, rank_tolerance),
+        verdict=judge(spaces, hull, allowed, mission),
+    )
+
+
+def _left(names: tuple[str, ...], lost: Sequence[str]) -> list[int]:
+    for name in lost:
+        if name not in names:
+            raise ActuationError(f"no thruster {name!r}; there are {', '.join(names)}")
+    keep = [i for i, name in enumerate(names) if name not in set(lost)]
+    if not keep:
+        raise ActuationError(f"no thruster is left: all of {', '.join(names)} are lost")
+    return keep

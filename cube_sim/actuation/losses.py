@@ -1,0 +1,143 @@
+"""What is left after every possible loss of a few thrusters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from math import comb
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cube_sim.actuation.allowed import AllowedForces
+from cube_sim.actuation.extents import Extent, extents, force_corners, torque_corners
+from cube_sim.actuation.hull import Hull
+from cube_sim.actuation.subspaces import RANK_TOLERANCE, subspaces
+from cube_sim.actuation.verdict import Mission, Verdict, judge
+from cube_sim.actuation.wrench_axes import actuation_matrix, lever_arm
+from cube_sim.errors import ActuationError
+
+
+@dataclass(frozen=True)
+class LossCase:
+    """A vehicle without some of its thrusters.
+
+    Attributes:
+        lost: their names; empty for the intact vehicle.
+        rank: of what is left.
+        pure_forces: number of independent forces producible with zero torque.
+        pure_torques: number of independent torques producible with zero force.
+        unreachable: the lost combinations in words.
+        strongest_force: largest force [N] with zero torque, in its best direction, dead zones left out.
+        strongest_torque: largest torque [N m] with zero force, in its best direction.
+        extents: attainable range of each component, with and without dead zones.
+        verdict: whether a path can still be followed.
+    """
+
+    lost: tuple[str, ...]
+    rank: int
+    pure_forces: int
+    pure_torques: int
+    unreachable: tuple[str, ...]
+    strongest_force: float
+    strongest_torque: float
+    extents: tuple[Extent, ...]
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class Survivability:
+    """The intact vehicle and every loss of up to `most` of its thrusters.
+
+    Attributes:
+        names: (m,) all thrusters.
+        most: largest number of thrusters lost together.
+        cases: by number of losses, then in the order of the thrusters; the intact vehicle first.
+    """
+
+    names: tuple[str, ...]
+    most: int
+    cases: tuple[LossCase, ...]
+
+    def case(self, *lost: str) -> LossCase:
+        """The case of exactly these losses, in any order.
+
+        Raises:
+            ActuationError: it was not computed.
+        """
+        for case in self.cases:
+            if set(case.lost) == set(lost):
+                return case
+        raise ActuationError(
+            f"no case without {', '.join(lost)}; up to {self.most} of {', '.join(self.names)} are lost"
+        )
+
+    def of(self, losses: int) -> tuple[LossCase, ...]:
+        """All cases of this many losses."""
+        return tuple(case for case in self.cases if len(case.lost) == losses)
+
+
+def survivability(
+    A: ArrayLike,
+    limits: ArrayLike,
+    *,
+    names: Sequence[str] | None = None,
+    hull: Hull | None = None,
+    mission: Mission | None = None,
+    most: int = 3,
+    length_m: float | None = None,
+    rank_tolerance: float = RANK_TOLERANCE,
+    rest: bool = True,
+    progress: Callable[[int, int], None] | None = None,
+) -> Survivability:
+    """Judge every loss of up to `most` thrusters; arguments as in `cube_sim.actuation.analyse`.
+
+    Args:
+        A: (6,m) or (3,m).
+        limits: (m,4), (m,2) or one row [N].
+        names: of the thrusters, default T1..Tm.
+        hull: the moving body.
+        mission: what the verdict asks for.
+        most: thrusters lost together at most; one is always left.
+        length_m: default the rms lever arm of the intact vehicle, for all cases.
+        rank_tolerance: relative to the largest singular value of each case.
+        rest: whether a thruster may stand still inside its dead zone.
+        progress: called with (cases done, all cases).
+
+    Raises:
+        ActuationError: the matrix, the limits or `most` are malformed.
+    """
+    matrix, axes = actuation_matrix(A)
+    m = matrix.shape[1]
+    all_names = tuple(f"T{i + 1}" for i in range(m)) if names is None else tuple(names)
+    if most < 0:
+        raise ActuationError(f"{most} thrusters cannot be lost")
+    AllowedForces.from_limits(limits, m, dead_zones=True, rest=rest)
+    table = np.broadcast_to(limits, (m, np.shape(limits)[-1]))
+    length = lever_arm(matrix, axes) if length_m is None else length_m
+    deepest = min(most, m - 1)
+    total = sum(comb(m, k) for k in range(deepest + 1))
+    cases: list[LossCase] = []
+    for losses in range(deepest + 1):
+        for lost in combinations(range(m), losses):
+            keep = [i for i in range(m) if i not in lost]
+            left, left_limits = matrix[:, keep], table[keep]
+            spaces = subspaces(left, length_m=length, rank_tolerance=rank_tolerance)
+            allowed = AllowedForces.from_limits(left_limits, len(keep), dead_zones=False)
+            cases.append(
+                LossCase(
+                    lost=tuple(all_names[i] for i in lost),
+                    rank=spaces.rank,
+                    pure_forces=spaces.pure_forces.shape[1],
+                    pure_torques=spaces.pure_torques.shape[1],
+                    unreachable=tuple(str(combination) for combination in spaces.unreachable),
+                    strongest_force=float(np.max(np.linalg.norm(force_corners(left, left_limits), axis=1))),
+                    strongest_torque=float(np.max(np.linalg.norm(torque_corners(left, left_limits), axis=1))),
+                    extents=extents(left, left_limits, rest=rest),
+                    verdict=judge(spaces, hull, allowed, mission),
+                )
+            )
+            if progress is not None:
+                progress(len(cases), total)
+    return Survivability(all_names, deepest, tuple(cases))
