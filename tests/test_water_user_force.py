@@ -17,20 +17,20 @@ from cube_sim.vehicle import user_forces
 STIFFNESS = 30.0
 
 
-def spring(time, position, rotation, velocity):
+def spring(time, position, rotation, velocity, through_water):
     """A spring to the world's origin, tied at the body's; plain arithmetic on arrays."""
     f = rotation.T @ (-STIFFNESS * position)
     return f[0], f[1], f[2], 0.0, 0.0, 0.0
 
 
-def awkward_spring(time, position, rotation, velocity):
+def awkward_spring(time, position, rotation, velocity, through_water):
     """The same, in a way numba cannot compile."""
     named = {"x": position[0], "y": position[1], "z": position[2], "rank": lambda: 1}
     f = rotation.T @ np.array([-STIFFNESS * named[k] for k in "xyz"])
     return [*f, *np.zeros(3 * named["rank"]())]
 
 
-def swell(time, position, rotation, velocity):
+def swell(time, position, rotation, velocity, through_water):
     return 5.0 * math.sin(2.0 * time), 0.0, 0.0, 0.0, 0.0, 0.1 * math.cos(time)
 
 
@@ -57,7 +57,7 @@ def test_it_is_a_force_in_body_axes_at_the_right_time():
     from water_bodies import fossen
 
     solution = scipy.integrate.solve_ivp(
-        lambda t, y: fossen(body, y, np.array(swell(t, None, None, None))),
+        lambda t, y: fossen(body, y, np.array(swell(t, None, None, None, None))),
         (0.0, 1.5),
         start,
         method="DOP853",
@@ -71,21 +71,25 @@ def test_it_is_a_force_in_body_axes_at_the_right_time():
 def test_velocity_arrives_in_body_axes():
     seen = []
 
-    def spy(time, position, rotation, velocity):
-        seen.append((time, position, rotation, velocity))
+    def spy(time, position, rotation, velocity, through_water):
+        seen.append((time, position, rotation, velocity, through_water))
         return np.zeros(6)
 
     rng = np.random.default_rng(1)
+    current = np.array([0.3, -0.2, 0.1])
     model = cube_sim.load_model(floating().spec("Euler"), forces={"hull": spy})
+    model.opt.wind[:] = current
     data = mujoco.MjData(model)
     set_state(data, tumbling(rng))
     data.time = 3.5
     mujoco.mj_forward(model, data)
-    time, position, rotation, velocity = seen[-1]
+    time, position, rotation, velocity, through_water = seen[-1]
     assert time == 3.5
     np.testing.assert_allclose(position, data.qpos[:3])
     np.testing.assert_allclose(rotation, data.xmat[1].reshape(3, 3))
     np.testing.assert_allclose(velocity, get_state(data)[7:])
+    np.testing.assert_allclose(velocity[:3] - through_water[:3], rotation.T @ current, atol=1e-14)
+    np.testing.assert_allclose(velocity[3:], through_water[3:])
 
 
 def test_named_in_the_model_file():
@@ -123,7 +127,7 @@ def test_the_model_in_another_process_says_that_the_function_is_missing(tmp_path
     ("forces", "reason"),
     [
         ({"ship": spring}, "no hull 'ship'; the model has hull"),
-        ({"hull": lambda t, p, R, v: (1.0, 2.0)}, "returns shape (2,); six values are right"),
+        ({"hull": lambda t, p, R, v, u: (1.0, 2.0)}, "returns shape (2,); six values are right"),
         ({"hull": lambda t, p: p}, "fails at rest at the origin: TypeError"),
     ],
 )

@@ -16,7 +16,7 @@ from numba import types
 from cube_sim.vehicle import packing
 from cube_sim.vehicle.characteristic import force_of_command
 from cube_sim.vehicle.current import accelerating_water, current_at
-from cube_sim.vehicle.hydrodynamics import water_wrench
+from cube_sim.vehicle.hydrodynamics import relative_velocity, water_wrench
 from cube_sim.vehicle.memory import call_force, double, field, force_table, integer, matrix, put, vector
 
 _MAGIC = packing.MAGIC
@@ -93,13 +93,13 @@ def _plus(a, b):
 
 
 @numba.njit
-def _user_wrench(function, process, time, position, rotation, nu):
+def _user_wrench(function, process, time, position, rotation, nu, nu_r):
     """The hull's own force; not a number when the model comes from another process, whose functions are not here."""
     table = force_table()
     if double(table, 0) != process:
         nan = float("nan")
         return (nan, nan, nan, nan, nan, nan)
-    return call_force(field(table, 8 * (function + 1)), time, position, rotation, nu)
+    return call_force(field(table, 8 * (function + 1)), time, position, rotation, nu, nu_r)
 
 
 def build(model: Mapping[str, int], data: Mapping[str, int], no_gravity: int) -> dict:
@@ -197,7 +197,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], no_gravity: int) ->
                 F = _plus(F, accelerating_water(M_A, displaced, r_CB, R, surge))
             function = int(double(hull, _FORCE))
             if function >= 0:
-                F = _plus(F, _user_wrench(function, double(packed, _PROCESS), time, position, rotation, nu))
+                nu_r = relative_velocity(R, nu, current)
+                F = _plus(F, _user_wrench(function, double(packed, _PROCESS), time, position, rotation, nu, nu_r))
             force = field(d, qfrc_passive) + 8 * dof
             for i in range(3):
                 put(force, i, double(force, i) + R[i, 0] * F[0] + R[i, 1] * F[1] + R[i, 2] * F[2])

@@ -87,26 +87,35 @@ def force_table(typingctx):
 
 
 @intrinsic
-def call_force(typingctx, function, time, position, rotation, nu):
-    """Call ``void (double time, position, rotation, velocity, wrench)`` at an address; the wrench as a 6-tuple."""
+def call_force(typingctx, function, time, position, rotation, nu, nu_r):
+    """Call ``void (time, position, rotation, velocity, through_water, wrench)`` at an address; wrench as a 6-tuple."""
 
     def codegen(context, builder, signature, args):
-        address, time, position, rotation, nu = args
+        address, time, position, rotation, nu, nu_r = args
         pointer = _DOUBLE.as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [_DOUBLE, pointer, pointer, pointer, pointer])
+        kind = ir.FunctionType(ir.VoidType(), [_DOUBLE, *[pointer] * 5])
         velocity = cgutils.alloca_once(builder, _DOUBLE, size=6)
+        through_water = cgutils.alloca_once(builder, _DOUBLE, size=6)
         wrench = cgutils.alloca_once(builder, _DOUBLE, size=6)
         for i in range(6):
             builder.store(builder.extract_value(nu, i), cgutils.gep(builder, velocity, i))
+            builder.store(builder.extract_value(nu_r, i), cgutils.gep(builder, through_water, i))
             builder.store(ir.Constant(_DOUBLE, 0.0), cgutils.gep(builder, wrench, i))
         builder.call(
             builder.inttoptr(address, kind.as_pointer()),
-            [time, builder.inttoptr(position, pointer), builder.inttoptr(rotation, pointer), velocity, wrench],
+            [
+                time,
+                builder.inttoptr(position, pointer),
+                builder.inttoptr(rotation, pointer),
+                velocity,
+                through_water,
+                wrench,
+            ],
         )
         return cgutils.pack_array(builder, [builder.load(cgutils.gep(builder, wrench, i)) for i in range(6)])
 
     six = types.UniTuple(types.float64, 6)
-    return six(types.int64, types.float64, types.int64, types.int64, six), codegen
+    return six(types.int64, types.float64, types.int64, types.int64, six, six), codegen
 
 
 @numba.njit("float64[::1](int64, int64)")

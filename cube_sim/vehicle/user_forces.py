@@ -1,12 +1,12 @@
 """Forces a user adds to a hull: one plain Python function on arrays, run inside every MuJoCo step.
 
-    def tether(time, position, rotation, velocity):
+    def tether(time, position, rotation, velocity, through_water):
         pull = -20.0 * (position - anchor)              # world axes [N]
         force = rotation.T @ pull                       # body axes
         return force[0], force[1], force[2], 0.0, 0.0, 0.0
 
-Arguments are the time [s], p_WB (3,) [m], R_WB (3,3) and nu (6,) = [v; w] in body axes; the six values returned are the
-wrench in body axes at the body origin [N, N m]. The function is compiled when numba can (then it runs on every thread
+Arguments are the time [s], p_WB (3,) [m], R_WB (3,3), nu (6,) = [v; w] in body axes and nu_r (6,), the same relative to
+the water; the six values returned are the wrench in body axes at the body origin [N, N m]. The function is compiled when numba can (then it runs on every thread
 and costs what its arithmetic costs), and called as Python when not. It must depend on its arguments only: RK4 calls it
 four times a step, derivatives more often.
 """
@@ -24,13 +24,13 @@ import numpy as np
 
 from cube_sim.errors import ModelError
 
-UserForce = Callable[[float, np.ndarray, np.ndarray, np.ndarray], Sequence[float]]
+UserForce = Callable[[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray], Sequence[float]]
 
 SYMBOL = "cube_sim_force_table"
 CAPACITY = 4096  # different functions in one process
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
-_SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES)
+_SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES)
 _table = (ctypes.c_int64 * (CAPACITY + 1))()
 _kept: list[Any] = []  # what must outlive the pointers in the table
 _known: dict[Any, int] = {}
@@ -91,7 +91,7 @@ def is_compiled(function: UserForce) -> bool:
 
 def _require_wrench(function: UserForce, name: str) -> None:
     try:
-        wrench = np.asarray(function(0.0, np.zeros(3), np.eye(3), np.zeros(6)), dtype=float)
+        wrench = np.asarray(function(0.0, np.zeros(3), np.eye(3), np.zeros(6), np.zeros(6)), dtype=float)
     except Exception as error:
         raise ModelError(name, f"fails at rest at the origin: {type(error).__name__}: {error}") from error
     if wrench.shape != (6,):
@@ -105,13 +105,19 @@ def _compile(function: UserForce) -> tuple[int, Any] | None:
     law = numba.njit(function) if not hasattr(function, "py_func") else function
     double, pointer = types.float64, types.CPointer(types.float64)
 
-    def call(time, position, rotation, velocity, wrench):
-        F = law(time, carray(position, (3,)), carray(rotation, (3, 3)), carray(velocity, (6,)))
+    def call(time, position, rotation, velocity, through_water, wrench):
+        F = law(
+            time,
+            carray(position, (3,)),
+            carray(rotation, (3, 3)),
+            carray(velocity, (6,)),
+            carray(through_water, (6,)),
+        )
         for i in range(6):
             wrench[i] = F[i]
 
     try:
-        compiled = numba.cfunc(types.void(double, pointer, pointer, pointer, pointer))(call)
+        compiled = numba.cfunc(types.void(double, pointer, pointer, pointer, pointer, pointer))(call)
     except numba.core.errors.NumbaError:
         return None
     return compiled.address, compiled
@@ -119,7 +125,7 @@ def _compile(function: UserForce) -> tuple[int, Any] | None:
 
 def _wrap(function: UserForce) -> tuple[int, Any]:
     @_SIGNATURE
-    def call(time, position, rotation, velocity, wrench):
+    def call(time, position, rotation, velocity, through_water, wrench):
         out = np.ctypeslib.as_array(wrench, (6,))
         try:
             out[:] = function(
@@ -127,6 +133,7 @@ def _wrap(function: UserForce) -> tuple[int, Any]:
                 np.ctypeslib.as_array(position, (3,)).copy(),
                 np.ctypeslib.as_array(rotation, (3, 3)).copy(),
                 np.ctypeslib.as_array(velocity, (6,)).copy(),
+                np.ctypeslib.as_array(through_water, (6,)).copy(),
             )
         except BaseException:
             out[:] = np.nan  # MuJoCo stops at the first value that is not a number; ctypes prints the traceback
