@@ -49,20 +49,6 @@ def _spatial_row(crb, cdof, i):
 
 
 @numba.njit
-def _added(M_A, R, i, j):
-    """Entry (i, j), j <= i, of B' M_A B."""
-    if i < 3:
-        total = 0.0
-        for a in range(3):
-            for b in range(3):
-                total += R[i, a] * M_A[a, b] * R[j, b]
-        return total
-    if j < 3:
-        return M_A[i, 0] * R[j, 0] + M_A[i, 1] * R[j, 1] + M_A[i, 2] * R[j, 2]
-    return M_A[i, j]
-
-
-@numba.njit
 def _put_inertia(M_A, R, cdof, crb, armature, rowadr, M):
     """Overwrite one hull's rows of the mass matrix.
 
@@ -70,10 +56,22 @@ def _put_inertia(M_A, R, cdof, crb, armature, rowadr, M):
     generalised inertia is B'(M_RB + M_A)B. The rigid part is rebuilt from the composite inertia rather than read back:
     derivatives rerun this stage on a matrix that already holds M_A. Arms on the hull are in the composite.
     """
-    for i in range(6):
-        f = _spatial_row(crb, cdof, i)
+    for i in range(3):
+        # R M11 R' + m I, one row at a time
+        t0 = R[i, 0] * M_A[0, 0] + R[i, 1] * M_A[1, 0] + R[i, 2] * M_A[2, 0]
+        t1 = R[i, 0] * M_A[0, 1] + R[i, 1] * M_A[1, 1] + R[i, 2] * M_A[2, 1]
+        t2 = R[i, 0] * M_A[0, 2] + R[i, 1] * M_A[1, 2] + R[i, 2] * M_A[2, 2]
         start = integer(rowadr, i)
         for j in range(i + 1):
+            put(M, start + j, t0 * R[j, 0] + t1 * R[j, 1] + t2 * R[j, 2])
+        put(M, start + i, double(M, start + i) + crb[9] + double(armature, i))
+    for i in range(3, 6):
+        f = _spatial_row(crb, cdof, i)
+        start = integer(rowadr, i)
+        for j in range(3):
+            # a unit velocity along world axis j picks component j of the momentum: no product needed
+            put(M, start + j, f[3 + j] + M_A[i, 0] * R[j, 0] + M_A[i, 1] * R[j, 1] + M_A[i, 2] * R[j, 2])
+        for j in range(3, i + 1):
             rigid = (
                 cdof[j, 0] * f[0]
                 + cdof[j, 1] * f[1]
@@ -82,9 +80,8 @@ def _put_inertia(M_A, R, cdof, crb, armature, rowadr, M):
                 + cdof[j, 4] * f[4]
                 + cdof[j, 5] * f[5]
             )
-            if i == j:
-                rigid += double(armature, i)
-            put(M, start + j, rigid + _added(M_A, R, i, j))
+            put(M, start + j, rigid + M_A[i, j])
+        put(M, start + i, double(M, start + i) + double(armature, i))
 
 
 @numba.njit
