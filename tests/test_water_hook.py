@@ -99,6 +99,33 @@ def test_several_vehicles_in_one_model():
         cube_sim.Vehicle.from_model(model)
 
 
+def test_vehicles_attached_with_a_prefix():
+    """Two files composed by MjSpec.attach: each hull keeps its own water, and there is one density."""
+    fleet = mujoco.MjSpec()
+    fleet.option.integrator, fleet.option.timestep = mujoco.mjtIntegrator.mjINT_RK4, 0.01
+    for prefix, name in (("a/", "cube"), ("b/", "bluerov2_heavy")):
+        child = mujoco.MjSpec.from_file(str(CUBE.parent / f"{name}.xml"))
+        child.option.integrator, child.option.timestep = fleet.option.integrator, fleet.option.timestep
+        fleet.attach(child, frame=fleet.worldbody.add_frame(pos=[0.0, 3.0 * len(fleet.bodies), 0.0]), prefix=prefix)
+    model = cube_sim.load_model(fleet)
+    for name, file in (("a/hull", "cube.xml"), ("b/hull", "bluerov2_heavy.xml")):
+        together = cube_sim.Vehicle.from_model(model, name)
+        alone = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE.parent / file))
+        np.testing.assert_array_equal(together.added_mass, alone.added_mass)
+        np.testing.assert_allclose(together.actuation_matrix, alone.actuation_matrix, atol=1e-15)
+        assert together.thrusters.names == tuple(f"{name[:2]}T{i}" for i in range(1, 9))
+    data = mujoco.MjData(model)
+    data.ctrl[:8] = 0.5
+    mujoco.mj_step(model, data, nstep=100)
+    cube = cube_sim.load_model(CUBE)
+    other = mujoco.MjData(cube)
+    other.ctrl[:] = 0.5
+    mujoco.mj_step(cube, other, nstep=100)
+    np.testing.assert_allclose(data.qvel[:6], other.qvel, atol=1e-12)
+    with pytest.raises(ModelError, match="there is only one water"):
+        cube_sim.load_model(fleet, {"b/water:density": 1025.0})
+
+
 def test_a_copy_and_a_saved_model_keep_their_water(tmp_path):
     rng = np.random.default_rng(2)
     body, start = random_body(rng), tumbling(rng)

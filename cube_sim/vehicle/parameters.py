@@ -15,7 +15,8 @@
     water:current                       rows time [s], height z [m], v_x, v_y, v_z [m/s] (world axes) on a full grid of
                                         times and heights, added to `option wind`; linear between, constant beyond
 
-A body with any of the first group is a hull: it needs a free joint. What a hull leaves out is zero.
+A body with any of the first group is a hull: it needs a free joint. What a hull leaves out is zero. Vehicles attached
+with a prefix (``MjSpec.attach``) bring theirs with the same prefix, also their `water:` entries: these must agree.
 """
 
 from __future__ import annotations
@@ -108,6 +109,7 @@ def read_parameters(
     Raises:
         ModelError: names the numeric at fault and says what would be right.
     """
+    numerics = _one_water(numerics)
     actuators = [pair[0] for pair in thrusters if pair]
     hull_names = _owners(numerics, bodies, actuators)
     if not hull_names:
@@ -120,6 +122,17 @@ def read_parameters(
     hulls = tuple(_hull(numerics, name, density) for name in hull_names)
     motors = tuple(_thruster(numerics, *pair) if pair else None for pair in thrusters)
     return WaterParameters(hulls, motors, _current(numerics))
+
+
+def _one_water(numerics: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
+    """The numerics with the `water:` entries of attached vehicles, which carry a prefix, merged into one of each."""
+    merged = {name: values for name, values in numerics.items() if not name.endswith((DENSITY, CURRENT))}
+    for key in (DENSITY, CURRENT):
+        for name in (n for n in numerics if n.endswith(key)):
+            if key in merged and not np.array_equal(merged[key], numerics[name], equal_nan=True):
+                raise ModelError(name, f"differs from another '{key}' of the model; there is only one water")
+            merged[key] = numerics[name]
+    return merged
 
 
 def _owners(numerics: Mapping[str, NDArray[np.float64]], bodies: list[str], actuators: list[str]) -> list[str]:

@@ -7,8 +7,8 @@
 
 Arguments are the time [s], p_WB (3,) [m], R_WB (3,3), nu (6,) = [v; w] in body axes and nu_r (6,), the same relative to
 the water; the six values returned are the wrench in body axes at the body origin [N, N m]. The function is compiled
-when numba can (then it runs on every thread and costs what its arithmetic costs), and called as Python when not. It must
-depend on its arguments only: RK4 calls it four times a step, derivatives more often. What it takes from outside is
+when numba can (then it runs on every thread and costs what its arithmetic costs), and called as Python when not. It
+must depend on its arguments only: RK4 calls it four times a step, derivatives more often. What it takes from outside is
 frozen when it is compiled.
 """
 
