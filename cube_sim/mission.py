@@ -10,22 +10,26 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.actuators import Actuators
 from cube_sim.allocation import Allocator, Status
 from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
+from cube_sim.control.authority import Authority
 from cube_sim.control.controller import Controller
+from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import ModelError, ScenarioError
+from cube_sim.events import Events
 from cube_sim.guidance.approach import Approach
-from cube_sim.guidance.helix import Helix
-from cube_sim.guidance.line import Line
 from cube_sim.guidance.path import Path
+from cube_sim.guidance.speed import ConstantSpeed, PlannedSpeed, SpeedProfile
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.recording.channels import Channel, channel_table
 from cube_sim.scenario import Loaded, Scenario, schema
-from cube_sim.scenario import path_blocks as blocks
 from cube_sim.scenario.check_blocks import SignalCheck
+from cube_sim.scenario.event_blocks import ThrusterEvent
+from cube_sim.scenario_path import laps_of, path_of
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle
@@ -45,7 +49,9 @@ class Mission:
         vehicle: the hull that follows the path.
         path: the path.
         controller: state to wrench.
-        allocator: wrench to thruster forces.
+        actuators: wrench to thruster forces.
+        events: what happens on the way.
+        diagnosis: finds thruster faults, None when the controller is told of them or ignores them.
         channels: what will be recorded.
     """
 
@@ -55,7 +61,9 @@ class Mission:
     vehicle: Vehicle
     path: Path
     controller: Controller
-    allocator: Allocator
+    actuators: Actuators
+    events: Events
+    diagnosis: Diagnosis | None
     channels: tuple[Channel, ...]
 
 
@@ -67,9 +75,15 @@ def prepare(loaded: Loaded) -> Mission:
     """
     scenario = loaded.scenario
     model, vehicle = _vehicle(loaded)
-    path = make_path(scenario.path)
-    channels = channel_table(vehicle.thrusters.names, PATH_POINTS, tuple(status.name for status in Status))
+    path = path_of(loaded)
+    channels = channel_table(
+        vehicle.thrusters.names,
+        PATH_POINTS,
+        tuple(status.name for status in Status),
+        tuple(authority.name for authority in Authority),
+    )
     _require_signals(loaded, channels)
+    _require_possible_events(loaded, vehicle)
     return Mission(
         scenario=scenario,
         model=model,
@@ -77,7 +91,9 @@ def prepare(loaded: Loaded) -> Mission:
         vehicle=vehicle,
         path=path,
         controller=_controller(scenario, path, vehicle),
-        allocator=_allocator(vehicle, scenario.allocation),
+        actuators=_actuators(vehicle, scenario.allocation),
+        events=Events(scenario.events, model, vehicle),
+        diagnosis=_diagnosis(vehicle, scenario) if scenario.control.faults == "diagnosed" else None,
         channels=channels,
     )
 
@@ -104,34 +120,26 @@ def _controller(scenario: Scenario, path: Path, vehicle: Vehicle) -> Controller:
     guidance, control, dynamics = scenario.guidance, scenario.control, vehicle.dynamics
     limit, time = guidance.target_speed_limit_m_s, control.disturbance_time_s
     return PathFollower(
-        path=path,
-        target=VirtualTarget(path, guidance.target_gain_per_s, inf if limit is None else limit),
+        target=VirtualTarget(
+            path, guidance.target_gain_per_s, inf if limit is None else limit, laps=laps_of(scenario.path)
+        ),
         approach=Approach(
-            guidance.speed_m_s,
+            _speed(guidance, path),
             radians(guidance.approach_angle_deg),
             guidance.approach_gain_per_m,
-            guidance.stop_time_s,
+            guidance.stop_time_s if guidance.stop_at_end else None,
         ),
         attitude=_attitude(control.attitude),
         loops=MotionLoops(dynamics, control.velocity_time_s, control.attitude_time_s, control.rate_time_s),
+        pointing_time=0.5 * control.attitude_time_s,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
     )
 
 
-def make_path(block: blocks.Path) -> Path:
-    """The curve a scenario's `path` block describes."""
-    match block:
-        case blocks.Line():
-            return Line(block.start_m, block.end_m)
-        case blocks.Helix():
-            return Helix(
-                block.centre_m,
-                block.radius_m,
-                block.pitch_m,
-                block.turns,
-                radians(block.start_angle_deg),
-                clockwise=block.direction == "right",
-            )
+def _speed(guidance: schema.Guidance, path: Path) -> SpeedProfile:
+    if guidance.lateral_acceleration_m_s2 is None:
+        return ConstantSpeed(guidance.speed_m_s)
+    return PlannedSpeed(path, guidance.speed_m_s, guidance.lateral_acceleration_m_s2, guidance.along_acceleration_m_s2)
 
 
 def _vehicle(loaded: Loaded) -> tuple[mujoco.MjModel, Vehicle]:
@@ -178,18 +186,53 @@ def _attitude(block: schema.Attitude) -> AttitudeMode:
             return FixedAttitude(quaternion_from_euler(*np.radians(block.attitude_deg)))
 
 
-def _allocator(vehicle: Vehicle, block: schema.Allocation) -> Allocator:
+def _actuators(vehicle: Vehicle, block: schema.Allocation) -> Actuators:
     weights = np.ones(6)
     weights[3:] = block.torque_weight
-    return Allocator(
-        vehicle.actuation_matrix,
-        clear_of_dead_zone(vehicle.thrusters.limits, block.dead_zone_margin),
-        allow_off=block.allow_off,
-        objective=block.objective,
-        wrench_weights=weights,
-        reversal_penalty=block.reversal_penalty_N2,
-        method=block.method,
-    )
+
+    def build(A: NDArray[np.float64], limits: NDArray[np.float64]) -> Allocator:
+        return Allocator(
+            A,
+            limits,
+            allow_off=block.allow_off,
+            objective=block.objective,
+            wrench_weights=weights,
+            reversal_penalty=block.reversal_penalty_N2,
+            method=block.method,
+        )
+
+    limits = clear_of_dead_zone(vehicle.thrusters.limits, block.dead_zone_margin)
+    return Actuators(vehicle.actuation_matrix, limits, build)
+
+
+def _diagnosis(vehicle: Vehicle, scenario: Scenario) -> Diagnosis:
+    """Half a second of evidence, and differences beyond the dead zone, where no motor's force is certain."""
+    thrusters = vehicle.thrusters
+    threshold = max(0.5, 1.2 * float(np.abs(thrusters.limits[:, 1:3]).max()))
+    return Diagnosis(thrusters.lag_s, 0.5, threshold, scenario.control_period_s)
+
+
+def _require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
+    """Find events that cannot happen to this vehicle before the run."""
+    thrusters, duration = vehicle.thrusters, loaded.scenario.duration_s
+    mistakes = []
+    for i, event in enumerate(loaded.scenario.events):
+        if event.at_s > duration:
+            text = f"{event.at_s:g} s is after the end of the run at {duration:g} s"
+            mistakes.append(loaded.mistake(f"events.{i}.at_s", text))
+        if not isinstance(event, ThrusterEvent):
+            continue
+        for j, name in enumerate(event.thrusters):
+            if name not in thrusters.names:
+                text = f"no thruster '{name}'; the model has {', '.join(thrusters.names)}"
+                mistakes.append(loaded.mistake(f"events.{i}.thrusters.{j}", text))
+            elif event.force_N is not None:
+                low, _, _, high = thrusters.limits[thrusters.names.index(name)]
+                if not low <= event.force_N <= high:
+                    text = f"{name} cannot be stuck at {event.force_N:g} N; it gives {low:g} to {high:g} N"
+                    mistakes.append(loaded.mistake(f"events.{i}.force_N", text))
+    if mistakes:
+        raise ScenarioError(mistakes)
 
 
 def clear_of_dead_zone(limits: NDArray[np.float64], margin: float) -> NDArray[np.float64]:

@@ -17,10 +17,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation import Status
 from cube_sim.checks import evaluate
+from cube_sim.control.authority import capability
 from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.provenance import header, versions
+from cube_sim.reach_log import ReachLog
 from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import check as check_directory
 from cube_sim.run_directory import default_directory
@@ -108,22 +109,42 @@ def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> flo
     steps, ticks = scenario.steps_per_tick, scenario.ticks
     ticks_per_second = max(1, round(1.0 / scenario.control_period_s))
     _describe(mission, recorder)
-    applied, status = np.zeros(6), Status.EXACT
+    applied, reach = np.zeros(6), ReachLog(recorder)
     for k in range(ticks + 1):
         t = k * scenario.control_period_s
+        for sentence in mission.events.happen(t):
+            recorder.log(t, "WARNING", sentence)
+            _record_actuation(mission, recorder, t)
         mujoco.mj_forward(model, data)
         if not all(np.abs(values).max() < DIVERGED for values in (data.qpos, data.qvel, data.qacc)):
             recorder.log(t, "ERROR", "the state has left all bounds or is not a number: the run ends here")
             return t
-        applied, reached = _tick(mission, recorder, t, applied)
-        if reached is not status:
-            _report(recorder, t, reached)
-            status = reached
+        _take_note_of_faults(mission, recorder, t)
+        applied, status = _tick(mission, recorder, t, applied)
+        reach.note(t, status)
         if k < ticks:
             mujoco.mj_step(model, data, nstep=steps)
         if progress is not None and k % ticks_per_second == 0:
             progress(t, scenario.duration_s)
     return ticks * scenario.control_period_s
+
+
+def _take_note_of_faults(mission: Mission, recorder: Recorder, t: float) -> None:
+    """Let the controller learn of faults the way the scenario says, and go on with what is left."""
+    actuators, thrusters = mission.actuators, mission.vehicle.thrusters
+    if mission.diagnosis is not None:
+        expected = thrusters.force(mission.diagnosis.activation)
+        health = mission.diagnosis.update(expected, mission.data.actuator_force[thrusters.actuators])
+    elif mission.scenario.control.faults == "told":
+        health = mission.events.health
+    else:
+        return
+    if health is actuators.health or health.equals(actuators.health):
+        return
+    actuators.believe(health)
+    left = capability(actuators.working_matrix)
+    mission.controller.reconfigure(left, read_state(mission.vehicle, mission.data))
+    recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
 
 
 def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.float64]):
@@ -135,12 +156,14 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
         t: simulated time [s].
         applied: (6,) wrench commanded over the tick before.
     """
-    vehicle, data = mission.vehicle, mission.data
+    vehicle, data, actuators = mission.vehicle, mission.data, mission.actuators
     state = read_state(vehicle, data)
     decision = mission.controller.decide(state, applied, mission.scenario.control_period_s)
-    allocation = mission.allocator.allocate(decision.wrench)
-    commands = vehicle.thrusters.command(allocation.force)
+    allocation = actuators.allocate(decision.wrench)
+    commands = vehicle.thrusters.command(actuators.motor_force(allocation.force))
     data.ctrl[vehicle.thrusters.actuators] = commands
+    if mission.diagnosis is not None:
+        mission.diagnosis.advance(commands)
 
     recorder.append("pose", t, state.position, state.quaternion)
     recorder.append("velocity", t, state.velocity, state.rates)
@@ -153,6 +176,8 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     recorder.append("allocation", t, allocation.residual, allocation.cost, allocation.status, allocation.subset)
     produced = data.actuator_force[vehicle.thrusters.actuators]
     recorder.append("thrusters", t, allocation.force, commands, produced)
+    believed = actuators.health.efficiency
+    recorder.append("health", t, mission.events.health.efficiency, believed, decision.authority)
     recorder.append("water", t, mission.model.opt.wind)
     return allocation.wrench, allocation.status
 
@@ -172,17 +197,16 @@ def read_state(vehicle, data: mujoco.MjData) -> State:
 
 def _describe(mission: Mission, recorder: Recorder) -> None:
     """What a reader of the recording must know before the first row."""
-    vehicle = mission.vehicle
-    recorder.append("actuation", 0.0, vehicle.actuation_matrix.ravel(), vehicle.thrusters.limits.ravel())
+    _record_actuation(mission, recorder, 0.0)
     points = np.array([mission.path.at(s).position for s in np.linspace(0.0, mission.path.length, PATH_POINTS)])
     recorder.append("path", 0.0, points.ravel())
     recorder.log(0.0, "INFO", f"{mission.scenario.name}: {mission.path.length:.2f} m of path")
 
 
-def _report(recorder: Recorder, t: float, status: Status) -> None:
-    text = {
-        Status.EXACT: "the demanded wrench is attainable again",
-        Status.CLOSEST: "the demanded wrench is out of reach: the closest attainable one is made",
-        Status.INVALID_WRENCH: "the demanded wrench is not finite: the thrusters rest",
-    }[status]
-    recorder.log(t, "INFO" if status is Status.EXACT else "WARNING", text)
+def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
+    """The thrusters as they truly are now: a weak one has narrower limits, a dead or stuck one no choice."""
+    vehicle, health = mission.vehicle, mission.events.health
+    limits = vehicle.thrusters.limits * health.efficiency[:, None]
+    stuck = ~np.isnan(health.stuck)
+    limits[stuck] = health.stuck[stuck, None]
+    recorder.append("actuation", t, vehicle.actuation_matrix.ravel(), limits.ravel())

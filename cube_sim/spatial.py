@@ -74,6 +74,12 @@ def quaternion_from_rotation(R: Matrix) -> Vector:
     return -q if q[0] < 0.0 else q
 
 
+def rotation_about(axis: Vector, angle: float) -> Matrix:
+    """R (3,3) of a turn by `angle` [rad] about a unit axis (Rodrigues)."""
+    S = skew(axis)
+    return np.eye(3) + sin(angle) * S + (1.0 - cos(angle)) * S @ S
+
+
 def multiply(p: Vector, q: Vector) -> Vector:
     """Quaternion product p q."""
     a, b, c, d = p

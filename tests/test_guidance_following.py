@@ -8,6 +8,7 @@ import pytest
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.helix import Helix
 from cube_sim.guidance.line import Line
+from cube_sim.guidance.speed import ConstantSpeed
 from cube_sim.guidance.virtual_target import VirtualTarget
 
 K2, SPEED = 0.5, 0.4
@@ -15,7 +16,7 @@ HELIX = Helix([0.0, 0.0, -8.0], 3.0, 3.0, 2.0)
 
 
 def approach() -> Approach:
-    return Approach(SPEED, pi / 3.0, 0.5, stop_time=2.0)
+    return Approach(ConstantSpeed(SPEED), pi / 3.0, 0.5, stop_time=2.0)
 
 
 def random_states(seed: int, n: int):
@@ -46,7 +47,7 @@ def test_the_error_moves_as_the_curvature_free_lyapunov_identity_says():
 def test_the_approach_never_leads_away_from_the_path():
     for position, velocity, s in random_states(2, 500):
         view = VirtualTarget(HELIX, K2, arc_length=s).view(position, velocity)
-        wanted = approach().motion(view, HELIX.length).velocity @ view.point.rotation
+        wanted = approach().motion(view).velocity @ view.point.rotation
         assert view.error[1:] @ wanted[1:] <= 0.0
         assert np.linalg.norm(wanted) <= SPEED * (1.0 + 1e-12) or wanted[0] < 0.0
 
@@ -59,10 +60,10 @@ def test_the_acceleration_is_the_derivative_of_the_velocity_along_the_motion():
 
         def wanted(t, position=position, velocity=velocity, s=s, speed=view.speed):
             moved = VirtualTarget(HELIX, K2, arc_length=s + speed * t)
-            return approach().motion(moved.view(position + velocity * t, velocity), HELIX.length).velocity
+            return approach().motion(moved.view(position + velocity * t, velocity)).velocity
 
         np.testing.assert_allclose(
-            approach().motion(view, HELIX.length).acceleration, (wanted(h) - wanted(-h)) / (2.0 * h), atol=1e-7
+            approach().motion(view).acceleration, (wanted(h) - wanted(-h)) / (2.0 * h), atol=1e-7
         )
 
 
@@ -70,7 +71,7 @@ def test_on_the_path_itself_the_motion_is_smooth_and_the_centripetal_acceleratio
     s = 0.5 * HELIX.length
     point = HELIX.at(s)
     view = VirtualTarget(HELIX, K2, arc_length=s).view(point.position, SPEED * point.rotation[:, 0])
-    motion = approach().motion(view, HELIX.length)
+    motion = approach().motion(view)
     k1, k2 = point.curvature
     np.testing.assert_allclose(motion.velocity, SPEED * point.rotation[:, 0], atol=1e-12)
     np.testing.assert_allclose(motion.acceleration @ point.rotation, [0.0, SPEED**2 * k1, SPEED**2 * k2], atol=1e-12)
@@ -87,7 +88,7 @@ def test_a_vehicle_that_moves_as_wanted_converges_from_beyond_the_radius_of_curv
     distances = []
     for _ in range(int(160.0 / dt)):
         view = target.view(position, velocity)
-        velocity = law.motion(view, HELIX.length).velocity
+        velocity = law.motion(view).velocity
         position = position + velocity * dt
         target.advance(view.speed, dt)
         distances.append(np.linalg.norm(view.error))
@@ -99,7 +100,7 @@ def test_a_vehicle_that_moves_as_wanted_converges_from_beyond_the_radius_of_curv
 def test_the_vehicle_turns_back_when_it_has_run_past_the_end():
     line = Line([0.0, 0.0, 0.0], [10.0, 0.0, 0.0])
     view = VirtualTarget(line, K2, arc_length=10.0).view(np.array([11.0, 0.0, 0.0]), np.zeros(3))
-    motion = approach().motion(view, line.length)
+    motion = approach().motion(view)
     np.testing.assert_allclose(motion.velocity, [-0.5, 0.0, 0.0], atol=1e-12)
 
 

@@ -12,13 +12,17 @@ from cube_sim.scenario import Scenario, load
 from cube_sim.scenario.json_schema import json_schema
 
 UNITS = (
-    "_m", "_s", "_m_s", "_deg", "_deg_s", "_per_m", "_per_s", "_N", "_N2", "_m_s",
+    "_m", "_s", "_m_s", "_deg", "_deg_s", "_m_s2", "_per_m", "_per_s", "_N", "_N2",
 )  # fmt: skip
 # Pure numbers, and limits whose unit is that of the signal they judge.
 WITHOUT_UNIT = {
     "schema_version",
     "seed",
     "turns",
+    "laps",
+    "periods",
+    "efficiency",
+    "axis",
     "torque_weight",
     "dead_zone_margin",
     "at_most",

@@ -27,8 +27,14 @@ class DesiredAttitude(NamedTuple):
 class AttitudeMode(Protocol):
     """A rule that gives the desired attitude at each tick."""
 
-    def attitude(self, view: TargetView, dt: float) -> DesiredAttitude:
-        """The attitude wanted for a vehicle seen from the virtual target, dt [s] before the next call."""
+    def attitude(self, view: TargetView, force_W: Vector, dt: float) -> DesiredAttitude:
+        """The attitude wanted.
+
+        Args:
+            view: the vehicle seen from the virtual target.
+            force_W: force (3,) [N] demanded at the tick before, world axes.
+            dt: time to the next call [s].
+        """
         ...
 
 
@@ -38,7 +44,7 @@ class FixedAttitude:
     def __init__(self, quaternion: Vector) -> None:
         self._desired = DesiredAttitude(quaternion, np.zeros(3))
 
-    def attitude(self, view: TargetView, dt: float) -> DesiredAttitude:
+    def attitude(self, view: TargetView, force_W: Vector, dt: float) -> DesiredAttitude:
         """The same at every tick."""
         return self._desired
 
@@ -66,13 +72,8 @@ class AlongPath:
         self._levelling_time = levelling_time
         self._side: Vector | None = None
 
-    def attitude(self, view: TargetView, dt: float) -> DesiredAttitude:
-        """The attitude at the target's point of the path, and how it turns as the target runs on.
-
-        Args:
-            view: the vehicle seen from the target.
-            dt: time to the next call [s].
-        """
+    def attitude(self, view: TargetView, force_W: Vector, dt: float) -> DesiredAttitude:
+        """The attitude at the target's point of the path, and how it turns as the target runs on."""
         T, N1, N2 = view.point.rotation.T
         k1, k2 = view.point.curvature
         dT = view.speed * (k1 * N1 + k2 * N2)

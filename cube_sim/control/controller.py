@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
+from cube_sim.control.authority import Authority, Capability
 from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import State, Vector
 
@@ -20,6 +21,7 @@ class Decision(NamedTuple):
         rates: desired angular velocity (3,) [rad/s].
         quaternion: desired attitude q_WD (4,) wxyz.
         attitude_error: angle between desired and actual attitude [rad].
+        authority: how it flies with the thrusters it believes to have.
     """
 
     wrench: Vector
@@ -30,6 +32,7 @@ class Decision(NamedTuple):
     rates: Vector
     quaternion: Vector
     attitude_error: float
+    authority: Authority
 
 
 class Controller(Protocol):
@@ -43,4 +46,8 @@ class Controller(Protocol):
             applied: wrench (6,) [N, N m] the thrusters were allocated over the tick before, body axes.
             dt: length of a tick [s].
         """
+        ...
+
+    def reconfigure(self, left: Capability, state: State) -> None:
+        """Go on with other thrusters: `left` is what they can do, `state` the vehicle at the change."""
         ...

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cube_sim.guidance.speed import SpeedProfile
 from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import Vector
 
@@ -27,22 +28,22 @@ class Approach:
     """The 3-D form of the approach angle delta (Lapierre and Soetanto 2007).
 
     With rho = |(y1, z1)| and theta = psi_a tanh(k_delta rho) the desired velocity in the path frame is
-    u_d [cos theta, -sin theta (y1, z1) / rho]: from far away it points at the path under the angle psi_a, on the path
-    along it, and y1 v_1 + z1 v_2 = -u_d rho sin theta <= 0 everywhere. Towards the end of the path the speed along it
-    falls as the remaining length over `stop_time`, and changes sign beyond: the vehicle comes to rest at the end.
+    u_d(s) [cos theta, -sin theta (y1, z1) / rho]: from far away it points at the path under the angle psi_a, on the
+    path along it, and y1 v_1 + z1 v_2 = -u_d rho sin theta <= 0 everywhere. Towards the end of the path the speed along
+    it falls as the remaining length over `stop_time`, and changes sign beyond: the vehicle comes to rest at the end.
 
     Args:
-        speed: u_d [m/s].
+        profile: u_d at each arc length.
         angle: psi_a [rad], in (0, pi/2).
         gain: k_delta [1/m].
-        stop_time: [s].
+        stop_time: [s]; None to run on along the last tangent.
     """
 
-    def __init__(self, speed: float, angle: float, gain: float, stop_time: float) -> None:
-        self._speed, self._angle, self._gain, self._stop_time = speed, angle, gain, stop_time
+    def __init__(self, profile: SpeedProfile, angle: float, gain: float, stop_time: float | None) -> None:
+        self._profile, self._angle, self._gain, self._stop_time = profile, angle, gain, stop_time
 
-    def motion(self, view: TargetView, length: float) -> DesiredMotion:
-        """Desired velocity and its derivative, for a vehicle seen from the target on a path of `length` [m]."""
+    def motion(self, view: TargetView) -> DesiredMotion:
+        """Desired velocity and its derivative, for a vehicle seen from the target."""
         s1, y1, z1 = view.error.tolist()
         v_T, v_1, v_2 = view.velocity.tolist()
         k1, k2 = view.point.curvature
@@ -52,16 +53,18 @@ class Approach:
         dy1 = v_1 - k1 * ds * s1
         dz1 = v_2 - k2 * ds * s1
 
+        speed, slope = self._profile.at(view.arc_length)
+        dspeed = slope * ds
         rho = hypot(y1, z1)
         drho = (y1 * dy1 + z1 * dz1) / rho if rho > 0.0 else 0.0
         saturation = tanh(self._gain * rho)
         theta = self._angle * saturation
         dtheta = self._angle * self._gain * (1.0 - saturation**2) * drho
-        pull, dpull = self._pull(rho, theta, drho, dtheta)
-        along, dalong = self._speed * cos(theta), -self._speed * sin(theta) * dtheta
-        remaining = length - view.arc_length - s1
-        if remaining / self._stop_time < along:
-            along, dalong = remaining / self._stop_time, -(ds + ds1) / self._stop_time
+        along, dalong = speed * cos(theta), dspeed * cos(theta) - speed * sin(theta) * dtheta
+        if self._stop_time is not None and (view.remaining - s1) / self._stop_time < along:
+            along, dalong = (view.remaining - s1) / self._stop_time, -(ds + ds1) / self._stop_time
+        share, dshare = self._pull(rho, theta, drho, dtheta)
+        pull, dpull = speed * share, dspeed * share + speed * dshare
         side_1, side_2 = -pull * y1, -pull * z1
         dside_1, dside_2 = -dpull * y1 - pull * dy1, -dpull * z1 - pull * dz1
 
@@ -77,8 +80,8 @@ class Approach:
         return DesiredMotion(R @ np.array([along, side_1, side_2]), R @ acceleration)
 
     def _pull(self, rho: float, theta: float, drho: float, dtheta: float) -> tuple[float, float]:
-        """u_d sin(theta) / rho and its time derivative; smooth through rho = 0, where it is u_d psi_a k_delta."""
+        """sin(theta) / rho and its time derivative; smooth through rho = 0, where it is psi_a k_delta."""
         if self._gain * rho < 1e-4:
-            return self._speed * self._angle * self._gain, 0.0  # off by the square of that, 1e-8 of itself
-        pull = self._speed * sin(theta) / rho
-        return pull, (self._speed * cos(theta) * dtheta - pull * drho) / rho
+            return self._angle * self._gain, 0.0  # off by the square of that, 1e-8 of itself
+        share = sin(theta) / rho
+        return share, (cos(theta) * dtheta - share * drho) / rho

@@ -1,4 +1,4 @@
-"""A circular helix about a vertical axis; without pitch, a horizontal circle."""
+"""A circular helix about a vertical axis."""
 
 from __future__ import annotations
 
@@ -26,6 +26,8 @@ class Helix:
         start_angle: from world x towards world y [rad].
         clockwise: whether it turns right, seen from above.
     """
+
+    closed = False
 
     def __init__(
         self,
@@ -60,4 +62,5 @@ class Helix:
         back = self._tau * along
         cb, sb = cos(back), sin(back)
         rotation = np.column_stack([tangent, cb * normal - sb * binormal, sb * normal + cb * binormal])
-        return PathPoint(position, rotation, (self._kappa * cb, self._kappa * sb))
+        bending, twisting = self._kappa, self._kappa * self._tau
+        return PathPoint(position, rotation, (bending * cb, bending * sb), (-twisting * sb, twisting * cb))

@@ -18,21 +18,33 @@ class PathPoint(NamedTuple):
         position: p_d (3,) [m], world axes.
         rotation: R_WF (3,3), its columns T, N1, N2.
         curvature: (k1, k2) [1/m].
+        curvature_rate: (dk1/ds, dk2/ds) [1/m^2].
     """
 
     position: Vector
     rotation: Matrix
     curvature: tuple[float, float]
+    curvature_rate: tuple[float, float]
 
 
 class Path(Protocol):
-    """A curve in space, parametrised by its arc length s in [0, length]."""
+    """A curve in space, parametrised by its arc length s."""
 
     @property
     def length(self) -> float:
-        """Length of the path [m]."""
+        """Length of the path, once round if it is closed [m]."""
+        ...
+
+    @property
+    def closed(self) -> bool:
+        """Whether the path ends where it starts, in the same direction and with the same curvature."""
         ...
 
     def at(self, s: float) -> PathPoint:
-        """The path at arc length s [m]; s beyond an end is taken as the end."""
+        """The path at arc length s [m].
+
+        On an open path s beyond an end is taken as the end. On a closed one s counts on over the laps, also backwards;
+        the frame goes on being parallel-transported, so after a lap it is turned about the tangent by the curve's
+        holonomy (nothing for a curve in a plane).
+        """
         ...

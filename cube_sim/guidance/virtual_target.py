@@ -13,7 +13,8 @@ class TargetView(NamedTuple):
     """The vehicle as seen from the target.
 
     Attributes:
-        arc_length: s of the target [m].
+        arc_length: s of the target [m]; on a closed path it counts on over the laps.
+        remaining: arc length from the target to where its run ends [m]; infinite on endless laps.
         speed: s' of the target [m/s].
         point: the path at s.
         error: (s1, y1, z1) = R_F' (p - p_d(s)) [m].
@@ -21,6 +22,7 @@ class TargetView(NamedTuple):
     """
 
     arc_length: float
+    remaining: float
     speed: float
     point: PathPoint
     error: Vector
@@ -39,10 +41,15 @@ class VirtualTarget:
         gain: k2 [1/s].
         speed_limit: bound on |s'| [m/s].
         arc_length: where to start [m].
+        laps: how many times a closed path is run round; it has no beginning, so the target may also run backwards.
     """
 
-    def __init__(self, path: Path, gain: float, speed_limit: float = inf, arc_length: float = 0.0) -> None:
+    def __init__(
+        self, path: Path, gain: float, speed_limit: float = inf, arc_length: float = 0.0, laps: float = inf
+    ) -> None:
         self._path, self._gain, self._limit = path, gain, speed_limit
+        self._first = -inf if path.closed else 0.0
+        self._last = path.length * (laps if path.closed else 1.0)
         self.arc_length = arc_length
 
     def view(self, position: Vector, velocity_W: Vector) -> TargetView:
@@ -58,10 +65,10 @@ class VirtualTarget:
         velocity = velocity_W @ point.rotation
         speed = float(velocity[0] + self._gain * error[0])
         speed = min(max(speed, -self._limit), self._limit)
-        if (s <= 0.0 and speed < 0.0) or (s >= self._path.length and speed > 0.0):
+        if (s <= self._first and speed < 0.0) or (s >= self._last and speed > 0.0):
             speed = 0.0
-        return TargetView(s, speed, point, error, velocity)
+        return TargetView(s, self._last - s, speed, point, error, velocity)
 
     def advance(self, speed: float, dt: float) -> None:
-        """Move the target for dt [s] at s' = speed [m/s], never past an end of the path."""
-        self.arc_length = min(max(self.arc_length + speed * dt, 0.0), self._path.length)
+        """Move the target for dt [s] at s' = speed [m/s], never past an end of its run."""
+        self.arc_length = min(max(self.arc_length + speed * dt, self._first), self._last)

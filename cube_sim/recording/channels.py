@@ -75,6 +75,7 @@ def channel_table(
     thrusters: tuple[str, ...],
     path_points: int,
     allocation_status: tuple[str, ...] = (),
+    authority: tuple[str, ...] = (),
 ) -> tuple[Channel, ...]:
     """Declare what a run of a vehicle with these thrusters records.
 
@@ -82,6 +83,7 @@ def channel_table(
         thrusters: names of the m motors, in the order of the columns of A.
         path_points: n, the points of the polyline by which the path is displayed.
         allocation_status: what the status codes 0, 1, 2 ... of the allocation mean.
+        authority: what the codes of the vehicle's authority mean.
 
     Returns:
         The channels in the order in which they are written.
@@ -167,6 +169,14 @@ def channel_table(
                 Field("force_demanded", m, "N", "allocated force of each motor", thrusters),
                 Field("command", m, "1", "command sent to each motor, -1 to 1", thrusters),
                 Field("force", m, "N", "force each motor produces, after its lag and characteristic", thrusters),
+            ),
+        ),
+        Channel(
+            "health",
+            (
+                Field("efficiency", m, "1", "share of its force each motor truly gives, 0 dead or stuck", thrusters),
+                Field("believed", m, "1", "the same as the controller believes it", thrusters),
+                Field("authority", 1, "1", "how the vehicle flies, a code", (), authority),
             ),
         ),
         Channel(

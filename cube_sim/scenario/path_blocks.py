@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Callable
+from pathlib import Path as FilePath
+from typing import Annotated, Literal, TypeVar
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
+from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
+from ..errors import PathError
 from .values import Block, Vector3, refuse
+
+Waypoints = Annotated[tuple[Vector3, ...], Strict(False)]
+LAPS = "How many times round; default: again and again until the run ends. Only for a closed path."
+CORNER = "Smallest radius of curvature of the rounded corners [m]."
+Result = TypeVar("Result")
+
+
+def accept(make: Callable[[], Result], *below: str | int) -> Result:
+    """Run a check of `cube_sim.guidance`, its mistake becoming one at this place in the file."""
+    try:
+        return make()
+    except PathError as error:
+        refuse(str(error), *below, *error.below)
 
 
 class Line(Block):
@@ -25,8 +42,51 @@ class Line(Block):
         return end_m
 
 
+class Arc(Block):
+    """A part of a circle in any plane, through three points."""
+
+    type: Literal["arc"]
+    start_m: Vector3 = Field(description="First point, world axes [m].")
+    through_m: Vector3 = Field(description="A point between, not on the line from start_m to end_m [m].")
+    end_m: Vector3 = Field(description="Last point [m].")
+
+    @model_validator(mode="after")
+    def _curved(self) -> Arc:
+        from ..guidance.arc import arc_through
+
+        accept(lambda: arc_through(self.start_m, self.through_m, self.end_m))
+        return self
+
+
+class Circle(Block):
+    """A closed circle in any plane, run round and round."""
+
+    type: Literal["circle"]
+    centre_m: Vector3 = Field(description="Centre, world axes [m].")
+    radius_m: float = Field(gt=0, description="Radius [m].")
+    axis: Vector3 = Field(
+        default=(0.0, 0.0, 1.0),
+        description="Direction square to the circle's plane, of any length; the circle is seen from its tip.",
+    )
+    start_angle_deg: float = Field(
+        default=0.0,
+        description="Where the path starts: about the axis, from world x laid into the plane [deg].",
+    )
+    direction: Literal["left", "right"] = Field(
+        default="left", description="Seen from the tip of the axis: left turns counter-clockwise, right clockwise."
+    )
+    laps: float | None = Field(default=None, gt=0, description=LAPS)
+
+    @field_validator("axis")
+    @classmethod
+    def _has_a_direction(cls, axis: Vector3) -> Vector3:
+        if not any(axis):
+            refuse("the axis of a circle needs a direction")
+        return axis
+
+
 class Helix(Block):
-    """A circular helix about a vertical axis; with pitch_m 0 it is a horizontal circle."""
+    """A circular helix about a vertical axis; with pitch_m 0 it is a horizontal circle with two ends."""
 
     type: Literal["helix"]
     centre_m: Vector3 = Field(
@@ -43,4 +103,96 @@ class Helix(Block):
     )
 
 
-Path = Annotated[Line | Helix, Field(discriminator="type")]
+class Sinusoid(Block):
+    """A level sine wave about a straight axis; its tightest bend has a radius of wavelength^2 / (4 pi^2 amplitude)."""
+
+    type: Literal["sinusoid"]
+    start_m: Vector3 = Field(description="Where it starts, on its axis, world axes [m].")
+    heading_deg: float = Field(default=0.0, description="Direction of the axis, from world x towards world y [deg].")
+    amplitude_m: float = Field(description="Largest distance from the axis [m]; negative begins to the right.")
+    wavelength_m: float = Field(gt=0, description="Length of one wave along the axis [m].")
+    periods: float = Field(gt=0, le=1000, description="Number of waves; fractions are welcome.")
+
+
+class Closable(Block):
+    """What paths through points share."""
+
+    closed: bool = Field(default=False, description="Whether the last point leads back to the first.")
+    laps: float | None = Field(default=None, gt=0, description=LAPS)
+
+    @field_validator("laps")
+    @classmethod
+    def _only_if_closed(cls, laps: float | None, info: ValidationInfo) -> float | None:
+        if laps is not None and info.data.get("closed") is False:
+            refuse("an open path has no laps: give closed: true")
+        return laps
+
+
+class Polyline(Closable):
+    """Straight legs between points, their corners rounded by blends of continuous curvature rate."""
+
+    type: Literal["polyline"]
+    points_m: Waypoints = Field(description="Corners of the path, world axes [m]; two or more, three if closed.")
+    corner_radius_m: float = Field(gt=0, description=CORNER)
+
+    @model_validator(mode="after")
+    def _fits(self) -> Polyline:
+        from ..guidance.corner import round_corners
+        from ..guidance.waypoints import as_waypoints
+
+        points = accept(lambda: as_waypoints(self.points_m, self.closed), "points_m")
+        accept(lambda: round_corners(points, self.corner_radius_m, self.closed), "points_m")
+        return self
+
+
+class Spline(Closable):
+    """A smooth curve through points: cubic, of continuous curvature."""
+
+    type: Literal["spline"]
+    points_m: Waypoints = Field(description="Points of the path, world axes [m]; two or more, three if closed.")
+
+    @model_validator(mode="after")
+    def _distinct(self) -> Spline:
+        from ..guidance.waypoints import as_waypoints
+
+        accept(lambda: as_waypoints(self.points_m, self.closed), "points_m")
+        return self
+
+
+class Csv(Closable):
+    """Points from a CSV file whose first row names its columns, x_m, y_m and z_m among them."""
+
+    type: Literal["csv"]
+    file: str = Field(min_length=1, description="CSV file, relative to the scenario file.")
+    shape: Literal["spline", "polyline"] = Field(default="spline", description="What joins the points.")
+    corner_radius_m: float | None = Field(default=None, gt=0, description=CORNER + " Only, and always, for a polyline.")
+
+    @field_validator("file")
+    @classmethod
+    def _beside_the_scenario(cls, file: str, info: ValidationInfo) -> str:
+        if "\0" in file:
+            refuse("a file name cannot hold a NUL character")
+        return file if info.context is None else str(FilePath(info.context["directory"], file).resolve())
+
+    @model_validator(mode="after")
+    def _readable(self) -> Csv:
+        from ..guidance.corner import round_corners
+        from ..guidance.waypoints import as_waypoints
+        from ..guidance.waypoints_csv import read_waypoints
+
+        if (self.shape == "polyline") != (self.corner_radius_m is not None):
+            refuse("a polyline needs corner_radius_m, a spline has no corners", "corner_radius_m")
+        try:
+            points, rows = read_waypoints(FilePath(self.file))
+            checked = as_waypoints(points, self.closed, rows)
+            if self.corner_radius_m is not None:
+                round_corners(checked, self.corner_radius_m, self.closed, rows)
+        except PathError as error:
+            refuse(str(error), "file")
+        return self
+
+
+Path = Annotated[
+    Line | Arc | Circle | Helix | Sinusoid | Polyline | Spline | Csv,
+    Field(discriminator="type"),
+]

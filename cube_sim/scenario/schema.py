@@ -13,7 +13,8 @@ from pydantic import Field, field_validator
 from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
-from .check_blocks import AllowedForcesCheck, Check
+from .check_blocks import AllowedForcesCheck, Check, PathEndCheck
+from .event_blocks import Event
 from .path_blocks import Path
 from .values import Block, Name, Pair, Vector3, refuse
 
@@ -59,6 +60,14 @@ class Guidance(Block):
     """How the virtual target moves and how the vehicle closes in on the path."""
 
     speed_m_s: float = Field(gt=0, description="Speed along the path [m/s].")
+    lateral_acceleration_m_s2: float | None = Field(
+        default=None,
+        gt=0,
+        description="Slow down in curves so that speed^2 / radius stays below this [m/s^2]. Default: one speed.",
+    )
+    along_acceleration_m_s2: float = Field(
+        default=0.05, gt=0, description="How fast the speed may change before and after a curve [m/s^2]."
+    )
     approach_angle_deg: float = Field(
         default=60.0,
         gt=0,
@@ -77,6 +86,9 @@ class Guidance(Block):
     )
     target_speed_limit_m_s: float | None = Field(
         default=None, gt=0, description="Bound on |s'|, the virtual target's speed [m/s]. Default: none."
+    )
+    stop_at_end: bool = Field(
+        default=True, description="Whether to come to rest at the end, or run on along the last tangent."
     )
     stop_time_s: float = Field(
         default=2.0,
@@ -111,6 +123,10 @@ class Control(Block):
         default=5.0,
         gt=0,
         description="Estimate of the wrench the model does not explain [s]; null: no estimate.",
+    )
+    faults: Literal["diagnosed", "told", "ignored"] = Field(
+        default="diagnosed",
+        description="How the controller learns of thruster faults: from commands and responses, at once, or never.",
     )
     attitude: Attitude = Field(default=AlongPath(mode="along_path"), description="Which attitude the vehicle takes.")
 
@@ -166,6 +182,7 @@ class Scenario(Block):
     guidance: Guidance
     control: Control = Control()
     allocation: Allocation = Allocation()
+    events: Annotated[tuple[Event, ...], Strict(False)] = Field(default=(), description="What happens during the run.")
     checks: Annotated[tuple[Check, ...], Strict(False)] = Field(
         description="What the run must show; at least one.", json_schema_extra={"minItems": 1}
     )
@@ -223,6 +240,11 @@ class Scenario(Block):
                     f"checks {first} and {index} are both called '{check.title}'; give one another name",
                     index,
                 )
+        path = info.data.get("path")
+        if path is not None and getattr(path, "laps", 1.0) is None and getattr(path, "closed", True):
+            for index, check in enumerate(checks):
+                if isinstance(check, PathEndCheck):
+                    refuse("a closed path run without end has no end to reach: give path.laps", index, "kind")
         allocation = info.data.get("allocation")
         if allocation is None:
             return checks

@@ -1,0 +1,86 @@
+"""What the thrusters still working can do for path following, and how the vehicle goes on with it.
+
+Forces are what a path needs, torques are what points them. As long as every torque can be produced, whatever force
+comes with it, the attitude is under control; then it only matters how many directions of pure force are left: three,
+and the vehicle moves freely; two or one, and they are pointed where force is needed; none, and it cannot follow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from cube_sim.actuation.subspaces import subspaces
+from cube_sim.spatial import Matrix, Vector
+
+
+class Authority(IntEnum):
+    """How a vehicle flies; the numbers are stable, recordings store them.
+
+    Attributes:
+        HOLONOMIC: all forces and torques: any motion in any attitude.
+        PLANE: two directions of pure force, pointed by the attitude.
+        LINE: one direction of pure force, pointed by the attitude.
+        SAFE: no path can be followed; turning is damped, and the vehicle waits.
+    """
+
+    HOLONOMIC = 0
+    PLANE = 1
+    LINE = 2
+    SAFE = 3
+
+
+@dataclass(frozen=True)
+class Capability:
+    """What is left, and the projection of demands onto it.
+
+    Attributes:
+        authority: how to fly.
+        pure_forces: P (3,p) orthonormal directions of force without torque, body axes.
+        reason: one line for the log.
+    """
+
+    authority: Authority
+    pure_forces: Matrix
+    reason: str
+    _lost_forces: Matrix
+    _lost_torques: Matrix
+
+    def attainable(self, wrench: Vector) -> Vector:
+        """The wrench (6,) in the range of A that keeps all torques and changes the force least.
+
+        The combinations that cannot be produced are N_f' F + N_t' M = 0; F moves by
+        -N_f (N_f' N_f)^-1 (N_f' F + N_t' M).
+        """
+        if self.authority is Authority.HOLONOMIC:
+            return wrench
+        if self.authority is Authority.SAFE:
+            return np.concatenate([np.zeros(3), wrench[3:]])
+        missing = self._lost_forces.T @ wrench[:3] + self._lost_torques.T @ wrench[3:]
+        step = self._lost_forces @ np.linalg.solve(self._lost_forces.T @ self._lost_forces, missing)
+        return np.concatenate([wrench[:3] - step, wrench[3:]])
+
+
+def capability(A: Matrix) -> Capability:
+    """Judge the columns (6,m) of the thrusters that still work."""
+    if A.shape[1] == 0:
+        return _capability(Authority.SAFE, np.zeros((3, 0)), np.eye(6), "no thruster is left")
+    space = subspaces(A)
+    lost = np.array([combination.coefficients for combination in space.unreachable]).reshape(-1, 6).T
+    if space.rank == 6:
+        return _capability(Authority.HOLONOMIC, np.eye(3), lost, "all six components of the wrench are there")
+    words = "; ".join(str(combination) for combination in space.unreachable)
+    p = space.pure_forces.shape[1]
+    # Every torque comes with some force exactly when the lost combinations are independent in their force part.
+    singular = np.linalg.svd(lost[:3], compute_uv=False)
+    steerable = len(singular) == lost.shape[1] and singular[-1] > 1e-2
+    if p == 0 or not steerable:
+        return _capability(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed")
+    authority = Authority.PLANE if p == 2 else Authority.LINE
+    return _capability(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust")
+
+
+def _capability(authority: Authority, pure_forces: Matrix, lost: Matrix, reason: str) -> Capability:
+    return Capability(authority, pure_forces, reason, lost[:3], lost[3:])

@@ -1,0 +1,50 @@
+"""The `events` list: what happens to the vehicle and the water during a run, told apart by `kind`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+from pydantic.types import Strict
+
+from .values import Block, Vector3, refuse
+
+State = Literal["dead", "weak", "stuck", "recovered"]
+
+
+class ThrusterEvent(Block):
+    """Thrusters fail, or come back."""
+
+    kind: Literal["thrusters"]
+    at_s: float = Field(ge=0, description="When it happens [s].")
+    thrusters: Annotated[tuple[str, ...], Strict(False)] = Field(
+        description="Names of the thrusters, for example [T1, T4].", json_schema_extra={"minItems": 1}
+    )
+    state: State = Field(
+        description="dead: no force; weak: a share of it; stuck: one force whatever is commanded; recovered: whole."
+    )
+    efficiency: float | None = Field(default=None, gt=0, lt=1, description="Share of its force a weak thruster gives.")
+    force_N: float | None = Field(  # noqa: N815 - N is the newton
+        default=None, description="Force a stuck thruster holds [N]."
+    )
+
+    @model_validator(mode="after")
+    def _what_the_state_needs(self) -> ThrusterEvent:
+        if not self.thrusters:
+            refuse("name at least one thruster", "thrusters")
+        for key, state in (("efficiency", "weak"), ("force_N", "stuck")):
+            given = getattr(self, key) is not None
+            if given != (self.state == state):
+                refuse(f"{key} and state {state} go together: give both or neither", "state")
+        return self
+
+
+class CurrentEvent(Block):
+    """The current changes."""
+
+    kind: Literal["current"]
+    at_s: float = Field(ge=0, description="When it happens [s].")
+    current_m_s: Vector3 = Field(description="Velocity of the water from then on, world axes [m/s].")
+
+
+Event = Annotated[ThrusterEvent | CurrentEvent, Field(discriminator="kind")]

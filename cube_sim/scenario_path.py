@@ -1,0 +1,82 @@
+"""The curve a scenario's `path` block describes."""
+
+from __future__ import annotations
+
+from math import inf, radians
+from pathlib import Path as FilePath
+
+from cube_sim.errors import PathError, ScenarioError
+from cube_sim.guidance.arc import arc_through, circle
+from cube_sim.guidance.helix import Helix
+from cube_sim.guidance.line import Line
+from cube_sim.guidance.path import Path
+from cube_sim.guidance.polyline import polyline
+from cube_sim.guidance.sinusoid import sinusoid
+from cube_sim.guidance.spline import spline
+from cube_sim.guidance.waypoints_csv import read_waypoints
+from cube_sim.scenario import Loaded
+from cube_sim.scenario import path_blocks as blocks
+
+
+def path_of(loaded: Loaded) -> Path:
+    """The path of a loaded scenario.
+
+    Raises:
+        ScenarioError: what only building it shows, such as a spline with a cusp; with position.
+    """
+    try:
+        return make_path(loaded.scenario.path)
+    except PathError as error:
+        raise ScenarioError([loaded.mistake("path", str(error))]) from None
+
+
+def make_path(block: blocks.Path) -> Path:
+    """The curve of one block.
+
+    Raises:
+        PathError: the block describes no path.
+    """
+    match block:
+        case blocks.Line():
+            return Line(block.start_m, block.end_m)
+        case blocks.Arc():
+            return arc_through(block.start_m, block.through_m, block.end_m)
+        case blocks.Circle():
+            return circle(
+                block.centre_m,
+                block.radius_m,
+                block.axis,
+                radians(block.start_angle_deg),
+                clockwise=block.direction == "right",
+            )
+        case blocks.Helix():
+            return Helix(
+                block.centre_m,
+                block.radius_m,
+                block.pitch_m,
+                block.turns,
+                radians(block.start_angle_deg),
+                clockwise=block.direction == "right",
+            )
+        case blocks.Sinusoid():
+            return sinusoid(
+                block.start_m, block.amplitude_m, block.wavelength_m, block.periods, radians(block.heading_deg)
+            )
+        case blocks.Polyline():
+            return polyline(block.points_m, block.corner_radius_m, block.closed)
+        case blocks.Spline():
+            return spline(block.points_m, block.closed)
+        case blocks.Csv():
+            points, _ = read_waypoints(FilePath(block.file))
+            if block.corner_radius_m is None:
+                return spline(points, block.closed)
+            return polyline(points, block.corner_radius_m, block.closed)
+
+
+def laps_of(block: blocks.Path) -> float:
+    """How many times the virtual target runs round a closed path; infinite when it is not said."""
+    match block:
+        case blocks.Circle() | blocks.Closable():
+            return inf if block.laps is None else block.laps
+        case _:
+            return 1.0
