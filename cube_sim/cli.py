@@ -111,6 +111,37 @@ def run(
     raise typer.Exit(_EXIT_CODES[result.verdict])
 
 
+@app.command(epilog="Exit code: 0 analysed, 2 bad input.")
+def analyze(
+    model: Annotated[Path, typer.Argument(help="MJCF file of a vehicle, for example models/cube.xml.")],
+    lost: Annotated[str, typer.Option(metavar="NAMES", help="Dead thrusters, for example T1,T4.")] = "",
+    losses: Annotated[int, typer.Option(metavar="N", help="Tabulate every loss of up to N thrusters, at most 3.")] = 0,
+    hull: Annotated[str | None, typer.Option(help="Which hull, when the model has several.")] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw force and torque sets and all losses of up to 3: PNG, SVG or PDF."),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
+) -> None:
+    """Say what a vehicle's thrusters can do, what it loses with some of them, and whether it still follows a path."""
+    from . import analyze_command, analyze_tables
+    from .errors import CubeSimError
+
+    try:
+        with analyze_tables.progress(hidden=json or not sys.stderr.isatty()) as progress:
+            report = analyze_command.analyze(
+                model, hull=hull, lost=lost, losses=losses, picture=picture, progress=progress
+            )
+    except CubeSimError as error:
+        _stop(BAD_INPUT, str(error))
+    except KeyboardInterrupt:
+        _stop(INTERRUPTED, "interrupted; nothing was written")
+    if json:
+        typer.echo(json_format.dumps(analyze_command.to_dict(report), indent=2, ensure_ascii=False, allow_nan=False))
+    else:
+        analyze_tables.print_report(report)
+
+
 @app.command()
 def schema() -> None:
     """Print the JSON schema of scenario files, for editors."""

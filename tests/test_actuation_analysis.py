@@ -136,7 +136,7 @@ def test_a_vehicle_never_loses_its_last_thruster():
         table.case("T1", "T2")
 
 
-@pytest.mark.parametrize("m", [1, 2, 5, 9, 12])
+@pytest.mark.parametrize("m", [1, 2, 5, 8])
 @pytest.mark.parametrize("n", [3, 6])
 def test_any_matrix_of_finite_numbers_is_analysed(n, m):
     rng = np.random.default_rng((n, m))

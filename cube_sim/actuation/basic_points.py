@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from cube_sim.actuation.allowed import AllowedForces
 from cube_sim.actuation.wrench_axes import Matrix
 
-MOST_POINTS = 1_000_000
-"""Above this many candidates the question is left unanswered (`candidates`): it is for at most about ten thrusters."""
+MOST_POINTS = 100_000
+"""Above this many candidates the question is left unanswered (`candidates`): it would take seconds."""
 _INDEPENDENT = 1e-9
 _TOLERANCE = 1e-9
 

@@ -12,7 +12,7 @@ from cube_sim.actuation.subspaces import Subspaces
 from cube_sim.actuation.wrench_axes import Matrix, Vector
 from cube_sim.spatial import skew
 
-_HEADINGS = 12
+_HEADINGS = 8
 _STEPS = 30
 _DIFFERENCE = 1e-6
 _BALANCED = 1e-8

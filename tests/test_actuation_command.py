@@ -1,0 +1,67 @@
+"""``cube-sim analyze``: what it prints, its JSON, its exit codes."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from cube_sim.cli import app
+
+CUBE = "models/cube.xml"
+
+
+def analyze(*arguments):
+    return CliRunner().invoke(app, ["analyze", *arguments])
+
+
+def test_text_says_what_is_lost_and_what_remains():
+    result = analyze(CUBE, "--lost", "T1,T2")
+    assert result.exit_code == 0
+    assert "6 thrusters, without T1, T2" in result.output
+    assert "rank 5 of 6, 1 redundant" in result.output
+    assert "only together" in result.output
+    assert "path following: yes (steered)" in result.output
+
+
+def test_json_is_the_whole_analysis():
+    result = analyze(CUBE, "--json", "--lost", "T4")
+    assert result.exit_code == 0
+    content = json.loads(result.output)
+    assert content["lost"] == ["T4"]
+    assert content["rank"] == 6
+    A, P = np.array(content["actuation_matrix"]), np.array(content["projector"])
+    assert A.shape == (6, 7)
+    assert np.allclose(P, np.eye(6))
+    assert np.allclose(A @ np.array(content["pseudo_inverse"]), np.eye(6))
+    assert content["verdict"]["follows"] is True
+    assert [e["component"] for e in content["extents"]] == ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
+    assert content["losses"] is None
+
+
+def test_losses_are_tabulated_and_counted():
+    result = analyze(CUBE, "--losses", "1", "--json")
+    losses = json.loads(result.output)["losses"]
+    assert [case["lost"] for case in losses] == [[], *([f"T{i}"] for i in range(1, 9))]
+    assert all(case["verdict"]["follows"] for case in losses)
+    text = analyze(CUBE, "--losses", "1").output
+    assert "1 lost: 8 of 8 can follow a path; 8 keep rank 6" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([CUBE, "--lost", "T9"], "no thruster 'T9'; there are T1, T2, T3, T4, T5, T6, T7, T8"),
+        ([CUBE, "--losses", "4"], "between 0 and 3"),
+        ([CUBE, "--hull", "sub"], "sub"),
+        ([CUBE, "--picture", "a.gif"], "one of .png, .svg, .pdf"),
+        ([CUBE, "--lost", ",".join(f"T{i}" for i in range(1, 9))], "no thruster is left"),
+        (["models/no_such.xml"], "no such model file"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_two(arguments, message):
+    result = analyze(*arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert result.stdout == ""
