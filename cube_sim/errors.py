@@ -33,6 +33,18 @@ class ScenarioError(CubeSimError):
         super().__init__("\n".join(mistakes))
 
 
+class PathError(CubeSimError):
+    """A path's description makes no path: points that coincide, corners that do not fit.
+
+    Attributes:
+        below: keys and indices of the value at fault within the description, () when it is the whole.
+    """
+
+    def __init__(self, message: str, *below: str | int) -> None:
+        self.below = below
+        super().__init__(message)
+
+
 class ActuationError(CubeSimError):
     """An actuation matrix, limits or lost thrusters that mean nothing (wrong shape, NaN, no such thruster)."""
 
