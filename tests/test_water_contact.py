@@ -122,3 +122,19 @@ def test_a_hull_rests_against_a_spring_equality():
         results.append(data.qpos.copy())
     np.testing.assert_allclose(*results, atol=1e-9)
     assert np.abs(results[0][:3]).max() > 1e-5
+
+
+ARMED = """<body name="hull"><freejoint/>INERTIAL<geom type="box" size="0.25 0.2 0.15" mass="0"/>
+  <site name="eye" pos="0 0 0.2"/>
+  <body pos="0.3 0 0"><joint name="hinge" axis="0 1 0.2"/><geom type="capsule" size="0.03" fromto="0 0 0 0.3 0.1 0"/>
+  <body pos="0.3 0.1 0"><joint name="ball" type="ball"/><geom type="box" size="0.05 0.1 0.02"/><site name="tip"/>
+  <body pos="0.1 0 0"><joint name="slide" type="slide" axis="1 0 0"/><geom size="0.04"/></body></body></body></body>
+  </worldbody><tendon><spatial name="rope"><site site="eye"/><site site="tip"/></spatial></tendon><worldbody>"""
+
+
+def test_inverse_weights_of_a_hull_with_an_arm_are_its_dry_twins():
+    """Bodies, joints of every kind, and a tendon from hull to arm: as MuJoCo computes them for real mass."""
+    models = [make(ARMED, ("hull",), '<option timestep="0.002"/>') for make in (wet, dry)]
+    for name in ("body_invweight0", "dof_invweight0", "tendon_invweight0"):
+        got, expected = (getattr(model, name) for model in models)
+        np.testing.assert_allclose(got, expected, rtol=1e-9, err_msg=name)

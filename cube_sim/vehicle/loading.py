@@ -7,11 +7,12 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import hook, packing, structs, user_forces
-from cube_sim.vehicle.parameters import WaterParameters, read_parameters
+from cube_sim.vehicle.inverse_weights import set_inverse_weights
+from cube_sim.vehicle.parameters import read_parameters
 from cube_sim.vehicle.user_forces import UserForce
 
 
@@ -83,7 +84,7 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     model.numeric_data[start : start + packed.size] = packed
     data = mujoco.MjData(model)
     structs.verify(model, data)
-    _set_inverse_weights(model, data, parameters)
+    set_inverse_weights(model, data, ids)
     return model
 
 
@@ -143,37 +144,6 @@ def _prepare(spec: mujoco.MjSpec, name: str) -> None:
     body.simple = 0  # otherwise M has no room for what couples the axes
     body.sleep = mujoco.mjtSleepPolicy.mjSLEEP_NEVER  # otherwise a current could not pick it up again
     free[0].align = mujoco.mjtAlignFree.mjALIGNFREE_FALSE  # otherwise the axes its numbers are about could move
-
-
-def _set_inverse_weights(model: mujoco.MjModel, data: mujoco.MjData, parameters: WaterParameters) -> None:
-    """Recompute the inverse weights that scale contact softness, for the inertia with added mass.
-
-    The definitions are MuJoCo's own (mj_setConst): for a body, the mean of the diagonal of J M^-1 J' over its three
-    translations and three rotations at the reference pose; for a free joint, the same means over its own axes.
-    """
-    data.qpos[:] = model.qpos0
-    mujoco.mj_forward(model, data)
-    hulls = {model.body(hull.body).id for hull in parameters.hulls}
-    J = np.zeros((6, model.nv))
-    for body in range(1, model.nbody):
-        if model.body_rootid[body] not in hulls:
-            continue
-        mujoco.mj_jacBodyCom(model, data, J[:3], J[3:], body)
-        diagonal = np.diag(J @ _solve(model, data, J).T)
-        model.body_invweight0[body] = diagonal[:3].mean(), diagonal[3:].mean()
-    for hull in hulls:
-        dof = int(model.body_dofadr[hull])
-        identity = np.eye(model.nv)[dof : dof + 6]
-        diagonal = np.diag(_solve(model, data, identity)[:, dof : dof + 6])
-        model.dof_invweight0[dof : dof + 3] = diagonal[:3].mean()
-        model.dof_invweight0[dof + 3 : dof + 6] = diagonal[3:].mean()
-
-
-def _solve(model: mujoco.MjModel, data: mujoco.MjData, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """M^-1 applied to each row of an (n, nv) array."""
-    solution = np.zeros_like(rows)
-    mujoco.mj_solveM(model, data, solution, rows)
-    return solution
 
 
 def _one_line(error: Exception) -> str:
