@@ -119,7 +119,7 @@ def test_one_sided_and_fixed_motors():
         ({"A": np.full((3, 4), np.nan)}, r"A\[0, 0\] is nan"),
         ({"A": np.zeros((3, 0))}, "at least one motor"),
         ({"method": "magic"}, r"no method 'magic'; there are search\+proxqp, search, enumerate"),
-        ({"objective": "speed"}, "no objective 'speed'; there are energy, target"),
+        ({"objective": "speed"}, "no objective 'speed'; there are energy, target, reactivity, reactivity_by_side"),
         ({"objective": "target"}, "go together"),
         ({"target": np.zeros(4)}, "go together"),
         ({"weights": [1, 1, 0, 1]}, "finite and > 0"),

@@ -2,42 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation.enumeration import OUTER_ITERATIONS, enumerate_subsets
-from cube_sim.allocation.geometry import (
-    actuation_matrix,
-    lever_length,
-    torque_rows,
-    wrench_distance,
-    wrench_fibre,
-)
+from cube_sim.allocation.arguments import one_of, pairs, row, scalar
+from cube_sim.allocation.decide import allocate_each, blank_answers
+from cube_sim.allocation.enumeration import Enumeration
+from cube_sim.allocation.geometry import actuation_matrix, lever_length, torque_rows, wrench_distance, wrench_fibre
 from cube_sim.allocation.limits import side_table, thruster_limits
-from cube_sim.allocation.nearest import CANDIDATES, nearest
-from cube_sim.allocation.proxqp import SubsetSolver
-from cube_sim.allocation.qp import subset_qp
-from cube_sim.allocation.relaxation import relax
-from cube_sim.allocation.result import Allocation, Status
-from cube_sim.allocation.search import FOUND, UNPROVEN, search
+from cube_sim.allocation.memory import blank_memory
+from cube_sim.allocation.objectives import Objective, side_targets
+from cube_sim.allocation.proxqp import Confirmer
+from cube_sim.allocation.result import Allocation, Allocations, Status
+from cube_sim.allocation.tables import make_tables, pack
 from cube_sim.errors import AllocationError
 
-Method = Literal["search+proxqp", "search", "enumerate"]
+Method = Literal["search+proxqp", "search", "enumerate", "enumerate_parallel"]
 """``search+proxqp``: the exact search decides the subset, ProxQP solves it and must agree. ``search``: without ProxQP.
-``enumerate``: the report's own algorithm, one ProxQP for each of the 2^m or 3^m subsets."""
-
-Objective = Literal["energy", "target"]
-"""``energy``: least ``sum w f^2`` (7). ``target``: closest to a given F_opt (11)."""
+``enumerate``: the report's own algorithm, one ProxQP for each of the 2^m or 3^m subsets. ``enumerate_parallel``: the
+same spread over the processor's cores."""
 
 AGREEMENT = 1e-4
 """Largest difference between the search's and ProxQP's forces that counts as agreement, part of the largest limit."""
 
-_FAR = 1e6
-"""Demands longer than this many times the reach are shortened for the search; the closest wrench is the same."""
+_STATUS = tuple(Status)
 
 
 @dataclass(slots=True)
@@ -45,10 +37,10 @@ class Effort:
     """What allocating has cost so far, for benchmarks and for doubt.
 
     Attributes:
-        nodes: projections solved by the searches.
+        nodes: points or projections looked at by the searches.
         qps: problems given to ProxQP.
-        disagreements: times ProxQP did not confirm the search.
-        unproven: times the search stalled and every subset was enumerated instead.
+        disagreements: times ProxQP did not confirm the search, whose answer was used all the same.
+        unproven: times a search could not prove its answer to be the best.
     """
 
     nodes: int = 0
@@ -65,8 +57,8 @@ class Allocator:
     of 2^m or 3^m boxes (report section 4.3). A wrench no allowed forces can make is answered by the closest one
     they can, in the norm ``|W (A f - F)|``, exactly over the union as well, and then by the least cost.
 
-    An allocator remembers the subset it answered with: ties prefer it, and the reversal penalty counts against it.
-    `reset` forgets it. Nothing else carries over from call to call.
+    An allocator remembers its last answer: ties prefer its subset, the reversal penalty and the change limit count
+    from it. `reset` forgets it. Nothing else carries over from call to call.
 
     Args:
         A: (3, m) rows ``[Fx Fy Mz]`` or (6, m) rows ``[Fx Fy Fz Mx My Mz]`` [1], [m].
@@ -74,13 +66,18 @@ class Allocator:
         allow_off: whether a motor may rest at zero inside its dead zone.
         objective: see `Objective`.
         target: (m,) F_opt [N], required by, and only for, ``target``.
+        reactivity: (m, 2) or (2,) F_react-, F_react+ [N], required by, and only for, the reactivity objectives.
         weights: (m,) positive w of the motors; 1 unless told.
         wrench_weights: (n,) positive diagonal of W, [1] for forces and [1/m] for torques; 1 and 30 unless told: a
             vehicle that keeps its attitude keeps its path, one that saves its forces loses both.
         reversal_penalty: cost of pushing against the side a motor last pushed to [N^2].
+        change_limit: most a motor's force may change in one call [N], the dead zone not counted: a reversal is
+            walked through the zone's edges, so a small limit delays it and never locks the motor. None: no limit.
         method: see `Method`.
         length_m: divides torques wherever a wrench error is one number; the rms lever arm of A unless told.
         tolerance_N: force that counts as rounding; 1e-9 of the largest limit unless told.
+        power_coefficients: (m, 2) or (2,) k_P-, k_P+ of the electrical power ``k_P |f|^1.5`` [W/N^1.5]; with them
+            every answer says its power. It is reported, not minimised.
 
     Raises:
         AllocationError: an argument has the wrong shape, is not finite, or means nothing.
@@ -94,58 +91,62 @@ class Allocator:
         allow_off: bool = True,
         objective: Objective = "energy",
         target: ArrayLike | None = None,
+        reactivity: ArrayLike | None = None,
         weights: ArrayLike | None = None,
         wrench_weights: ArrayLike | None = None,
         reversal_penalty: float = 0.0,
+        change_limit: float | None = None,
         method: Method = "search+proxqp",
         length_m: float | None = None,
         tolerance_N: float | None = None,
+        power_coefficients: ArrayLike | None = None,
     ) -> None:
         self.A = actuation_matrix(A)
         n, m = self.A.shape
         self.limits = thruster_limits(limits, m)
-        self.method = _one_of("method", method, get_args(Method))
-        self.objective = _one_of("objective", objective, get_args(Objective))
-        if (objective == "target") != (target is not None):
-            raise AllocationError("objective 'target' and the argument target go together: give both or neither")
-        self.target = _row("target", 0.0 if target is None else target, m)
-        self.weights = _row("weights", 1.0 if weights is None else weights, m, positive=True)
+        self.allow_off = bool(allow_off)
+        self.method = one_of("method", method, get_args(Method))
+        self.objective = objective
+        targets = side_targets(objective, target, reactivity, m)
+        self.weights = row("weights", 1.0 if weights is None else weights, m, positive=True)
         attitude_first = np.ones(n)
         attitude_first[torque_rows(n)] = 30.0
-        self.wrench_weights = _row(
+        self.wrench_weights = row(
             "wrench_weights", attitude_first if wrench_weights is None else wrench_weights, n, positive=True
         )
-        self.reversal_penalty = float(_row("reversal_penalty", reversal_penalty, 1)[0])
-        if self.reversal_penalty < 0.0:
-            raise AllocationError(f"reversal_penalty is {reversal_penalty}; it must be >= 0")
-        self.length_m = float(
-            _row("length_m", lever_length(self.A) if length_m is None else length_m, 1, positive=True)[0]
-        )
+        self.reversal_penalty = scalar("reversal_penalty", reversal_penalty)
+        self.change_limit = inf if change_limit is None else scalar("change_limit", change_limit, positive=True)
+        self.length_m = scalar("length_m", lever_length(self.A) if length_m is None else length_m, positive=True)
         largest = float(np.max(np.abs(self.limits)))
         default = max(1e-9 * largest, 1e-12)
-        self.tolerance_N = float(
-            _row("tolerance_N", default if tolerance_N is None else tolerance_N, 1, positive=True)[0]
+        self.tolerance_N = scalar("tolerance_N", default if tolerance_N is None else tolerance_N, positive=True)
+        self.power_coefficients = (
+            None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
         )
         self.effort = Effort()
-
-        self._low, self._high = side_table(self.limits, allow_off)
-        self._masks = ((self._low <= self._high) * (1, 2, 4)).sum(axis=1).astype(np.uint8)
-        self._fibre = wrench_fibre(self.A, self.weights, self.length_m)
-        self._distance = wrench_distance(self.A, self.wrench_weights)
-        self._solver = SubsetSolver(self.weights, self._fibre.equations)
-        self._enumerator = SubsetSolver(self.weights, self._fibre.equations, OUTER_ITERATIONS)
-        self._reach = float(np.max(np.abs(self.A) @ np.max(np.abs(self.limits), axis=1)))
         self._agreement_N = AGREEMENT * max(largest, 1e-6)
-        self._side_target = np.ascontiguousarray(np.tile(self.target[:, None], (1, 3)))
-        self._relaxed = np.empty((m, 8, 4))
-        self.reset()
+        self._tables = make_tables(
+            self.A,
+            wrench_fibre(self.A, self.weights, self.length_m),
+            wrench_distance(self.A, self.wrench_weights),
+            side_table(self.limits, self.allow_off),
+            self.weights,
+            targets,
+            reversal_penalty=self.reversal_penalty,
+            change_limit=self.change_limit,
+            tolerance=self.tolerance_N,
+            length_m=self.length_m,
+        )
+        self._packed = pack(self._tables)
+        self._memory = blank_memory(m)
+        self._confirmer = Confirmer(self._tables, self._agreement_N) if self.method == "search+proxqp" else None
+        parallel = self.method == "enumerate_parallel"
+        self._enumeration = Enumeration(self._tables, parallel) if self.method.startswith("enumerate") else None
 
     def reset(self) -> None:
-        """Forget the previous subset, as at the start of a run."""
-        m = self.A.shape[1]
-        self._previous = np.zeros(m, np.int8)
-        self._last_push = np.zeros(m, np.int8)
-        self._penalise()
+        """Forget the previous answer, as at the start of a run."""
+        for remembered in self._memory:
+            remembered[:] = 0
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench.
@@ -156,154 +157,69 @@ class Allocator:
         Raises:
             AllocationError: the wrench does not have n entries.
         """
-        demand = np.array(wrench, dtype=np.float64)
-        if demand.shape != (len(self.A),):
-            raise AllocationError(f"the wrench has shape {demand.shape}; A has {len(self.A)} rows")
-        status = Status.EXACT
-        if not np.all(np.isfinite(demand)):
-            demand, status = np.zeros(len(self.A)), Status.INVALID_WRENCH
-        found = self._exact(demand)
-        if found is None:
-            found = self._closest(demand)
-            status = Status.CLOSEST if status is Status.EXACT else status
-        force, subset = found
-        answer = self._answer(demand, force, subset, status)
-        self._remember(subset)
-        return answer
-
-    def _exact(self, demand: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int8]] | None:
-        """Forces and subset making the demand at the least cost, None when it is unattainable."""
-        far = float(np.max(np.abs(demand)))
-        if far > 2.0 * self._reach:
-            return None
-        outside = self._fibre.unreachable @ demand
-        if np.max(np.abs(outside)) > self.tolerance_N:
-            return None
-        return self._best(self._fibre.particular @ demand)
-
-    def _best(self, origin: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int8]] | None:
-        """Least-cost forces making the same wrench as ``origin`` (m,), None when there are none."""
-        if self.method == "enumerate":
-            return self._enumerate(origin)
-        m = len(origin)
-        force, multiplier, subset = np.empty(m), np.empty(m), np.empty(m, np.int8)
-        outcome, _, nodes = search(
-            origin, self._fibre.kernel, self.weights, self._low, self._high, self._side_target, self._penalty,
-            self._relaxed, self._masks, self._previous, self.tolerance_N, force, subset, multiplier,
-        )  # fmt: skip
-        self.effort.nodes += nodes
-        if outcome == UNPROVEN:
-            self.effort.unproven += 1
-            return self._enumerate(origin)
-        if outcome != FOUND:
-            return None
-        if self.method == "search+proxqp":
-            self._confirm(origin, force, subset, multiplier)
-        at = np.arange(m), subset + 1
-        return np.clip(force, self._low[at], self._high[at]), subset
-
-    def _confirm(
-        self,
-        origin: NDArray[np.float64],
-        force: NDArray[np.float64],
-        subset: NDArray[np.int8],
-        multiplier: NDArray[np.float64],
-    ) -> None:
-        """Let ProxQP solve the subset from the search's own point, and count it when it does not agree.
-
-        The forces stay the search's: ProxQP's last bit depends on where its buffers happen to lie in memory, and the
-        same run has to give the same bytes.
-        """
-        problem = subset_qp(
-            subset, origin, self._fibre.equations, self._low, self._high, self._side_target, self.weights
-        )
-        gradient = self.weights * (force - problem.target) + multiplier
-        self.effort.qps += 1
-        solution = self._solver.solve(problem, (force, -problem.equations @ gradient, multiplier))
-        if not (solution.trusted and np.max(np.abs(solution.force - force)) <= self._agreement_N):
-            self.effort.disagreements += 1
-
-    def _enumerate(self, origin: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int8]] | None:
-        sides = self._low, self._high, self._side_target, self._penalty, self.weights
-        self.effort.qps += int(np.prod([bin(mask).count("1") for mask in self._masks]))
-        return enumerate_subsets(self._enumerator, origin, self._fibre.equations, *sides)
-
-    def _closest(self, demand: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
-        """Forces making the closest attainable wrench, of those the cheapest."""
-        size = float(np.max(np.abs(demand)))
-        limit = _FAR * max(self._reach, 1e-12)
-        used = demand * (limit / size) if size > limit else demand
-        space = self._distance
-        candidates = np.empty((CANDIDATES, self.A.shape[1]))
-        count, _, proven, nodes = nearest(
-            space.basis.T @ (space.weights * used), space.spread, space.kernel, space.gain,
-            self._low, self._high, self._relaxed, self._masks, self.tolerance_N, candidates,
-        )  # fmt: skip
-        self.effort.nodes += nodes
-        self.effort.unproven += not proven
-        if count == 0:  # every projection stalled: the nearest sides to the pseudo-inverse are at least allowed
-            return self._as_is(self._fibre.particular @ used)
-        answers = [self._best(candidate) or self._as_is(candidate) for candidate in candidates[:count]]
-        return min(answers, key=lambda answer: round(self._cost(*answer) / self.tolerance_N))
-
-    def _as_is(self, force: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
-        """A force vector already on allowed sides, with the subset it lies in."""
-        inside = np.maximum(self._low - force[:, None], force[:, None] - self._high)
-        subset = (np.argmin(inside, axis=1) - 1).astype(np.int8)
-        at = np.arange(len(force)), subset + 1
-        return np.clip(force, self._low[at], self._high[at]), subset
-
-    def _cost(self, force: NDArray[np.float64], subset: NDArray[np.int8]) -> float:
-        at = np.arange(len(force)), subset + 1
-        return float(self.weights @ (force - self._side_target[at]) ** 2 + self._penalty[at].sum())
-
-    def _answer(
-        self, demand: NDArray[np.float64], force: NDArray[np.float64], subset: NDArray[np.int8], status: Status
-    ) -> Allocation:
-        force = force + 0.0
-        wrench = self.A @ force
-        error = demand - wrench
-        scaled = error.copy()
-        scaled[torque_rows(len(error))] /= self.length_m
+        demand = np.ascontiguousarray(wrench, dtype=np.float64)
+        n, m = self.A.shape
+        if demand.shape != (n,):
+            raise AllocationError(f"the wrench has shape {demand.shape}; A has {n} rows")
+        answers = blank_answers(1, n, m)
+        if self._enumeration is None:
+            allocate_each(self._packed, self._memory, demand[None], answers)
+        else:
+            self.effort.qps += self._enumeration.allocate(self._memory, demand, answers)
+        numbers = answers.numbers[0]
+        residual, cost, status_number, _, nodes, unproven = numbers[-6:].tolist()
+        status = _STATUS[int(status_number)]
+        self.effort.nodes += int(nodes)
+        self.effort.unproven += int(unproven)
+        if self._confirmer is not None:
+            self.effort.qps += 1
+            valid = demand if status is not Status.INVALID_WRENCH else np.zeros(n)
+            if not self._confirmer.confirms(answers, valid):
+                self.effort.disagreements += 1
+        force = numbers[:m]
         return Allocation(
-            force, wrench, error, float(np.linalg.norm(scaled)), self._cost(force, subset), subset, status
+            force,
+            numbers[m : m + n],
+            numbers[m + n : m + 2 * n],
+            residual,
+            cost,
+            answers.subset[0],
+            status,
+            None if self.power_coefficients is None else electrical_power(self.power_coefficients, force),
         )
 
-    def _remember(self, subset: NDArray[np.int8]) -> None:
-        if np.array_equal(subset, self._previous):
-            return
-        self._previous = subset.copy()
-        if self.reversal_penalty > 0.0:
-            self._last_push = np.where(subset != 0, subset, self._last_push)
-            self._penalise()
+    def allocate_many(self, wrenches: ArrayLike) -> Allocations:
+        """Find the forces for N demanded wrenches in order, in one compiled call.
 
-    def _penalise(self) -> None:
-        """Price the side opposite to each motor's last push, and retabulate the lower bounds."""
-        self._penalty = np.zeros_like(self._low)
-        for i, push in enumerate(self._last_push):
-            if push != 0:
-                self._penalty[i, 1 - push] = self.reversal_penalty
-        relax(self._low, self._high, self._side_target, self._penalty, self.weights, self._relaxed)
+        The answers are those of N calls of `allocate` with the method ``search``, whatever this allocator's method.
 
+        Args:
+            wrenches: (N, n) demands [N, N m].
 
-def _one_of(name: str, value: str, known: Sequence[str]) -> str:
-    if value not in known:
-        raise AllocationError(f"no {name} {value!r}; there are {', '.join(known)}")
-    return value
-
-
-def _row(name: str, value: ArrayLike, length: int, *, positive: bool = False) -> NDArray[np.float64]:
-    """A checked vector; a scalar fills it."""
-    try:
-        row = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise AllocationError(f"{name} is not a vector of numbers: {error}") from None
-    if row.ndim == 0:
-        row = np.full(length, row)
-    if row.shape != (length,):
-        raise AllocationError(f"{name} has shape {row.shape}; it needs ({length},)")
-    if not np.all(np.isfinite(row)) or (positive and not np.all(row > 0.0)):
-        raise AllocationError(
-            f"{name} is {row.tolist()}; every entry must be finite" + (" and > 0" if positive else "")
+        Raises:
+            AllocationError: the demands do not have n columns.
+        """
+        demands = np.ascontiguousarray(wrenches, dtype=np.float64)
+        n, m = self.A.shape
+        if demands.ndim != 2 or demands.shape[1] != n:
+            raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")
+        answers = blank_answers(len(demands), n, m)
+        allocate_each(self._packed, self._memory, demands, answers)
+        numbers = answers.numbers
+        rest = numbers[:, -6:]
+        self.effort.nodes += int(rest[:, 4].sum())
+        self.effort.unproven += int(rest[:, 5].sum())
+        return Allocations(
+            numbers[:, :m].copy(),
+            numbers[:, m : m + n].copy(),
+            numbers[:, m + n : m + 2 * n].copy(),
+            rest[:, 0].copy(),
+            rest[:, 1].copy(),
+            answers.subset,
+            rest[:, 2].astype(np.int8),
         )
-    return row
+
+
+def electrical_power(coefficients: NDArray[np.float64], force: NDArray[np.float64]) -> float:
+    """Electrical power ``sum k_P |f|^1.5`` of steady forces (m,) [W], k_P by direction from (m, 2) [W/N^1.5]."""
+    return float(np.where(force < 0.0, coefficients[:, 0], coefficients[:, 1]) @ np.abs(force) ** 1.5)

@@ -6,9 +6,23 @@ import itertools
 
 import numpy as np
 from numpy.typing import NDArray
+from proxsuite import proxqp
 
-from cube_sim.allocation.proxqp import SubsetSolver
-from cube_sim.allocation.qp import subset_qp
+from cube_sim.allocation.decide import (
+    CLOSEST,
+    EXACT,
+    INVALID_WRENCH,
+    Answers,
+    answer_of,
+    attainable_origin,
+    complete,
+    nearest_origins,
+    snap,
+)
+from cube_sim.allocation.memory import Memory, Tick, remember, this_tick
+from cube_sim.allocation.proxqp import SubsetSolver, new_qp, settle
+from cube_sim.allocation.qp import SubsetQP, subset_qp
+from cube_sim.allocation.tables import Tables
 
 OUTER_ITERATIONS = 30
 """Limit for one subset's ProxQP. Most subsets are infeasible and all of those run into it; live ones took at most 8."""
@@ -25,38 +39,77 @@ def every_subset(low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray
     return np.array(list(itertools.product(*open_sides)), dtype=np.int8).reshape(-1, len(low))
 
 
-def enumerate_subsets(
-    solver: SubsetSolver,
-    origin: NDArray[np.float64],
-    equations: NDArray[np.float64],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    target: NDArray[np.float64],
-    penalty: NDArray[np.float64],
-    weight: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.int8]] | None:
-    """Solve every subset's problem, return the forces and subset of least cost, None when no subset can.
-
-    Slow on purpose: 2^m or 3^m solves. It is the reference the exact search is measured against.
+class Enumeration:
+    """Every subset solved by ProxQP. Slow on purpose: it is the reference the exact search is measured against.
 
     Args:
-        solver: for these weights and equations, best with `OUTER_ITERATIONS`.
-        origin: (m,) any forces making the demanded wrench [N].
-        equations: (r, m) see `SubsetQP`.
-        low: (m, 3) lower end of each side [N].
-        high: (m, 3) upper end of each side [N].
-        target: (m, 3) preferred force on each side [N].
-        penalty: (m, 3) cost of choosing each side [N^2].
-        weight: (m,).
+        tables: of the allocator.
+        parallel: solve the subsets as one batch over the processor's cores.
     """
-    motors = np.arange(len(origin))
-    best, winner = np.inf, None
-    for subset in every_subset(low, high):
-        at = motors, subset + 1
-        solution = solver.solve(subset_qp(subset, origin, equations, low, high, target, weight))
-        if not solution.trusted:
-            continue
-        cost = float(weight @ (solution.force - target[at]) ** 2 + penalty[at].sum())
-        if cost < best - 1e-9 * abs(best if winner else 0.0):
-            best, winner = cost, (solution.force, subset)
-    return winner
+
+    def __init__(self, tables: Tables, parallel: bool) -> None:
+        self._tables, self._parallel = tables, parallel
+        self._solver = SubsetSolver(tables.weights, tables.equations, OUTER_ITERATIONS)
+
+    def allocate(self, memory: Memory, demand: NDArray[np.float64], answers: Answers) -> int:
+        """Answer one demand (n,) into the first row of ``answers``; returns the number of ProxQPs solved."""
+        t = self._tables
+        n, m = t.A.shape
+        status = EXACT if np.all(np.isfinite(demand)) else INVALID_WRENCH
+        demand = demand if status == EXACT else np.zeros(n)
+        tick = this_tick(t, memory)
+        origin = np.empty(m)
+        found, solved = None, 0
+        if attainable_origin(t, demand, origin):
+            found, solved = self._cheapest(tick, origin)
+        if found is None:
+            status = CLOSEST if status == EXACT else status
+            answer = []
+            for candidate in nearest_origins(t, tick, demand)[0]:
+                there, more = self._cheapest(tick, candidate)
+                solved += more
+                if there is None:
+                    force, subset = np.empty(m), np.empty(m, np.int8)
+                    cost, alternative = snap(t, tick, candidate, force, subset)
+                    there = cost, force, subset, alternative
+                answer.append(there)
+            found = min(answer, key=lambda there: round(there[0] / t.tolerance))
+        cost, force, subset, alternative = found
+        answer = answer_of.py_func(answers.numbers[0], n, m)
+        answer.force[:], answers.subset[0] = force + 0.0, subset
+        residual = complete(t, demand, answer.force, answer.wrench, answer.error)
+        answer.rest[:4] = residual, cost, status, alternative
+        remember(t, memory, answer.force, answers.subset[0])
+        return solved
+
+    def _cheapest(self, tick: Tick, origin: NDArray[np.float64]):
+        """(cost, force, subset, alternative) of the best subset, None when none is live, and the ProxQPs it took."""
+        t = self._tables
+        motors = np.arange(len(origin))
+        best, winner, solved = np.inf, None, 0
+        for alternative, target in enumerate(t.targets):
+            subsets = every_subset(tick.low, tick.high)
+            problems = [
+                subset_qp(subset, origin, t.equations, tick.low, tick.high, target, t.weights) for subset in subsets
+            ]
+            solved += len(problems)
+            answers = solve_in_parallel(problems) if self._parallel else map(self._solver.solve, problems)
+            for subset, problem, solution in zip(subsets, problems, answers, strict=True):
+                if not solution.trusted:
+                    continue
+                penalty = tick.penalty[motors, subset + 1].sum()
+                cost = float(t.weights @ (solution.force - problem.target) ** 2 + penalty)
+                if cost < best - 1e-9 * abs(best if winner else 0.0):
+                    best, winner = cost, (cost, solution.force, subset, alternative)
+        return winner, solved
+
+
+def solve_in_parallel(problems: list[SubsetQP]):
+    """Solve problems with ProxQP's batch over all cores; one `Solution` per problem, in order."""
+    batch = proxqp.dense.BatchQP(len(problems))
+    rows, motors = problems[0].equations.shape
+    for problem in problems:
+        qp = batch.init_qp_in_place(motors, rows, motors)
+        new_qp(qp, problem.weight, problem.equations, OUTER_ITERATIONS, problem)
+    proxqp.dense.solve_in_parallel(qps=batch)
+    return [settle(batch.get(i), problem) for i, problem in enumerate(problems)]

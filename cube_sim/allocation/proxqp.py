@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 from proxsuite import proxqp
 
+from cube_sim.allocation.decide import CLOSEST, Answers, answer_of
 from cube_sim.allocation.qp import SubsetQP
+from cube_sim.allocation.tables import Packed, Tables, pack, unpack
 
 ACCURACY = 1e-7
 """Primal and dual residual and duality gap asked of ProxQP [N], [N], [N^2]."""
@@ -58,19 +61,28 @@ class SubsetSolver:
             proxqp.dense.HessianType.Diagonal,
             proxqp.dense.DenseBackend.PrimalDualLDLT,
         )
-        settings = self._qp.settings
-        settings.max_iter, settings.max_iter_in = outer_iterations, 50
-        settings.eps_abs, settings.eps_rel = ACCURACY, 0.0
-        settings.eps_primal_inf = 0.0
-        settings.check_duality_gap = True
-        settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = ACCURACY, 0.0
-        zero, one = np.zeros(motors), np.ones(motors)
-        # No preconditioner: the equations are orthonormal and the intervals are unit rows already.
-        self._qp.init(
-            np.diag(weight), zero, equations, np.zeros(rows), np.eye(motors), -one, one, compute_preconditioner=False
-        )
+        new_qp(self._qp, weight, equations, outer_iterations)
         # The first solve of a ProxQP object rounds differently from all later ones; spend it here.
         self._qp.solve()
+
+    def refine(
+        self, problem: tuple[NDArray, NDArray, NDArray, NDArray], guess: tuple[NDArray, NDArray, NDArray]
+    ) -> tuple[bool, NDArray[np.float64]]:
+        """Solve from a guess that may be the solution.
+
+        Args:
+            problem: (m,) linear cost, (r,) demand, (m,) lower and (m,) upper ends.
+            guess: (m,) forces, (r,) multipliers of the equations and (m,) of the intervals.
+
+        Returns:
+            Whether ProxQP says it is solved, and (m,) its forces.
+        """
+        qp = self._qp
+        qp.cleanup()
+        qp.update(g=problem[0], b=problem[1], l=problem[2], u=problem[3])
+        qp.settings.initial_guess = proxqp.InitialGuess.WARM_START
+        qp.solve(*guess)
+        return qp.results.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED, qp.results.x
 
     def solve(self, problem: SubsetQP, guess: tuple[NDArray, NDArray, NDArray] | None = None) -> Solution:
         """Solve one problem.
@@ -88,11 +100,127 @@ class SubsetSolver:
         else:
             settings.initial_guess = proxqp.InitialGuess.WARM_START
             qp.solve(*guess)
-        force = np.clip(qp.results.x, problem.low, problem.high)
-        trusted = residual(problem, force) <= 10.0 * ACCURACY * (1.0 + float(np.max(np.abs(force))))
-        info = qp.results.info
-        solved = info.status == proxqp.QPSolverOutput.PROXQP_SOLVED
-        return Solution(force, bool(solved and trusted), int(info.iter))
+        return settle(qp, problem)
+
+
+def new_qp(
+    qp: proxqp.dense.QP,
+    weight: NDArray[np.float64],
+    equations: NDArray[np.float64],
+    outer_iterations: int,
+    problem: SubsetQP | None = None,
+) -> None:
+    """Give a ProxQP object its settings and its matrices, and those vectors that are known.
+
+    Args:
+        qp: of m variables, r equations and m inequalities.
+        weight: (m,).
+        equations: (r, m).
+        outer_iterations: limit that ends an infeasible problem.
+        problem: whose target, demand and intervals to use.
+    """
+    settings = qp.settings
+    settings.max_iter, settings.max_iter_in = outer_iterations, 50
+    settings.eps_abs, settings.eps_rel = ACCURACY, 0.0
+    settings.eps_primal_inf = 0.0
+    settings.check_duality_gap = True
+    settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = ACCURACY, 0.0
+    rows, motors = equations.shape
+    g, b, low, high = np.zeros(motors), np.zeros(rows), -np.ones(motors), np.ones(motors)
+    if problem is not None:
+        g, b, low, high = -problem.weight * problem.target, problem.demand, problem.low, problem.high
+    # No preconditioner: the equations are orthonormal and the intervals are unit rows already.
+    qp.init(np.diag(weight), g, equations, b, np.eye(motors), low, high, compute_preconditioner=False)
+
+
+def settle(qp: proxqp.dense.QP, problem: SubsetQP) -> Solution:
+    """Read a solved ProxQP object, and judge its answer by residuals computed here."""
+    force = np.clip(qp.results.x, problem.low, problem.high)
+    trusted = residual(problem, force) <= 10.0 * ACCURACY * (1.0 + float(np.max(np.abs(force))))
+    info = qp.results.info
+    solved = info.status == proxqp.QPSolverOutput.PROXQP_SOLVED
+    return Solution(force, bool(solved and trusted), int(info.iter))
+
+
+class Confirmer:
+    """ProxQP as the second opinion on the search: it solves the chosen subset from the search's own solution.
+
+    A right solution is the fixed point of a warm-started ProxQP, a wrong one is not, so this costs one solve of an
+    iteration or two. What it confirms is the search's force, exact to rounding. ProxQP's own last bits depend on
+    where its memory happens to lie and would make two runs of one scenario differ.
+
+    Args:
+        tables: of the allocator.
+        agreement_N: largest difference of the two that counts as agreement.
+    """
+
+    def __init__(self, tables: Tables, agreement_N: float) -> None:
+        rows, motors = tables.equations.shape
+        self._packed, self._agreement_N = pack(tables), agreement_N
+        self._solver = SubsetSolver(tables.weights, tables.equations)
+        self._problem = np.zeros((6, max(rows, motors)))
+        self._vectors = tuple(self._problem[i, :size] for i, size in enumerate([motors, rows, motors, motors, motors]))
+        self._duals, self._multiplier = self._problem[5, :rows], np.zeros(motors)
+
+    def confirms(self, answers: Answers, wrench: NDArray[np.float64]) -> bool:
+        """Whether ProxQP solves the subset of the one answer and finds the same forces.
+
+        Args:
+            answers: holding one answer.
+            wrench: (n,) finite demand it answers.
+        """
+        subset_problem(self._packed, answers, wrench, self._problem, self._multiplier)
+        linear, demand, low, high, force = self._vectors
+        solved, x = self._solver.refine((linear, demand, low, high), (force, self._duals, self._multiplier))
+        return bool(solved and within(x, force, self._agreement_N))
+
+
+@nb.njit(cache=True, error_model="numpy")
+def subset_problem(
+    packed: Packed,
+    answers: Answers,
+    wrench: NDArray[np.float64],
+    problem: NDArray[np.float64],
+    multiplier: NDArray[np.float64],
+) -> None:
+    """Write the chosen subset's problem and its solution.
+
+    Args:
+        packed: of the allocator.
+        answers: holding one answer.
+        wrench: (n,) the demand.
+        problem: (6, max(r, m)) out, one row each, filled from the left: linear cost (m,), demand (r,), lower ends (m,),
+            upper ends (m,), forces (m,), multipliers of the equations (r,).
+        multiplier: (m,) out: of the intervals.
+    """
+    t = unpack(packed)
+    rows, motors = t.equations.shape
+    answer = answer_of(answers.numbers[0], t.A.shape[0], motors)
+    made = np.empty(motors)
+    for i in range(motors):
+        target = t.targets[int(answer.rest[3]), i, answers.subset[0, i] + 1]
+        problem[0, i] = -t.weights[i] * target
+        problem[2, i], problem[3, i] = answer.low[i], answer.high[i]
+        problem[4, i], multiplier[i] = answer.force[i], answer.multiplier[i]
+        made[i] = answer.force[i]
+        if answer.rest[2] != CLOSEST:
+            made[i] = 0.0
+            for a in range(wrench.shape[0]):
+                made[i] += t.particular[i, a] * wrench[a]
+    for b in range(rows):
+        problem[1, b], problem[5, b] = 0.0, 0.0
+        for i in range(motors):
+            problem[1, b] += t.equations[b, i] * made[i]
+            problem[5, b] -= t.equations[b, i] * (t.weights[i] * answer.force[i] + problem[0, i] + multiplier[i])
+
+
+@nb.njit(cache=True, error_model="numpy")
+def within(x: NDArray[np.float64], y: NDArray[np.float64], limit: float) -> bool:
+    """Whether no entry differs by more than the limit; a NaN differs from everything."""
+    agree = True
+    for i in range(x.shape[0]):
+        agree = agree and abs(x[i] - y[i]) <= limit
+    return agree
 
 
 def residual(problem: SubsetQP, force: NDArray[np.float64]) -> float:

@@ -35,9 +35,10 @@ class Allocation:
         wrench_error: (n,) demanded minus achieved wrench [N, N m]; NaN nowhere, also for an invalid demand,
             which counts as zero.
         residual: norm of ``wrench_error`` [N], its torque rows divided by ``Allocator.length_m``.
-        cost: ``sum w (f - target)^2`` plus reversal penalties [N^2].
+        cost: ``sum w (f - target)^2`` of the objective plus reversal penalties [N^2].
         subset: (m,) int8, the side each motor works on: -1 negative, 0 off, +1 positive.
         status: how the allocation ended.
+        power_W: electrical power of the forces [W], None unless the allocator knows the power coefficients.
     """
 
     force: NDArray[np.float64]
@@ -47,3 +48,27 @@ class Allocation:
     cost: float
     subset: NDArray[np.int8]
     status: Status
+    power_W: float | None = None  # noqa: N815 - W is the watt
+
+
+@dataclass(frozen=True, slots=True)
+class Allocations:
+    """Thruster forces for N demanded wrenches in order, the fields of `Allocation` with N rows each.
+
+    Attributes:
+        force: (N, m) [N].
+        wrench: (N, n) [N, N m].
+        wrench_error: (N, n) [N, N m].
+        residual: (N,) [N].
+        cost: (N,) [N^2].
+        subset: (N, m) int8.
+        status: (N,) int8, the numbers of `Status`.
+    """
+
+    force: NDArray[np.float64]
+    wrench: NDArray[np.float64]
+    wrench_error: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    cost: NDArray[np.float64]
+    subset: NDArray[np.int8]
+    status: NDArray[np.int8]

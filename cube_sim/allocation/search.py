@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.projection import CUT, INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import choose_side, split
+from cube_sim.allocation.ties import changed, preferred, slack_of
 
 FOUND, NONE, UNPROVEN = 0, 1, 2
 """Outcomes: the optimum; no allowed forces make the wrench; a projection stalled, so nothing is proven."""
@@ -80,8 +81,9 @@ def search(
     depth = 1
     while depth > 0:
         depth -= 1
-        slack = 1e-9 * (abs(best) + 1e-6) if best < math.inf else 0.0
-        if bound[depth] > best + slack:
+        slack = slack_of(best)
+        bound_here = bound[depth]
+        if bound_here > best + slack:
             continue
         empty = False
         constant = 0.0
@@ -110,8 +112,19 @@ def search(
         solved += 1
         if outcome in (INFEASIBLE, CUT):
             continue
-        if outcome == STALLED:
-            proven = False
+        if outcome == STALLED:  # no bound for this node: divide it where it can be divided
+            for i in range(m):
+                single = mask[i] & -mask[i]
+                if single != mask[i]:
+                    for child in (single, mask[i] ^ single):
+                        for j in range(m):
+                            stack[depth, j] = mask[j]
+                        stack[depth, i] = child
+                        bound[depth] = bound_here
+                        depth += 1
+                    break
+            else:
+                proven = False
             continue
         lower, cost = constant, 0.0
         chosen, worst = -1, 0.0
@@ -139,18 +152,8 @@ def search(
         if lower > best + slack:
             continue
         if stuck < 0:
-            changes = 0
-            for i in range(m):
-                changes += sides[i] != previous[i]
-            wins = cost < best - slack
-            if not wins and cost <= best + slack:
-                wins = changes < changes_best
-                if changes == changes_best:
-                    for i in range(m):
-                        if sides[i] != subset[i]:
-                            wins = sides[i] > subset[i]
-                            break
-            if wins:
+            changes = changed(sides, previous)
+            if preferred(cost, best, sides, subset, changes, changes_best):
                 best, value_best, changes_best = min(best, cost), cost, changes
                 for i in range(m):
                     force[i], subset[i], multiplier[i] = f[i], sides[i], mu[i]

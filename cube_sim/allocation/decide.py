@@ -1,0 +1,319 @@
+"""One allocation after the other, compiled whole: exact, else closest; then wrench, error, cost and memory."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numba as nb
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation.lines import line_search
+from cube_sim.allocation.memory import Memory, Tick, remember, this_tick
+from cube_sim.allocation.nearest import CANDIDATES, nearest
+from cube_sim.allocation.search import FOUND, UNPROVEN, search
+from cube_sim.allocation.tables import Packed, Tables, unpack
+from cube_sim.allocation.ties import changed, preferred
+
+EXACT, CLOSEST, INVALID_WRENCH = 0, 1, 2
+"""The numbers of `Status`."""
+
+FAR = 1e6
+"""Demands longer than this many times the reach are shortened for the search; the closest wrench is the same."""
+
+
+class Answers(NamedTuple):
+    """Where N answers are written; one row of numbers each, and the subsets.
+
+    Attributes:
+        numbers: (N, 4 m + 2 n + 6): force, wrench, error, multipliers of the interval ends at the solution of the
+            subset's problem, lower and upper ends of the chosen sides, then residual, cost, status, winning
+            alternative of the objective, nodes looked at, and 1 where the answer is not proven.
+        subset: (N, m) int8.
+    """
+
+    numbers: NDArray[np.float64]
+    subset: NDArray[np.int8]
+
+
+class Answer(NamedTuple):
+    """One row of `Answers`, by name.
+
+    Attributes:
+        force: (m,) [N].
+        wrench: (n,) A f.
+        error: (n,) demanded minus achieved.
+        multiplier: (m,) of the interval ends.
+        low: (m,) lower end of the side each motor is on [N].
+        high: (m,) upper end of it [N].
+        rest: (6,) residual [N], cost [N^2], status, alternative, nodes, not proven.
+    """
+
+    force: NDArray[np.float64]
+    wrench: NDArray[np.float64]
+    error: NDArray[np.float64]
+    multiplier: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    rest: NDArray[np.float64]
+
+
+def blank_answers(count: int, rows: int, motors: int) -> Answers:
+    """Room for ``count`` answers."""
+    return Answers(np.zeros((count, 4 * motors + 2 * rows + 6)), np.zeros((count, motors), np.int8))
+
+
+@nb.njit(cache=True, error_model="numpy")
+def answer_of(numbers: NDArray[np.float64], n: int, m: int) -> Answer:
+    """Name the parts of one row of `Answers.numbers`."""
+    a, b = m + n, m + 2 * n
+    return Answer(
+        numbers[:m], numbers[m:a], numbers[a:b], numbers[b : b + m], numbers[b + m : b + 2 * m],
+        numbers[b + 2 * m : b + 3 * m], numbers[b + 3 * m :],
+    )  # fmt: skip
+
+
+@nb.njit(cache=True, error_model="numpy")
+def cheapest(
+    t: Tables,
+    tick: Tick,
+    memory: Memory,
+    origin: NDArray[np.float64],
+    force: NDArray[np.float64],
+    subset: NDArray[np.int8],
+    multiplier: NDArray[np.float64],
+) -> tuple[bool, float, int, int, bool]:
+    """Least-cost allowed forces that make the same wrench as ``origin`` (m,), over all alternatives of the objective.
+
+    Args:
+        t: of the allocator.
+        tick: sides and prices of this call.
+        memory: ties prefer its subset.
+        origin: (m,) [N].
+        force: (m,) out [N], clipped to its sides.
+        subset: (m,) out.
+        multiplier: (m,) out.
+
+    Returns:
+        Whether there are any, their cost, the alternative, nodes looked at, whether the answer is proven.
+    """
+    m = origin.shape[0]
+    trial, sides, mu = np.empty(m), np.empty(m, np.int8), np.empty(m)
+    found, best, winner, nodes, proven, changes_best = False, math.inf, 0, 0, True, 0
+    for a in range(t.targets.shape[0]):
+        if t.planar:
+            there, cost, looked = line_search(
+                origin, t.plane, t.weights, tick.low, tick.high, t.targets[a], tick.penalty, tick.masks,
+                memory.subset, t.tolerance, trial, sides, mu,
+            )  # fmt: skip
+        else:
+            outcome, cost, looked = search(
+                origin, t.kernel, t.weights, tick.low, tick.high, t.targets[a], tick.penalty, tick.relaxed[a],
+                tick.masks, memory.subset, t.tolerance, trial, sides, mu,
+            )  # fmt: skip
+            there = outcome == FOUND or (outcome == UNPROVEN and cost < math.inf)
+            proven = proven and outcome != UNPROVEN
+        nodes += looked
+        if not there:
+            continue
+        changes = changed(sides, memory.subset)
+        if found and not preferred(cost, best, sides, subset, changes, changes_best):
+            continue
+        found, best, winner, changes_best = True, cost, a, changes
+        for i in range(m):
+            s = sides[i] + 1
+            force[i] = min(max(trial[i], tick.low[i, s]), tick.high[i, s]) + 0.0
+            subset[i], multiplier[i] = sides[i], mu[i]
+    return found, best, winner, nodes, proven
+
+
+@nb.njit(cache=True, error_model="numpy")
+def cost_on(t: Tables, tick: Tick, alternative: int, force: NDArray[np.float64], subset: NDArray[np.int8]) -> float:
+    """Cost of forces (m,) on the sides (m,) they lie on, for one alternative of the objective [N^2]."""
+    cost = 0.0
+    for i in range(force.shape[0]):
+        s = subset[i] + 1
+        cost += t.weights[i] * (force[i] - t.targets[alternative, i, s]) ** 2 + tick.penalty[i, s]
+    return cost
+
+
+@nb.njit(cache=True, error_model="numpy")
+def snap(
+    t: Tables, tick: Tick, wanted: NDArray[np.float64], force: NDArray[np.float64], subset: NDArray[np.int8]
+) -> tuple[float, int]:
+    """Move each force (m,) to its nearest allowed one; returns the cost and the alternative it is counted for."""
+    for i in range(wanted.shape[0]):
+        gap, side = math.inf, -1
+        for s in range(3):
+            if tick.masks[i] >> s & 1:
+                here = max(tick.low[i, s] - wanted[i], wanted[i] - tick.high[i, s], 0.0)
+                if side < 0 or here < gap:
+                    gap, side = here, s
+        subset[i] = side - 1
+        force[i] = min(max(wanted[i], tick.low[i, side]), tick.high[i, side]) + 0.0
+    best, winner = math.inf, 0
+    for a in range(t.targets.shape[0]):
+        cost = cost_on(t, tick, a, force, subset)
+        if cost < best:
+            best, winner = cost, a
+    return best, winner
+
+
+@nb.njit(cache=True, error_model="numpy")
+def nearest_origins(t: Tables, tick: Tick, demand: NDArray[np.float64]) -> tuple[NDArray[np.float64], int, bool]:
+    """Forces making the wrenches closest to a demand.
+
+    Args:
+        t: of the allocator.
+        tick: sides of this call.
+        demand: (n,) finite.
+
+    Returns:
+        (c, m) forces, one row per distinct equally close wrench; when every projection stalled, the one row of the
+        pseudo-inverse, to be moved to allowed sides. Then nodes looked at, and whether the answer is proven.
+    """
+    n, m = t.A.shape
+    size = 0.0
+    for a in range(n):
+        size = max(size, abs(demand[a]))
+    limit = FAR * max(t.reach, 1e-12)
+    scale = limit / size if size > limit else 1.0
+    goal = np.zeros(t.basis.shape[1])
+    for b in range(goal.shape[0]):
+        for a in range(n):
+            goal[b] += t.basis[a, b] * t.wrench_weights[a] * (demand[a] * scale)
+    candidates = np.zeros((CANDIDATES, m))
+    count, _, proven, nodes = nearest(
+        goal, t.spread, t.free, t.gain, tick.low, tick.high, tick.relaxed[0], tick.masks, t.tolerance, candidates
+    )
+    if count == 0:
+        for i in range(m):
+            for a in range(n):
+                candidates[0, i] += t.particular[i, a] * (demand[a] * scale)
+        return candidates[:1], nodes, False
+    return candidates[:count], nodes, proven
+
+
+@nb.njit(cache=True, error_model="numpy")
+def closest(
+    t: Tables,
+    tick: Tick,
+    memory: Memory,
+    demand: NDArray[np.float64],
+    force: NDArray[np.float64],
+    subset: NDArray[np.int8],
+    multiplier: NDArray[np.float64],
+) -> tuple[float, int, int, bool]:
+    """Forces making the attainable wrench closest to the demand, of those the cheapest.
+
+    Args:
+        t: of the allocator.
+        tick: sides and prices of this call.
+        memory: ties prefer its subset.
+        demand: (n,) finite.
+        force: (m,) out [N].
+        subset: (m,) out.
+        multiplier: (m,) out.
+
+    Returns:
+        Cost, alternative, nodes looked at, whether the answer is proven.
+    """
+    m = t.A.shape[1]
+    candidates, nodes, proven = nearest_origins(t, tick, demand)
+    trial, sides, mu = np.empty(m), np.empty(m, np.int8), np.empty(m)
+    best, winner, changes_best = math.inf, 0, 0
+    for c in range(candidates.shape[0]):
+        there, cost, alternative, looked, sure = cheapest(t, tick, memory, candidates[c], trial, sides, mu)
+        nodes += looked
+        proven = proven and sure
+        if not there:
+            cost, alternative = snap(t, tick, candidates[c], trial, sides)
+            mu[:] = 0.0
+        changes = changed(sides, memory.subset)
+        if c > 0 and not preferred(cost, best, sides, subset, changes, changes_best):
+            continue
+        best, winner, changes_best = cost, alternative, changes
+        for i in range(m):
+            force[i], subset[i], multiplier[i] = trial[i], sides[i], mu[i]
+    return best, winner, nodes, proven
+
+
+@nb.njit(cache=True, error_model="numpy")
+def attainable_origin(t: Tables, demand: NDArray[np.float64], origin: NDArray[np.float64]) -> bool:
+    """Write the least forces making the demand, limits aside; False when no forces of any size can, or it is far."""
+    n, m = t.A.shape
+    for a in range(n):
+        if abs(demand[a]) > 2.0 * t.reach:
+            return False
+    for b in range(n):
+        outside = 0.0
+        for a in range(n):
+            outside += t.unreachable[b, a] * demand[a]
+        if abs(outside) > t.tolerance:
+            return False
+    for i in range(m):
+        origin[i] = 0.0
+        for a in range(n):
+            origin[i] += t.particular[i, a] * demand[a]
+    return True
+
+
+@nb.njit(cache=True, error_model="numpy")
+def complete(
+    t: Tables, demand: NDArray[np.float64], force: NDArray[np.float64], wrench: NDArray[np.float64],
+    error: NDArray[np.float64],
+) -> float:  # fmt: skip
+    """Write the wrench (n,) of forces (m,) and its error (n,) against the demand (n,); returns the residual [N]."""
+    largest = 0.0
+    for a in range(demand.shape[0]):
+        wrench[a] = 0.0
+        for i in range(force.shape[0]):
+            wrench[a] += t.A[a, i] * force[i]
+        error[a] = demand[a] - wrench[a]
+        largest = max(largest, abs(error[a] * t.error_scale[a]))
+    if largest == 0.0:
+        return 0.0
+    square = 0.0
+    for a in range(demand.shape[0]):
+        square += (error[a] * t.error_scale[a] / largest) ** 2
+    return largest * math.sqrt(square)
+
+
+@nb.njit(cache=True, error_model="numpy")
+def allocate_each(packed: Packed, memory: Memory, wrenches: NDArray[np.float64], answers: Answers) -> None:
+    """Allocate N demands (N, n) in order, each remembering the one before.
+
+    A demand that holds a NaN or an infinity counts as zero.
+    """
+    t = unpack(packed)
+    n, m = t.A.shape
+    demand, origin = np.empty(n), np.empty(m)
+    for at in range(wrenches.shape[0]):
+        status = EXACT
+        for a in range(n):
+            demand[a] = wrenches[at, a]
+            if not math.isfinite(demand[a]):
+                status = INVALID_WRENCH
+        if status == INVALID_WRENCH:
+            demand[:] = 0.0
+        tick = this_tick(t, memory)
+        answer, subset = answer_of(answers.numbers[at], n, m), answers.subset[at]
+        found, alternative, nodes, proven = False, 0, 0, True
+        if attainable_origin(t, demand, origin):
+            found, _, alternative, nodes, proven = cheapest(
+                t, tick, memory, origin, answer.force, subset, answer.multiplier
+            )
+        if not found:
+            if status == EXACT:
+                status = CLOSEST
+            _, alternative, more, sure = closest(t, tick, memory, demand, answer.force, subset, answer.multiplier)
+            nodes += more
+            proven = proven and sure
+        answer.rest[0] = complete(t, demand, answer.force, answer.wrench, answer.error)
+        answer.rest[1] = cost_on(t, tick, alternative, answer.force, subset)
+        answer.rest[2], answer.rest[3] = status, alternative
+        answer.rest[4], answer.rest[5] = nodes, 0.0 if proven else 1.0
+        for i in range(m):
+            answer.low[i], answer.high[i] = tick.low[i, subset[i] + 1], tick.high[i, subset[i] + 1]
+        remember(t, memory, answer.force, subset)
