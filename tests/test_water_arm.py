@@ -58,6 +58,21 @@ def test_inertia_is_mujocos_own_plus_added_mass(seed):
     np.testing.assert_allclose(full_mass(wet, data), full_mass(dry, other) + B.T @ body.added @ B, atol=1e-11)
 
 
+def test_armature_of_the_free_joint_is_kept():
+    """MuJoCo adds it to the diagonal; overwriting the block must not lose it."""
+    rng, body = ideal(4)
+    spec = body.spec()
+    spec.joint("hull").armature = 2.5
+    plain, armoured = body.model(), cube_sim.load_model(spec)
+    state, masses = tumbling(rng), []
+    for model in (plain, armoured):
+        data = mujoco.MjData(model)
+        set_state(data, state)
+        mujoco.mj_forward(model, data)
+        masses.append(full_mass(model, data))
+    np.testing.assert_allclose(masses[1] - masses[0], 2.5 * np.eye(6), atol=1e-12)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_energy_and_impulse_of_hull_and_arm_are_kept(seed):
     """Free flight in an ideal fluid without gravity: kinetic energy, linear and angular impulse stay."""
