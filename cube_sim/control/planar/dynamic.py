@@ -1,0 +1,160 @@
+"""The dynamic law (6): which force ahead and which torque bring the vehicle onto the path."""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import NamedTuple
+
+from cube_sim.control.planar.approach_angle import ApproachAngle
+from cube_sim.control.planar.model import PlanarModel, PlanarMotion
+from cube_sim.control.planar.path_view import PathView, wrap
+
+
+class Gains(NamedTuple):
+    """The gains of proposition 2.
+
+    Attributes:
+        k1: [1/s].
+        k2: [1/s].
+        k3: [1/s].
+        k4: [1/s].
+        k5: [1/s^2].
+    """
+
+    k1: float
+    k2: float
+    k3: float
+    k4: float
+    k5: float
+
+
+class SpeedWanted(NamedTuple):
+    """u_d and its time derivatives [m/s, m/s^2, m/s^3]."""
+
+    value: float
+    rate: float = 0.0
+    bend: float = 0.0
+
+
+class PlanarCommand(NamedTuple):
+    """What the law asks for.
+
+    Attributes:
+        F: force ahead [N].
+        Gamma: torque to the left [N m].
+        ds: s', speed of the virtual target [m/s].
+    """
+
+    F: float
+    Gamma: float
+    ds: float
+
+
+class Kinematics(NamedTuple):
+    """Everything the law differentiates; a leading d is d/dt, dd the second derivative.
+
+    Attributes:
+        error: psi - delta, the short way round [rad].
+        du: u' under the surge loop [m/s^2].
+        ds: [m/s].
+        dds: [m/s^2].
+        dpsi: [rad/s].
+        ddelta: [rad/s].
+        dddelta: second derivative of delta [rad/s^2].
+        ddbeta_without_dr: second derivative of beta if r were constant [rad/s^2].
+    """
+
+    error: float
+    du: float
+    ds: float
+    dds: float
+    dpsi: float
+    ddelta: float
+    dddelta: float
+    ddbeta_without_dr: float
+
+
+class DynamicLaw(NamedTuple):
+    """Proposition 2 of Lapierre and Soetanto 2007, corrected, with its algebraic loops solved.
+
+        F     = m_u (u_d' - k4 (u - u_d)) + d_u
+        Gamma = m_r alpha_r + d_r
+        s'    = v_t cos psi + k2 s1
+        alpha_r = delta'' - beta'' - (k1 + k3)(psi' - delta') - (k5 + k1 k3)(psi - delta) + c_c s'' + g_c s'^2
+
+    In print there stand -d_u, -d_r and g_c s'; with (2) as written the resistances have to be added, and c_c' s' is
+    g_c s'^2. Then psi - delta obeys e'' + (k1 + k3) e' + (k5 + k1 k3) e = 0. beta'' depends on r' = alpha_r through
+    v''; the law is affine in it and is solved for it.
+
+    At low surge speed side-slip means nothing: the law is then evaluated as if u were `least_speed`, until its force
+    has brought the vehicle to speed.
+
+    Attributes:
+        model: the vehicle.
+        approach: delta.
+        gains: k1 to k5.
+        least_speed: [m/s], below u_d.
+        target_speed_limit: bound on |s'| [m/s]; beyond it the target runs steadily.
+    """
+
+    model: PlanarModel
+    approach: ApproachAngle
+    gains: Gains
+    least_speed: float
+    target_speed_limit: float
+
+    def command(self, motion: PlanarMotion, path: PathView, speed: SpeedWanted) -> PlanarCommand:
+        """Force and torque for a vehicle in this motion, seen from the virtual target."""
+        k1, _, k3, _, k5 = self.gains
+        model, c_c, g_c = self.model, path.c_c, path.g_c
+        flow = self.flow(motion)
+        k = self.kinematics(motion, path, speed)
+        alpha_r = (
+            k.dddelta
+            - k.ddbeta_without_dr
+            - (k1 + k3) * (k.dpsi - k.ddelta)
+            - (k5 + k1 * k3) * k.error
+            + c_c * k.dds
+            + g_c * k.ds**2
+        ) / model.loop_gain(flow)
+        return PlanarCommand(model.m_u * k.du + model.d_u(motion), model.m_r * alpha_r + model.d_r(motion), k.ds)
+
+    def flow(self, motion: PlanarMotion) -> PlanarMotion:
+        """The motion for which side-slip is evaluated."""
+        return motion._replace(u=max(motion.u, self.least_speed))
+
+    def kinematics(self, motion: PlanarMotion, path: PathView, speed: SpeedWanted) -> Kinematics:
+        """What `command` combines."""
+        _, k2, _, k4, _ = self.gains
+        model, (s1, y1, psi, c_c, g_c) = self.model, path
+        # surge under its own loop, sway by (2)
+        du = speed.rate - k4 * (motion.u - speed.value)
+        ddu = speed.bend - k4 * (du - speed.rate)
+        flow = self.flow(motion)
+        u, v, r = flow
+        v_t = flow.speed
+        dv = model.sway_acceleration(flow)
+        d_v_u, d_v_v = model.d_v_slopes(u, v)
+        ddv_without_dr = -(model.m_ur * du * r + d_v_u * du + d_v_v * dv) / model.m_v
+        dv_t = (u * du + v * dv) / v_t
+        dbeta = (u * dv - v * du) / v_t**2
+        ddbeta_without_dr = (u * ddv_without_dr - v * ddu) / v_t**2 - 2.0 * dbeta * dv_t / v_t
+        # (3) and (4)
+        wanted = v_t * cos(psi) + k2 * s1
+        ds = min(max(wanted, -self.target_speed_limit), self.target_speed_limit)
+        ds1 = v_t * cos(psi) - ds * (1.0 - c_c * y1)
+        dy1 = v_t * sin(psi) - c_c * ds * s1
+        dpsi = r + dbeta - c_c * ds
+        dds = dv_t * cos(psi) - v_t * sin(psi) * dpsi + k2 * ds1 if ds == wanted else 0.0
+        ddy1 = dv_t * sin(psi) + v_t * cos(psi) * dpsi - (g_c * ds**2 + c_c * dds) * s1 - c_c * ds * ds1
+        delta = self.approach.at(y1)
+        return Kinematics(
+            error=wrap(psi - delta.value),
+            du=du,
+            ds=ds,
+            dds=dds,
+            dpsi=dpsi,
+            ddelta=delta.slope * dy1,
+            dddelta=delta.bend * dy1**2 + delta.slope * ddy1,
+            ddbeta_without_dr=ddbeta_without_dr,
+        )
