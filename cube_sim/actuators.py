@@ -6,13 +6,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cube_sim.allocation import Allocation, Allocator, Status
+from cube_sim.allocation import Allocation, Status
+from cube_sim.allocation.factory import WrenchAllocator
 from cube_sim.control.health import Health
 from cube_sim.spatial import Matrix, Vector
 
-Build = Callable[[Matrix, Matrix], Allocator]
-"""(A (6,k), limits (k,4)) -> an allocator for k thrusters."""
+Build = Callable[[Matrix, Matrix, NDArray[np.int_]], WrenchAllocator]
+"""(A (6,k), limits (k,4), which thrusters (k,)) -> an allocator for k thrusters."""
 
 
 class Actuators:
@@ -38,7 +40,7 @@ class Actuators:
         self._held = np.where(np.isnan(health.stuck), 0.0, health.stuck)
         efficiency = health.efficiency[self._obedient, None]
         self._allocator = (
-            self._build(self._A[:, self._obedient], self._limits[self._obedient] * efficiency)
+            self._build(self._A[:, self._obedient], self._limits[self._obedient] * efficiency, self._obedient)
             if self._obedient.size
             else None
         )

@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from difflib import get_close_matches
 from math import inf, radians
+from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.actuators import Actuators
-from cube_sim.allocation import Allocator, Status
+from cube_sim.allocation import Status
+from cube_sim.allocation.factory import WrenchAllocator, is_exact, make_allocator
 from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
 from cube_sim.control.authority import Authority
 from cube_sim.control.controller import Controller
@@ -187,21 +189,27 @@ def _attitude(block: schema.Attitude) -> AttitudeMode:
 
 
 def _actuators(vehicle: Vehicle, block: schema.Allocation) -> Actuators:
-    weights = np.ones(6)
-    weights[3:] = block.torque_weight
+    thrusters = vehicle.thrusters
 
-    def build(A: NDArray[np.float64], limits: NDArray[np.float64]) -> Allocator:
-        return Allocator(
-            A,
-            limits,
-            allow_off=block.allow_off,
-            objective=block.objective,
-            wrench_weights=weights,
-            reversal_penalty=block.reversal_penalty_N2,
-            method=block.method,
-        )
+    def build(A: NDArray[np.float64], limits: NDArray[np.float64], which: NDArray[np.int_]) -> WrenchAllocator:
+        options: dict[str, Any] = {
+            "allow_off": block.allow_off,
+            "power_coefficients": thrusters.power_coefficients[which],
+        }
+        if is_exact(block.method):
+            weights = np.ones(6)
+            weights[3:] = block.torque_weight
+            options |= {
+                "objective": block.objective,
+                "wrench_weights": weights,
+                "reversal_penalty": block.reversal_penalty_N2,
+                "change_limit": block.change_limit_N,
+            }
+        if block.objective.startswith("reactivity"):
+            options["reactivity"] = thrusters.reactivity[which]
+        return make_allocator(block.method, A, limits, options)
 
-    limits = clear_of_dead_zone(vehicle.thrusters.limits, block.dead_zone_margin)
+    limits = clear_of_dead_zone(thrusters.limits, block.dead_zone_margin)
     return Actuators(vehicle.actuation_matrix, limits, build)
 
 

@@ -21,10 +21,6 @@ class ReachLog:
         if status is self._told:
             self._since = t
         elif status is Status.INVALID_WRENCH or t - self._since >= PATIENCE_S:
-            level, text = {
-                Status.EXACT: ("INFO", "the demanded wrench is attainable again"),
-                Status.CLOSEST: ("WARNING", "the demanded wrench is out of reach: the closest attainable one is made"),
-                Status.INVALID_WRENCH: ("ERROR", "the demanded wrench is not finite: the thrusters rest"),
-            }[status]
-            self._recorder.log(t, level, text)
+            level = {Status.EXACT: "INFO", Status.INVALID_WRENCH: "ERROR"}.get(status, "WARNING")
+            self._recorder.log(t, level, status.message)
             self._told, self._since = status, t

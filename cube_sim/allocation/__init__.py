@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cube_sim.allocation.allocator import Allocator
+    from cube_sim.allocation.factory import make_allocator
     from cube_sim.allocation.result import Allocation, Status
 
-__all__ = ["Allocation", "Allocator", "Status"]
+__all__ = ["Allocation", "Allocator", "Status", "make_allocator"]
 
-_HOME = {"Allocator": "allocator", "Allocation": "result", "Status": "result"}
+_HOME = {"Allocator": "allocator", "Allocation": "result", "Status": "result", "make_allocator": "factory"}
 
 
 def __getattr__(name: str) -> Any:

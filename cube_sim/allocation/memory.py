@@ -51,6 +51,11 @@ def blank_memory(motors: int) -> Memory:
     return Memory(np.zeros(motors, np.int8), np.zeros(motors, np.int8), np.zeros(motors))
 
 
+def copied(memory: Memory) -> Memory:
+    """The same memory, from now on its own."""
+    return Memory(memory.subset.copy(), memory.push.copy(), memory.travel.copy())
+
+
 @nb.njit(cache=True, error_model="numpy")
 def this_tick(t: Tables, memory: Memory) -> Tick:
     """Sides and prices of the next call: reversals are priced, and forces may move by the change limit only.

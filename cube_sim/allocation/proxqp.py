@@ -152,15 +152,20 @@ class Confirmer:
     Args:
         tables: of the allocator.
         agreement_N: largest difference of the two that counts as agreement.
+        solver: of the same vehicle, to go on using.
     """
 
-    def __init__(self, tables: Tables, agreement_N: float) -> None:
+    def __init__(self, tables: Tables, agreement_N: float, solver: SubsetSolver | None = None) -> None:
         rows, motors = tables.equations.shape
         self._packed, self._agreement_N = pack(tables), agreement_N
-        self._solver = SubsetSolver(tables.weights, tables.equations)
+        self._solver = solver or SubsetSolver(tables.weights, tables.equations)
         self._problem = np.zeros((6, max(rows, motors)))
         self._vectors = tuple(self._problem[i, :size] for i, size in enumerate([motors, rows, motors, motors, motors]))
         self._duals, self._multiplier = self._problem[5, :rows], np.zeros(motors)
+
+    def with_tables(self, tables: Tables) -> Confirmer:
+        """The same for the same vehicle with other allowed forces."""
+        return Confirmer(tables, self._agreement_N, self._solver)
 
     def confirms(self, answers: Answers, wrench: NDArray[np.float64]) -> bool:
         """Whether ProxQP solves the subset of the one answer and finds the same forces.

@@ -18,11 +18,31 @@ class Status(IntEnum):
             Remedy: ask for less, allow motors to rest, or change ``wrench_weights`` to say which rows may give.
         INVALID_WRENCH: the demand holds a NaN or an infinity, so it was answered as a zero demand.
             Remedy: mend the controller that produced it; the vehicle coasts meanwhile.
+        MISSED: a method that is not exact made another wrench than the demanded one; whether that was attainable it
+            does not know. Remedy: an exact method, or a controller that makes up for the error.
+        FORBIDDEN_FORCE: a method blind to limits asks a motor for a force outside its allowed set; the motor will
+            make another. Remedy: a method that knows the limits.
     """
 
     EXACT = 0
     CLOSEST = 1
     INVALID_WRENCH = 2
+    MISSED = 3
+    FORBIDDEN_FORCE = 4
+
+    @property
+    def message(self) -> str:
+        """What happened, for a log."""
+        return _MESSAGES[self]
+
+
+_MESSAGES = {
+    Status.EXACT: "the demanded wrench is attainable again",
+    Status.CLOSEST: "the demanded wrench is out of reach: the closest attainable one is made",
+    Status.INVALID_WRENCH: "the demanded wrench is not finite: the thrusters rest",
+    Status.MISSED: "the allocation misses the demanded wrench",
+    Status.FORBIDDEN_FORCE: "the allocation asks a thruster for a force outside its allowed set",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -100,18 +100,14 @@ def make_tables(
 ) -> Tables:
     """Tabulate; see `Tables` for the arguments."""
     n, m = A.shape
-    low, high = sides
     plane = np.zeros((m, 2))
     if fibre.kernel.shape[1] <= 2:
         plane[:, : fibre.kernel.shape[1]] = fibre.kernel
     error_scale = np.ones(n)
     error_scale[torque_rows(n)] = 1.0 / length_m
-    relaxed, penalty = np.empty((len(targets), m, 8, 4)), np.zeros((m, 3))
-    for target, table in zip(targets, relaxed, strict=True):
-        relax(low, high, target, penalty, weights, table)
+    relaxed = np.empty((len(targets), m, 8, 4))
     uniform = bool(np.all(targets == targets[:, :, :1]))
-    strongest = np.max(np.where(low <= high, np.maximum(np.abs(low), np.abs(high)), 0.0), axis=1)
-    return Tables(
+    tables = Tables(
         A=A,
         error_scale=error_scale,
         particular=fibre.particular,
@@ -126,17 +122,47 @@ def make_tables(
         gain=distance.gain,
         wrench_weights=distance.weights,
         weights=weights,
-        low=low,
-        high=high,
-        masks=((low <= high) * (1, 2, 4)).sum(axis=1).astype(np.uint8),
+        low=sides[0],
+        high=sides[1],
+        masks=np.zeros(m, np.uint8),
         targets=np.ascontiguousarray(targets),
-        penalty=penalty,
+        penalty=np.zeros((m, 3)),
         relaxed=relaxed,
-        edge=np.ascontiguousarray(np.column_stack([high[:, 0], np.zeros(m), low[:, 2]])),
+        edge=np.zeros((m, 3)),
         reversal_penalty=reversal_penalty,
         change_limit=change_limit,
         tolerance=tolerance,
-        reach=float(np.max(np.abs(A) @ strongest)),
+        reach=0.0,
+    )
+    return with_sides(tables, *sides)
+
+
+def with_sides(tables: Tables, low: NDArray[np.float64], high: NDArray[np.float64]) -> Tables:
+    """The same vehicle with other allowed forces: only what follows from them is tabulated anew.
+
+    Args:
+        tables: of the vehicle.
+        low: (m, 3) lower end of each side [N]; an empty side has low > high.
+        high: (m, 3) upper end of each side [N].
+    """
+    m = len(low)
+    relaxed, penalty = np.empty_like(tables.relaxed), np.zeros((m, 3))
+    for target, table in zip(tables.targets, relaxed, strict=True):
+        relax(low, high, target, penalty, tables.weights, table)
+    open_side = low <= high
+    strongest = np.max(np.where(open_side, np.maximum(np.abs(low), np.abs(high)), 0.0), axis=1)
+    return tables._replace(
+        low=low,
+        high=high,
+        masks=(open_side * (1, 2, 4)).sum(axis=1).astype(np.uint8),
+        penalty=penalty,
+        relaxed=relaxed,
+        edge=np.ascontiguousarray(
+            np.column_stack(
+                [np.where(open_side[:, 0], high[:, 0], 0.0), np.zeros(m), np.where(open_side[:, 2], low[:, 2], 0.0)]
+            )
+        ),
+        reach=float(np.max(np.abs(tables.A) @ strongest)),
     )
 
 

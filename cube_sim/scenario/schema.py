@@ -134,13 +134,26 @@ class Control(Block):
 class Allocation(Block):
     """How a wrench becomes thruster forces."""
 
-    method: Literal["search+proxqp", "search", "enumerate"] = Field(
+    method: Literal[
+        "search+proxqp",
+        "search",
+        "enumerate",
+        "enumerate_parallel",
+        "contraction",
+        "compensation",
+        "pseudo_inverse",
+        "clipped_pseudo_inverse",
+    ] = Field(
         default="search+proxqp",
-        description="search+proxqp: exact search picks the subset, one ProxQP solves it.",
+        description="Exact: search+proxqp (a search picks the subset, one ProxQP solves it), search, enumerate (one "
+        "ProxQP per subset), enumerate_parallel. To compare with: contraction, compensation, pseudo_inverse, "
+        "clipped_pseudo_inverse; these know no objective, torque weight, penalty or change limit.",
     )
     allow_off: bool = Field(default=True, description="Whether a thruster may rest at 0 N, inside its dead zone.")
-    objective: Literal["energy"] = Field(
-        default="energy", description="What decides among exact allocations: energy = |f|^2."
+    objective: Literal["energy", "reactivity", "reactivity_by_side"] = Field(
+        default="energy",
+        description="What decides among exact allocations. energy: |f|^2. reactivity: closeness to the steepest point "
+        "of the characteristic, all thrusters forward or all reverse. reactivity_by_side: each on its own side.",
     )
     torque_weight: float = Field(
         default=30.0,
@@ -157,6 +170,23 @@ class Allocation(Block):
     reversal_penalty_N2: float = Field(  # noqa: N815 - N is the newton
         default=0.0, ge=0, description="Cost of one thruster changing side [N^2]."
     )
+    change_limit_N: float | None = Field(  # noqa: N815 - N is the newton
+        default=None,
+        gt=0,
+        description="Most a thruster's force may change in one control period, its dead zone not counted [N]. "
+        "Default: no limit.",
+    )
+
+    @field_validator("objective")
+    @classmethod
+    def _known_to_method(cls, objective: str, info: ValidationInfo) -> str:
+        method = info.data.get("method", "search")
+        if objective != "energy" and method in _SIMPLE_METHODS:
+            refuse(f"{method} knows no objective but energy")
+        return objective
+
+
+_SIMPLE_METHODS = ("contraction", "compensation", "pseudo_inverse", "clipped_pseudo_inverse")
 
 
 class Scenario(Block):
