@@ -114,7 +114,6 @@ def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> flo
         t = k * scenario.control_period_s
         for sentence in mission.events.happen(t):
             recorder.log(t, "WARNING", sentence)
-            _record_actuation(mission, recorder, t)
         mujoco.mj_forward(model, data)
         if not all(np.abs(values).max() < DIVERGED for values in (data.qpos, data.qvel, data.qacc)):
             recorder.log(t, "ERROR", "the state has left all bounds or is not a number: the run ends here")
@@ -142,6 +141,7 @@ def _take_note_of_faults(mission: Mission, recorder: Recorder, t: float) -> None
     if health is actuators.health or health.equals(actuators.health):
         return
     actuators.believe(health)
+    _record_actuation(mission, recorder, t)
     left = capability(actuators.working_matrix)
     mission.controller.reconfigure(left, read_state(mission.vehicle, mission.data))
     recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
@@ -204,8 +204,8 @@ def _describe(mission: Mission, recorder: Recorder) -> None:
 
 
 def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
-    """The thrusters as they truly are now: a weak one has narrower limits, a dead or stuck one no choice."""
-    vehicle, health = mission.vehicle, mission.events.health
+    """The thrusters as the controller believes them: a weak one has narrower limits, a dead or stuck one no choice."""
+    vehicle, health = mission.vehicle, mission.actuators.health
     limits = vehicle.thrusters.limits * health.efficiency[:, None]
     stuck = ~np.isnan(health.stuck)
     limits[stuck] = health.stuck[stuck, None]

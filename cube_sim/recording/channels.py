@@ -97,7 +97,7 @@ def channel_table(
             "actuation",
             (
                 Field("matrix", 6 * m, "N/N, N m/N", "A of F_B = A f, row-major (6, m), body axes", motor_wrench),
-                Field("limits", 4 * m, "N", "dead zone and saturation of each motor, (m, 4)", motor_limits),
+                Field("limits", 4 * m, "N", "dead zone and saturation of each motor as believed, (m, 4)", motor_limits),
             ),
             ON_CHANGE,
         ),

@@ -1,0 +1,153 @@
+"""Losing thrusters: what is left, how it is found out, how the vehicle points what it has."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+import cube_sim
+from cube_sim.actuators import Actuators
+from cube_sim.allocation import Allocator, Status
+from cube_sim.control.authority import Authority, capability
+from cube_sim.control.diagnosis import Diagnosis
+from cube_sim.control.health import Health
+from cube_sim.control.thrust_attitude import PointThrust
+from cube_sim.spatial import rotation_from_quaternion
+
+
+@pytest.fixture(scope="module")
+def cube():
+    return cube_sim.Vehicle.from_model(cube_sim.load_model("models/cube.xml"))
+
+
+def left_after(A, lost):
+    return np.delete(A, lost, axis=1)
+
+
+@pytest.mark.parametrize(
+    ("lost", "expected"),
+    [
+        (1, {Authority.HOLONOMIC: 8}),
+        (2, {Authority.HOLONOMIC: 16, Authority.PLANE: 12}),
+        (3, {Authority.PLANE: 48, Authority.LINE: 8}),
+    ],
+)
+def test_every_loss_of_the_cube_leaves_what_exact_geometry_says(cube, lost, expected):
+    found = [capability(left_after(cube.actuation_matrix, list(c))).authority for c in combinations(range(8), lost)]
+    assert {kind: found.count(kind) for kind in set(found)} == expected
+
+
+def test_pure_torques_and_no_thrusters_at_all_are_safe_mode(cube):
+    torques = np.vstack([np.zeros((3, 3)), np.eye(3)])
+    assert capability(torques).authority is Authority.SAFE
+    assert capability(np.zeros((6, 0))).authority is Authority.SAFE
+
+
+def test_demands_are_projected_onto_the_range_with_all_their_torque(cube):
+    rng = np.random.default_rng(1)
+    for lost in ([0, 1], [0, 2], [1, 3, 5], [0, 1, 2]):
+        A = left_after(cube.actuation_matrix, lost)
+        left = capability(A)
+        for wrench in rng.normal(size=(20, 6)):
+            projected = left.attainable(wrench)
+            np.testing.assert_allclose(A @ np.linalg.pinv(A) @ projected, projected, atol=1e-12)
+            np.testing.assert_array_equal(projected[3:], wrench[3:])
+            # no other force that goes with this torque is nearer
+            null = np.linalg.svd(A.T)[2][np.linalg.matrix_rank(A) :]
+            free = np.linalg.svd(null[:, :3])[2][np.linalg.matrix_rank(null[:, :3]) :]
+            np.testing.assert_allclose(free @ (projected[:3] - wrench[:3]), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("lost", [(0, 1), (0, 2), (4, 7), (1, 3, 5), (0, 1, 2)])
+def test_the_attitude_brings_what_is_left_onto_the_force(cube, lost):
+    left = capability(left_after(cube.actuation_matrix, list(lost)))
+    mode = PointThrust(left.pure_forces, heading=0.3, time=0.5)
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        force = rng.normal(size=3) * [15.0, 15.0, 4.0]
+        for _ in range(1500):
+            R = rotation_from_quaternion(mode.attitude(None, force, 0.02).quaternion)
+        in_body = R.T @ force
+        producible = left.pure_forces @ (left.pure_forces.T @ in_body)
+        np.testing.assert_allclose(producible, in_body, atol=1e-6 * np.linalg.norm(force))
+
+
+def test_a_plane_is_pointed_by_heading_alone_where_that_suffices(cube):
+    left = capability(left_after(cube.actuation_matrix, [0, 1]))
+    mode = PointThrust(left.pure_forces, heading=0.0, time=0.5)
+    for _ in range(1000):
+        R = rotation_from_quaternion(mode.attitude(None, np.array([10.0, 5.0, 1.0]), 0.02).quaternion)
+    assert R[2, 2] == pytest.approx(1.0, abs=1e-9)  # no tilt
+
+
+def test_no_force_means_no_turn(cube):
+    mode = PointThrust(np.eye(3)[:, :2], heading=0.7, time=0.5)
+    for _ in range(100):
+        desired = mode.attitude(None, np.zeros(3), 0.02)
+    np.testing.assert_allclose(desired.quaternion, [np.cos(0.35), 0.0, 0.0, np.sin(0.35)], atol=1e-12)
+
+
+def motors(kind: str, n: int = 200):
+    """(commands, true forces) of one thruster with characteristic F = 40 c, lag 20 ms, that fails after a second."""
+    rng = np.random.default_rng(3)
+    commands = 0.5 * np.sin(0.05 * np.arange(n)) + 0.2 * rng.normal(size=n).cumsum() / 14.0
+    activation, forces = 0.0, []
+    for k, c in enumerate(commands):
+        healthy = 40.0 * activation
+        failed = {"dead": 0.0, "weak": 0.5 * healthy, "stuck": 7.0, "whole": healthy}[kind]
+        forces.append(failed if k >= 50 else healthy)
+        activation = c + (activation - c) * np.exp(-1.0)
+    return commands, np.array(forces)
+
+
+@pytest.mark.parametrize(
+    ("kind", "efficiency", "stuck"),
+    [("whole", 1.0, None), ("dead", 0.0, None), ("weak", 0.5, None), ("stuck", 0.0, 7.0)],
+)
+def test_a_fault_is_found_from_command_and_response(kind, efficiency, stuck):
+    commands, forces = motors(kind)
+    diagnosis = Diagnosis(np.array([0.02]), window_s=0.5, threshold_N=1.0, dt=0.02)
+    found_at = None
+    for k, (c, f) in enumerate(zip(commands, forces, strict=True)):
+        health = diagnosis.update(40.0 * diagnosis.activation, np.array([f]))
+        diagnosis.advance(np.array([c]))
+        if found_at is None and not health.equals(Health.whole(1)):
+            found_at = k
+    assert health.efficiency[0] == pytest.approx(efficiency, abs=0.06)
+    if stuck is None:
+        assert np.isnan(health.stuck[0])
+    else:
+        assert health.stuck[0] == pytest.approx(stuck)
+    if kind == "whole":
+        assert found_at is None
+    else:
+        assert found_at is not None
+        assert 50 <= found_at <= 50 + 60  # within 1.2 s
+
+
+def actuators(cube):
+    return Actuators(cube.actuation_matrix, cube.thrusters.limits, lambda A, limits, _: Allocator(A, limits))
+
+
+def test_dead_weak_and_stuck_thrusters_are_allocated_as_what_they_are(cube):
+    crew = actuators(cube)
+    crew.believe(Health.whole(8).with_thruster(0, 0.0).with_thruster(1, 0.5).with_thruster(2, 0.0, 6.0))
+    wrench = np.array([12.0, -5.0, 3.0, 0.5, 0.2, -0.4])
+    answer = crew.allocate(wrench)
+    assert answer.status is Status.EXACT
+    np.testing.assert_allclose(cube.actuation_matrix @ answer.force, wrench, atol=1e-9)
+    assert answer.force[0] == 0.0
+    assert answer.force[2] == 6.0
+    low, high = 0.5 * cube.thrusters.limits[1, [0, 3]]
+    assert low <= answer.force[1] <= high
+    asked = crew.motor_force(answer.force)
+    assert asked[1] == pytest.approx(2.0 * answer.force[1])
+    assert asked[0] == asked[2] == 0.0
+
+
+def test_with_no_thruster_left_nothing_is_allocated_and_nothing_breaks(cube):
+    crew = actuators(cube)
+    crew.believe(Health(np.zeros(8), np.full(8, np.nan)))
+    answer = crew.allocate(np.ones(6))
+    np.testing.assert_array_equal(answer.force, np.zeros(8))
+    assert answer.status is Status.CLOSEST
