@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cube_sim.actuation import Analysis, Hull, Survivability, analyse, survivability
+from cube_sim.actuation import Analysis, Hull, Mission, Survivability, analyse, survivability
 from cube_sim.actuation.extents import Extent
 from cube_sim.actuation.losses import LossCase
 from cube_sim.actuation.verdict import Verdict
@@ -19,6 +19,7 @@ from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle
 
 MOST_LOSSES = 3
+PLANAR_ROWS = [0, 1, 5]
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,8 @@ def analyze(
     hull: str | None = None,
     lost: str = "",
     losses: int = 0,
+    planar: bool = False,
+    speed_m_s: float | None = None,
     picture: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Report:
@@ -68,6 +71,8 @@ def analyze(
         hull: its name, needed when there are several.
         lost: comma-separated names of dead thrusters.
         losses: tabulate every loss of up to this many thrusters.
+        planar: look at Fx, Fy and Mz only, for a vehicle kept at its depth.
+        speed_m_s: at which path following is judged; default that of `Mission`.
         picture: PNG, SVG or PDF to write; it shows losses of up to three.
         progress: called with (cases done, all cases) while losses are tabulated.
 
@@ -85,11 +90,18 @@ def analyze(
     A, limits, names = vehicle.actuation_matrix, vehicle.thrusters.limits, vehicle.thrusters.names
     if not names:
         raise ActuationError(f"{model}: {vehicle.name} has no thrusters")
+    if planar:
+        A = A[PLANAR_ROWS]
     gone = tuple(name for part in lost.split(",") if (name := part.strip()))
     body = hull_of(vehicle)
-    analysis = analyse(A, limits, names=names, lost=gone, hull=body)
+    mission = Mission() if speed_m_s is None else Mission(speed_m_s=speed_m_s)
+    analysis = analyse(A, limits, names=names, lost=gone, hull=body, mission=mission)
     most = MOST_LOSSES if picture is not None else losses
-    table = survivability(A, limits, names=names, hull=body, most=most, progress=progress) if most else None
+    table = (
+        survivability(A, limits, names=names, hull=body, mission=mission, most=most, progress=progress)
+        if most
+        else None
+    )
     if picture is not None and table is not None:
         save_picture(picture, A, limits, table, lost=analysis.lost, title=f"{model.name}: {vehicle.name}")
     return Report(model, vehicle, analysis, table)
@@ -121,8 +133,8 @@ def to_dict(report: Report) -> dict[str, Any]:
             "first_approach_gains": a.gains,
             "second_approach": dict(zip(s.axes.names, a.component_costs, strict=True)),
             "final_approach": [
-                {"wrench": wrench, "cost": cost, "kept": bool(cost <= np.max(a.kept.costs, initial=0.0))}
-                for wrench, cost in zip(a.directions.wrenches.T, a.directions.costs, strict=True)
+                {"wrench": wrench, "cost": cost, "kept": j < len(a.kept.gains)}
+                for j, (wrench, cost) in enumerate(zip(a.directions.wrenches.T, a.directions.costs, strict=True))
             ],
         },
         "extents": [_extent(e) for e in a.extents or ()],

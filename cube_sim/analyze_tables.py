@@ -81,9 +81,8 @@ def _directions(a: Analysis) -> Table:
         table.add_column(name, justify="right")
     table.add_column("cost [N/N]", justify="right")
     table.add_column("")
-    dearest = float(np.max(a.kept.costs, initial=0.0))
     for j, (wrench, cost) in enumerate(zip(a.directions.wrenches.T, a.directions.costs, strict=True)):
-        kept = "" if cost <= dearest else "dropped: too expensive"
+        kept = "" if j < len(a.kept.gains) else "dropped: too expensive"
         table.add_row(f"v{j + 1}", *(_number(x) for x in wrench), _number(cost), kept)
     return table
 

@@ -117,6 +117,12 @@ def analyze(
     lost: Annotated[str, typer.Option(metavar="NAMES", help="Dead thrusters, for example T1,T4.")] = "",
     losses: Annotated[int, typer.Option(metavar="N", help="Tabulate every loss of up to N thrusters, at most 3.")] = 0,
     hull: Annotated[str | None, typer.Option(help="Which hull, when the model has several.")] = None,
+    planar: Annotated[
+        bool, typer.Option("--planar", help="Look at Fx, Fy and Mz only, for a vehicle kept at its depth.")
+    ] = False,
+    speed: Annotated[
+        float | None, typer.Option(metavar="M_S", help="Speed [m/s] at which path following is judged; default 0.3.")
+    ] = None,
     picture: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Draw force and torque sets and all losses of up to 3: PNG, SVG or PDF."),
@@ -130,7 +136,14 @@ def analyze(
     try:
         with analyze_tables.progress(hidden=json or not sys.stderr.isatty()) as progress:
             report = analyze_command.analyze(
-                model, hull=hull, lost=lost, losses=losses, picture=picture, progress=progress
+                model,
+                hull=hull,
+                lost=lost,
+                losses=losses,
+                planar=planar,
+                speed_m_s=speed,
+                picture=picture,
+                progress=progress,
             )
     except CubeSimError as error:
         _stop(BAD_INPUT, str(error))

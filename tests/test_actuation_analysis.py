@@ -85,6 +85,12 @@ def test_analysis_hands_on_the_cheap_directions():
     assert analysis.verdict.outcome is Outcome.STEERED
 
 
+def test_a_direction_below_the_rank_threshold_is_not_handed_on_however_cheap_the_limit_finds_it():
+    analysis = analyse([[1, 1, 1, 1], [1e-3, 0, 0, 0], [-1, 1, -1, 1]], cost_limit=1e6)
+    assert analysis.directions.vectors.shape[1] == 3
+    assert analysis.kept.vectors.shape[1] == analysis.rank == 2
+
+
 def test_lost_and_malformed_thrusters_are_named():
     A = cube().actuation_matrix
     with pytest.raises(ActuationError, match=r"no thruster 'T9'; there are T1, T2, .*T8"):

@@ -16,8 +16,9 @@ def analyze(*arguments):
 
 
 def test_text_says_what_is_lost_and_what_remains():
-    result = analyze(CUBE, "--lost", "T1,T2")
+    result = analyze(CUBE, "--lost", "T1,T2", "--losses", "1")
     assert result.exit_code == 0
+    assert "1 lost: 8 of 8 can follow a path; 8 keep rank 6" in result.output
     assert "6 thrusters, without T1, T2" in result.output
     assert "rank 5 of 6, 1 redundant" in result.output
     assert "only together" in result.output
@@ -44,8 +45,17 @@ def test_losses_are_tabulated_and_counted():
     losses = json.loads(result.output)["losses"]
     assert [case["lost"] for case in losses] == [[], *([f"T{i}"] for i in range(1, 9))]
     assert all(case["verdict"]["follows"] for case in losses)
-    text = analyze(CUBE, "--losses", "1").output
-    assert "1 lost: 8 of 8 can follow a path; 8 keep rank 6" in text
+
+
+def test_planar_vehicle_is_judged_in_its_plane():
+    flying, swimming = (
+        json.loads(analyze("models/infante.xml", "--json", *more).output)
+        for more in ([], ["--planar", "--speed", "1.5"])
+    )
+    assert flying["verdict"]["follows"] is False
+    assert swimming["verdict"]["outcome"] == "steered"
+    assert swimming["components"] == ["Fx", "Fy", "Mz"]
+    assert [c["text"] for c in swimming["unreachable"]] == ["cannot push sideways: Fy = 0 always"]
 
 
 @pytest.mark.parametrize(

@@ -112,3 +112,16 @@ def test_costs_do_not_depend_on_the_unit_of_length():
     in_millimetres = np.vstack([A[:3], 1000 * A[3:]])
     assert np.allclose(final_approach(A).costs, final_approach(in_millimetres).costs)
     assert np.allclose(second_approach(A), second_approach(in_millimetres))
+
+
+def test_directions_of_equal_cost_lie_along_the_axes_and_stay_eigenvectors():
+    rng = np.random.default_rng(6)
+    turn = np.linalg.qr(rng.normal(size=(8, 8)))[0][:6]
+    for gains in ([2.0] * 6, [3.0, 3, 2, 2, 2, 1]):
+        A = np.diag(gains) @ turn
+        directions = final_approach(A, length_m=1.0)
+        assert np.allclose(np.abs(directions.vectors).max(axis=0), 1)
+        assert np.allclose(directions.vectors.T @ directions.vectors, np.eye(6))
+        assert np.allclose(A @ A.T @ directions.vectors, directions.vectors * directions.gains**2)
+    skewed = final_approach(rng.normal(size=(6, 8)))
+    assert np.allclose(skewed.vectors.T @ skewed.vectors, np.eye(6))

@@ -175,7 +175,7 @@ def test_weak_thrusters_are_told_from_lost_ones():
     fast = judged([], limits=[-1.0, 1.0])
     assert fast.outcome is Outcome.STUCK
     assert "more force than the thrusters have" in fast.reason
-    weak = judged([], limits=[-5.0, 5.0], mission=Mission(side_step_m=3.0))
+    weak = judged([], limits=[-5.0, 5.0], mission=Mission(horizon_s=10.0, side_step_m=3.0))
     assert weak.outcome is Outcome.WEAK
     assert not weak.follows
     assert "3 m are asked for" in weak.reason
@@ -190,3 +190,16 @@ def test_mission_without_sense_is_refused():
     ):
         with pytest.raises(ActuationError, match="mission"):
             judged([], mission=mission)
+
+
+def test_quadratic_drag_damps_what_nothing_else_does():
+    # Surge and yaw only, no linear drag: sway is stopped by quadratic drag alone, which has no slope at rest.
+    hull = Hull(np.eye(6), np.zeros((6, 6)), np.eye(6), 0.0, 0.0, np.zeros(3), np.zeros(3))
+    A, v0, up = np.array([[1.0, 0], [0, 0], [0, 1]]), np.array([0.5, 0, 0]), np.array([0, 0, 1.0])
+    assert "sway" in linearise(hull, A, v0, up).loose(1.0, 1.0)
+    assert linearise(hull, A, v0, up, np.full(6, 0.05)).loose(1.0, 1.0) == ()
+    # Work lost per cycle of amplitude a by |v| v is that of the slope 8 a / (3 pi).
+    t = np.linspace(0, 2 * np.pi, 20001)
+    a, v = 0.3, 0.3 * np.cos(t)
+    slope = hull.steady_wrench_slope(np.zeros(6), np.full(6, a))[1, 1]
+    assert np.trapezoid(np.abs(v) * v * v, t) == pytest.approx(slope * np.trapezoid(v * v, t), rel=1e-6)

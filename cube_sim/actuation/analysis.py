@@ -34,7 +34,7 @@ class Analysis:
         gains: (rank,) the report's first approach with singular vectors [N/N].
         component_costs: (n,) second approach: least thruster-force norm per scaled newton of each component alone.
         directions: final approach: eigen directions and their costs, cheapest first.
-        kept: those directions whose cost is within the limit, for a controller to work with.
+        kept: those that count towards the rank and whose cost is within the limit, for a controller to work with.
         extents: attainable range of each component; None without limits.
         indices: figures of merit of the layout.
         verdict: whether a path can be followed, and why.
@@ -124,7 +124,7 @@ def analyse(
         gains=first_approach(left, length_m=length),
         component_costs=second_approach(left, length_m=length),
         directions=directions,
-        kept=directions.keep(cost_limit),
+        kept=directions.cheapest(spaces.rank).keep(cost_limit),
         extents=None if table is None else extents(left, table, rest=rest),
         indices=indices(spaces, allowed, rank_tolerance),
         verdict=judge(spaces, hull, allowed, mission),

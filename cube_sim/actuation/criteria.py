@@ -62,6 +62,10 @@ class Directions:
         """(d,) V^T W F_B [N]: a wrench (n,) in the basis (v_1..v_d)."""
         return self.vectors.T @ (self.axes.scale(self.length_m) * np.asarray(wrench, dtype=float))
 
+    def cheapest(self, count: int) -> Directions:
+        """The first `count` directions."""
+        return Directions(self.axes, self.length_m, self.vectors[:, :count], self.gains[:count])
+
     def keep(self, cost_limit: float) -> Directions:
         """The directions whose cost does not exceed the limit [N/N]: what a controller should be built on.
 
@@ -139,7 +143,25 @@ def final_approach(A: ArrayLike, *, length_m: float | None = None) -> Directions
     scaled, axes, length = _scaled(A, length_m)
     U, sigma, _ = np.linalg.svd(scaled)
     rank = _rank(sigma)
-    return Directions(axes, length, U[:, :rank], sigma[:rank])
+    return Directions(axes, length, _aligned(U[:, :rank], sigma[:rank]), sigma[:rank])
+
+
+def _aligned(vectors: Matrix, gains: Vector) -> Matrix:
+    """The same eigenspaces, those of equal gain spanned by vectors as near to the wrench axes as can be.
+
+    Where gains are equal the singular vectors are any basis; projected axes, the longest first, are one to read.
+    """
+    aligned = vectors.copy()
+    start = 0
+    for end in range(1, len(gains) + 1):
+        if end == len(gains) or gains[start] - gains[end] > _EXACT * gains[start]:
+            left = vectors[:, start:end] @ vectors[:, start:end].T
+            for j in range(start, end):
+                longest = int(np.argmax(np.linalg.norm(left, axis=0).round(9)))
+                aligned[:, j] = left[:, longest] / np.linalg.norm(left[:, longest])
+                left = left - np.outer(aligned[:, j], aligned[:, j] @ left)
+            start = end
+    return aligned
 
 
 def _scaled(A: ArrayLike, length_m: float | None) -> tuple[Matrix, WrenchAxes, float]:

@@ -52,14 +52,20 @@ class Hull:
         drag = self.linear_damping @ nu + self.quadratic_damping @ (np.abs(nu) * nu)
         return self._coriolis(nu) + drag - self._hydrostatic(up)
 
-    def steady_wrench_slope(self, nu: Vector) -> Matrix:
+    def steady_wrench_slope(self, nu: Vector, swing: Vector | None = None) -> Matrix:
         """(6,6) derivative of `steady_wrench` by nu.
+
+        Quadratic drag has no slope at rest, yet it damps: given a `swing` (6,), the amplitude of oscillations about
+        nu, its slope is at least that of its describing function, 8 / (3 pi) times the amplitude.
 
         C(nu) nu is quadratic in nu, so q(nu + e) - q(nu) - q(e) is its derivative along e exactly.
         """
         q = self._coriolis
         turning = np.column_stack([q(nu + e) - q(nu) - q(e) for e in np.eye(6)])
-        return turning + self.linear_damping + 2.0 * self.quadratic_damping * np.abs(nu)
+        slope = 2.0 * np.abs(nu)
+        if swing is not None:
+            slope = np.maximum(slope, 8.0 / (3.0 * np.pi) * swing)
+        return turning + self.linear_damping + self.quadratic_damping * slope
 
     def restoring_slope(self, up: Vector) -> Matrix:
         """(6,3) derivative of the hydrostatic wrench by a small rotation theta in body axes: up' = up x theta."""

@@ -115,7 +115,7 @@ _VELOCITIES = ("surge speed", "sway speed", "heave speed", "roll rate", "pitch r
 _ANGLES = ("roll", "pitch", "yaw")
 
 
-def linearise(hull: Hull, A: Matrix, velocity: Vector, up: Vector) -> LinearMotion:
+def linearise(hull: Hull, A: Matrix, velocity: Vector, up: Vector, swing: Vector | None = None) -> LinearMotion:
     """Small motions about a straight course.
 
     Args:
@@ -123,6 +123,7 @@ def linearise(hull: Hull, A: Matrix, velocity: Vector, up: Vector) -> LinearMoti
         A: (6,m), or (3,m) for motion in the plane z = 0 only.
         velocity: v_0 (3,) [m/s], body axes, not zero.
         up: (3,) world up in body axes.
+        swing: (6,) amplitude [m/s, rad/s] at which quadratic drag is taken to damp; default none.
     """
     planar = len(A) == 3
     moving = [0, 1, 5] if planar else list(range(6))
@@ -130,7 +131,7 @@ def linearise(hull: Hull, A: Matrix, velocity: Vector, up: Vector) -> LinearMoti
     across = _across(velocity, planar)
     c, r, k = len(across), len(turning), len(moving)
     M = hull.mass[np.ix_(moving, moving)]
-    damping = hull.steady_wrench_slope(np.concatenate([velocity, np.zeros(3)]))[np.ix_(moving, moving)]
+    damping = hull.steady_wrench_slope(np.concatenate([velocity, np.zeros(3)]), swing)[np.ix_(moving, moving)]
     restoring = hull.restoring_slope(up)[np.ix_(moving, turning)]
     translation = [i for i, axis in enumerate(moving) if axis < 3]
     drift = np.zeros((c + r + k, c + r + k))

@@ -18,7 +18,11 @@ from cube_sim.actuation.courses import Course, courses
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.linear_motion import linearise
 from cube_sim.actuation.subspaces import Subspaces
+from cube_sim.actuation.wrench_axes import SPATIAL
 from cube_sim.errors import ActuationError
+
+_SWING = 0.1
+"""Amplitude of the motions about a course, in courses' speeds and speeds per length, at which drag damps (a choice)."""
 
 
 class Outcome(Enum):
@@ -50,7 +54,7 @@ class Mission:
 
     speed_m_s: float = 0.3
     inclinations_rad: tuple[float, ...] = (float(np.radians(-15.0)), 0.0, float(np.radians(15.0)))
-    horizon_s: float = 10.0
+    horizon_s: float = 20.0
     side_step_m: float = 0.5
     most_turn_rad: float = float(np.radians(30.0))
 
@@ -138,7 +142,8 @@ def _steer(
     course: Course, hull: Hull, actuation: Subspaces, allowed: AllowedForces | None, asked: Mission
 ) -> SteeredCourse:
     reachable = actuation.projector @ actuation.matrix
-    motion = linearise(hull, reachable, course.velocity, course.up)
+    swing = _SWING * asked.speed_m_s * SPATIAL.scale(actuation.length_m)
+    motion = linearise(hull, reachable, course.velocity, course.up, swing)
     within, step = True, float("inf")
     if allowed is not None:
         margins = np.minimum(allowed.maximum - course.forces, course.forces - allowed.minimum)
