@@ -24,6 +24,9 @@ from cube_sim.errors import ActuationError
 _SWING = 0.1
 """Amplitude of the motions about a course, in courses' speeds and speeds per length, at which drag damps (a choice)."""
 
+_SHARES = (0.5, 1.0)
+"""Shares of the horizon in which a side step is tried."""
+
 
 class Outcome(Enum):
     """What is left of a vehicle."""
@@ -148,7 +151,9 @@ def _steer(
     if allowed is not None:
         margins = np.minimum(allowed.maximum - course.forces, course.forces - allowed.minimum)
         within = bool(np.all(margins >= 0.0))
-        step = motion.side_step(np.maximum(margins, 0.0), asked.horizon_s, asked.most_turn_rad)
+        # Given longer, the manoeuvre of least effort turns more and pushes less; a shorter one may reach further.
+        times = [share * asked.horizon_s for share in _SHARES]
+        step = max(motion.side_step(np.maximum(margins, 0.0), time, asked.most_turn_rad) for time in times)
     loose = motion.loose(actuation.length_m / asked.speed_m_s, actuation.length_m)
     return SteeredCourse(course, within, loose, step)
 
