@@ -25,13 +25,13 @@ from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.events import Events
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.path import Path
-from cube_sim.guidance.speed import ConstantSpeed, PlannedSpeed, SpeedProfile
 from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.planar_mission import planar_follower
 from cube_sim.recording.channels import Channel, channel_table
 from cube_sim.scenario import Loaded, Scenario, schema
 from cube_sim.scenario.check_blocks import SignalCheck
 from cube_sim.scenario.event_blocks import ThrusterEvent
-from cube_sim.scenario_path import laps_of, path_of
+from cube_sim.scenario_path import laps_of, path_of, speed_of
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle
@@ -92,7 +92,7 @@ def prepare(loaded: Loaded) -> Mission:
         data=_initial_state(model, vehicle, scenario),
         vehicle=vehicle,
         path=path,
-        controller=_controller(scenario, path, vehicle),
+        controller=_controller(loaded, model, path, vehicle),
         actuators=_actuators(vehicle, scenario.allocation),
         events=Events(scenario.events, model, vehicle),
         diagnosis=_diagnosis(vehicle, scenario) if scenario.control.faults == "diagnosed" else None,
@@ -118,15 +118,18 @@ def _require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
         raise ScenarioError(mistakes)
 
 
-def _controller(scenario: Scenario, path: Path, vehicle: Vehicle) -> Controller:
+def _controller(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: Vehicle) -> Controller:
+    scenario = loaded.scenario
     guidance, control, dynamics = scenario.guidance, scenario.control, vehicle.dynamics
+    if control.law == "planar_lapierre_2007":
+        return planar_follower(loaded, model, path, vehicle)
     limit, time = guidance.target_speed_limit_m_s, control.disturbance_time_s
     return PathFollower(
         target=VirtualTarget(
             path, guidance.target_gain_per_s, inf if limit is None else limit, laps=laps_of(scenario.path)
         ),
         approach=Approach(
-            _speed(guidance, path),
+            speed_of(guidance, path),
             radians(guidance.approach_angle_deg),
             guidance.approach_gain_per_m,
             guidance.stop_time_s if guidance.stop_at_end else None,
@@ -136,12 +139,6 @@ def _controller(scenario: Scenario, path: Path, vehicle: Vehicle) -> Controller:
         pointing_time=0.5 * control.attitude_time_s,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
     )
-
-
-def _speed(guidance: schema.Guidance, path: Path) -> SpeedProfile:
-    if guidance.lateral_acceleration_m_s2 is None:
-        return ConstantSpeed(guidance.speed_m_s)
-    return PlannedSpeed(path, guidance.speed_m_s, guidance.lateral_acceleration_m_s2, guidance.along_acceleration_m_s2)
 
 
 def _vehicle(loaded: Loaded) -> tuple[mujoco.MjModel, Vehicle]:

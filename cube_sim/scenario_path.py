@@ -1,4 +1,4 @@
-"""The curve a scenario's `path` block describes."""
+"""The curve a scenario's `path` block describes, and the speed along it."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from cube_sim.guidance.line import Line
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.polyline import polyline
 from cube_sim.guidance.sinusoid import sinusoid
+from cube_sim.guidance.speed import ConstantSpeed, PlannedSpeed, SpeedProfile
 from cube_sim.guidance.spline import spline
 from cube_sim.guidance.waypoints_csv import read_waypoints
 from cube_sim.scenario import Loaded
 from cube_sim.scenario import path_blocks as blocks
+from cube_sim.scenario.schema import Guidance
 
 
 def path_of(loaded: Loaded) -> Path:
@@ -80,3 +82,10 @@ def laps_of(block: blocks.Path) -> float:
             return inf if block.laps is None else block.laps
         case _:
             return 1.0
+
+
+def speed_of(guidance: Guidance, path: Path) -> SpeedProfile:
+    """The desired speed along a path."""
+    if guidance.lateral_acceleration_m_s2 is None:
+        return ConstantSpeed(guidance.speed_m_s)
+    return PlannedSpeed(path, guidance.speed_m_s, guidance.lateral_acceleration_m_s2, guidance.along_acceleration_m_s2)

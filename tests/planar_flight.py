@@ -74,7 +74,7 @@ def derivative(law, path, q):
     """d/dt of q = [x, y, psi_B, u, v, r, s], and the view at q."""
     x, y, psi_B, u, v, r, s = q
     motion = PlanarMotion(u, v, r)
-    view = see(path, x, y, psi_B + motion.side_slip, s)
+    view = see(path, x, y, psi_B + LAW.flow(motion).side_slip, s)
     command = law(motion, view)
     du = (command.F - INFANTE.d_u(motion)) / INFANTE.m_u
     dr = (command.Gamma - INFANTE.d_r(motion)) / INFANTE.m_r

@@ -113,9 +113,30 @@ class FixedAttitude(Block):
 Attitude = Annotated[AlongPath | FixedAttitude, Field(discriminator="mode")]
 
 
+class PlanarGains(Block):
+    """The planar law of Lapierre and Soetanto 2007; its k2 is guidance.target_gain_per_s."""
+
+    angle_gain_per_s: float = Field(
+        default=0.5, gt=0, description="k1: decay of the angle to the approach direction [1/s]."
+    )
+    yaw_rate_gain_per_s: float = Field(default=1.0, gt=0, description="k3: decay of the yaw rate's error [1/s].")
+    surge_gain_per_s: float = Field(default=1.0, gt=0, description="k4: decay of the surge speed's error [1/s].")
+    angle_stiffness_per_s2: float = Field(default=0.1, gt=0, description="k5: stiffness beyond k1 k3 [1/s^2].")
+    least_speed_m_s: float = Field(
+        default=0.1,
+        gt=0,
+        description="Surge speed below which side-slip is not believed [m/s]; the speed wanted stays above it.",
+    )
+
+
 class Control(Block):
     """The loops that turn errors into a wrench, each given by the time it takes to remove 63 % of one."""
 
+    law: Literal["motion_6dof", "planar_lapierre_2007"] = Field(
+        default="motion_6dof",
+        description="motion_6dof: all axes. planar_lapierre_2007: a force ahead and a torque, on a level path.",
+    )
+    planar: PlanarGains = PlanarGains()
     velocity_time_s: float = Field(default=1.0, gt=0, description="Velocity loop [s].")
     attitude_time_s: float = Field(default=1.0, gt=0, description="Attitude loop [s].")
     rate_time_s: float = Field(default=0.3, gt=0, description="Angular rate loop [s].")

@@ -1,0 +1,68 @@
+"""The planar dynamic law as a controller of a vehicle in MuJoCo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cube_sim.control.authority import Authority, Capability
+from cube_sim.control.controller import Decision
+from cube_sim.control.planar.dynamic import DynamicLaw, SpeedWanted
+from cube_sim.control.planar.kinematic import KinematicLaw
+from cube_sim.control.planar.model import PlanarMotion
+from cube_sim.control.planar.path_view import heading, plane_view
+from cube_sim.guidance.speed import SpeedProfile
+from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.spatial import State, Vector, quaternion_from_euler
+
+
+@dataclass
+class PlanarFollower:
+    """Follows a level path with a force ahead and a torque about the vertical; depth, roll and pitch are left alone.
+
+    It steers by moving ahead, so it does not stop: after the end of a path it runs on along the last tangent. The water
+    is taken to be at rest.
+
+    Attributes:
+        target: the virtual target on the path; its gain is the law's k2.
+        profile: u_d along the path; its rate of change is fed forward, the rate of that is not.
+        law: equation (6).
+    """
+
+    target: VirtualTarget
+    profile: SpeedProfile
+    law: DynamicLaw
+    _authority: Authority = Authority.LINE
+
+    def reconfigure(self, left: Capability, state: State) -> None:
+        """Go on while there is a force that comes without a torque; then the other direction steers."""
+        self._authority = Authority.LINE if left.pure_forces.shape[1] else Authority.SAFE
+
+    def decide(self, state: State, applied: Vector, dt: float) -> Decision:
+        """See `Controller.decide`."""
+        view = self.target.view(state.position, state.rotation @ state.velocity)
+        motion = PlanarMotion(float(state.velocity[0]), float(state.velocity[1]), float(state.rates[2]))
+        flow = self.law.flow(motion)
+        psi_B = heading(state.rotation)
+        path = plane_view(view, psi_B + flow.side_slip)
+        if view.remaining <= 0.0:
+            path = path._replace(c_c=0.0, g_c=0.0)  # the path goes on straight
+        speed = self.profile.at(view.arc_length)
+        command = self.law.command(motion, path, SpeedWanted(speed.value, speed.slope * view.speed))
+        k1, k2 = self.law.gains.k1, self.law.gains.k2
+        wanted = KinematicLaw(self.law.model, self.law.approach, k1, k2).command(flow, path)
+        error = self.law.kinematics(motion, path, SpeedWanted(speed.value)).error
+        self.target.advance(view.speed, dt)
+        follows = self._authority is not Authority.SAFE
+        return Decision(
+            wrench=np.array([command.F, 0.0, 0.0, 0.0, 0.0, command.Gamma]) if follows else np.zeros(6),
+            disturbance=np.zeros(6),
+            view=view,
+            remaining=view.remaining,
+            velocity=np.array([speed.value, 0.0, 0.0]),
+            rates=np.array([0.0, 0.0, wanted.r]),
+            quaternion=quaternion_from_euler(0.0, 0.0, psi_B - error),
+            attitude_error=abs(error),
+            authority=self._authority,
+        )
