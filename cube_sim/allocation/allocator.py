@@ -127,7 +127,6 @@ class Allocator:
             None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
         )
         self.effort = Effort()
-        self._agreement_N = AGREEMENT * max(largest, 1e-6)
         self._tables = make_tables(
             self.A,
             wrench_fibre(self.A, self.weights, self.length_m),
@@ -142,7 +141,9 @@ class Allocator:
         )
         self._packed = pack(self._tables)
         self._memory = blank_memory(m)
-        self._confirmer = Confirmer(self._tables, self._agreement_N) if self.method == "search+proxqp" else None
+        self._confirmer = (
+            Confirmer(self._tables, AGREEMENT, max(largest, 1e-6)) if self.method == "search+proxqp" else None
+        )
         parallel = self.method == "enumerate_parallel"
         self._enumeration = Enumeration(self._tables, parallel) if self.method.startswith("enumerate") else None
 

@@ -15,6 +15,10 @@ CANDIDATES = 32
 """Most distinct equally close wrenches kept; symmetric vehicles have a handful."""
 
 
+DOUBT = 1000.0
+"""Gap between an answer and its bound, in roundings, from which the answer counts as not proven."""
+
+
 @nb.njit(cache=True, error_model="numpy")
 def nearest(
     goal: NDArray[np.float64],
@@ -133,7 +137,7 @@ def nearest(
             soft *= shrink
         if lower > best + near:
             continue
-        if distance - lower > 10.0 * near + 1e-9 * distance:
+        if distance - lower > DOUBT * near + 1e-9 * distance:
             proven = False
             if distance == math.inf:
                 continue

@@ -1,0 +1,246 @@
+"""Two solvers that share no code with the searches, and the wrenches of every kind they are compared on."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+
+import numpy as np
+from allocation_reference import cube, in_allowed_set, jack, least_distance
+from scipy.optimize import nnls
+
+from cube_sim.allocation import Allocator, Status
+from cube_sim.allocation.attainable import half_spaces
+
+BUILT = cube(direction_noise=0.05, position_noise_m=0.01, seed=4)
+REACTIVITY = np.array([-32.0, 44.0])
+
+
+@dataclass
+class Tally:
+    """What a comparison has seen.
+
+    Attributes:
+        wrenches: number compared.
+        exact: of them attainable.
+        pinned: compared with every way of pinning motors to interval ends.
+        solved: compared with NNLS on every subset that is not empty.
+        disagreements: what differed.
+    """
+
+    wrenches: int = 0
+    exact: int = 0
+    pinned: int = 0
+    solved: int = 0
+    distances: int = 0
+    disagreements: list[str] = field(default_factory=list)
+
+
+def wrenches_of_every_kind(A, limits, allow_off, count, seed):
+    """(about count, n): tiny to far out of reach, single-axis, zero, borders, thin cells, no thrust at all."""
+    rng = np.random.default_rng(seed)
+    n, m = A.shape
+    reach = np.abs(A) @ np.abs(limits).max(axis=1)
+    part = max(count // 10, 1)
+    ends = np.column_stack([limits, np.zeros(m)]) if allow_off else limits
+    at_ends = ends[np.arange(m), rng.integers(0, ends.shape[1], size=(part, m))]
+    one_free = ends[np.arange(m), rng.integers(0, ends.shape[1], size=(part, m))]
+    which = rng.integers(0, m, size=part)
+    one_free[np.arange(part), which] = limits[which, 2] + rng.random(part) * (limits[which, 3] - limits[which, 2])
+    thin = at_ends * (1.0 + 1e-7 * rng.normal(size=(part, m)))
+    axes = np.eye(n)[rng.integers(0, n, size=part)] * rng.choice([-1, 1], size=(part, 1)) * reach
+    return np.vstack(
+        [
+            np.zeros((1, n)),
+            *[scale * reach * rng.normal(size=(part, n)) for scale in (1e-6, 0.01, 0.05, 0.15, 2.0)],
+            axes * 10.0 ** rng.uniform(-5, 0.5, size=(part, 1)),
+            (rng.uniform(-1, 1, size=(part, m)) * np.abs(limits).max(axis=1)) @ A.T,
+            at_ends @ A.T,
+            one_free @ A.T,
+            thin @ A.T,
+        ]
+    )
+
+
+def cheapest_pinned(A, limits, allow_off, wrenches, target, weights, tolerance):
+    """(N,) least ``sum w (f - t)^2`` per wrench, inf where there is none, by pinning motors to ends of intervals.
+
+    The optimum of a convex cell pins some motors and leaves the rest to equations; forces are then linear in the
+    wrench, so every choice of up to dim ker A pinned motors is one matrix product over all wrenches.
+    """
+    m = A.shape[1]
+    root = np.sqrt(weights)
+    scaled = A / root
+    _, sigma, Vt = np.linalg.svd(scaled)
+    rank = int(np.sum(sigma > 1e-9 * sigma[0]))
+    N = Vt[rank:].T
+    pinv = np.linalg.pinv(scaled, rcond=1e-9)
+    g0 = wrenches @ pinv.T
+    reachable = np.linalg.norm(g0 @ scaled.T - wrenches, axis=1) <= 1e-6
+    g0 = g0 + (root * target - g0) @ N @ N.T
+    best = np.full(len(wrenches), np.inf)
+    for pins in range(m - rank + 1):
+        for motors in map(list, itertools.combinations(range(m), pins)):
+            rows = N[motors]
+            if pins and np.linalg.svd(rows, compute_uv=False)[-1] < 1e-9:
+                continue
+            inverse = np.linalg.pinv(rows) if pins else np.zeros((N.shape[1], 0))
+            ends = [sorted({*limits[i], 0.0} if allow_off else set(limits[i])) for i in motors]
+            for values in itertools.product(*ends):
+                moved = (np.array(values) * root[motors] - g0[:, motors]) @ inverse.T
+                away = np.einsum("ij,ij->i", moved, moved)
+                near = np.flatnonzero(away <= best)
+                f = (g0[near] + moved[near] @ N.T) / root
+                f[:, motors] = values
+                allowed = in_allowed_set(f, limits, allow_off, tolerance).all(axis=1) & reachable[near]
+                near, f = near[allowed], f[allowed]
+                best[near] = np.minimum(best[near], ((f - target) ** 2 * weights).sum(axis=1))
+    return best
+
+
+class EverySubset:
+    """Lawson and Hanson's least-distance programming on every subset whose wrenches include the demanded one."""
+
+    def __init__(self, A, limits, allow_off, weights):
+        self.A, self.limits, self.weights = A, limits, weights
+        self.spaces = half_spaces(A, limits, allow_off=allow_off)
+        table = np.stack([limits[:, [0, 1]], np.zeros((len(limits), 2)), limits[:, [2, 3]]], axis=1)
+        motors = np.arange(len(limits))
+        self.low = table[motors, self.spaces.subsets + 1, 0]
+        self.high = table[motors, self.spaces.subsets + 1, 1]
+        self.root = np.sqrt(weights)
+        _, sigma, Vt = np.linalg.svd(A / self.root)
+        self.N = Vt[int(np.sum(sigma > 1e-9 * sigma[0])) :].T
+        self.pinv = np.linalg.pinv(A / self.root, rcond=1e-9)
+
+    def live(self, wrench, tolerance):
+        value = self.spaces.normals @ wrench
+        return np.flatnonzero(
+            ((value >= self.spaces.low - tolerance) & (value <= self.spaces.high + tolerance)).all(axis=1)
+        )
+
+    def cheapest(self, wrench, side_target, penalty, tolerance):
+        """Least cost over all subsets; side_target and penalty are (m, 3)."""
+        g0 = self.pinv @ wrench
+        best = np.inf
+        motors = np.arange(len(self.limits))
+        for s in self.live(wrench, tolerance):
+            at = motors, self.spaces.subsets[s] + 1
+            t, price = side_target[at], penalty[at].sum()
+            centre = g0 + self.N @ (self.N.T @ (self.root * t - g0))
+            fixed = float(np.sum((centre - self.root * t) ** 2)) + price
+            if fixed >= best:
+                continue
+            # min |y| with G y >= h, y = movement in the kernel (Lawson & Hanson 1974, chapter 23)
+            low, high = self.root * self.low[s] - centre, self.root * self.high[s] - centre
+            h = np.concatenate([low, -high]) - tolerance
+            E = np.vstack([np.vstack([self.N, -self.N]).T, h])
+            if np.all(h <= 0.0):
+                best = fixed
+                continue
+            if not self.N.shape[1]:
+                continue
+            u, residual = nnls(E, np.append(np.zeros(self.N.shape[1]), 1.0), maxiter=1000)
+            r = E @ u - np.append(np.zeros(self.N.shape[1]), 1.0)
+            if residual <= 1e-11 or r[-1] == 0.0:
+                continue
+            y = -r[:-1] / r[-1]
+            if np.any(np.vstack([self.N, -self.N]) @ y < h - tolerance):
+                continue
+            best = min(best, fixed + float(y @ y))
+        return best
+
+
+def compare(A, limits, *, allow_off, objective, count, seed, weights=None, penalty=0.0, solver_share=1.0, method):
+    """Allocate wrenches of every kind, and count where the references find another optimum."""
+    n, m = A.shape
+    rng = np.random.default_rng(seed)
+    limits = np.tile(limits, (m, 1)) if np.ndim(limits) == 1 else limits
+    weights = np.ones(m) if weights is None else weights
+    options = {
+        "energy": {},
+        "target": {"target": rng.uniform(-30, 40, m)},
+        "reactivity": {"reactivity": REACTIVITY},
+        "reactivity_by_side": {"reactivity": REACTIVITY},
+    }[objective]
+    allocator = Allocator(
+        A, limits, allow_off=allow_off, objective=objective, weights=weights, reversal_penalty=penalty, method=method,
+        **options,
+    )  # fmt: skip
+    tables = allocator._tables
+    wrenches = wrenches_of_every_kind(A, limits, allow_off, count, seed)
+    tally = Tally(wrenches=len(wrenches))
+    pinned = None
+    if penalty == 0.0 and objective != "reactivity_by_side":
+        pinned = np.min(
+            [cheapest_pinned(A, limits, allow_off, wrenches, t[:, 0], weights, 1e-7) for t in tables.targets], axis=0
+        )
+        tally.pinned = len(wrenches)
+    every = EverySubset(A, limits, allow_off, weights)
+    for i, wrench in enumerate(wrenches):
+        price = np.zeros((m, 3))
+        push = allocator._memory.push
+        price[push == 1, 0], price[push == -1, 2] = penalty, penalty
+        answer = allocator.allocate(wrench)
+        exact = answer.status == Status.EXACT
+        tally.exact += exact
+        where = f"seed {seed} wrench {i}"
+        if not in_allowed_set(answer.force, limits, allow_off).all() or not np.isfinite(answer.cost):
+            tally.disagreements.append(f"{where}: not allowed")
+        expected = []
+        if pinned is not None:
+            expected.append(("pinned", pinned[i]))
+        if rng.random() < solver_share:
+            solved = min(every.cheapest(wrench, target, price, 1e-7) for target in tables.targets)
+            expected.append(("solver", solved))
+            tally.solved += 1
+        for name, cost in expected:
+            if exact != np.isfinite(cost) or (exact and abs(answer.cost - cost) > 1e-5 * (1.0 + abs(cost))):
+                tally.disagreements.append(f"{where} {name}: {answer.status.name} {answer.cost!r} against {cost!r}")
+        if exact and answer.residual > 1e-6:
+            tally.disagreements.append(f"{where}: residual {answer.residual}")
+        if not exact and tally.distances < count // 400 and rng.random() < 0.05 and n * m < 60 and not allow_off:
+            tally.distances += 1
+            distance = np.linalg.norm(allocator.wrench_weights * answer.wrench_error)
+            reference = least_distance(A, limits, allow_off, wrench, allocator.wrench_weights)
+            if distance > reference * (1 + 1e-6) + 1e-5:
+                tally.disagreements.append(f"{where}: distance {distance} against {reference}")
+    if allocator.effort.disagreements or allocator.effort.unproven:
+        tally.disagreements.append(f"seed {seed}: {allocator.effort}")
+    return tally
+
+
+def campaign(count, solver_share=1.0, method="search+proxqp"):
+    """Tallies over ideal and as-built vehicles, 0 to 4 losses, both sets, all objectives, weights and penalties."""
+    limits = np.array([-40.0, -3.2, 4.0, 50.0])
+    seed = 0
+    for name, vehicle in (("ideal", cube()), ("as built", BUILT), ("planar", jack())):
+        for lost in range(5 if vehicle.shape[1] == 8 else 2):
+            rng = np.random.default_rng(lost)
+            A = np.delete(vehicle, rng.choice(vehicle.shape[1], lost, replace=False), axis=1)
+            for allow_off in (True, False):
+                for objective in ("energy", "target", "reactivity", "reactivity_by_side"):
+                    seed += 1
+                    extra = {}
+                    if seed % 3 == 0:
+                        extra["weights"] = rng.uniform(0.3, 3.0, A.shape[1])
+                    if seed % 5 == 0:
+                        extra["penalty"] = 200.0
+                    if seed % 4 == 0:
+                        extra["solver_share"] = solver_share
+                    label = f"{name}, {lost} lost, {'off' if allow_off else 'strict'}, {objective}, {sorted(extra)}"
+                    zone = limits * ([1, 1, 1, 1] if seed % 2 else [1, 2.5, 2.5, 1])
+                    extra.setdefault("solver_share", solver_share)
+                    yield (
+                        label,
+                        compare(
+                            A,
+                            zone,
+                            allow_off=allow_off,
+                            objective=objective,
+                            count=count,
+                            seed=seed,
+                            method=method,
+                            **extra,
+                        ),
+                    )
