@@ -136,7 +136,7 @@ def _controller(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: Vehi
         ),
         attitude=_attitude(control.attitude),
         loops=MotionLoops(dynamics, control.velocity_time_s, control.attitude_time_s, control.rate_time_s),
-        pointing_time=0.5 * control.attitude_time_s,
+        balancing_time=0.5 * control.attitude_time_s,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
     )
 

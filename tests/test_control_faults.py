@@ -9,9 +9,9 @@ import cube_sim
 from cube_sim.actuators import Actuators
 from cube_sim.allocation import Allocator, Status
 from cube_sim.control.authority import Authority, capability
+from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.health import Health
-from cube_sim.control.thrust_attitude import PointThrust
 from cube_sim.spatial import rotation_from_quaternion
 
 
@@ -58,33 +58,44 @@ def test_demands_are_projected_onto_the_range_with_all_their_torque(cube):
             np.testing.assert_allclose(free @ (projected[:3] - wrench[:3]), 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("lost", [(0, 1), (0, 2), (4, 7), (1, 3, 5), (0, 1, 2)])
-def test_the_attitude_brings_what_is_left_onto_the_force(cube, lost):
+LOSSES = [(0, 1), (0, 2), (4, 7), (1, 3, 5), (0, 1, 2), (4, 6, 7)]
+
+
+def settled(cube, lost, force, seconds=60.0, dt=0.02):
+    """The attitude the law ends at under a constant demand, and its last rates."""
     left = capability(left_after(cube.actuation_matrix, list(lost)))
-    mode = PointThrust(left.pure_forces, heading=0.3, time=0.5)
+    mode = BalancedAttitude(left, cube.dynamics, np.eye(3), time=0.5)
+    for _ in range(int(seconds / dt)):
+        desired = mode.attitude(None, force, dt)
+    return rotation_from_quaternion(desired.quaternion), desired.rates
+
+
+@pytest.mark.parametrize("lost", LOSSES)
+def test_at_the_balanced_attitude_the_force_and_what_holds_the_hull_are_both_there(cube, lost):
+    """Checked with the hull's own equations of motion and the columns of A, not with the law's formula."""
+    A = left_after(cube.actuation_matrix, list(lost))
     rng = np.random.default_rng(2)
-    for _ in range(5):
-        force = rng.normal(size=3) * [15.0, 15.0, 4.0]
-        for _ in range(1500):
-            R = rotation_from_quaternion(mode.attitude(None, force, 0.02).quaternion)
-        in_body = R.T @ force
-        producible = left.pure_forces @ (left.pure_forces.T @ in_body)
-        np.testing.assert_allclose(producible, in_body, atol=1e-6 * np.linalg.norm(force))
+    for _ in range(4):
+        force = rng.normal(size=3) * [15.0, 15.0, 3.0]
+        R, rates = settled(cube, lost, force)
+        hold = cube.dynamics.wrench(R, np.zeros(6), np.zeros(6), np.zeros(3))
+        wrench = np.concatenate([R.T @ force, hold[3:]])
+        np.testing.assert_allclose(A @ np.linalg.pinv(A) @ wrench, wrench, atol=0.02 * np.linalg.norm(force))
+        assert np.linalg.norm(rates) < 1e-2  # what is left is the slow levelling along the balanced attitudes
 
 
-def test_a_plane_is_pointed_by_heading_alone_where_that_suffices(cube):
-    left = capability(left_after(cube.actuation_matrix, [0, 1]))
-    mode = PointThrust(left.pure_forces, heading=0.0, time=0.5)
-    for _ in range(1000):
-        R = rotation_from_quaternion(mode.attitude(None, np.array([10.0, 5.0, 1.0]), 0.02).quaternion)
-    assert R[2, 2] == pytest.approx(1.0, abs=1e-9)  # no tilt
+@pytest.mark.parametrize("lost", LOSSES)
+def test_it_tilts_little_for_a_force_near_the_horizontal(cube, lost):
+    for bearing in np.linspace(0.0, 2.0 * np.pi, 7)[:-1]:
+        R, _ = settled(cube, lost, np.array([20.0 * np.cos(bearing), 20.0 * np.sin(bearing), 2.0]))
+        assert np.degrees(np.arccos(R[2, 2])) < 35.0
 
 
-def test_no_force_means_no_turn(cube):
-    mode = PointThrust(np.eye(3)[:, :2], heading=0.7, time=0.5)
-    for _ in range(100):
-        desired = mode.attitude(None, np.zeros(3), 0.02)
-    np.testing.assert_allclose(desired.quaternion, [np.cos(0.35), 0.0, 0.0, np.sin(0.35)], atol=1e-12)
+@pytest.mark.parametrize("lost", LOSSES)
+def test_without_a_force_it_stays_and_rights_itself(cube, lost):
+    R, rates = settled(cube, lost, np.zeros(3))
+    np.testing.assert_allclose(R, np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(rates, np.zeros(3), atol=1e-9)
 
 
 def motors(kind: str, n: int = 200):

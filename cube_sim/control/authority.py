@@ -40,13 +40,15 @@ class Capability:
         authority: how to fly.
         pure_forces: P (3,p) orthonormal directions of force without torque, body axes.
         reason: one line for the log.
+        lost_forces: N_f (3, 6 - rank) and
+        lost_torques: N_t (3, 6 - rank) of the combinations N_f' F + N_t' M = 0 that hold for all the thrusters can do.
     """
 
     authority: Authority
     pure_forces: Matrix
     reason: str
-    _lost_forces: Matrix
-    _lost_torques: Matrix
+    lost_forces: Matrix
+    lost_torques: Matrix
 
     def attainable(self, wrench: Vector) -> Vector:
         """The wrench (6,) in the range of A that keeps all torques and changes the force least.
@@ -58,8 +60,8 @@ class Capability:
             return wrench
         if self.authority is Authority.SAFE:
             return np.concatenate([np.zeros(3), wrench[3:]])
-        missing = self._lost_forces.T @ wrench[:3] + self._lost_torques.T @ wrench[3:]
-        step = self._lost_forces @ np.linalg.solve(self._lost_forces.T @ self._lost_forces, missing)
+        missing = self.lost_forces.T @ wrench[:3] + self.lost_torques.T @ wrench[3:]
+        step = self.lost_forces @ np.linalg.solve(self.lost_forces.T @ self.lost_forces, missing)
         return np.concatenate([wrench[:3] - step, wrench[3:]])
 
 

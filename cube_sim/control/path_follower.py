@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from cube_sim.control.attitude import AttitudeMode
 from cube_sim.control.authority import Authority, Capability, capability
+from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.controller import Decision
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
-from cube_sim.control.thrust_attitude import PointThrust
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.spatial import State, Vector
@@ -26,7 +26,7 @@ class PathFollower:
         approach: the desired velocity.
         attitude: the desired attitude.
         loops: desired motion to wrench.
-        pointing_time: over which `PointThrust` averages the demanded force [s].
+        balancing_time: of `BalancedAttitude` [s].
         observer: the disturbance estimate, None for none.
         capability: what the thrusters can still do; demands are projected onto it.
     """
@@ -35,28 +35,34 @@ class PathFollower:
     approach: Approach
     attitude: AttitudeMode
     loops: MotionLoops
-    pointing_time: float
+    balancing_time: float
     observer: DisturbanceObserver | None
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
-    _pointing: PointThrust | None = None
+    _balanced: BalancedAttitude | None = None
     _force: Vector = field(default_factory=lambda: np.zeros(3))
 
+    def __post_init__(self) -> None:
+        """Fly with the loops as given."""
+        self._loops = self.loops
+
     def reconfigure(self, left: Capability, state: State) -> None:
-        """Go on with what is left: point it, or, when nothing can be pointed, stop demanding force."""
+        """Go on with what is left: steer by attitude, or, when that cannot follow a path, stop demanding force."""
         self.capability = left
+        self._balanced, self._loops = None, self.loops
         if left.authority in (Authority.PLANE, Authority.LINE):
-            heading = float(np.arctan2(state.rotation[1, 0], state.rotation[0, 0]))
-            self._pointing = PointThrust(left.pure_forces, heading, self.pointing_time)
-        else:
-            self._pointing = None
+            self._balanced = BalancedAttitude(left, self.loops.dynamics, state.rotation, self.balancing_time)
+        if left.authority is Authority.LINE:
+            # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
+            slower = max(self.loops.velocity_time, 2.0 * self.loops.attitude_time)
+            self._loops = replace(self.loops, velocity_time=slower)
 
     def decide(self, state: State, applied: Vector, dt: float) -> Decision:
         """See `Controller.decide`."""
         view = self.target.view(state.position, state.rotation @ state.velocity)
         motion = self.approach.motion(view)
-        mode = self.attitude if self._pointing is None else self._pointing
+        mode = self.attitude if self._balanced is None else self._balanced
         attitude = mode.attitude(view, self._force, dt)
-        wrench, reference = self.loops.wrench(state, motion, attitude)
+        wrench, reference = self._loops.wrench(state, motion, attitude)
         disturbance = np.zeros(6) if self.observer is None else self.observer.update(state, applied, dt)
         demanded = wrench - disturbance
         self._force = state.rotation @ demanded[:3]

@@ -1,0 +1,71 @@
+"""Attitude for a vehicle that has lost part of its wrench: turn until force and righting torque come together.
+
+When thrusters die, some combinations of force and torque can no longer be produced: N_f' F + N_t' M = 0 always. A force
+then drags a torque along. There are attitudes in which that torque is just the one that buoyancy asks for to hold the
+attitude: in them the vehicle pushes where the path needs it and stays as it is. This law steers to such an attitude and
+along the family of them as the demand turns; heading alone does most of it, restoring moments the rest.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cube_sim.control.attitude import UP, DesiredAttitude
+from cube_sim.control.authority import Capability
+from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation, rotation_about, skew
+from cube_sim.vehicle.dynamics import Dynamics
+
+SOFTNESS_N = 0.6
+"""Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
+MOST_RATE = 1.0
+"""Bound on the turning of the desired attitude [rad/s]."""
+
+
+class BalancedAttitude:
+    """Two tasks by priority (Nakamura 1987), on the turning rate w of the desired attitude, body axes.
+
+    First, with F = R' F_W and z = R' e_z, the imbalance g = N_f' F + N_t' M_hold(z) decays over `time`:
+    w = -J# g / time, J = dg/dw = N_f' S(F) - N_t' S(r) S(z), where M_hold = -r x z holds the hull against the moment
+    r = rho V |g| r_CB - m |g| r_CG of its buoyancy and weight. Second, in the null space of the first, the hull rights
+    itself over `levelling_time`: w_level = e_z x z / levelling_time. Both J# are damped, so nothing is singular when
+    the force vanishes or lines up with the axis it cannot be turned about.
+
+    Args:
+        left: what the thrusters can still do, with authority PLANE or LINE.
+        dynamics: of the hull.
+        rotation: R_WB (3,3) now, from which the first turn starts.
+        time: of the first task, and over which the demanded force is averaged [s].
+        levelling_time: of the second [s].
+    """
+
+    def __init__(
+        self, left: Capability, dynamics: Dynamics, rotation: Matrix, time: float, levelling_time: float = 2.0
+    ) -> None:
+        self._forces, self._torques = left.lost_forces, left.lost_torques
+        g = float(np.linalg.norm(dynamics.gravity))
+        mass = float(dynamics.mass_matrix[0, 0])
+        self._righting = g * (dynamics.displaced_mass * dynamics.centre_of_buoyancy - mass * dynamics.centre_of_mass)
+        self._rotation, self._time, self._levelling_time = rotation.copy(), time, levelling_time
+        self._force: Vector | None = None
+
+    def attitude(self, view: TargetView, force_W: Vector, dt: float) -> DesiredAttitude:
+        """See `AttitudeMode.attitude`."""
+        if self._force is None:
+            self._force = force_W
+        self._force = self._force + min(1.0, dt / self._time) * (force_W - self._force)
+        R = self._rotation
+        rates = self._rates(R.T @ self._force, R[2])
+        speed = float(np.linalg.norm(rates))
+        if speed > MOST_RATE:
+            rates, speed = rates * (MOST_RATE / speed), MOST_RATE
+        if speed > 0.0:
+            self._rotation = R @ rotation_about(rates / speed, speed * dt)
+        return DesiredAttitude(quaternion_from_rotation(R), R @ rates)
+
+    def _rates(self, F: Vector, z: Vector) -> Vector:
+        imbalance = self._forces.T @ F - self._torques.T @ cross(self._righting, z)
+        J = self._forces.T @ skew(F) - self._torques.T @ skew(self._righting) @ skew(z)
+        inverse = J.T @ np.linalg.inv(J @ J.T + SOFTNESS_N**2 * np.eye(len(J)))
+        level = cross(UP, z) / self._levelling_time
+        return -inverse @ imbalance / self._time + level - inverse @ (J @ level)
