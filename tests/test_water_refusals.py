@@ -144,6 +144,29 @@ def test_a_file_that_is_no_model(tmp_path, text):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("sensor", ['<gyro site="nope"/>', '<gyro name="turning" site="nope"/>'])
+@pytest.mark.parametrize("in_memory", [True, False])
+def test_a_reference_to_nothing(tmp_path, sensor, in_memory):
+    """MuJoCo's copy of a spec drops such an element silently; loading must not."""
+    path = tmp_path / "cube.xml"
+    path.write_text(CUBE.read_text().replace('<gyro name="gyro"', f'{sensor}<gyro name="gyro"'))
+    with pytest.raises(ModelError, match=r"turning|one of the sensors|nope"):
+        cube_sim.load_model(mujoco.MjSpec.from_file(str(path)) if in_memory else path)
+
+
+@pytest.mark.parametrize(
+    ("thing", "reason"),
+    [
+        (None, "loaded from an MJCF file or an MjSpec, not from None"),
+        (b"cube.xml", "not from b'cube.xml'"),
+        (mujoco.MjModel.from_xml_string("<mujoco/>"), "not from an MjModel, which is compiled already"),
+    ],
+)
+def test_what_is_no_model(thing, reason):
+    with pytest.raises(ModelError, match=reason):
+        cube_sim.load_model(thing)
+
+
 def test_no_such_file():
     with pytest.raises(ModelError, match="no such model file"):
         cube_sim.load_model("nowhere/at_all.xml")

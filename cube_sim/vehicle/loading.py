@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from cube_sim.errors import ModelError
 from cube_sim.vehicle import hook, packing, structs, user_forces
 from cube_sim.vehicle.inverse_weights import set_inverse_weights
 from cube_sim.vehicle.parameters import read_parameters
+from cube_sim.vehicle.thruster_elements import limit_commands, thruster_elements
 from cube_sim.vehicle.user_forces import UserForce
 
 
@@ -38,14 +40,33 @@ def load_model(
     """
     if isinstance(path, (str, Path)):
         spec, name = _read(Path(path)), str(path)
+    elif isinstance(path, mujoco.MjSpec):
+        spec, name = path, path.modelname
     else:
-        spec, name = path.copy(), path.modelname
+        raise ModelError("", f"a model is loaded from an MJCF file or an MjSpec, not from {_kind(path)}")
     try:
-        return _immerse(spec, dict(parameters or {}), dict(forces or {}))
+        own = spec if spec is not path else _own_copy(spec)
+        return _immerse(own, dict(parameters or {}), dict(forces or {}))
     except ModelError as error:
         raise ModelError(error.element, error.reason, name) from None
     except ValueError as error:  # MuJoCo's compiler
         raise ModelError("compile", _one_line(error), name) from None
+
+
+def _kind(thing: object) -> str:
+    compiled = isinstance(thing, mujoco.MjModel)
+    return "an MjModel, which is compiled already" if compiled else repr(thing)
+
+
+def _own_copy(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+    """A copy to write into. MuJoCo leaves out of a copy, without a word, what refers to something that is not there."""
+    thruster_elements(spec)
+    copy = spec.copy()
+    for kind in ("actuators", "sensors", "equalities", "tendons", "pairs", "excludes"):
+        before, after = (Counter(element.name for element in getattr(one, kind)) for one in (spec, copy))
+        for lost in before - after:
+            raise ModelError(lost or f"one of the {kind}", "refers to an element that the model does not have")
+    return copy
 
 
 def _read(path: Path) -> mujoco.MjSpec:
@@ -64,8 +85,9 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
         numerics[name] = np.atleast_1d(np.asarray(values, dtype=float))
     if packing.PACKED in numerics:
         raise ModelError(packing.PACKED, "is written by load_model; remove it from the MJCF")
-    bodies = [body.name for body in spec.bodies if body.name and body.name != "world"]
-    parameters = read_parameters(numerics, bodies, _thrusters(spec))
+    bodies = {body.name: _is_free(body) for body in spec.bodies if body.name and body.name != "world"}
+    parameters = read_parameters(numerics, bodies, thruster_elements(spec))
+    limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
     for text in spec.texts:
         if text.name.endswith(":force"):
             forces.setdefault(text.name.removesuffix(":force"), user_forces.resolve(text.data, text.name))
@@ -96,30 +118,6 @@ def _register(forces: dict[str, UserForce], hulls: list[str]) -> list[int]:
     return [user_forces.register(forces[h], f"{h}:force") if h in forces else -1 for h in hulls]
 
 
-def _thrusters(spec: mujoco.MjSpec) -> list[tuple[str, str] | None]:
-    """Per actuator (name, name of the body that carries its site), None where it is not a thruster."""
-    found: list[tuple[str, str] | None] = []
-    for actuator in spec.actuators:
-        if actuator.biastype != mujoco.mjtBias.mjBIAS_USER:
-            found.append(None)
-            continue
-        if actuator.trntype != mujoco.mjtTrn.mjTRN_SITE:
-            raise ModelError(actuator.name, 'has biastype "user" but no site; a thruster pushes along a site\'s z axis')
-        if actuator.dyntype == mujoco.mjtDyn.mjDYN_NONE:
-            raise ModelError(
-                actuator.name, 'is a thruster without dyntype="filter", the lag of its motor [s] in dynprm'
-            )
-        found.append((actuator.name, _hull_of(spec, actuator.target)))
-    return found
-
-
-def _hull_of(spec: mujoco.MjSpec, site: str) -> str:
-    body = spec.site(site).parent
-    while body.parent is not None and body.parent.name != "world":
-        body = body.parent
-    return body.name
-
-
 def _require_usable_options(spec: mujoco.MjSpec) -> None:
     option = spec.option
     if option.density or option.viscosity:
@@ -135,15 +133,17 @@ def _require_usable_options(spec: mujoco.MjSpec) -> None:
         raise ModelError("option", "disabling both spring and damper skips the passive stage, and the water with it")
 
 
+def _is_free(body: mujoco.MjsBody) -> bool:
+    joints = [joint.type for joint in body.joints]
+    return joints == [mujoco.mjtJoint.mjJNT_FREE] and body.parent.name == "world"
+
+
 def _prepare(spec: mujoco.MjSpec, name: str) -> None:
     """Turn off what MuJoCo would make simpler about a body than its water is."""
     body = spec.body(name)
-    free = [joint for joint in body.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
-    if len(free) != 1 or body.parent.name != "world":
-        raise ModelError(name, "has water parameters but no free joint; only a free body of the world is a hull")
     body.simple = 0  # otherwise M has no room for what couples the axes
     body.sleep = mujoco.mjtSleepPolicy.mjSLEEP_NEVER  # otherwise a current could not pick it up again
-    free[0].align = mujoco.mjtAlignFree.mjALIGNFREE_FALSE  # otherwise the axes its numbers are about could move
+    body.joints[0].align = mujoco.mjtAlignFree.mjALIGNFREE_FALSE  # otherwise the axes its numbers are about could move
 
 
 def _one_line(error: Exception) -> str:

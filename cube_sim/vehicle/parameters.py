@@ -21,7 +21,7 @@ with a prefix (``MjSpec.attach``) bring theirs with the same prefix, also their 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.thruster_elements import ThrusterElement
 
 DENSITY = "water:density"
 HULL_PARAMETERS = ("volume", "centre_of_buoyancy", "added_mass", "linear_damping", "quadratic_damping")
@@ -96,31 +97,34 @@ class WaterParameters:
 
 def read_parameters(
     numerics: Mapping[str, NDArray[np.float64]],
-    bodies: list[str],
-    thrusters: list[tuple[str, str] | None],
+    bodies: Mapping[str, bool],
+    thrusters: Sequence[ThrusterElement | None],
 ) -> WaterParameters:
     """Validate the numerics of a model.
 
     Args:
         numerics: name -> values.
-        bodies: names of the bodies, to resolve the numerics against.
-        thrusters: per actuator (its name, the body that carries it), or None where the actuator is not a thruster.
+        bodies: names of the bodies, and whether each is a free body of the world.
+        thrusters: per actuator, None where it is not a thruster.
 
     Raises:
         ModelError: names the numeric at fault and says what would be right.
     """
     numerics = _one_water(numerics)
-    actuators = [pair[0] for pair in thrusters if pair]
-    hull_names = _owners(numerics, bodies, actuators)
+    actuators = [thruster.name for thruster in thrusters if thruster]
+    hull_names = _owners(numerics, list(bodies), actuators)
     if not hull_names:
         raise ModelError(
             "custom", f"no numeric '<body>:{HULL_PARAMETERS[0]}', so there is no hull to put into the water"
         )
+    for name in hull_names:
+        if not bodies[name]:
+            raise ModelError(name, "has water parameters but no free joint; only a free body of the world is a hull")
     density = _scalar(numerics, DENSITY)
     if density <= 0.0:
         raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
     hulls = tuple(_hull(numerics, name, density) for name in hull_names)
-    motors = tuple(_thruster(numerics, *pair) if pair else None for pair in thrusters)
+    motors = tuple(_thruster(numerics, element.name, element.body) if element else None for element in thrusters)
     return WaterParameters(hulls, motors, _current(numerics))
 
 

@@ -1,0 +1,141 @@
+"""Which actuators of an MJCF are thrusters, and what MuJoCo must be told about one for its force to be the curve's.
+
+A thruster is ``biastype="user"`` on a site of a vehicle: command -> lag -> characteristic -> force along the site's z
+axis. Whatever else MuJoCo can do to an actuator would change that force behind the back of `Vehicle.thrusters`, on
+which allocation and analysis rely, so it is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from cube_sim.errors import ModelError
+from cube_sim.vehicle.characteristic import Characteristic
+
+_LAGS = {mujoco.mjtDyn.mjDYN_FILTER: "filter", mujoco.mjtDyn.mjDYN_FILTEREXACT: "filterexact"}
+_FREE_GEAR = [2, 5]  # thrust along the site's z axis, reaction torque about it
+
+
+@dataclass(frozen=True)
+class ThrusterElement:
+    """One thruster of the MJCF.
+
+    Attributes:
+        name: of the actuator.
+        body: the body of the world that carries its site.
+    """
+
+    name: str
+    body: str
+
+
+def thruster_elements(spec: mujoco.MjSpec) -> list[ThrusterElement | None]:
+    """One entry per actuator, None where it is not a thruster.
+
+    Raises:
+        ModelError: a thruster MuJoCo would not run as its characteristic says; names the actuator.
+    """
+    return [
+        _element(spec, actuator, index) if actuator.biastype == mujoco.mjtBias.mjBIAS_USER else None
+        for index, actuator in enumerate(spec.actuators)
+    ]
+
+
+def limit_commands(spec: mujoco.MjSpec, curves: Sequence[Characteristic | None]) -> None:
+    """Hold every command to the ends of its curve where the MJCF does not limit it.
+
+    The curve saturates anyway; but a command beyond its end would pass the lag faster than a motor does, and keep it
+    from turning back.
+
+    Args:
+        spec: changed here.
+        curves: per actuator, None where it is not a thruster.
+
+    Raises:
+        ModelError: a range of the MJCF cuts off a part of the curve, which `Vehicle.thrusters` would promise.
+    """
+    for actuator, curve in zip(spec.actuators, curves, strict=True):
+        if curve is None:
+            continue
+        commands, forces = (float(curve.commands[0]), float(curve.commands[-1])), curve.limits[[0, -1]]
+        if _is_limited(spec, actuator.ctrllimited, actuator.ctrlrange):
+            _require_inside(actuator.name, "ctrlrange", actuator.ctrlrange, commands, "leave it out or widen it")
+        else:
+            actuator.ctrllimited, actuator.ctrlrange = mujoco.mjtLimited.mjLIMITED_TRUE, commands
+        if _is_limited(spec, actuator.actlimited, actuator.actrange):
+            _require_inside(actuator.name, "actrange", actuator.actrange, commands, "leave it out or widen it")
+        if _is_limited(spec, actuator.forcelimited, actuator.forcerange):
+            _require_inside(actuator.name, "forcerange", actuator.forcerange, forces, "the curve is the limit")
+
+
+def _element(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator, index: int) -> ThrusterElement:
+    name = actuator.name
+    if not name:
+        raise ModelError(f"actuator {index}", 'has biastype "user" but no name; a thruster needs one')
+    _require_lag(actuator)
+    gain_is_zero = actuator.gaintype == mujoco.mjtGain.mjGAIN_FIXED and actuator.gainprm[0] == 0.0
+    if not gain_is_zero:
+        raise ModelError(name, 'has a gain of MuJoCo beside its characteristic; put gaintype="fixed" gainprm="0"')
+    _require_push_along_z(actuator)
+    return ThrusterElement(name, _carrier(spec, actuator))
+
+
+def _require_lag(actuator: mujoco.MjsActuator) -> None:
+    if actuator.dyntype == mujoco.mjtDyn.mjDYN_NONE:
+        raise ModelError(actuator.name, 'is a thruster without dyntype="filter", the lag of its motor [s] in dynprm')
+    if actuator.dyntype not in _LAGS:
+        kind = actuator.dyntype.name.removeprefix("mjDYN_").lower()
+        raise ModelError(
+            actuator.name, f'has dyntype "{kind}"; the lag of a motor is {" or ".join(map(repr, _LAGS.values()))}'
+        )
+    lag_s = float(actuator.dynprm[0])
+    if not 0.0 < lag_s < np.inf:
+        raise ModelError(actuator.name, f"has a lag (dynprm) of {lag_s:g} s; it is positive and finite")
+
+
+def _require_push_along_z(actuator: mujoco.MjsActuator) -> None:
+    gear = np.array(actuator.gear)
+    if not np.all(np.isfinite(gear)) or np.any(np.delete(gear, _FREE_GEAR)) or gear[2] == 0.0:
+        raise ModelError(
+            actuator.name,
+            f'has gear "{" ".join(f"{g:g}" for g in gear)}"; a thruster pushes along its site\'s z axis: '
+            '"0 0 g 0 0 k", g the thrust per newton of its characteristic, k its reaction torque [N m]; turn the site',
+        )
+
+
+def _carrier(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> str:
+    """Name of the body of the world that the actuator's site is on."""
+    name = actuator.name
+    if actuator.trntype != mujoco.mjtTrn.mjTRN_SITE:
+        raise ModelError(name, 'has biastype "user" but no site; a thruster pushes along a site\'s z axis')
+    if actuator.refsite:
+        raise ModelError(name, f"has refsite '{actuator.refsite}'; a thruster pushes along its own site's z axis")
+    site = spec.site(actuator.target)
+    if site is None:
+        sites = ", ".join(s.name for s in spec.sites if s.name) or "none"
+        raise ModelError(name, f"no site '{actuator.target}'; the model has {sites}")
+    body = site.parent
+    while body.parent is not None and body.parent.name != "world":
+        body = body.parent
+    if body.name in ("", "world"):
+        raise ModelError(name, f"its site '{actuator.target}' is on no body that has a name; a thruster pushes a hull")
+    return body.name
+
+
+def _is_limited(spec: mujoco.MjSpec, limited: mujoco.mjtLimited, bounds) -> bool:
+    if limited == mujoco.mjtLimited.mjLIMITED_AUTO:
+        return bool(spec.compiler.autolimits) and bool(np.any(np.array(bounds) != 0.0))
+    return limited == mujoco.mjtLimited.mjLIMITED_TRUE
+
+
+def _require_inside(name: str, attribute: str, bounds, needed, remedy: str) -> None:
+    if not (bounds[0] <= needed[0] and needed[1] <= bounds[1]):
+        raise ModelError(
+            name,
+            f"its {attribute} [{bounds[0]:g}, {bounds[1]:g}] cuts off its curve, which runs from {needed[0]:g} to "
+            f"{needed[1]:g}; {remedy}",
+        )
