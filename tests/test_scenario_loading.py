@@ -11,7 +11,7 @@ import struct
 
 import pydantic
 import pytest
-from scenario_files import MINIMAL, SCENARIOS, mistakes, write
+from scenario_files import MINIMAL, REPO, SCENARIOS, mistakes, write
 
 from cube_sim.scenario import load
 from cube_sim.scenario.document import parse
@@ -283,3 +283,51 @@ def test_a_mistake_found_after_loading_names_the_same_places(tmp_path):
     assert loaded.mistake("guidance.speed_m_s", "too fast") == "override guidance.speed_m_s: too fast"
     assert loaded.mistake("guidance.stop_time_s", "too long") == f"{path}:6:1: guidance.stop_time_s: too long"
     assert loaded.mistake("seed", "unlucky") == f"{path}:1:1: seed: unlucky"
+
+
+WINDOWED = MINIMAL.replace(
+    "{kind: path_end, reach_m: 0.5}",
+    """kind: signal
+    signal: path_error.cross_track
+    statistic: max
+    from_s: 4
+    to_s: 8
+    at_most: 0.1""",
+)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        ({}, None),
+        ({"duration_s": 8}, None),
+        ({"duration_s": 7.99}, "mission.yaml:12:11: checks.0.to_s: the window ends at 8 s, the run at 7.99 s"
+                               " (override duration_s)"),
+        ({"duration_s": 4}, "mission.yaml:11:13: checks.0.from_s: the window starts at 4 s, the run ends at 4 s"
+                            " (override duration_s)"),
+        ({"checks.0.to_s": 11}, "override checks.0.to_s: the window ends at 11 s, the run at 10 s"),
+        ({"checks.0.from_s": 10, "checks.0.to_s": None},
+         "override checks.0.from_s: the window starts at 10 s, the run ends at 10 s"),
+    ],
+)  # fmt: skip
+def test_a_window_outside_the_run_is_a_mistake_before_it(tmp_path, overrides, expected):
+    path = write(tmp_path, WINDOWED)
+    if expected is None:
+        load(path, overrides)
+    else:
+        assert mistakes(path, overrides) == [expected]
+
+
+def test_a_run_too_long_to_record_is_a_mistake(tmp_path):
+    overrides = {"duration_s": 86400, "physics.step_s": 0.001, "control_period_s": 0.001}
+    (line,) = mistakes(write(tmp_path), overrides)
+    assert line.startswith("override control_period_s: 86400 s in periods of 0.001 s are 8.64e+07; a run is recorded")
+    assert load(write(tmp_path), {"duration_s": 86400}).scenario.ticks == 4_320_000
+
+
+def test_the_example_of_a_mistake_in_the_readme_is_what_the_program_prints(tmp_path):
+    folder = tmp_path / "scenarios"
+    folder.mkdir()
+    text = (REPO / "scenarios" / "cube_helix.yaml").read_text().replace("../models", str(REPO / "models"))
+    (line,) = mistakes(write(folder, text.replace("  speed_m_s", "  sped_m_s"), "x.yaml"))
+    assert f"```\nscenarios/{line}\n```" in (REPO / "README.md").read_text()

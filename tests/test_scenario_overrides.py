@@ -71,6 +71,8 @@ def test_numpy_values_are_numbers_and_lists(tmp_path):
         ({"checks.0.reach_m": 0}, "override checks.0.reach_m: must be greater than 0, got 0"),
         ({"checks": []}, "override checks: a run without checks shows nothing: give at least one"),
         ({"seed": 10**30}, "override seed: must be less than 9.22337e+18, got 1000000000000000000000000000000"),
+        ({1: 2}, "override 1: a path is text"),
+        ({"duration_s": 1e6}, "override duration_s: must be at most 86400, got 1000000.0"),
         ({"model": "a\0b"}, "override model: a file name cannot hold a NUL character"),
     ],
 )  # fmt: skip

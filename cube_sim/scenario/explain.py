@@ -22,24 +22,36 @@ class Refusal(NamedTuple):
         location: keys and indices as written in the file.
         message: what is wrong and what would be right.
         at_key: whether the key itself is wrong, not its value.
+        because: another value the refused one does not fit, () when it is wrong by itself.
     """
 
     location: Location
     message: str
     at_key: bool
+    because: Location = ()
 
 
 def explain(error: ValidationError, model: type[BaseModel]) -> list[Refusal]:
-    """Turn every error of a validation into a refusal, in the schema's order."""
-    refusals = []
+    """Turn every error of a validation into a refusal, in the schema's order.
+
+    A required key that is missing because it is misspelt is one mistake, not two.
+    """
+    refusals: list[Refusal] = []
+    missing: set[Location] = set()
+    misspelt: set[Location] = set()
     for item in error.errors(include_url=False):
         location, block = _follow(model, item["loc"])
         context = item.get("ctx", {})
         location += tuple(context.get("below", ()))
         kind = item["type"]
         message = _message(kind, location, item["input"], context, block) or item["msg"]
-        refusals.append(Refusal(location, message, at_key=kind == "extra_forbidden"))
-    return refusals
+        because = tuple(context.get("because", ()))
+        refusals.append(Refusal(location, message, at_key=kind == "extra_forbidden", because=because))
+        if kind == "missing":
+            missing.add(location)
+        elif kind == "extra_forbidden" and (near := _nearest(str(location[-1]), _field_names(block))):
+            misspelt.add((*location[:-1], near))
+    return [refusal for refusal in refusals if refusal.location not in missing & misspelt]
 
 
 def _message(kind: str, location: Location, value: Any, context: dict[str, Any], block: Any) -> str | None:
@@ -111,9 +123,13 @@ def _describe(value: Any) -> str:
     return f"{type(value).__name__} {_short.repr(value)}"
 
 
+def _nearest(word: str, known: Sequence[str]) -> str | None:
+    return next(iter(difflib.get_close_matches(word, known, n=1, cutoff=0.6)), None)
+
+
 def _suggest(word: str, known: Sequence[str]) -> str:
-    near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    return f"; did you mean {near[0]}?" if near else f"; known: {', '.join(known)}"
+    near = _nearest(word, known)
+    return f"; did you mean {near}?" if near else f"; known: {', '.join(known)}"
 
 
 def _follow(model: type[BaseModel], loc: Sequence[str | int]) -> tuple[Location, Any]:

@@ -42,15 +42,16 @@ class Loaded:
         """The scenario with every default and override written out; `load` reads it from any folder."""
         return to_yaml(self.scenario)
 
-    def mistake(self, path: str, message: str) -> str:
+    def mistake(self, path: str, message: str, because: str = "") -> str:
         """A mistake found after loading (the model has no such thruster...), as a line of a ScenarioError.
 
         Args:
             path: dotted path of the value at fault.
             message: what is wrong and what would be right.
+            because: dotted path of another value which this one does not fit.
         """
-        location = tuple(int(step) if step.isdigit() else step for step in path.split("."))
-        place = _place(Refusal(location, message, at_key=False), self._document, self.overrides)
+        refusal = Refusal(_location(path), message, at_key=False, because=_location(because))
+        place = _place(refusal, self._document, self.overrides)
         return _line(self.path, place)
 
 
@@ -125,7 +126,12 @@ def _place(refusal: Refusal, document: Document, overrides: Sequence[Override]) 
         if below or above:
             inside = "" if location == override.location else f"{_dotted(location)}: "
             return Mistake(None, location, f"override {override.path}: {inside}{refusal.message}")
-    return Mistake(document.position(location, key=refusal.at_key), location, refusal.message)
+    blame = [f" (override {override.path})" for override in overrides if override.location == refusal.because]
+    return Mistake(document.position(location, key=refusal.at_key), location, refusal.message + "".join(blame))
+
+
+def _location(path: str) -> Location:
+    return tuple(int(step) if step.isdigit() else step for step in path.split(".") if step)
 
 
 def _by_position(mistake: Mistake) -> Position:

@@ -42,7 +42,10 @@ def apply(data: Any, overrides: Mapping[str, Any]) -> tuple[Any, list[Override],
     data = copy.deepcopy(data)
     applied: list[Override] = []
     messages: list[str] = []
-    for path, value in sorted(overrides.items(), key=lambda item: item[0].count(".")):
+    # A program may hand over anything as a key.
+    messages += [f"override {path!r}: a path is text" for path in overrides if not isinstance(path, str)]
+    named = [(path, value) for path, value in overrides.items() if isinstance(path, str)]
+    for path, value in sorted(named, key=lambda item: item[0].count(".")):
         try:
             location = _put(data, path, _plain(value))
         except LookupError as error:

@@ -13,12 +13,15 @@ from pydantic import Field, field_validator
 from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
-from .check_blocks import AllowedForcesCheck, Check, PathEndCheck
+from .check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
 from .event_blocks import Event
 from .path_blocks import Path
 from .values import Block, Name, Pair, Vector3, refuse
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
+
+MOST_TICKS = 24 * 3600 * 50
+"""Control periods of the longest run: a day at 50 Hz, some 5 GB of rows in memory."""
 
 
 class Physics(Block):
@@ -218,7 +221,7 @@ class Scenario(Block):
     description: str = Field(default="", description="What the scenario shows, for readers.")
     model: str = Field(min_length=1, description="MJCF file, relative to the scenario file.")
     seed: int = Field(default=0, ge=0, lt=2**63, description="Root of every random stream.")
-    duration_s: float = Field(gt=0, description="Simulated time [s].")
+    duration_s: float = Field(gt=0, le=86400, description="Simulated time [s], a day at most.")
     physics: Physics = Physics()
     control_period_s: float = Field(
         default=0.02,
@@ -275,7 +278,15 @@ class Scenario(Block):
                 )
         duration_s = info.data.get("duration_s")
         if duration_s is not None and duration_s < control_period_s:
-            refuse(f"must not exceed duration_s: {control_period_s:g} s against {duration_s:g} s")
+            refuse(
+                f"must not exceed duration_s: {control_period_s:g} s against {duration_s:g} s", because=("duration_s",)
+            )
+        if duration_s is not None and duration_s / control_period_s > MOST_TICKS:
+            refuse(
+                f"{duration_s:g} s in periods of {control_period_s:g} s are {duration_s / control_period_s:.3g}; a run"
+                f" is recorded in memory and has {MOST_TICKS} at most",
+                because=("duration_s",),
+            )
         return control_period_s
 
     @field_validator("checks")
@@ -291,6 +302,7 @@ class Scenario(Block):
                     f"checks {first} and {index} are both called '{check.title}'; give one another name",
                     index,
                 )
+        _require_windows_inside(checks, info.data.get("duration_s"))
         path = info.data.get("path")
         if path is not None and getattr(path, "laps", 1.0) is None and getattr(path, "closed", True):
             for index, check in enumerate(checks):
@@ -305,3 +317,18 @@ class Scenario(Block):
             else check
             for check in checks
         )
+
+
+def _require_windows_inside(checks: tuple[Check, ...], duration_s: float | None) -> None:
+    """A window that sticks out of the run could only be found wanting after the flight."""
+    if duration_s is None:
+        return
+    for index, check in enumerate(checks):
+        if not isinstance(check, SignalCheck):
+            continue
+        if check.from_s is not None and check.from_s >= duration_s:
+            text = f"the window starts at {check.from_s:g} s, the run ends at {duration_s:g} s"
+            refuse(text, index, "from_s", because=("duration_s",))
+        if check.to_s is not None and check.to_s > duration_s:
+            text = f"the window ends at {check.to_s:g} s, the run at {duration_s:g} s"
+            refuse(text, index, "to_s", because=("duration_s",))

@@ -24,12 +24,13 @@ class Block(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True)
 
 
-def refuse(message: str, *below: str | int) -> NoReturn:
+def refuse(message: str, *below: str | int, because: tuple[str | int, ...] = ()) -> NoReturn:
     """Report a mistake from inside a validator.
 
     Args:
         message: what is wrong and what would be right, starting in lower case.
         below: where the mistake sits, relative to the validated value: keys and list indices.
+        because: from the top of the file, another value which this one does not fit.
     """
     # The text travels as a value: a template would stumble over braces in it.
-    raise PydanticCustomError("refused", "{text}", {"text": message, "below": below})
+    raise PydanticCustomError("refused", "{text}", {"text": message, "below": below, "because": because})
