@@ -29,6 +29,10 @@ MISTAKES = [
     ("hull:linear_damping", [1.0, 1.0, 1.0, 1.0, 1.0, -1.0], "negative diagonal"),
     ("hull:quadratic_damping", [-1.0, 1.0, 1.0, 1.0, 1.0, 1.0], "negative diagonal"),
     ("hull:linear_damping", np.ones(7), "has 7 values"),
+    ("hull:linear_damping", np.eye(6) - 1.1 * np.eye(6, k=3) - 1.1 * np.eye(6, k=-3), "feeds energy into some motion"),
+    ("hull:linear_damping", np.eye(6) + 2.1 * np.eye(6, k=1), "feeds energy into some motion"),
+    ("hull:quadratic_damping", np.eye(6) - 1.9 * np.eye(6, k=3), "motion x and about x together: entries (1,4) = -1.9"),
+    ("hull:quadratic_damping", np.diag([0.0, 1, 1, 1, 1, 1]) + 0.01 * np.eye(6, k=5), "motion x and about z together"),
     ("water:density", [0.0], "density [kg/m^3] is positive"),
     ("water:density", [np.nan], "not finite"),
     ("hull:thruster_dead_zone", [0.4, -0.3], "out of order"),
@@ -39,7 +43,10 @@ MISTAKES = [
     ("hull:thruster_characteristic", [1.0, -40.0, 0.0, 0.0, -1.0, 50.0], "commands do not increase"),
     ("hull:thruster_characteristic", [-1.0, 40.0, 0.0, 0.0, 1.0, -50.0], "never decrease"),
     ("hull:thruster_characteristic", [-1.0, -40.0, 1.0, 50.0], "no pair has force 0"),
-    ("hull:aded_mass", [1.0] * 6, "is no parameter of the water; there are volume"),
+    ("hull:aded_mass", [1.0] * 6, "is no parameter of the water (did you mean added_mass?); there are volume"),
+    ("hull:colour", [1.0], "is no parameter of the water; there are volume"),
+    ("volume", [0.1], "is no parameter of the water"),
+    ("T1:gain", [0.1], "is no parameter of the water"),
     ("hul:added_mass", [1.0] * 6, "no body 'hul'; the model has hull"),
     ("T9:thruster_dead_zone", [-1.0, 1.0], "no body or thruster 'T9'"),
     ("T1:thruster_dead_zone", [1.0, -1.0], "out of order"),
@@ -95,6 +102,60 @@ def test_hull_without_a_free_joint():
     xml = CUBE.read_text().replace('<freejoint name="hull"/>', '<joint name="hull" type="hinge"/>')
     with pytest.raises(ModelError, match="no free joint"):
         cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+
+
+def test_missing_volume():
+    """A hull without one would sink without a word; a volume of zero says that it shall."""
+    spec = mujoco.MjSpec.from_file(str(CUBE))
+    spec.delete(next(n for n in spec.numerics if n.name == "hull:volume"))
+    with pytest.raises(ModelError, match="hull:volume: is missing; 'hull' needs the volume it displaces"):
+        cube_sim.load_model(spec)
+    assert cube_sim.Vehicle.from_model(cube_sim.load_model(spec, {"hull:volume": 0.0})).displaced_mass == 0.0
+
+
+def with_numerics(*names: str, values: str = "1") -> mujoco.MjSpec:
+    more = "".join(f'<numeric name="{name}" data="{values}"/>' for name in names)
+    return mujoco.MjSpec.from_string(CUBE.read_text().replace("<custom>", f"<custom>{more}"))
+
+
+@pytest.mark.parametrize("values", ["1 2 3", "nan"])
+def test_other_peoples_numerics_are_left_alone(values):
+    names = (
+        "mjpc:agent_planner",
+        "residual:speed",
+        "a:b:c",
+        "motor:current",
+        "groundwater:level",
+        "plain",
+        "camera:gain:",
+    )
+    spec = with_numerics(*names, values=values)
+    model = cube_sim.load_model(spec)
+    np.testing.assert_array_equal(
+        cube_sim.Vehicle.from_model(model).added_mass, cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).added_mass
+    )
+    for name in names:
+        np.testing.assert_array_equal(model.numeric(name).data, np.array(values.split(), dtype=float))
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("hul:aded_mass", "did you mean added_mass?"),
+        ("anything:thruster_deadzone", "did you mean thruster_dead_zone?"),
+        ("ship:volume", "no body 'ship'"),
+        ("hull:buoyant", "is no parameter of the water; there are"),
+        ("T8:thrust", "is no parameter of the water; there are"),
+        ("water:densty", "is nothing that water has; there are water:density"),
+        ("a/water:curent", "is nothing that water has; there are water:density"),
+        ("water:temperature", "is nothing that water has"),
+    ],
+)
+def test_a_slip_of_the_pen_in_the_file_is_refused(name, reason):
+    with pytest.raises(ModelError) as caught:
+        cube_sim.load_model(with_numerics(name))
+    assert caught.value.element == name
+    assert reason in caught.value.reason
 
 
 def test_missing_density():

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import hook, packing, structs, user_forces
 from cube_sim.vehicle.inverse_weights import set_inverse_weights
+from cube_sim.vehicle.numeric_names import require_parameter
 from cube_sim.vehicle.parameters import read_parameters
 from cube_sim.vehicle.thruster_elements import limit_commands, thruster_elements
 from cube_sim.vehicle.user_forces import UserForce
@@ -82,6 +83,7 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     hook.install()
     numerics = {n.name: np.array(n.data, dtype=float) for n in spec.numerics}
     for name, values in overrides.items():
+        require_parameter(name)
         numerics[name] = np.atleast_1d(np.asarray(values, dtype=float))
     if packing.PACKED in numerics:
         raise ModelError(packing.PACKED, "is written by load_model; remove it from the MJCF")

@@ -15,8 +15,9 @@
     water:current                       rows time [s], height z [m], v_x, v_y, v_z [m/s] (world axes) on a full grid of
                                         times and heights, added to `option wind`; linear between, constant beyond
 
-A body with any of the first group is a hull: it needs a free joint. What a hull leaves out is zero. Vehicles attached
-with a prefix (``MjSpec.attach``) bring theirs with the same prefix, also their `water:` entries: these must agree.
+A body with any of the first group is a hull: it needs a free joint, and its volume. What else a hull leaves out is
+zero. Vehicles attached with a prefix (``MjSpec.attach``) bring theirs with the same prefix, also their `water:`
+entries: these must agree. Other numerics of the MJCF are left alone (`cube_sim.vehicle.numeric_names`).
 """
 
 from __future__ import annotations
@@ -29,12 +30,9 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.damping import require_dissipative, require_pairwise_dissipative
+from cube_sim.vehicle.numeric_names import CURRENT, DENSITY, HULL_PARAMETERS, hull_names, one_water
 from cube_sim.vehicle.thruster_elements import ThrusterElement
-
-DENSITY = "water:density"
-HULL_PARAMETERS = ("volume", "centre_of_buoyancy", "added_mass", "linear_damping", "quadratic_damping")
-THRUSTER_PARAMETERS = ("thruster_characteristic", "thruster_dead_zone", "thruster_power")
-CURRENT = "water:current"
 
 
 @dataclass(frozen=True)
@@ -110,57 +108,31 @@ def read_parameters(
     Raises:
         ModelError: names the numeric at fault and says what would be right.
     """
-    numerics = _one_water(numerics)
+    numerics = one_water(numerics)
     actuators = [thruster.name for thruster in thrusters if thruster]
-    hull_names = _owners(numerics, list(bodies), actuators)
-    if not hull_names:
+    names = hull_names(numerics, list(bodies), actuators)
+    if not names:
         raise ModelError(
             "custom", f"no numeric '<body>:{HULL_PARAMETERS[0]}', so there is no hull to put into the water"
         )
-    for name in hull_names:
+    for name in names:
         if not bodies[name]:
             raise ModelError(name, "has water parameters but no free joint; only a free body of the world is a hull")
+    if DENSITY not in numerics:
+        raise ModelError(DENSITY, "is missing; the water needs a density [kg/m^3]")
     density = _scalar(numerics, DENSITY)
     if density <= 0.0:
         raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
-    hulls = tuple(_hull(numerics, name, density) for name in hull_names)
+    hulls = tuple(_hull(numerics, name, density) for name in names)
     motors = tuple(_thruster(numerics, element.name, element.body) if element else None for element in thrusters)
     return WaterParameters(hulls, motors, _current(numerics))
 
 
-def _one_water(numerics: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
-    """The numerics with the `water:` entries of attached vehicles, which carry a prefix, merged into one of each."""
-    merged = {name: values for name, values in numerics.items() if not name.endswith((DENSITY, CURRENT))}
-    for key in (DENSITY, CURRENT):
-        for name in (n for n in numerics if n.endswith(key)):
-            if key in merged and not np.array_equal(merged[key], numerics[name], equal_nan=True):
-                raise ModelError(name, f"differs from another '{key}' of the model; there is only one water")
-            merged[key] = numerics[name]
-    return merged
-
-
-def _owners(numerics: Mapping[str, NDArray[np.float64]], bodies: list[str], actuators: list[str]) -> list[str]:
-    """Names of the hulls in body order; a numeric that belongs to nothing is a mistake, not a comment."""
-    found: set[str] = set()
-    for name, values in numerics.items():
-        owner, colon, parameter = name.rpartition(":")
-        if not colon or name in (DENSITY, CURRENT):
-            continue
-        if not np.all(np.isfinite(values)):
-            raise ModelError(name, "holds a value that is not finite")
-        known = HULL_PARAMETERS + THRUSTER_PARAMETERS
-        if parameter not in known:
-            raise ModelError(name, f"is no parameter of the water; there are {', '.join(known)}")
-        if parameter in HULL_PARAMETERS and owner not in bodies:
-            raise ModelError(name, f"no body '{owner}'; the model has {', '.join(bodies)}")
-        if parameter in THRUSTER_PARAMETERS and owner not in bodies and owner not in actuators:
-            raise ModelError(name, f"no body or thruster '{owner}'; the model has {', '.join(bodies + actuators)}")
-        if parameter in HULL_PARAMETERS:
-            found.add(owner)
-    return [body for body in bodies if body in found]
-
-
 def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> Hull:
+    if f"{body}:volume" not in numerics:
+        raise ModelError(
+            f"{body}:volume", f"is missing; '{body}' needs the volume it displaces [m^3], 0 for one that does not float"
+        )
     volume = _scalar(numerics, f"{body}:volume")
     if volume < 0.0:
         raise ModelError(f"{body}:volume", f"is {volume:g}; a volume [m^3] is not negative")
@@ -168,9 +140,8 @@ def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float
     _require_symmetric(f"{body}:added_mass", added_mass)
     linear = _matrix(numerics, f"{body}:linear_damping")
     quadratic = _matrix(numerics, f"{body}:quadratic_damping")
-    for name, matrix in (("linear_damping", linear), ("quadratic_damping", quadratic)):
-        if np.any(np.diag(matrix) < 0.0):
-            raise ModelError(f"{body}:{name}", "has a negative diagonal value; damping takes energy out")
+    require_dissipative(f"{body}:linear_damping", linear)
+    require_pairwise_dissipative(f"{body}:quadratic_damping", quadratic)
     return Hull(
         body=body,
         displaced_mass=density * volume,
@@ -244,10 +215,6 @@ def _first(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str
 
 
 def _scalar(numerics: Mapping[str, NDArray[np.float64]], name: str) -> float:
-    if name not in numerics:
-        if name == DENSITY:
-            raise ModelError(DENSITY, "is missing; the water needs a density [kg/m^3]")
-        return 0.0
     return float(_vector(numerics, name, 1)[0])
 
 

@@ -1,0 +1,98 @@
+"""Which custom numerics of a model are the water's, and whose they are.
+
+An MJCF may carry other numerics too, with colons in their names or without; they are nobody's business here. A name is
+judged when its last part is a parameter of the water or nearly one (`hul:aded_mass` is a slip of the pen), or when what
+stands before the last colon is a hull, a thruster or the water itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.errors import ModelError
+
+DENSITY, CURRENT = "water:density", "water:current"
+HULL_PARAMETERS = ("volume", "centre_of_buoyancy", "added_mass", "linear_damping", "quadratic_damping")
+THRUSTER_PARAMETERS = ("thruster_characteristic", "thruster_dead_zone", "thruster_power")
+
+_KNOWN = HULL_PARAMETERS + THRUSTER_PARAMETERS
+_NEARLY = 0.8  # share of letters in common, as difflib counts them
+
+Numerics = Mapping[str, NDArray[np.float64]]
+
+
+def one_water(numerics: Numerics) -> dict[str, NDArray[np.float64]]:
+    """The numerics with the `water:` entries of attached vehicles, which carry a prefix, merged into one of each.
+
+    Raises:
+        ModelError: two of them differ.
+    """
+    merged = {name: values for name, values in numerics.items() if not name.endswith((DENSITY, CURRENT))}
+    for key in (DENSITY, CURRENT):
+        for name in (n for n in numerics if n.endswith(key)):
+            if key in merged and not np.array_equal(merged[key], numerics[name], equal_nan=True):
+                raise ModelError(name, f"differs from another '{key}' of the model; there is only one water")
+            merged[key] = numerics[name]
+    return merged
+
+
+def hull_names(numerics: Numerics, bodies: Sequence[str], thrusters: Collection[str]) -> list[str]:
+    """Names of the hulls in body order.
+
+    Args:
+        numerics: as `one_water` returns them.
+        bodies: names of all bodies.
+        thrusters: names of the actuators that are thrusters.
+
+    Raises:
+        ModelError: a numeric of the water that belongs to nothing, or that holds a value that is not finite.
+    """
+    owners = [name.rpartition(":") for name in numerics]
+    hulls = {owner for owner, colon, parameter in owners if colon and parameter in HULL_PARAMETERS}
+    for name, values in numerics.items():
+        if name not in (DENSITY, CURRENT) and ":" in name:
+            _judge(name, values, bodies, thrusters, hulls)
+    return [body for body in bodies if body in hulls]
+
+
+def require_parameter(name: str) -> None:
+    """Refuse a name under which no parameter of the water can stand.
+
+    Raises:
+        ModelError: with the name that was probably meant.
+    """
+    parameter = name.rpartition(":")[2]
+    if not name.endswith((DENSITY, CURRENT)) and (":" not in name or parameter not in _KNOWN):
+        raise ModelError(name, _unknown(parameter))
+
+
+def _judge(
+    name: str, values: NDArray[np.float64], bodies: Sequence[str], thrusters: Collection[str], hulls: Collection[str]
+) -> None:
+    owner, _, parameter = name.rpartition(":")
+    of_water = get_close_matches(parameter, ("density", "current"), n=1, cutoff=_NEARLY)
+    if owner == "water" or (owner.endswith("water") and of_water):
+        raise ModelError(name, f"is nothing that water has; there are {DENSITY} and {CURRENT}")
+    if parameter not in _KNOWN:
+        if owner in hulls or owner in thrusters or _meant(parameter):
+            raise ModelError(name, _unknown(parameter))
+        return
+    if not np.all(np.isfinite(values)):
+        raise ModelError(name, "holds a value that is not finite")
+    if parameter in HULL_PARAMETERS and owner not in bodies:
+        raise ModelError(name, f"no body '{owner}'; the model has {', '.join(bodies)}")
+    if owner not in bodies and owner not in thrusters:
+        raise ModelError(name, f"no body or thruster '{owner}'; the model has {', '.join([*bodies, *thrusters])}")
+
+
+def _meant(parameter: str) -> list[str]:
+    return get_close_matches(parameter.lower(), _KNOWN, n=1, cutoff=_NEARLY)
+
+
+def _unknown(parameter: str) -> str:
+    meant = f" (did you mean {_meant(parameter)[0]}?)" if _meant(parameter) else ""
+    return f"is no parameter of the water{meant}; there are {', '.join(_KNOWN)}, and {DENSITY}, {CURRENT}"
