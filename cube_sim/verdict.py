@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 Verdict = Literal["PASS", "FAIL", "ERROR"]
-"""PASS: shown. FAIL: shown not to hold. ERROR: could not be judged."""
+"""PASS: shown to hold. FAIL: shown not to hold. ERROR: could not be judged."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,20 @@ class CheckResult:
     detail: str
 
 
-def overall(results: Iterable[CheckResult]) -> Verdict:
-    """One verdict for a run: ERROR before FAIL before PASS; nothing checked is an ERROR."""
+def overall(results: Iterable[CheckResult], *, complete: bool = True) -> Verdict:
+    """One verdict for a run.
+
+    FAIL as soon as one check was shown not to hold, whatever could not be judged beside it; ERROR when none was and
+    one could not be judged; PASS when every check was shown to hold.
+
+    Args:
+        results: of the checks; none at all is an ERROR.
+        complete: whether the run lasted to its end. One that did not shows nothing: ERROR.
+    """
     verdicts = {result.verdict for result in results}
-    if not verdicts or "ERROR" in verdicts:
+    if not complete or not verdicts:
         return "ERROR"
-    return "FAIL" if "FAIL" in verdicts else "PASS"
+    return next(verdict for verdict in ("FAIL", "ERROR", "PASS") if verdict in verdicts)
 
 
 def to_dict(
@@ -55,6 +63,7 @@ def to_dict(
                 "name": result.name,
                 "verdict": result.verdict,
                 "value": result.value,
+                "relation": result.relation,
                 "limit": result.limit,
                 "margin": result.margin,
                 "at_s": result.at_s,

@@ -379,10 +379,11 @@ def result(verdict, value=1.0):
 
 def test_overall_verdict_over_every_combination():
     assert overall([]) == "ERROR"
-    rank = {"PASS": 0, "FAIL": 1, "ERROR": 2}
+    rank = {"PASS": 0, "ERROR": 1, "FAIL": 2}
     for count in (1, 2, 3):
         for verdicts in itertools.product(rank, repeat=count):
             assert overall(map(result, verdicts)) == max(verdicts, key=rank.__getitem__)
+            assert overall(map(result, verdicts), complete=False) == "ERROR"
 
 
 def test_results_come_in_the_order_of_the_checks():
@@ -412,7 +413,7 @@ def test_verdict_json_is_strict_and_complete():
     content = json.loads(text, parse_constant=refuse)
     assert list(content) == ["verdict", "checks", "real_time_factor", "versions"]
     assert [set(check) for check in content["checks"]] == [
-        {"name", "verdict", "value", "limit", "margin", "at_s", "detail"}
+        {"name", "verdict", "value", "relation", "limit", "margin", "at_s", "detail"}
     ] * 2
     assert content["checks"][1]["value"] is None
     with pytest.raises(ValueError, match="JSON"):
