@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import contextlib
 import json as json_format
+import os
 import shlex
+import signal
 import sys
+import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
     from .simulation import Run
 
 PASS, FAIL, BAD_INPUT, NOT_JUDGED, INTERRUPTED = 0, 1, 2, 3, 130
+_TRACEBACK = "CUBE_SIM_TRACEBACK"
 _EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
 
 app = typer.Typer(
@@ -32,8 +36,41 @@ app = typer.Typer(
 
 
 def main() -> None:
-    """Run the command line; the one entry of ``cube-sim`` and ``python -m cube_sim``."""
-    app(prog_name="cube-sim")
+    """Run the command line; the one entry of ``cube-sim`` and ``python -m cube_sim``.
+
+    Exit code 1 says FAIL and nothing else: what nobody foresaw is one line and code 3.
+    """
+    # Left alone where somebody else decides about Ctrl-C, as a shell does for what runs in the background.
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _leave)
+    try:
+        app(prog_name="cube-sim")
+    except Exception as error:
+        if os.environ.get(_TRACEBACK):
+            traceback.print_exc()
+        else:
+            said = " ".join(str(error).split())
+            typer.echo(f"unexpected {type(error).__name__}: {said} ({_TRACEBACK}=1 shows where)", err=True)
+        sys.exit(NOT_JUDGED)
+    finally:
+        _raise_on_interrupt()
+
+
+def _leave(*_: object) -> None:
+    """Ctrl-C while starting up: there is nothing to save, and the process ends at once.
+
+    As an exception it would be lost or renamed inside the import of a compiled library.
+    """
+    # The progress bar hides the cursor.
+    erase = "\r\x1b[K\x1b[?25h" if sys.stderr.isatty() else ""
+    os.write(2, f"{erase}interrupted while starting up\n".encode())
+    os._exit(INTERRUPTED)
+
+
+def _raise_on_interrupt() -> None:
+    """From now on there is something to bring to an end: Ctrl-C is the usual exception."""
+    if signal.getsignal(signal.SIGINT) is _leave:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _version(asked: bool) -> None:
@@ -54,8 +91,9 @@ def _common(
 
 
 @app.command(
-    epilog="Exit code: 0 PASS, 1 FAIL, 2 bad input (nothing is written), 3 ERROR (could not be judged), "
-    "130 interrupted (what was recorded stays)."
+    epilog="Exit code: 0 PASS, every check was shown to hold; 1 FAIL, one was shown not to, whatever else could not be "
+    "judged; 2 bad input, nothing is written; 3 ERROR, nothing failed but something could not be judged, or the run "
+    "ended early; 130 interrupted, what was recorded stays."
 )
 def run(
     scenario: Annotated[Path, typer.Argument(help="Scenario file, for example scenarios/cube_helix.yaml.")],
@@ -79,36 +117,43 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", help="Show neither progress nor result.")] = False,
 ) -> None:
     """Fly a scenario, record it, judge its checks."""
-    from .errors import CubeSimError, ModelError, RecordingError, ScenarioError
-    from .run_directory import check, default_directory
-    from .scenario import load
-
-    try:
-        overrides = _overrides(settings or [])
-        loaded = load(scenario, overrides)
-        directory = out if out is not None else default_directory(loaded.scenario.name)
-        check(directory)
-    except (ScenarioError, RecordingError) as error:
-        _stop(BAD_INPUT, str(error))
-
-    try:
-        from . import simulation
-
-        with _progress(loaded.scenario.name, loaded.scenario.duration_s, hidden=quiet) as progress:
-            result = simulation.run(scenario, overrides=overrides, out=directory, progress=progress)
-    except (ScenarioError, ModelError) as error:
-        _stop(BAD_INPUT, str(error))
-    except CubeSimError as error:
-        _stop(NOT_JUDGED, str(error))
-    except KeyboardInterrupt:
-        _stop(
-            INTERRUPTED, f"interrupted; {f'recorded so far: {directory}' if directory.exists() else 'nothing recorded'}"
-        )
+    name, duration_s, result = _fly(scenario, settings or [], out, hidden=quiet)
     if json:
         _print_json(result)
     elif not quiet:
-        _print_table(loaded.scenario.name, loaded.scenario.duration_s, result)
+        _print_table(name, duration_s, result)
     raise typer.Exit(_EXIT_CODES[result.verdict])
+
+
+def _fly(scenario: Path, settings: list[str], out: Path | None, *, hidden: bool) -> tuple[str, float, Run]:
+    """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
+    from .errors import CubeSimError, DirectoryError, ModelError, RunInterrupted, ScenarioError
+    from .run_directory import check
+    from .scenario import load
+
+    try:
+        overrides = _overrides(settings)
+        loaded = load(scenario, overrides)
+        if out is not None:
+            # Before anything slow is imported; the run looks again.
+            check(out)
+        from . import simulation
+
+        name, duration_s = loaded.scenario.name, loaded.scenario.duration_s
+        with _progress(name, duration_s, hidden=hidden) as show:
+
+            def progress(simulated_s: float, whole_s: float) -> None:
+                _raise_on_interrupt()
+                if show is not None:
+                    show(simulated_s, whole_s)
+
+            return name, duration_s, simulation.run(scenario, overrides=overrides, out=out, progress=progress)
+    except (ScenarioError, ModelError, DirectoryError) as error:
+        _stop(BAD_INPUT, str(error))
+    except CubeSimError as error:
+        _stop(NOT_JUDGED, str(error))
+    except RunInterrupted as interrupt:
+        _stop(INTERRUPTED, str(interrupt))
 
 
 @app.command(epilog="Exit code: 0 analysed, 2 bad input.")
@@ -134,6 +179,7 @@ def analyze(
     from .errors import CubeSimError
 
     try:
+        _raise_on_interrupt()
         with analyze_tables.progress(hidden=json or not sys.stderr.isatty()) as progress:
             report = analyze_command.analyze(
                 model,

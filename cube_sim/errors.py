@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 
 class CubeSimError(Exception):
     """Root of every deliberate error; its text is one clear line per mistake."""
@@ -55,3 +57,19 @@ class AllocationError(CubeSimError):
 
 class RecordingError(CubeSimError):
     """A recording cannot be written or read."""
+
+
+class DirectoryError(RecordingError):
+    """A folder cannot take a recording; nothing was written."""
+
+
+class RunInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a flight.
+
+    Attributes:
+        directory: where the recording of what was flown is, closed and readable.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        super().__init__(f"interrupted; recorded so far: {directory}")

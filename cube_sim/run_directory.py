@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from .errors import RecordingError
+from .errors import DirectoryError
+
+try:
+    import fcntl
+except ImportError:  # no such locks on Windows
+    fcntl = None
 
 FILES = ("run.mcap", "run.rrd", "resolved.yaml", "verdict.json")
 """Everything a run leaves behind."""
-
-
-def default_directory(name: str) -> Path:
-    """``logs/<name>-<UTC time>`` below the working directory, with a counter if it is taken."""
-    stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
-    first = Path("logs", f"{name}-{stamp}")
-    directory, count = first, 1
-    while directory.exists():
-        count += 1
-        directory = first.with_name(f"{first.name}-{count}")
-    return directory
 
 
 def check(directory: Path) -> None:
     """Make sure that a run may write here: a new folder, an empty one, or an earlier run's. Writes nothing.
 
     Raises:
-        RecordingError: it may not; the text says why.
+        DirectoryError: it may not; the text says why.
     """
     try:
         entries = sorted(entry.name for entry in directory.iterdir())
@@ -35,40 +31,97 @@ def check(directory: Path) -> None:
         _check_can_be_made(directory)
         return
     except OSError as error:
-        raise RecordingError(f"{directory}: cannot hold a recording: {error.strerror}") from error
+        raise DirectoryError(f"{directory}: cannot hold a recording: {error.strerror}") from error
     others = [name for name in entries if name not in FILES]
     if others:
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
-        raise RecordingError(
+        raise DirectoryError(
             f"{directory}: holds {others[0]}{more}, which no run wrote: give a new folder or that of an earlier run"
         )
     folders = [name for name in entries if (directory / name).is_dir()]
     if folders:
-        raise RecordingError(f"{directory}: {folders[0]} is a folder, not a recording")
+        raise DirectoryError(f"{directory}: {folders[0]} is a folder, not a recording")
     if not os.access(directory, os.W_OK | os.X_OK):
-        raise RecordingError(f"{directory}: cannot hold a recording: no permission to write")
+        raise DirectoryError(f"{directory}: cannot hold a recording: no permission to write")
 
 
-def prepare(directory: Path) -> None:
-    """Make the folder, or remove an earlier run from it.
+@contextlib.contextmanager
+def claim(directory: Path | None, name: str) -> Iterator[Path]:
+    """Hold a folder for one run: made if need be, an earlier run removed from it, closed to other runs.
+
+    The claim is a lock on the folder itself, which the system lets go when the process ends, however it ends: no
+    claim outlives its run. Where the file system knows no locks, the folder is not closed.
+
+    Args:
+        directory: the folder; None for a new one, ``logs/<name>-<UTC time>`` below the working directory.
+        name: the scenario's.
 
     Raises:
-        RecordingError: see `check`.
+        DirectoryError: see `check`; or another run is writing there.
     """
-    check(directory)
+    if directory is None:
+        directory = _make_new(name)
+    else:
+        check(directory)
+        with _as_directory_error(directory):
+            directory.mkdir(parents=True, exist_ok=True)
+    with _locked(directory):
+        # Only now is it certain that nobody else writes here.
+        check(directory)
+        with _as_directory_error(directory):
+            for file in FILES:
+                (directory / file).unlink(missing_ok=True)
+        yield directory
+
+
+def _make_new(name: str) -> Path:
+    """Make the first free one of ``logs/<name>-<UTC time>``, ``...-2``, ``...-3``: making it is what takes it."""
+    first = Path("logs", f"{name}-{datetime.now(UTC).strftime('%Y%m%dT%H%M%SZ')}")
+    directory, count = first, 1
+    with _as_directory_error(first):
+        first.parent.mkdir(exist_ok=True)
+        while True:
+            with contextlib.suppress(FileExistsError):
+                directory.mkdir()
+                return directory
+            count += 1
+            directory = first.with_name(f"{first.name}-{count}")
+
+
+@contextlib.contextmanager
+def _locked(directory: Path) -> Iterator[None]:
+    if fcntl is None:
+        yield
+        return
+    with _as_directory_error(directory):
+        folder = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
     try:
-        directory.mkdir(parents=True, exist_ok=True)
-        for name in FILES:
-            (directory / name).unlink(missing_ok=True)
+        try:
+            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise DirectoryError(f"{directory}: another run is writing there") from None
+        except OSError:
+            pass  # a file system without locks
+        yield
+    finally:
+        os.close(folder)
+
+
+@contextlib.contextmanager
+def _as_directory_error(directory: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
-        raise RecordingError(f"{directory}: cannot hold a recording: {error.strerror}") from error
+        raise DirectoryError(f"{directory}: cannot hold a recording: {error.strerror}") from error
 
 
 def _check_can_be_made(directory: Path) -> None:
+    if directory.is_symlink():
+        raise DirectoryError(f"{directory}: cannot hold a recording: a link that leads nowhere")
     ancestor = directory.absolute().parent
     while not ancestor.exists():
         ancestor = ancestor.parent
     if not ancestor.is_dir():
-        raise RecordingError(f"{directory}: cannot be made: {ancestor} is not a folder")
+        raise DirectoryError(f"{directory}: cannot be made: {ancestor} is not a folder")
     if not os.access(ancestor, os.W_OK | os.X_OK):
-        raise RecordingError(f"{directory}: cannot be made: no permission to write in {ancestor}")
+        raise DirectoryError(f"{directory}: cannot be made: no permission to write in {ancestor}")

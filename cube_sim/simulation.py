@@ -19,14 +19,13 @@ from numpy.typing import NDArray
 
 from cube_sim.checks import evaluate
 from cube_sim.control.authority import capability
+from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.provenance import header, versions
 from cube_sim.reach_log import ReachLog
 from cube_sim.recording.recorder import Recorder
-from cube_sim.run_directory import check as check_directory
-from cube_sim.run_directory import default_directory
-from cube_sim.run_directory import prepare as prepare_directory
-from cube_sim.scenario import load
+from cube_sim.run_directory import check, claim
+from cube_sim.scenario import Loaded, load
 from cube_sim.spatial import State, quaternion_from_rotation
 from cube_sim.vehicle.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, Verdict, overall, to_json
@@ -74,15 +73,27 @@ def run(
 
     Raises:
         ScenarioError: the scenario cannot be run; one line per mistake, nothing is written.
-        RecordingError: `out` holds something else or cannot be written.
+        DirectoryError: `out` holds something else, cannot be written, or another run is writing there.
+        RecordingError: the disk is full, or gone.
+        RunInterrupted: Ctrl-C; what was flown is recorded.
     """
     loaded = load(scenario, overrides)
-    directory = default_directory(loaded.scenario.name) if out is None else Path(out)
-    check_directory(directory)
+    wanted = None if out is None else Path(out)
+    if wanted is not None:
+        check(wanted)
     mission = prepare(loaded)
-    prepare_directory(directory)
-    (directory / "resolved.yaml").write_text(loaded.resolved_yaml(), encoding="utf-8")
+    with claim(wanted, loaded.scenario.name) as directory:
+        try:
+            return _run(loaded, mission, directory, progress)
+        except OSError as error:
+            raise RecordingError(f"{directory}: cannot be written: {error.strerror or error}") from error
+        except KeyboardInterrupt:
+            raise RunInterrupted(directory) from None
 
+
+def _run(loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None) -> Run:
+    """Fly and judge, into a folder that is ours."""
+    (directory / "resolved.yaml").write_text(loaded.resolved_yaml(directory), encoding="utf-8")
     with (
         Recorder(directory, header(loaded), mission.channels, mission.model) as recorder,
         collect_warnings() as warnings,
@@ -95,7 +106,7 @@ def run(
         signals = recorder.signals
 
     results = evaluate(loaded.scenario.checks, signals, duration_s=loaded.scenario.duration_s)
-    verdict = overall(results)
+    verdict = overall(results, complete=len(signals["pose.position"]) == mission.scenario.ticks + 1)
     factor = end_s / elapsed_s
     text = to_json(verdict, results, factor, versions())
     (directory / "verdict.json").write_text(text, encoding="utf-8")

@@ -7,12 +7,14 @@ import json
 import os
 import pty
 import re
+import resource
 import shutil
 import signal
 import subprocess
 import sys
 import time
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 from scenario_files import FLIGHT, MINIMAL, write
@@ -144,6 +146,61 @@ def test_pass_fail_and_error_have_their_exit_codes(tmp_path, monkeypatch, capsys
         content = json.loads((out / "verdict.json").read_text())
         assert content["verdict"] == verdict
         assert sorted(item.name for item in out.iterdir()) == sorted(FILES)
+
+
+def test_a_failed_check_decides_whatever_could_not_be_judged(tmp_path, monkeypatch, capsys):
+    """Two thrusters cannot make the wrench: exactness is never judged, the limit of the error fails all the same."""
+    text = FLIGHT.replace("{kind: allowed_forces}", "{kind: exact_wrench}").replace("at_most: 0.05", "at_most: -1")
+    path, out = write(tmp_path, text.replace("position_m: [0, 0, -5]", "position_m: [0, 90, -5]")), tmp_path / "out"
+    lost = "events=[{kind: thrusters, at_s: 0, thrusters: [T1, T2, T3, T4, T5, T6], state: dead}]"
+    settings = ["--set", lost, "--set", "control.faults=told"]
+    assert call(monkeypatch, capsys, "run", path, "--out", out, "--quiet", *settings) == (1, "", "")
+    content = json.loads((out / "verdict.json").read_text())
+    assert [check["verdict"] for check in content["checks"]] == ["FAIL", "ERROR"]
+
+
+def test_what_nobody_foresaw_is_one_line_and_never_a_fail(tmp_path, monkeypatch, capsys):
+    path = write(tmp_path, FLIGHT)
+
+    def broken(*_, **__):
+        raise ZeroDivisionError("a bug\nin two lines")
+
+    monkeypatch.setattr("cube_sim.simulation.run", broken)
+    line = "unexpected ZeroDivisionError: a bug in two lines (CUBE_SIM_TRACEBACK=1 shows where)\n"
+    assert call(monkeypatch, capsys, "run", path) == (3, "", line)
+    monkeypatch.setenv("CUBE_SIM_TRACEBACK", "1")
+    code, stdout, stderr = call(monkeypatch, capsys, "run", path)
+    assert (code, stdout) == (3, "")
+    assert stderr.startswith("Traceback (most recent call last):")
+
+
+def test_a_full_disk_is_one_line_and_could_not_be_judged(tmp_path):
+    """A file may not grow beyond 100 kB: what a write meets on a full disk."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+    done = cube_sim("run", path, "--out", out, "--set", "duration_s=10", cwd=tmp_path, preexec_fn=limit)
+    assert (done.returncode, done.stdout) == (3, "")
+    assert done.stderr == f"{out}: cannot be written: File too large\n"
+
+
+@pytest.mark.parametrize("library", ["_pydantic_core", "libmujoco", "llvmlite"])
+def test_an_interrupt_while_starting_up_is_one_line(tmp_path, library):
+    """A real Ctrl-C when a certain library has just been loaded."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    command = [sys.executable, "-m", "cube_sim", "run", str(path), "--out", str(out), "--set", "duration_s=3600"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    give_up = time.monotonic() + 60
+    while library not in Path(f"/proc/{process.pid}/maps").read_text():
+        assert time.monotonic() < give_up
+        time.sleep(0.005)
+    process.send_signal(signal.SIGINT)
+    stdout, stderr = process.communicate(timeout=60)
+    assert (process.returncode, stdout) == (130, "")
+    assert stderr.startswith("interrupted")
+    assert len(stderr.splitlines()) == 1
 
 
 def test_the_result_fits_a_screen_and_says_how_to_look_at_the_recording(tmp_path, monkeypatch, capsys):

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
+import multiprocessing
 import os
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
-from cube_sim.errors import RecordingError
-from cube_sim.run_directory import FILES, check, default_directory, prepare
+from cube_sim.errors import DirectoryError
+from cube_sim.run_directory import FILES, check, claim
+
+
+def prepare(folder):
+    with claim(folder, "dive") as directory:
+        assert directory == folder
 
 
 def contents(folder):
@@ -40,23 +50,23 @@ def test_anything_else_is_refused_and_kept(tmp_path, name):
     (tmp_path / name).write_text("mine")
     before = contents(tmp_path)
     for attempt in (check, prepare):
-        with pytest.raises(RecordingError, match=re.escape(f"{tmp_path}: holds {name}, which no run wrote")):
+        with pytest.raises(DirectoryError, match=re.escape(f"{tmp_path}: holds {name}, which no run wrote")):
             attempt(tmp_path)
     assert contents(tmp_path) == before
 
 
 def test_a_folder_by_the_name_of_a_recording_is_refused(tmp_path):
     (tmp_path / "run.rrd").mkdir()
-    with pytest.raises(RecordingError, match=r"run\.rrd is a folder"):
+    with pytest.raises(DirectoryError, match=r"run\.rrd is a folder"):
         prepare(tmp_path)
 
 
 def test_files_in_the_way_are_refused(tmp_path):
     file = tmp_path / "file"
     file.write_text("mine")
-    with pytest.raises(RecordingError, match="Not a directory"):
+    with pytest.raises(DirectoryError, match="Not a directory"):
         check(file)
-    with pytest.raises(RecordingError, match="Not a directory"):
+    with pytest.raises(DirectoryError, match="Not a directory"):
         check(file / "below")
     assert file.read_text() == "mine"
 
@@ -68,17 +78,64 @@ def test_a_folder_without_write_permission_is_refused(tmp_path):
     if os.access(closed, os.W_OK):
         pytest.skip("this user may write everywhere")
     for folder in (closed, closed / "below"):
-        with pytest.raises(RecordingError, match="no permission to write"):
+        with pytest.raises(DirectoryError, match="no permission to write"):
             check(folder)
 
 
 def test_default_folders_differ_and_name_the_scenario(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    seen = set()
-    for _ in range(4):
-        folder = default_directory("dive")
-        assert re.fullmatch(r"logs/dive-\d{8}T\d{6}Z(-\d+)?", str(folder))
-        assert not folder.exists()
-        prepare(folder)
-        seen.add(folder)
-    assert len(seen) == 4
+    with contextlib.ExitStack() as runs:
+        folders = [runs.enter_context(claim(None, "dive")) for _ in range(4)]
+        assert len(set(folders)) == 4
+        for folder in folders:
+            assert re.fullmatch(r"logs/dive-\d{8}T\d{6}Z(-\d+)?", str(folder))
+            assert folder.is_dir()
+
+
+def test_processes_that_start_together_share_no_folder(tmp_path):
+    """Twenty claims by four processes that wait for one another: as many folders."""
+    with multiprocessing.get_context("spawn").Pool(4, os.chdir, (tmp_path,)) as pool:
+        names = pool.map(_claimed, range(20), chunksize=5)
+    assert len(set(names)) == 20
+    assert sorted(names) == sorted(f"logs/{path.name}" for path in (tmp_path / "logs").iterdir())
+
+
+def _claimed(_):
+    with claim(None, "dive") as directory:
+        return str(directory)
+
+
+def test_a_folder_in_use_is_refused_and_kept_until_the_run_ends(tmp_path):
+    folder = tmp_path / "out"
+    with claim(folder, "dive"):
+        (folder / "run.mcap").write_text("being written")
+        for _ in range(2):
+            with pytest.raises(DirectoryError, match="another run is writing there"):
+                prepare(folder)
+        assert contents(folder) == {Path("run.mcap"): b"being written"}
+    prepare(folder)
+    assert contents(folder) == {}
+
+
+def test_a_killed_run_leaves_no_claim(tmp_path):
+    folder = tmp_path / "out"
+    program = (
+        "import sys, time, pathlib\nfrom cube_sim.run_directory import claim\n"
+        "with claim(pathlib.Path(sys.argv[1]), 'dive'):\n    print('mine', flush=True)\n    time.sleep(600)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", program, str(folder)], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "mine\n"
+        with pytest.raises(DirectoryError, match="another run is writing there"):
+            prepare(folder)
+        process.kill()
+        process.wait(timeout=30)
+    prepare(folder)
+
+
+def test_links_that_lead_nowhere_and_folders_nobody_can_make_are_refused(tmp_path):
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "nowhere")
+    with pytest.raises(DirectoryError, match="a link that leads nowhere"):
+        check(link)
+    with pytest.raises(DirectoryError, match="cannot"):
+        prepare(Path("/proc/cube_sim_run"))

@@ -1,6 +1,7 @@
 """The whole loop: what a run leaves behind, that it is repeatable, and what happens when it goes wrong."""
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,10 +11,18 @@ import pytest
 
 import cube_sim
 from cube_sim.errors import RecordingError, ScenarioError
+from cube_sim.scenario import load
 
 ROOT = Path(__file__).parents[1]
 HELIX = ROOT / "scenarios" / "cube_helix.yaml"
 SHORT = {"duration_s": 3.0, "checks": [{"kind": "allowed_forces"}]}
+THROWN = {
+    **SHORT,
+    "physics.integrator": "Euler",
+    "physics.step_s": 0.5,
+    "control_period_s": 0.5,
+    "initial.velocity_m_s": [10.0, 0.0, 0.0],
+}
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +40,7 @@ def test_a_run_leaves_its_four_files_and_the_same_in_memory(short):
     written = json.loads((short.directory / "verdict.json").read_text())
     assert written["verdict"] == short.verdict == "PASS"
     assert set(written) == {"verdict", "checks", "real_time_factor", "versions"}
-    assert {"name", "verdict", "value", "limit", "margin", "at_s"} <= set(written["checks"][0])
+    assert {"name", "verdict", "value", "relation", "limit", "margin", "at_s"} <= set(written["checks"][0])
     assert set(written["versions"]) >= {"mujoco", "numpy", "proxsuite", "cube-sim"}
 
 
@@ -92,20 +101,32 @@ def test_the_same_scenario_gives_the_same_bytes_in_another_process(short, tmp_pa
 
 def test_a_state_that_leaves_the_real_numbers_ends_the_run_as_error_with_the_last_good_state(tmp_path):
     """An Euler step of 0.5 s on a hull thrown at 10 m/s: its drag overshoots and the state blows up."""
-    blown = {
-        **SHORT,
-        "duration_s": 20.0,
-        "physics.integrator": "Euler",
-        "physics.step_s": 0.5,
-        "control_period_s": 0.5,
-        "initial.velocity_m_s": [10.0, 0.0, 0.0],
-    }
-    result = cube_sim.run(HELIX, blown, tmp_path / "out")
+    result = cube_sim.run(HELIX, {**THROWN, "duration_s": 20.0}, tmp_path / "out")
     assert result.verdict == "ERROR"
     assert json.loads((tmp_path / "out" / "verdict.json").read_text())["verdict"] == "ERROR"
     pose = result.signals["pose.position"]
     assert 0.0 < pose[-1, 0] < 20.0
     assert np.all(np.isfinite(pose))
+
+
+def test_a_last_step_that_leaves_the_real_numbers_is_an_error_too(tmp_path):
+    """All rows but the last are there, and no check would miss it."""
+    whole = cube_sim.run(HELIX, {**THROWN, "duration_s": 20.0}, tmp_path / "whole").signals["pose.position"]
+    result = cube_sim.run(HELIX, {**THROWN, "duration_s": whole[-1, 0] + 0.5}, tmp_path / "out")
+    assert len(result.signals["pose.position"]) == len(whole)
+    assert result.verdict == "ERROR"
+
+
+def test_a_run_and_its_files_move_together(tmp_path):
+    """A checkout with its logs is carried elsewhere, and its resolved scenario still finds the model."""
+    first, second = tmp_path / "here", tmp_path / "there"
+    (first / "scenarios").mkdir(parents=True)
+    shutil.copytree(ROOT / "models", first / "models")
+    shutil.copy(HELIX, first / "scenarios")
+    cube_sim.run(first / "scenarios" / HELIX.name, {**SHORT, "duration_s": 0.1}, first / "logs" / "a")
+    assert "\nmodel: ../../models/cube.xml\n" in (first / "logs" / "a" / "resolved.yaml").read_text()
+    first.rename(second)
+    assert load(second / "logs" / "a" / "resolved.yaml").scenario.model == str(second / "models" / "cube.xml")
 
 
 def test_bad_input_writes_nothing(tmp_path):

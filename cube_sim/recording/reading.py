@@ -65,7 +65,7 @@ class Recording:
         return signals(self.channels, self.rows)
 
 
-def read_signals(path: Path) -> dict[str, Rows]:
+def read_signals(path: str | Path) -> dict[str, Rows]:
     """Read the signals of a recording.
 
     Args:
@@ -80,7 +80,7 @@ def read_signals(path: Path) -> dict[str, Rows]:
     return read_recording(path).signals
 
 
-def read_recording(path: Path) -> Recording:
+def read_recording(path: str | Path) -> Recording:
     """Read a whole recording.
 
     Args:
@@ -90,6 +90,7 @@ def read_recording(path: Path) -> Recording:
         RecordingError: the file is not a recording, or it is damaged. A file that merely ends early is read
             as far as it goes and marked incomplete.
     """
+    path = Path(path)
     contents = read_contents(path)
     try:
         header, vehicle = _header(contents)

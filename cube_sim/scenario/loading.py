@@ -14,7 +14,7 @@ from ..errors import ScenarioError
 from .document import Document, Location, Mistake, Position, parse
 from .explain import Refusal, explain
 from .overrides import Override, apply
-from .resolved import to_yaml
+from .resolved import seen_from, to_yaml
 from .schema import Scenario
 
 # Far above any scenario; a recording or a table given by mistake is not parsed for minutes.
@@ -38,9 +38,14 @@ class Loaded:
     overrides: tuple[Override, ...]
     _document: Document
 
-    def resolved_yaml(self) -> str:
-        """The scenario with every default and override written out; `load` reads it from any folder."""
-        return to_yaml(self.scenario)
+    def resolved_yaml(self, directory: Path | None = None) -> str:
+        """The scenario with every default and override written out.
+
+        Args:
+            directory: the folder the text will stand in, to which the files it names are written relative. None:
+                they are absolute, and `load` reads the text from any folder.
+        """
+        return to_yaml(self.scenario if directory is None else seen_from(self.scenario, directory))
 
     def mistake(self, path: str, message: str, because: str = "") -> str:
         """A mistake found after loading (the model has no such thruster...), as a line of a ScenarioError.

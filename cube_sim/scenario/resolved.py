@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import io
+import os
+from pathlib import Path
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.representer import RoundTripRepresenter
 
+from .path_blocks import Csv
 from .schema import Scenario
 
 
@@ -20,6 +23,24 @@ class _Representer(RoundTripRepresenter):
 
 
 _Representer.add_representer(type(None), _Representer.represent_none)
+
+
+def seen_from(scenario: Scenario, directory: Path) -> Scenario:
+    """The same scenario with the files it names relative to a folder, so that all may move together.
+
+    Files with which the folder shares nothing but the root of the file system stay absolute.
+    """
+    here = directory.resolve()
+
+    def relative(file: str) -> str:
+        if Path(file).parts[:2] != here.parts[:2]:
+            return file
+        return Path(os.path.relpath(file, here)).as_posix()
+
+    path = scenario.path
+    if isinstance(path, Csv):
+        path = path.model_copy(update={"file": relative(path.file)})
+    return scenario.model_copy(update={"model": relative(scenario.model), "path": path})
 
 
 def to_yaml(scenario: Scenario) -> str:
