@@ -15,7 +15,7 @@ from cube_sim.actuators import Actuators
 from cube_sim.allocation import Status
 from cube_sim.allocation.factory import WrenchAllocator, is_exact, make_allocator
 from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
-from cube_sim.control.authority import Authority
+from cube_sim.control.authority import Authority, capability
 from cube_sim.control.controller import Controller
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.disturbance import DisturbanceObserver
@@ -31,7 +31,7 @@ from cube_sim.recording.channels import Channel, channel_table
 from cube_sim.scenario import Loaded, Scenario, schema
 from cube_sim.scenario.check_blocks import SignalCheck
 from cube_sim.scenario.event_blocks import ThrusterEvent
-from cube_sim.scenario_path import laps_of, path_of, speed_of
+from cube_sim.scenario_path import is_level, laps_of, path_of, speed_of
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle
@@ -124,6 +124,10 @@ def _controller(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: Vehi
     if control.law == "planar_lapierre_2007":
         return planar_follower(loaded, model, path, vehicle)
     limit, time = guidance.target_speed_limit_m_s, control.disturbance_time_s
+    whole = capability(vehicle.actuation_matrix)
+    if whole.authority is Authority.LEVEL and not is_level(path):
+        text = "this path climbs or sinks, and the vehicle has thrusters for a level plane only"
+        raise ScenarioError([loaded.mistake("path", text)])
     return PathFollower(
         target=VirtualTarget(
             path, guidance.target_gain_per_s, inf if limit is None else limit, laps=laps_of(scenario.path)
@@ -138,6 +142,7 @@ def _controller(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: Vehi
         loops=MotionLoops(dynamics, control.velocity_time_s, control.attitude_time_s, control.rate_time_s),
         balancing_time=0.5 * control.attitude_time_s,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
+        capability=whole if whole.authority is Authority.LEVEL else capability(np.eye(6)),
     )
 
 

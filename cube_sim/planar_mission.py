@@ -15,11 +15,8 @@ from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.planar_knowledge import planar_model
 from cube_sim.scenario import Loaded
-from cube_sim.scenario_path import laps_of, speed_of
+from cube_sim.scenario_path import is_level, laps_of, speed_of
 from cube_sim.vehicle.vehicle import Vehicle
-
-LEVEL = 1e-6
-"""Largest slope of a path in a plane."""
 
 
 def planar_follower(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: Vehicle) -> PlanarFollower:
@@ -33,7 +30,7 @@ def planar_follower(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: 
     profile = speed_of(guidance, path)
     mistakes = []
     stations = np.linspace(0.0, path.length, 501)
-    if max(abs(path.at(s).rotation[2, 0]) for s in stations) > LEVEL:
+    if not is_level(path):
         mistakes.append(loaded.mistake("path", "a planar law follows level paths, this one climbs or sinks"))
     if guidance.stop_at_end and not path.closed:
         text = "a planar law steers by moving ahead and cannot stop at the end of an open path: give false"

@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import inf, radians
 from pathlib import Path as FilePath
 
+import numpy as np
+
 from cube_sim.errors import PathError, ScenarioError
 from cube_sim.guidance.arc import arc_through, circle
 from cube_sim.guidance.helix import Helix
@@ -18,6 +20,9 @@ from cube_sim.guidance.waypoints_csv import read_waypoints
 from cube_sim.scenario import Loaded
 from cube_sim.scenario import path_blocks as blocks
 from cube_sim.scenario.schema import Guidance
+
+LEVEL = 1e-6
+"""Largest slope of a level path."""
 
 
 def path_of(loaded: Loaded) -> Path:
@@ -82,6 +87,11 @@ def laps_of(block: blocks.Path) -> float:
             return inf if block.laps is None else block.laps
         case _:
             return 1.0
+
+
+def is_level(path: Path) -> bool:
+    """Whether the path stays at one depth."""
+    return all(abs(path.at(s).rotation[2, 0]) < LEVEL for s in np.linspace(0.0, path.length, 501))
 
 
 def speed_of(guidance: Guidance, path: Path) -> SpeedProfile:

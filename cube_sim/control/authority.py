@@ -3,6 +3,7 @@
 Forces are what a path needs, torques are what points them. As long as every torque can be produced, whatever force
 comes with it, the attitude is under control; then it only matters how many directions of pure force are left: three,
 and the vehicle moves freely; two or one, and they are pointed where force is needed; none, and it cannot follow.
+Apart from these stand vehicles built for a level plane: they push ahead and sideways and turn, and float upright.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ import numpy as np
 from cube_sim.actuation.subspaces import subspaces
 from cube_sim.spatial import Matrix, Vector
 
+OUT_OF_PLANE = np.array([False, False, True, True, True, False])
+"""Heave, roll and pitch among the components of a wrench."""
+
 
 class Authority(IntEnum):
     """How a vehicle flies; the numbers are stable, recordings store them.
@@ -24,12 +28,14 @@ class Authority(IntEnum):
         PLANE: two directions of pure force, pointed by the attitude.
         LINE: one direction of pure force, pointed by the attitude.
         SAFE: no path can be followed; turning is damped, and the vehicle waits.
+        LEVEL: surge, sway and yaw and nothing else: any motion in a level plane.
     """
 
     HOLONOMIC = 0
     PLANE = 1
     LINE = 2
     SAFE = 3
+    LEVEL = 4
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,8 @@ class Capability:
             return wrench
         if self.authority is Authority.SAFE:
             return np.concatenate([np.zeros(3), wrench[3:]])
+        if self.authority is Authority.LEVEL:
+            return np.where(OUT_OF_PLANE, 0.0, wrench)
         missing = self.lost_forces.T @ wrench[:3] + self.lost_torques.T @ wrench[3:]
         step = self.lost_forces @ np.linalg.solve(self.lost_forces.T @ self.lost_forces, missing)
         return np.concatenate([wrench[:3] - step, wrench[3:]])
@@ -75,6 +83,8 @@ def capability(A: Matrix) -> Capability:
         return _capability(Authority.HOLONOMIC, np.eye(3), lost, "all six components of the wrench are there")
     words = "; ".join(str(combination) for combination in space.unreachable)
     p = space.pure_forces.shape[1]
+    if space.rank == 3 and not np.any(np.abs(A[OUT_OF_PLANE]) > 1e-9):
+        return _capability(Authority.LEVEL, space.pure_forces, lost, f"{words}: it moves in a level plane")
     # Every torque comes with some force exactly when the lost combinations are independent in their force part.
     singular = np.linalg.svd(lost[:3], compute_uv=False)
     steerable = len(singular) == lost.shape[1] and singular[-1] > 1e-2

@@ -1,0 +1,70 @@
+"""Vehicles built for a level plane: what they are asked for, and three ways of giving it to them."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scenario_files import REPO
+
+import cube_sim
+from cube_sim.control.authority import Authority, capability
+from cube_sim.errors import ScenarioError
+from cube_sim.mission import prepare
+from cube_sim.scenario import load
+
+JACK = REPO / "scenarios" / "jack_exact.yaml"
+
+
+@pytest.fixture(scope="module")
+def matrix():
+    return cube_sim.Vehicle.from_model(cube_sim.load_model(REPO / "models" / "jack.xml")).actuation_matrix
+
+
+def test_jack_moves_in_a_level_plane_also_with_any_one_motor_lost(matrix):
+    for lost in [(), (0,), (1,), (2,), (3,)]:
+        assert capability(np.delete(matrix, lost, axis=1)).authority is Authority.LEVEL
+    for lost in combinations(range(4), 2):
+        assert capability(np.delete(matrix, lost, axis=1)).authority is not Authority.LEVEL
+
+
+def test_only_what_lies_in_the_plane_is_demanded(matrix):
+    level = capability(matrix)
+    np.testing.assert_array_equal(level.attainable(np.arange(1.0, 7.0)), [1.0, 2.0, 0.0, 0.0, 0.0, 6.0])
+    # and all of that can be made
+    wrench = np.array([1.0, 2.0, 0.0, 0.0, 0.0, 6.0])
+    np.testing.assert_allclose(matrix @ np.linalg.pinv(matrix) @ wrench, wrench, atol=1e-12)
+
+
+def test_a_path_that_climbs_is_refused_at_its_place():
+    climbing = {"path.points_m": [[0, 0, -3], [8, 0, -3], [8, 6, -4]]}
+    with pytest.raises(
+        ScenarioError, match="path: this path climbs or sinks, and the vehicle has thrusters for a level"
+    ):
+        prepare(load(JACK, climbing))
+
+
+def flown(tmp_path, method, penalty=0.0):
+    """Reversals of all motors, and rms of the wrench missed [N], over 12 s of cruise."""
+    changes = {"duration_s": 20, "allocation.method": method, "allocation.reversal_penalty_N2": penalty}
+    signals = cube_sim.run(JACK, changes, out=tmp_path / method).signals
+    cruise = signals["thrusters.force_demanded"][:, 0] > 8.0
+    force = signals["thrusters.force_demanded"][cruise, 1:]
+    reversals = sum(np.count_nonzero(np.diff(np.sign(motor[motor != 0.0]))) for motor in force.T)
+    missed = signals["allocation.residual"][cruise, 1]
+    return reversals, float(np.sqrt(np.mean(missed**2)))
+
+
+def test_contraction_oscillates_and_misses_compensation_and_the_exact_allocation_do_not(tmp_path):
+    """The comparison of Ropars et al. 2018 and Lapierre et al. 2021 on one path."""
+    exact, contraction, compensation = (
+        flown(tmp_path, "search+proxqp", 100.0),
+        flown(tmp_path, "contraction"),
+        flown(tmp_path, "compensation"),
+    )
+    assert exact[0] == compensation[0] == 0
+    assert contraction[0] >= 10
+    assert exact[1] < 1e-9
+    assert compensation[1] < 1e-9
+    assert contraction[1] > 5.0
