@@ -95,7 +95,7 @@ def _run(loaded: Loaded, mission: Mission, directory: Path, progress: Progress |
     """Fly and judge, into a folder that is ours."""
     (directory / "resolved.yaml").write_text(loaded.resolved_yaml(directory), encoding="utf-8")
     with (
-        Recorder(directory, header(loaded), mission.channels, mission.model) as recorder,
+        Recorder(directory, header(loaded), mission.channels, mission.model, vehicle=mission.vehicle.name) as recorder,
         collect_warnings() as warnings,
     ):
         started = time.perf_counter()

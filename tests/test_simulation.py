@@ -6,11 +6,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
 import cube_sim
 from cube_sim.errors import RecordingError, ScenarioError
+from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
 
 ROOT = Path(__file__).parents[1]
@@ -173,3 +175,36 @@ def test_a_check_of_a_signal_nobody_records_is_a_mistake_before_the_run(tmp_path
     ):
         cube_sim.run(tmp_path / "x.yaml", None, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.fixture
+def two_hulls(tmp_path):
+    """The CUBE and a passive drum beside it, which comes first."""
+    spec = mujoco.MjSpec.from_file(str(ROOT / "models" / "cube.xml"))
+    drum = spec.worldbody.add_body(name="drum", pos=[0.0, 30.0, -5.0])
+    drum.add_freejoint()
+    drum.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.3, 0, 0], mass=20.0)
+    numbers = {"volume": [0.02], "centre_of_buoyancy": [0.0] * 3}
+    for name in ("added_mass", "linear_damping", "quadratic_damping"):
+        numbers[name] = [10.0, 10.0, 10.0, 1.0, 1.0, 1.0]
+    for name, values in numbers.items():
+        spec.add_numeric(name=f"drum:{name}", data=values, size=len(values))
+    (tmp_path / "two.xml").write_text(spec.to_xml())
+    path = tmp_path / "two.yaml"
+    path.write_text(HELIX.read_text().replace("../models/cube.xml", "two.xml"))
+    return path
+
+
+def test_a_model_with_several_hulls_is_flown_by_the_one_named(two_hulls, tmp_path):
+    short = {**SHORT, "duration_s": 0.2}
+    with pytest.raises(ScenarioError, match=r"two\.yaml:\d+:8: model: the model has several hulls: .*hull.*drum"):
+        cube_sim.run(two_hulls, short, tmp_path / "out")
+    with pytest.raises(ScenarioError, match=r"override vehicle: no hull 'hul'; the model has .*drum"):
+        cube_sim.run(two_hulls, {**short, "vehicle": "hul"}, tmp_path / "out")
+    with pytest.raises(ScenarioError, match=r"override vehicle: .*'drum' has no thruster"):
+        cube_sim.run(two_hulls, {**short, "vehicle": "drum"}, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    run = cube_sim.run(two_hulls, {**short, "vehicle": "hull"}, tmp_path / "out")
+    alone = cube_sim.run(HELIX, short, tmp_path / "alone")
+    assert read_recording(tmp_path / "out" / "run.mcap").vehicle == "hull"
+    np.testing.assert_allclose(run.signals["pose.position"], alone.signals["pose.position"], atol=1e-9)

@@ -28,7 +28,8 @@ def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
         model = mujoco.MjModel.from_xml_string(header.mjcf, dict(header.assets))
     except ValueError as error:
         raise RecordingError(f"{mcap}: the recorded model does not compile: {error}") from None
-    sink = rerun_sink(rrd, header, recording.channels, model)
+    named = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, recording.vehicle) >= 0
+    sink = rerun_sink(rrd, header, recording.channels, model, recording.vehicle if named else None)
     for block in split_blocks(recording.rows, recording.log):
         sink.write(block)
     sink.close()

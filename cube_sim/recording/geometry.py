@@ -33,12 +33,17 @@ class ThrusterMounts:
         return self.rotations[:, :, 2]
 
 
-def vehicle_body(model: mujoco.MjModel) -> int:
-    """Find the body that swims: the root of the tree with the first free joint.
+def vehicle_body(model: mujoco.MjModel, name: str | None = None) -> int:
+    """Find the body that swims: the one of this name, or the root of the tree with the first free joint.
 
     Raises:
-        RecordingError: the model has no free joint.
+        RecordingError: the model has no such body, or no free joint.
     """
+    if name is not None:
+        body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
+        if body < 0:
+            raise RecordingError(f"the model has no body '{name}', so there is no vehicle to show")
+        return body
     free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
     if not free.size:
         raise RecordingError("the model has no free joint, so there is no vehicle to show")
@@ -46,13 +51,13 @@ def vehicle_body(model: mujoco.MjModel) -> int:
 
 
 def vehicle_name(model: mujoco.MjModel) -> str:
-    """Name of the body that swims."""
+    """Name of the body that swims, when nobody says which one it is."""
     return model.body(vehicle_body(model)).name or "vehicle"
 
 
-def thruster_mounts(model: mujoco.MjModel) -> ThrusterMounts:
+def thruster_mounts(model: mujoco.MjModel, vehicle: str | None = None) -> ThrusterMounts:
     """Read the site of every actuator that pushes the vehicle along its site's z axis."""
-    body = vehicle_body(model)
+    body = vehicle_body(model, vehicle)
     ids = [
         i
         for i in range(model.nu)
@@ -99,9 +104,9 @@ class Shape:
     mesh: int
 
 
-def vehicle_shapes(model: mujoco.MjModel) -> list[Shape]:
+def vehicle_shapes(model: mujoco.MjModel, vehicle: str | None = None) -> list[Shape]:
     """List the geoms that move with the vehicle, in body axes."""
-    body = vehicle_body(model)
+    body = vehicle_body(model, vehicle)
     return _shapes(model, body, [i for i in range(model.ngeom) if _welded_to(model, i) == body])
 
 

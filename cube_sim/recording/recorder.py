@@ -41,6 +41,7 @@ class Recorder:
         channels: Sequence[Channel],
         model: mujoco.MjModel,
         view: bool = True,
+        vehicle: str | None = None,
     ) -> None:
         """Start the files.
 
@@ -50,6 +51,7 @@ class Recorder:
             channels: the channel table.
             model: the compiled model, for what there is to draw.
             view: whether the Rerun view is written beside the record.
+            vehicle: the body whose pose is recorded; None for the first that swims.
         """
         self._channels = tuple(channels)
         self._buffers = {channel.name: ChannelBuffer(channel) for channel in self._channels}
@@ -60,12 +62,12 @@ class Recorder:
         self._closed = False
         self.mcap = directory / MCAP_NAME
         self.rrd = directory / RRD_NAME
-        self._sinks: list[Sink] = [McapSink(self.mcap, header, self._channels, vehicle_name(model))]
+        self._sinks: list[Sink] = [McapSink(self.mcap, header, self._channels, vehicle or vehicle_name(model))]
         if view:
             # Only a run that wants the view pays for its import.
             from cube_sim.recording.rerun_sink import rerun_sink
 
-            self._sinks.append(rerun_sink(self.rrd, header, self._channels, model))
+            self._sinks.append(rerun_sink(self.rrd, header, self._channels, model, vehicle))
 
     def append(self, channel: str, t: float, *values: ArrayLike) -> None:
         """Record one row.

@@ -32,8 +32,13 @@ _DUCT_RADIUS, _DUCT_HALF_LENGTH = 0.045, 0.02  # where a site has no size [m]
 _ENDLESS_PLANE = 30.0  # half size [m] by which a plane without an end is drawn
 
 
-def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel) -> list[str]:
+def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel, vehicle: str | None = None) -> list[str]:
     """Draw what the model alone says.
+
+    Args:
+        recording: into which.
+        model: the compiled model.
+        vehicle: the body that swims; None for the first that can.
 
     Returns:
         Rerun paths of the boxes the vehicle is made of.
@@ -42,9 +47,9 @@ def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel) -> list[str]
     for shape in world_shapes(model):
         _log_shape(recording, f"{WORLD}/surroundings/{shape.name}", model, shape, rr.components.FillMode.Solid)
     see_through = rr.components.FillMode.TransparentFillMajorWireframe
-    for shape in vehicle_shapes(model):
+    for shape in vehicle_shapes(model, vehicle):
         _log_shape(recording, f"{VEHICLE}/body/{shape.name}", model, shape, see_through)
-    mounts = thruster_mounts(model)
+    mounts = thruster_mounts(model, vehicle)
     _log_ducts(recording, mounts)
     recording.log(
         THRUST, rr.Arrows3D.from_fields(origins=mounts.positions, radii=[0.014] * len(mounts.names)), static=True
@@ -55,7 +60,7 @@ def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel) -> list[str]
     recording.log(f"{TARGET}/point", rr.Points3D([[0, 0, 0]], colors=[palette.TARGET], radii=0.09), static=True)
     recording.log(f"{TARGET}/frame", rr.TransformAxes3D(0.5), static=True)
     box = mujoco.mjtGeom.mjGEOM_BOX
-    return [f"{VEHICLE}/body/{shape.name}" for shape in vehicle_shapes(model) if shape.kind == box]
+    return [f"{VEHICLE}/body/{shape.name}" for shape in vehicle_shapes(model, vehicle) if shape.kind == box]
 
 
 def _log_ducts(recording: rr.RecordingStream, mounts: ThrusterMounts) -> None:

@@ -41,9 +41,11 @@ _LEVELS = {"WARNING": "WARN", "FATAL": "CRITICAL"}  # where the viewer has anoth
 PIECE_S = 5
 
 
-def rerun_sink(path: Path, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel) -> Sink:
-    """Start an .rrd file that takes blocks as they come."""
-    return GatheringSink(RerunSink(path, header, channels, model), PIECE_S)
+def rerun_sink(
+    path: Path, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel, vehicle: str | None = None
+) -> Sink:
+    """Start an .rrd file that takes blocks as they come; the vehicle is the body of that name, or the first to swim."""
+    return GatheringSink(RerunSink(path, header, channels, model, vehicle), PIECE_S)
 
 
 class RerunSink:
@@ -52,7 +54,14 @@ class RerunSink:
     What it writes depends on the blocks, the channel table and the model, and on nothing else.
     """
 
-    def __init__(self, path: Path, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel) -> None:
+    def __init__(
+        self,
+        path: Path,
+        header: RunHeader,
+        channels: Sequence[Channel],
+        model: mujoco.MjModel,
+        vehicle: str | None = None,
+    ) -> None:
         self._channels = tuple(channels)
         self._columns = {
             (channel.name, field.name): columns
@@ -62,13 +71,13 @@ class RerunSink:
         self._curves = curves(self._channels)
         self._lanes = lanes(self._channels)
         self._lane_codes: dict[str, float] = {}
-        self._axes = thruster_mounts(model).axes
+        self._axes = thruster_mounts(model, vehicle).axes
         self._last_trail_point: NDArray[np.float64] | None = None
         self._laid_out = False
         # No property is sent: Rerun would put the wall clock into it.
         self._recording = rr.RecordingStream("cube_sim", recording_id=_recording_id(header), send_properties=False)
         self._recording.save(path)
-        self._boxes = log_scene(self._recording, model)
+        self._boxes = log_scene(self._recording, model, vehicle)
         self._log_styles()
 
     def write(self, block: Block) -> None:

@@ -220,6 +220,11 @@ class Scenario(Block):
     name: Name = Field(description="Letters, digits, '_', '-', '.'; names the run's folder.")
     description: str = Field(default="", description="What the scenario shows, for readers.")
     model: str = Field(min_length=1, description="MJCF file, relative to the scenario file.")
+    vehicle: str | None = Field(
+        default=None,
+        min_length=1,
+        description="Body of the hull that is flown; needed when the model has several. Default: its only one.",
+    )
     seed: int = Field(default=0, ge=0, lt=2**63, description="Root of every random stream.")
     duration_s: float = Field(gt=0, le=86400, description="Simulated time [s], a day at most.")
     physics: Physics = Physics()

@@ -93,6 +93,15 @@ class Vehicle:
         return _vehicle(model, packed, names[chosen], chosen)
 
 
+def hull_names(model: mujoco.MjModel) -> tuple[str, ...]:
+    """Names of the hulls of a model made by `load_model`.
+
+    Raises:
+        ModelError: the model has no water.
+    """
+    return tuple(model.body(int(record[packing.BODY])).name for record in _hull_records(packing.numbers(model)))
+
+
 def _hull_records(packed: NDArray[np.float64]) -> NDArray[np.float64]:
     start, count = int(packed[packing.HULLS]), int(packed[packing.COUNT])
     return packed[start : start + count * packing.HULL_SIZE].reshape(count, packing.HULL_SIZE)
