@@ -1,7 +1,7 @@
 """Underwater vehicles in MuJoCo: real water, 3-D path following, exact thruster allocation, recordings.
 
-`load_model` and `Vehicle` need only MuJoCo; `run` is the whole loop. Names are resolved when first used, so that
-importing the package costs nothing.
+`load_model`, `Vehicle` and `install` need only MuJoCo; `run` is the whole loop. Names are resolved when first used, so
+that importing the package costs nothing.
 """
 
 from __future__ import annotations
@@ -11,14 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cube_sim.simulation import Run, run
+    from cube_sim.vehicle.hook import install
     from cube_sim.vehicle.loading import load_model
     from cube_sim.vehicle.vehicle import Vehicle
 
-__all__ = ["Run", "Vehicle", "load_model", "run"]
+__all__ = ["Run", "Vehicle", "install", "load_model", "run"]
 
 _HOME = {
     "Run": "cube_sim.simulation",
     "Vehicle": "cube_sim.vehicle.vehicle",
+    "install": "cube_sim.vehicle.hook",
     "load_model": "cube_sim.vehicle.loading",
     "run": "cube_sim.simulation",
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import pickle
 import subprocess
 import sys
 from dataclasses import replace
@@ -138,6 +139,30 @@ def test_a_copy_and_a_saved_model_keep_their_water(tmp_path):
         mujoco.mj_step(model, a, nstep=100)
         mujoco.mj_step(other, b, nstep=100)
         assert np.array_equal(a.qpos, b.qpos)
+
+
+@pytest.mark.parametrize("saved_as", ["mjb", "pickle"])
+def test_a_saved_model_in_another_process_needs_install(tmp_path, saved_as):
+    """Bit for bit as here after `cube_sim.install()`, and dry before it."""
+    model, path = cube_sim.load_model(CUBE), tmp_path / "model"
+    if saved_as == "mjb":
+        mujoco.mj_saveModel(model, str(path), None)
+    else:
+        path.write_bytes(pickle.dumps(model))
+    read = {"mjb": "mujoco.MjModel.from_binary_path(path)", "pickle": "pickle.load(open(path, 'rb'))"}[saved_as]
+    program = (
+        f"import mujoco, pickle, sys\npath = sys.argv[1]\nm = {read}\n"
+        "def flight():\n d = mujoco.MjData(m)\n d.ctrl[:] = 0.5\n"
+        " mujoco.mj_step(m, d, nstep=50)\n return d.qpos.tobytes().hex()\n"
+        "dry = flight()\nimport cube_sim\ncube_sim.install()\nprint(dry, flight())"
+    )
+    done = subprocess.run([sys.executable, "-c", program, str(path)], capture_output=True, text=True, check=True)
+    dry, wet = (np.frombuffer(bytes.fromhex(text)) for text in done.stdout.split())
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 0.5
+    mujoco.mj_step(model, data, nstep=50)
+    assert np.array_equal(wet, data.qpos)
+    assert dry[2] == pytest.approx(-0.5 * 9.81 * 0.5**2)  # in 0.5 s, falling freely
 
 
 def test_rollout_on_two_threads_is_the_loop_bit_for_bit():

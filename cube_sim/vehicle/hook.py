@@ -28,7 +28,8 @@ _RESULTS = {"passive": None, "thrust": ctypes.c_double}
 def install() -> None:
     """Hook the water into this process's MuJoCo; a second call changes nothing.
 
-    `load_model` does this. A program that gets its model another way, say from a saved .mjb file, calls it itself.
+    `load_model` does this. A program that gets its model another way, from a saved .mjb file or a pickle, calls it
+    itself before it steps: until then the hull is dry and its thrusters give nothing. (`cube_sim.install`.)
 
     Raises:
         ModelError: another passive or actuator-bias callback is installed; MuJoCo has room for one of each.
