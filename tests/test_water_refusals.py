@@ -11,6 +11,7 @@ from water_bodies import Body
 
 import cube_sim
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.warnings import collect_warnings
 
 CUBE = Path(__file__).parents[1] / "models" / "cube.xml"
 LOPSIDED = np.eye(6) + np.eye(6, k=1)
@@ -115,7 +116,8 @@ def test_missing_volume():
 
 def with_numerics(*names: str, values: str = "1") -> mujoco.MjSpec:
     more = "".join(f'<numeric name="{name}" data="{values}"/>' for name in names)
-    return mujoco.MjSpec.from_string(CUBE.read_text().replace("<custom>", f"<custom>{more}"))
+    with collect_warnings():  # about values that are not finite
+        return mujoco.MjSpec.from_string(CUBE.read_text().replace("<custom>", f"<custom>{more}"))
 
 
 @pytest.mark.parametrize("values", ["1 2 3", "nan"])
@@ -226,6 +228,18 @@ def test_a_reference_to_nothing(tmp_path, sensor, in_memory):
 def test_what_is_no_model(thing, reason):
     with pytest.raises(ModelError, match=reason):
         cube_sim.load_model(thing)
+
+
+def test_mujocos_warnings_are_pythons(tmp_path, monkeypatch):
+    """And leave no log in the working directory; a handler that was there before stays."""
+    monkeypatch.chdir(tmp_path)
+    Path("cube.xml").write_text(CUBE.read_text().replace("<custom>", '<custom><numeric name="own" data="nan"/>'))
+    with collect_warnings() as mine:
+        with pytest.warns(UserWarning, match="MuJoCo: XML contains a 'NaN'"):
+            cube_sim.load_model("cube.xml")
+        mujoco.MjSpec.from_file("cube.xml")
+    assert len(mine) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["cube.xml"]
 
 
 def test_no_such_file():

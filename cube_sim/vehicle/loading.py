@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,6 +18,7 @@ from cube_sim.vehicle.numeric_names import require_parameter
 from cube_sim.vehicle.parameters import read_parameters
 from cube_sim.vehicle.thruster_elements import limit_commands, thruster_elements
 from cube_sim.vehicle.user_forces import UserForce
+from cube_sim.vehicle.warnings import collect_warnings
 
 
 def load_model(
@@ -36,9 +38,21 @@ def load_model(
         forces: hull -> a force of your own, see `cube_sim.vehicle.user_forces`. The MJCF can name one too:
             ``<text name="hull:force" data="package.module:function"/>``.
 
+    MuJoCo's own warnings about the file become Python's, instead of a MUJOCO_LOG.TXT in the working directory.
+
     Raises:
         ModelError: the file cannot be read or compiled, or its water makes no sense; names the element.
     """
+    with collect_warnings() as spoken:
+        model = _load(path, dict(parameters or {}), dict(forces or {}))
+    for text in spoken:
+        warnings.warn(f"MuJoCo: {text}", stacklevel=2)
+    return model
+
+
+def _load(
+    path: str | Path | mujoco.MjSpec, parameters: dict[str, ArrayLike], forces: dict[str, UserForce]
+) -> mujoco.MjModel:
     if isinstance(path, (str, Path)):
         spec, name = _read(Path(path)), str(path)
     elif isinstance(path, mujoco.MjSpec):
@@ -46,8 +60,7 @@ def load_model(
     else:
         raise ModelError("", f"a model is loaded from an MJCF file or an MjSpec, not from {_kind(path)}")
     try:
-        own = spec if spec is not path else _own_copy(spec)
-        return _immerse(own, dict(parameters or {}), dict(forces or {}))
+        return _immerse(_own_copy(spec) if spec is path else spec, parameters, forces)
     except ModelError as error:
         raise ModelError(error.element, error.reason, name) from None
     except ValueError as error:  # MuJoCo's compiler

@@ -12,8 +12,9 @@ import mujoco
 def collect_warnings() -> Iterator[list[str]]:
     """While this lasts, MuJoCo's warnings go into the list that it yields; the handler is the whole process's."""
     warnings: list[str] = []
+    before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(warnings.append)
     try:
         yield warnings
     finally:
-        mujoco.set_mju_user_warning(None)
+        mujoco.set_mju_user_warning(before)
