@@ -19,8 +19,12 @@ from cube_sim.allocation.ties import changed, preferred
 EXACT, CLOSEST, INVALID_WRENCH = 0, 1, 2
 """The numbers of `Status`."""
 
-FAR = 1e6
+FAR = 1e3
 """Demands longer than this many times the reach are shortened for the search; the closest wrench is the same."""
+
+
+HUGE = 1e300
+"""Errors beyond this are all the same [N]; it keeps the residual of the largest demands a number."""
 
 
 class Answers(NamedTuple):
@@ -271,12 +275,12 @@ def complete(
         for i in range(force.shape[0]):
             wrench[a] += t.A[a, i] * force[i]
         error[a] = demand[a] - wrench[a]
-        largest = max(largest, abs(error[a] * t.error_scale[a]))
+        largest = max(largest, min(abs(error[a] * t.error_scale[a]), HUGE))
     if largest == 0.0:
         return 0.0
     square = 0.0
     for a in range(demand.shape[0]):
-        square += (error[a] * t.error_scale[a] / largest) ** 2
+        square += (min(abs(error[a] * t.error_scale[a]), HUGE) / largest) ** 2
     return largest * math.sqrt(square)
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.projection import INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import split
+from cube_sim.allocation.search import MOST_NODES
 
 CANDIDATES = 32
 """Most distinct equally close wrenches kept; symmetric vehicles have a handful."""
@@ -83,6 +84,9 @@ def nearest(
     bound[0] = 0.0
     depth = 1
     while depth > 0:
+        if solved >= MOST_NODES:
+            proven = False
+            break
         depth -= 1
         if bound[depth] > best + near:
             continue
@@ -102,9 +106,9 @@ def nearest(
                 for b in range(k):
                     rows[i, r + b] = kernel[i, b] / soft
             outcome = project(rows, bottom, top, start, math.inf, tolerance, point, mu)
+            solved += 1
             if outcome in (STALLED, INFEASIBLE):
                 break
-            solved += 1
             for i in range(m):
                 f[i] = 0.0
                 for a in range(d):

@@ -139,6 +139,8 @@ def project(
                 active[count], side[count], u[count] = added, sign, u_added
                 count += 1
                 break
+            if dropped < 0:  # not a number: the data overflowed
+                return STALLED
             count = _drop(rows, active, side, u, Q, R, dropped, count)
     return STALLED
 

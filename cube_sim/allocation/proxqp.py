@@ -13,7 +13,7 @@ from cube_sim.allocation.decide import CLOSEST, Answers, answer_of
 from cube_sim.allocation.qp import SubsetQP
 from cube_sim.allocation.tables import Packed, Tables, pack, unpack
 
-BORDER = 1e-7
+BORDER = 1e-6
 """Residuals, part of the largest force, up to which a problem without interior counts as solved."""
 
 ACCURACY = 1e-7

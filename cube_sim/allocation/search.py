@@ -13,7 +13,11 @@ from cube_sim.allocation.relaxation import choose_side, split
 from cube_sim.allocation.ties import changed, preferred, slack_of
 
 FOUND, NONE, UNPROVEN = 0, 1, 2
-"""Outcomes: the optimum; no allowed forces make the wrench; a projection stalled, so nothing is proven."""
+"""Outcomes: the optimum; no allowed forces make the wrench; a projection stalled or there were too many: not proven."""
+
+
+MOST_NODES = 20_000
+"""Projections after which a search gives up its proof and answers with the best it has; eight motors take hundreds."""
 
 
 @nb.njit(cache=True, error_model="numpy")
@@ -80,6 +84,9 @@ def search(
     bound[0] = -math.inf
     depth = 1
     while depth > 0:
+        if solved >= MOST_NODES:
+            proven = False
+            break
         depth -= 1
         slack = slack_of(best)
         bound_here = bound[depth]
