@@ -47,7 +47,12 @@ def test_a_path_that_climbs_is_refused_at_its_place():
 
 def flown(tmp_path, method, penalty=0.0):
     """Reversals of all motors, and rms of the wrench missed [N], over 12 s of cruise."""
-    changes = {"duration_s": 20, "allocation.method": method, "allocation.reversal_penalty_N2": penalty}
+    changes = {
+        "duration_s": 20,
+        "checks.0.from_s": 8,
+        "allocation.method": method,
+        "allocation.reversal_penalty_N2": penalty,
+    }
     signals = cube_sim.run(JACK, changes, out=tmp_path / method).signals
     cruise = signals["thrusters.force_demanded"][:, 0] > 8.0
     force = signals["thrusters.force_demanded"][cruise, 1:]

@@ -49,10 +49,9 @@ class PlannedSpeed:
     """Slow in curves, with the braking planned ahead.
 
     The largest u_d with u_d <= speed, u_d^2 |curvature| <= lateral acceleration and |d(u_d^2)/ds| <= 2 acceleration: a
-    point that runs along the path at u_d never accelerates along it by more than that. The bounds hold within 0.1 % between the points of the
-    profile's grid. It is piecewise linear in u_d^2,
-    found by one pass against the path and one along it (J. Bobrow et al. 1985, for robot arms), twice round a closed
-    one.
+    point that runs along the path at u_d never accelerates along it by more than that. As the curvature is looked at on
+    a grid, the bounds hold within 0.1 %. The profile is piecewise linear in u_d^2, found by one pass against the path
+    and one along it (J. Bobrow et al. 1985, for robot arms), twice round a closed one.
 
     Args:
         path: the path.
