@@ -144,7 +144,7 @@ class Control(Block):
     attitude_time_s: float = Field(default=1.0, gt=0, description="Attitude loop [s].")
     rate_time_s: float = Field(default=0.3, gt=0, description="Angular rate loop [s].")
     disturbance_time_s: float | None = Field(
-        default=5.0,
+        default=1.0,
         gt=0,
         description="Estimate of the wrench the model does not explain [s]; null: no estimate.",
     )
