@@ -137,3 +137,21 @@ def test_battery_sags_by_ohms_law():
     assert battery.voltage(battery.greatest_power) == 8.0
     assert battery.voltage(2.0 * battery.greatest_power) == 8.0
     assert Battery(16.0, 0.0).voltage(1e4) == 16.0
+
+
+def test_a_battery_in_the_loop_settles_where_power_and_voltage_agree(model):
+    """Full ahead from a weak battery: F = F_16V (V/16)^2, P = sum k_P F^1.5 and V = E - R P/V hold together."""
+    thrusters, battery = cube_sim.Vehicle.from_model(model).thrusters, Battery(open_voltage=16.0, resistance=0.02)
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 1.0
+    power, voltage = 0.0, 16.0
+    for _ in range(100):
+        mujoco.mj_step(model, data)
+        power = float(thrusters.power(data.actuator_force[thrusters.actuators]).sum())
+        voltage = battery.voltage(power)
+        for name in thrusters.names:
+            condition.set_supply(model, name, voltage / 16.0)
+    whole = 8 * 0.997 * 51.44**1.5
+    assert power == pytest.approx(whole * (voltage / 16.0) ** 3, rel=1e-6)
+    assert voltage == pytest.approx(16.0 - 0.02 * power / voltage, rel=1e-9)
+    assert 12.0 < voltage < 14.0
