@@ -13,6 +13,7 @@ from rerun.chunk import RrdReader
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.block import Block, LogLine, split_blocks
+from cube_sim.recording.channels import channel_table
 from cube_sim.recording.export import rrd_from_mcap
 from cube_sim.recording.gathering import GatheringSink
 from cube_sim.recording.geometry import thruster_mounts, vehicle_name, vehicle_shapes, world_shapes
@@ -178,6 +179,34 @@ def test_the_lanes_name_every_state_a_run_can_be_in(run):
     labels = still(run.rrd, "/state/allocation", "StateConfiguration:labels")
     assert dict(zip(values, labels, strict=True)) == {"0": "exact", "1": "nearest"}
     assert still(run.rrd, "/state/T1", "StateConfiguration:labels") == ["reverse", "off", "forward"]
+
+
+def test_health_has_a_lane_for_the_truth_and_one_for_the_belief_of_each_motor(tmp_path):
+    """T2 is weakened at 0.2 s and dies at 0.4 s; the controller believes it dead at 0.5 s."""
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        for k in range(6):
+            t, true, believed = 0.1 * k, np.ones(8), np.ones(8)
+            true[1] = 1.0 if k < 2 else 0.3 if k < 4 else 0.0
+            believed[1] = 1.0 if k < 5 else 0.0
+            recorder.append("health", t, true, believed, 0.0)
+    assert still(recorder.rrd, "/health/T2/true", "StateConfiguration:labels") == ["dead or stuck", "weak", "whole"]
+    for entity, expected in (
+        ("/health/T1/true", [(0.0, "2")]),
+        ("/health/T2/true", [(0.0, "2"), (0.2, "1"), (0.4, "0")]),
+        ("/health/T2/believed", [(0.0, "2"), (0.5, "0")]),
+    ):
+        times, states = drawn(recorder.rrd, entity, "StateChange:state")
+        assert [(t, state) for t, (state,) in zip(times, states, strict=True)] == expected
+
+
+def test_the_way_of_flying_is_a_lane(tmp_path):
+    channels = channel_table(THRUSTERS, 2, ("exact",), ("holonomic", "level"))
+    with Recorder(tmp_path, HEADER, channels, model()) as recorder:
+        for t, code in ((0.0, 0.0), (0.1, 1.0)):
+            recorder.append("health", t, np.ones(8), np.ones(8), code)
+    times, states = drawn(recorder.rrd, "/state/authority", "StateChange:state")
+    assert (list(times), states) == ([0.0, 0.1], [["0"], ["1"]])
+    assert still(recorder.rrd, "/state/authority", "StateConfiguration:labels") == ["holonomic", "level"]
 
 
 def test_the_log_is_shown(run):

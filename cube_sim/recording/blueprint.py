@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cube_sim.recording import palette
 from cube_sim.recording.channels import Channel
-from cube_sim.recording.rerun_plots import ATTITUDE, ERROR, FORCE, LANES, MOMENT, THRUSTERS
+from cube_sim.recording.rerun_plots import ATTITUDE, ERROR, FORCE, HEALTH, LANES, MOMENT, THRUSTERS
 from cube_sim.recording.rerun_scene import LOG, TARGET, TRAIL, VEHICLE, WORLD
 
 TIMELINE = "sim_time"
@@ -21,39 +21,49 @@ _EYE_DIRECTION = np.array([-0.95, -1.2, 0.6])
 _SMALLEST_RADIUS = 1.5  # m
 _CLOSE_UP = (-1.0, -1.15, 0.75)  # m, in body axes
 
-_WHOLE_RUN = rrb.TimeAxis(
-    view_range=rrb.TimeRange(start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.infinite())
-)
+_CLOSE_ERROR = 0.12  # m, what the second plot of the path error shows either side of 0
+_LEGEND = 0.3  # of the run's duration: free time after it, where the legends of the plots stand clear of the curves
 
 
-def blueprint(channels: Sequence[Channel], points: NDArray[np.float64], boxes: Sequence[str] = ()) -> rrb.Blueprint:
+def blueprint(
+    channels: Sequence[Channel],
+    points: NDArray[np.float64],
+    boxes: Sequence[str] = (),
+    duration_s: float | None = None,
+) -> rrb.Blueprint:
     """Lay out the view of a run.
 
     Args:
         channels: the channel table; views of channels it does not have are left out.
         points: (n, 3) what must be in sight in world axes [m]; n may be 0.
         boxes: Rerun paths of the boxes the vehicle is made of.
+        duration_s: how long the run is meant to last [s]; None when nobody knows.
     """
+    plot = _Plots(duration_s)
     names = {channel.name for channel in channels}
     scene = _scene(points)
     close_up = _close_up(boxes)
-    lanes = rrb.StateTimelineView(origin=LANES, name="Side of the dead zone, allocation", time_view=_WHOLE_RUN)
+    lanes = rrb.StateTimelineView(origin=LANES, name="Allocation", time_view=_time(duration_s))
+    health = rrb.StateTimelineView(origin=HEALTH, name="Health", time_view=_time(duration_s))
     plots: list[tuple[float, rrb.View | rrb.Container]] = []
     if "path_error" in names:
-        plots += [(2.0, _plot(ERROR, "Path error [m]")), (1.5, _plot(ATTITUDE, "Attitude error [rad]"))]
+        whole, close = plot(ERROR, "Path error [m]"), plot.close_up(ERROR, "within 12 cm", _CLOSE_ERROR)
+        plots.append((3.0, rrb.Horizontal(whole, close)))
     if "wrench" in names:
-        force = _plot(FORCE, "Force: demanded, allocated [N]")
-        moment = _plot(MOMENT, "Moment: demanded, allocated [N m]")
-        plots.append((2.6, rrb.Tabs(force, moment, active_tab=0)))
+        force = plot(FORCE, "Force [N]")
+        moment = plot(MOMENT, "Moment [N m]")
+        attitude = plot(ATTITUDE, "Attitude error [rad]")
+        plots.append((3.0, rrb.Tabs(force, moment, attitude, active_tab=0)))
     if "thrusters" in names:
-        plots.append((3.0, _plot(THRUSTERS, "Thruster forces [N]")))
+        plots.append((3.6, plot(THRUSTERS, "Thruster forces [N]")))
     log = rrb.TextLogView(origin=LOG, name="Log")
-    said = rrb.Tabs(lanes, log, active_tab=0) if "allocation" in names else log
+    tabs = [view for name, view in (("allocation", lanes), ("health", health)) if name in names]
+    said = rrb.Tabs(*tabs, log, active_tab=0)
     below = rrb.Horizontal(close_up, said, column_shares=[4.0, 5.0])
-    left = rrb.Vertical(scene, below, row_shares=[1.0, 0.95])
+    left = rrb.Vertical(scene, below, row_shares=[0.85, 1.0])
     right = rrb.Vertical(*(view for _, view in plots), row_shares=[share for share, _ in plots])
     return rrb.Blueprint(
-        rrb.Horizontal(left, right, column_shares=[3.0, 2.0]) if plots else left,
+        rrb.Horizontal(left, right, column_shares=[5.0, 4.0]) if plots else left,
         rrb.TimePanel(state="collapsed", timeline=TIMELINE),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
@@ -112,10 +122,36 @@ def _close_up(bodies: Sequence[str]) -> rrb.Spatial3DView:
     )
 
 
-def _plot(origin: str, name: str) -> rrb.TimeSeriesView:
-    return rrb.TimeSeriesView(
-        origin=origin,
-        name=name,
-        axis_x=_WHOLE_RUN,
-        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=True),
-    )
+class _Plots:
+    """Makes plots over the whole run."""
+
+    def __init__(self, duration_s: float | None) -> None:
+        self._duration_s = duration_s
+
+    def __call__(self, origin: str, name: str) -> rrb.TimeSeriesView:
+        return rrb.TimeSeriesView(
+            origin=origin,
+            name=name,
+            axis_x=_time(self._duration_s, _LEGEND),
+            plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=True),
+        )
+
+    def close_up(self, origin: str, name: str, size: float) -> rrb.TimeSeriesView:
+        """The same curves from -size to size; their legend stands in the plot beside it."""
+        return rrb.TimeSeriesView(
+            origin=origin,
+            name=name,
+            axis_x=_time(self._duration_s),
+            axis_y=rrb.ScalarAxis(range=(-size, size)),
+            plot_legend=rrb.PlotLegend(visible=False),
+        )
+
+
+def _time(duration_s: float | None, beyond: float = 0.0) -> rrb.TimeAxis:
+    """All of a run's time, and a share of it more after its end."""
+    if duration_s is None:
+        start = end = rrb.TimeRangeBoundary.infinite()
+    else:
+        start = rrb.TimeRangeBoundary.absolute(seconds=0.0)
+        end = rrb.TimeRangeBoundary.absolute(seconds=(1.0 + beyond) * duration_s)
+    return rrb.TimeAxis(view_range=rrb.TimeRange(start=start, end=end))

@@ -43,6 +43,7 @@ class Lane:
         column: which number of the field.
         entity: Rerun path; its last part names the lane.
         states: label and colour by code.
+        bounds: increasing; where given, the number is no code yet: 0 below the first bound, 1 from there on, ...
     """
 
     channel: str
@@ -50,12 +51,15 @@ class Lane:
     column: int
     entity: str
     states: dict[int, tuple[str, Rgb]]
+    bounds: tuple[float, ...] = ()
 
 
 ERROR, ATTITUDE, FORCE, MOMENT = "/plot/path_error", "/plot/attitude", "/plot/force", "/plot/moment"
-THRUSTERS, LANES = "/plot/thrusters", "/state"
+THRUSTERS, LANES, HEALTH = "/plot/thrusters", "/state", "/health"
 
 _SIDES = {-1: ("reverse", palette.REVERSE), 0: ("off", palette.IDLE), 1: ("forward", palette.FORWARD)}
+_HEALTH = {0: ("dead or stuck", palette.BAD), 1: ("weak", palette.ORANGE), 2: ("whole", palette.GREEN)}
+_HEALTH_BOUNDS = (1e-9, 1.0)
 _STATUS_COLOURS = (palette.GREEN, palette.ORANGE, palette.BAD)
 
 
@@ -70,12 +74,13 @@ def curves(channels: Sequence[Channel]) -> list[Curves]:
             _single(errors["attitude"], "path_error", ATTITUDE, "attitude", palette.PURPLE),
         ]
     if "wrench" in table:
-        bold, faint = (palette.ORANGE, palette.SKY, palette.GREEN), ((140, 104, 24), (58, 106, 134), (24, 96, 76))
+        # Allocated is a broad dark band and demanded a thin bright line on it, which leaves the band where they differ.
+        bold, faint = (palette.ORANGE, palette.SKY, palette.GREEN), ((84, 60, 8), (30, 62, 82), (8, 60, 44))
         for entity, axes, unit, columns in (
             (FORCE, ("Fx", "Fy", "Fz"), "N", (0, 1, 2)),
             (MOMENT, ("Mx", "My", "Mz"), "N m", (3, 4, 5)),
         ):
-            for field, colours, width in (("allocated", faint, 4.0), ("demanded", bold, 1.2)):
+            for field, colours, width in (("allocated", faint, 7.0), ("demanded", bold, 1.5)):
                 names = tuple(f"{axis} {field} [{unit}]" for axis in axes)
                 found.append(Curves("wrench", field, f"{entity}/{field}", names, colours, columns, width))
     if thrusters := table.get("thrusters"):
@@ -86,7 +91,11 @@ def curves(channels: Sequence[Channel]) -> list[Curves]:
 
 
 def lanes(channels: Sequence[Channel]) -> list[Lane]:
-    """List the state lanes of a run: the side of each motor's dead zone, and how the allocation ended."""
+    """List the state lanes of a run.
+
+    How the allocation ended, how the vehicle flies and the side of each motor's dead zone; and, beside them, what each
+    motor's state truly is and what the controller believes it to be.
+    """
     found = []
     for channel in channels:
         for field in channel.fields:
@@ -99,7 +108,14 @@ def lanes(channels: Sequence[Channel]) -> list[Lane]:
                     code: (label, _STATUS_COLOURS[min(code, len(_STATUS_COLOURS) - 1)])
                     for code, label in enumerate(field.labels)
                 }
-                found.append(Lane(channel.name, field.name, 0, f"{LANES}/{channel.name}", states))
+                name = channel.name if field.name == "status" else field.name
+                found.append(Lane(channel.name, field.name, 0, f"{LANES}/{name}", states))
+            elif channel.name == "health":
+                name = "believed" if field.name == "believed" else "true"
+                found += [
+                    Lane(channel.name, field.name, i, f"{HEALTH}/{motor}/{name}", _HEALTH, _HEALTH_BOUNDS)
+                    for i, motor in enumerate(field.columns)
+                ]
     return found
 
 

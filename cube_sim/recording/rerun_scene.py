@@ -29,6 +29,7 @@ ARROW_M_PER_N = 0.04
 ARROW_M_PER_M_S = 6.0
 
 _DUCT_RADIUS, _DUCT_HALF_LENGTH = 0.045, 0.02  # where a site has no size [m]
+_MARKER_M, _MARKER_POINTS = 1.5, 3.0  # length in the world, radius on the screen
 _ENDLESS_PLANE = 30.0  # half size [m] by which a plane without an end is drawn
 
 
@@ -57,7 +58,15 @@ def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel, vehicle: str
     recording.log(f"{VEHICLE}/axes", rr.TransformAxes3D(0.45), static=True)
     recording.log(TRAIL, rr.LineStrips3D.from_fields(colors=[palette.TRAIL], radii=[0.03]), static=True)
     recording.log(CURRENT, rr.Arrows3D.from_fields(colors=[palette.CURRENT], radii=[0.018]), static=True)
-    recording.log(f"{TARGET}/point", rr.Points3D([[0, 0, 0]], colors=[palette.TARGET], radii=0.09), static=True)
+    # Long enough to be seen from afar, and when the vehicle sits on the target.
+    marker = rr.Arrows3D(
+        vectors=[[_MARKER_M, 0, 0]],
+        colors=[palette.TARGET],
+        radii=rr.Radius.ui_points(_MARKER_POINTS),
+        labels=["virtual target"],
+        show_labels=True,
+    )
+    recording.log(f"{TARGET}/tangent", marker, static=True)
     recording.log(f"{TARGET}/frame", rr.TransformAxes3D(0.5), static=True)
     box = mujoco.mjtGeom.mjGEOM_BOX
     return [f"{VEHICLE}/body/{shape.name}" for shape in vehicle_shapes(model, vehicle) if shape.kind == box]

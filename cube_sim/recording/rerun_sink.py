@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -74,6 +75,7 @@ class RerunSink:
         self._axes = thruster_mounts(model, vehicle).axes
         self._last_trail_point: NDArray[np.float64] | None = None
         self._laid_out = False
+        self._duration_s = _duration_s(header)
         # No property is sent: Rerun would put the wall clock into it.
         self._recording = rr.RecordingStream("cube_sim", recording_id=_recording_id(header), send_properties=False)
         self._recording.save(path)
@@ -158,6 +160,9 @@ class RerunSink:
 
     def _write_lane(self, lane: Lane, rows: Rows) -> None:
         codes = self._values(rows, lane.channel, lane.field)[:, lane.column]
+        if lane.bounds:
+            # A NaN is in no class, and stays one.
+            codes = np.where(np.isfinite(codes), np.digitize(codes, lane.bounds), np.nan)
         # A NaN differs from everything, so no code is missed before the first one.
         before = self._lane_codes.get(lane.entity, np.nan)
         changes = np.flatnonzero(np.concatenate([[before], codes[:-1]]) != codes)
@@ -183,7 +188,8 @@ class RerunSink:
             points.append(self._values(block.rows["path"][:1], "path", "points").reshape(-1, 3))
         if "pose" in block.rows:
             points.append(self._values(block.rows["pose"][:1], "pose", "position"))
-        self._recording.send_blueprint(blueprint(self._channels, np.vstack(points), self._boxes), make_active=True)
+        layout = blueprint(self._channels, np.vstack(points), self._boxes, self._duration_s)
+        self._recording.send_blueprint(layout, make_active=True)
 
     def _values(self, rows: Rows, channel: str, field: str) -> NDArray[np.float64]:
         return rows[:, self._columns[channel, field]]
@@ -191,6 +197,12 @@ class RerunSink:
     def _send(self, entity: str, rows: NDArray[np.float64], columns: rr.ComponentColumnList) -> None:
         times = np.rint(rows[:, 0] * 1e9).astype("timedelta64[ns]")
         self._recording.send_columns(entity, [rr.TimeColumn(TIMELINE, duration=times)], columns)
+
+
+def _duration_s(header: RunHeader) -> float | None:
+    """How long the run should last [s], if its scenario says so."""
+    found = re.search(r"^duration_s: (\S+)$", header.resolved, re.MULTILINE)
+    return None if found is None else float(found[1])
 
 
 def _recording_id(header: RunHeader) -> str:
