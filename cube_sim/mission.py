@@ -240,7 +240,7 @@ def _require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
     for i, event in enumerate(loaded.scenario.events):
         if event.at_s > duration:
             text = f"{event.at_s:g} s is after the end of the run at {duration:g} s"
-            mistakes.append(loaded.mistake(f"events.{i}.at_s", text))
+            mistakes.append(loaded.mistake(f"events.{i}.at_s", text, because="duration_s"))
         if not isinstance(event, ThrusterEvent):
             continue
         for j, name in enumerate(event.thrusters):

@@ -1,6 +1,9 @@
 """The whole loop: what a run leaves behind, that it is repeatable, and what happens when it goes wrong."""
 
+import ast
 import json
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -14,9 +17,18 @@ import cube_sim
 from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
+from cube_sim.scenario.document import parse_value
 
 ROOT = Path(__file__).parents[1]
 HELIX = ROOT / "scenarios" / "cube_helix.yaml"
+
+
+def parse_settings(line: str) -> dict[str, object]:
+    words = iter(shlex.split(line, comments=True))
+    pairs = [next(words).partition("=") for option in words if option == "--set"]
+    return {path: parse_value(value) for path, _, value in pairs}
+
+
 SHORT = {"duration_s": 3.0, "checks": [{"kind": "allowed_forces"}]}
 THROWN = {
     **SHORT,
@@ -208,3 +220,30 @@ def test_a_model_with_several_hulls_is_flown_by_the_one_named(two_hulls, tmp_pat
     alone = cube_sim.run(HELIX, short, tmp_path / "alone")
     assert read_recording(tmp_path / "out" / "run.mcap").vehicle == "hull"
     np.testing.assert_allclose(run.signals["pose.position"], alone.signals["pose.position"], atol=1e-9)
+
+
+README = (ROOT / "README.md").read_text()
+SETTINGS = [
+    parse_settings(line)
+    for line in re.findall(r"^cube-sim run scenarios/cube_helix\.yaml (--set .*)$", README, re.MULTILINE)
+]
+CALLS = [
+    ast.literal_eval(text) for text in re.findall(r'cube_sim\.run\("scenarios/cube_helix\.yaml", (\{.*?\})\)', README)
+]
+
+
+def test_an_event_after_the_end_names_the_override_that_put_the_end_there(tmp_path):
+    path = ROOT / "scenarios" / "cube_lose_one.yaml"
+    overrides = {"duration_s": 20, "checks": [{"kind": "allowed_forces"}]}
+    with pytest.raises(ScenarioError, match=r"events\.0\.at_s: 40 s is after the end .* \(override duration_s\)$"):
+        cube_sim.run(path, overrides, tmp_path / "out")
+
+
+def test_the_readme_has_examples():
+    assert SETTINGS
+    assert CALLS
+
+
+@pytest.mark.parametrize("overrides", SETTINGS + [call for call in CALLS if call not in SETTINGS], ids=str)
+def test_the_examples_of_the_readme_pass(overrides, tmp_path):
+    assert cube_sim.run(HELIX, overrides, tmp_path / "out").verdict == "PASS"
