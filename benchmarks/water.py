@@ -4,7 +4,8 @@
 
 Variants of the CUBE, each under Euler at 2 ms and RK4 at 10 ms:
 
-    bare            MuJoCo alone: no water, motors as plain forces
+    bare            MuJoCo alone: no water, motors as plain forces; the hull's inertia is diagonal, and MuJoCo knows it
+    bare, full      the same with all 21 entries of the hull's inertia, which is where water starts from
     water           added mass, drag, buoyancy, current
     water+thrusters and the thruster characteristics
     user force      and a user's own compiled force (a spring); "as Python" is the same, not compiled
@@ -129,6 +130,7 @@ def processor_us(model: mujoco.MjModel, steps: int, callback: Callable | None = 
 def single(integrator: str, steps: int, repeats: int) -> dict[str, float]:
     models = {
         "bare": plain_motors().compile(),
+        "bare, full": with_full_inertia(),
         "water": only_water(),
         "water+thrusters": cube_sim.load_model(CUBE),
         "user force": cube_sim.load_model(CUBE, forces={"hull": spring}),
