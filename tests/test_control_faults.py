@@ -1,6 +1,7 @@
 """Losing thrusters: what is left, how it is found out, how the vehicle points what it has."""
 
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from cube_sim.spatial import rotation_from_quaternion
 
 @pytest.fixture(scope="module")
 def cube():
-    return cube_sim.Vehicle.from_model(cube_sim.load_model("models/cube.xml"))
+    return cube_sim.Vehicle.from_model(cube_sim.load_model(Path(__file__).parents[1] / "models" / "cube.xml"))
 
 
 def left_after(A, lost):

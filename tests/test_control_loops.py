@@ -1,5 +1,7 @@
 """The loops against MuJoCo: the wrench they ask for makes the error obey the promised linear equations."""
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from cube_sim.guidance.approach import DesiredMotion
 from cube_sim.simulation import read_state
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 
-MODEL = "models/cube.xml"
+MODEL = Path(__file__).parents[1] / "models" / "cube.xml"
 FULL = {"hull:added_mass": None, "hull:centre_of_buoyancy": (0.01, -0.02, 0.05)}
 
 
