@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from types import CodeType
 from typing import Any
 
 import numba
@@ -12,5 +14,34 @@ def compiled(function: Callable[..., Any]) -> Any:
     """Compile `function` at its first call; the uncompiled one stays reachable as `.py_func`, the reference in tests.
 
     No fast-math: results are the same bits on every run, and equal to the reference's up to rounding.
+
+    numba's cache looks at the file a function is written in only, and would go on using the old machine code of
+    what the function calls from other files. Here its stamp also covers those functions, to any depth, and the
+    constants they use; functions must therefore be defined before those that call them.
     """
-    return numba.njit(cache=True, fastmath=False, error_model="numpy")(function)
+    dispatcher = numba.njit(cache=True, fastmath=False, error_model="numpy")(function)
+    file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if file is not None:  # numba has no public way to say what a cached function depends on
+        file._source_stamp = (file._source_stamp, _fingerprint(function))
+    return dispatcher
+
+
+def _fingerprint(function: Callable[..., Any]) -> str:
+    """Digest of what a function takes from outside: stamps of compiled functions, values of constants."""
+    told = []
+    for name in sorted(_names(function.__code__)):
+        value = function.__globals__.get(name)
+        if isinstance(value, numba.core.registry.CPUDispatcher):
+            file = getattr(getattr(value, "_cache", None), "_cache_file", None)
+            told.append((name, repr(getattr(file, "_source_stamp", None))))
+        elif isinstance(value, bool | int | float | complex | str | bytes | tuple):
+            told.append((name, repr(value)))
+        elif isinstance(value, type) and issubclass(value, tuple):
+            told.append((name, repr(getattr(value, "_fields", None))))
+    return hashlib.sha256(repr(told).encode()).hexdigest()
+
+
+def _names(code: CodeType) -> set[str]:
+    """Global names a function's code uses, those of functions inside it too."""
+    inside = (constant for constant in code.co_consts if isinstance(constant, CodeType))
+    return set(code.co_names).union(*(_names(inner) for inner in inside))

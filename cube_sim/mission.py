@@ -215,6 +215,7 @@ def _actuators(vehicle: Vehicle, block: schema.Allocation) -> Actuators:
             options |= {
                 "objective": block.objective,
                 "wrench_weights": weights,
+                "unattainable": block.unattainable,
                 "reversal_penalty": block.reversal_penalty_N2,
                 "change_limit": block.change_limit_N,
             }

@@ -138,3 +138,20 @@ def test_a_mistake_is_named(arguments, message):
 def test_a_wrench_of_the_wrong_size_is_named():
     with pytest.raises(AllocationError, match=r"shape \(6,\); A has 3 rows"):
         Allocator(jack(), LIMITS).allocate(np.zeros(6))
+
+
+def test_status_says_where_the_search_gave_up_its_proof():
+    """Twelve motors with a preferred force on each side: some wrenches take more nodes than a tick has time for."""
+    rng = np.random.default_rng(0)
+    A = rng.normal(size=(6, 12))
+    allocator = Allocator(A, [-40, -6, 7, 50], objective="reactivity_by_side", reactivity=[-20, 30], method="search")
+    seen = []
+    for forces in rng.uniform(-40, 50, size=(25, 12)):
+        before = allocator.effort.unproven
+        answer = allocator.allocate(A @ forces)
+        gave_up = allocator.effort.unproven > before
+        assert answer.status == (Status.UNPROVEN if gave_up else Status.EXACT)
+        assert np.allclose(A @ answer.force, A @ forces, atol=1e-6)
+        seen.append(gave_up)
+    assert any(seen)
+    assert not all(seen)

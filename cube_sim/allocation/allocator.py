@@ -32,6 +32,10 @@ same spread over the processor's cores."""
 AGREEMENT = 1e-4
 """Largest difference between the search's and ProxQP's forces that counts as agreement, part of the largest limit."""
 
+Unattainable = Literal["closest", "scaled"]
+"""``closest``: the closest attainable wrench in the weighted norm. ``scaled``: the largest attainable part of the
+demand in its own direction."""
+
 _STATUS = tuple(Status)
 
 
@@ -58,7 +62,9 @@ class Allocator:
     Minimises ``sum w (f - f_opt)^2`` subject to ``A f = F`` with every f_i in
     ``[F_max-, F_DZ-] u [F_DZ+, F_max+]``, and ``u {0}`` where motors may rest: the global optimum over the union
     of 2^m or 3^m boxes (report section 4.3). A wrench no allowed forces can make is answered by the closest one
-    they can, in the norm ``|W (A f - F)|``, exactly over the union as well, and then by the least cost.
+    they can, in the norm ``|W (A f - F)|``, exactly over the union as well, and then by the least cost; or, with
+    ``unattainable="scaled"``, by the largest attainable ``scale F`` with 0 <= scale < 1. What no forces of any size
+    can make is left out of F first. With dead zones the attainable scales have gaps, and none may be left but 0.
 
     An allocator remembers its last answer: ties prefer its subset, the reversal penalty and the change limit count
     from it. `reset` forgets it. Nothing else carries over from call to call.
@@ -73,6 +79,7 @@ class Allocator:
         weights: (m,) positive w of the motors; 1 unless told.
         wrench_weights: (n,) positive diagonal of W, [1] for forces and [1/m] for torques; 1 and 30 unless told: a
             vehicle that keeps its attitude keeps its path, one that saves its forces loses both.
+        unattainable: see `Unattainable`.
         reversal_penalty: cost of pushing against the side a motor last pushed to [N^2].
         change_limit: most a motor's force may change in one call [N], the dead zone not counted: a reversal is
             walked through the zone's edges, so a small limit delays it and never locks the motor. None: no limit.
@@ -97,6 +104,7 @@ class Allocator:
         reactivity: ArrayLike | None = None,
         weights: ArrayLike | None = None,
         wrench_weights: ArrayLike | None = None,
+        unattainable: Unattainable = "closest",
         reversal_penalty: float = 0.0,
         change_limit: float | None = None,
         method: Method = "search+proxqp",
@@ -117,6 +125,7 @@ class Allocator:
         self.wrench_weights = row(
             "wrench_weights", attitude_first if wrench_weights is None else wrench_weights, n, positive=True
         )
+        self.unattainable = one_of("unattainable", unattainable, get_args(Unattainable))
         self.reversal_penalty = scalar("reversal_penalty", reversal_penalty)
         self.change_limit = inf if change_limit is None else scalar("change_limit", change_limit, positive=True)
         self.length_m = scalar("length_m", lever_length(self.A) if length_m is None else length_m, positive=True)
@@ -138,6 +147,7 @@ class Allocator:
             change_limit=self.change_limit,
             tolerance=self.tolerance_N,
             length_m=self.length_m,
+            scaled=self.unattainable == "scaled",
         )
         self._packed = pack(self._tables)
         self._memory = blank_memory(m)

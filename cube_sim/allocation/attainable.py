@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.enumeration import every_subset
+from cube_sim.allocation.facets import facet_normals
 from cube_sim.allocation.geometry import actuation_matrix, lever_length, wrench_fibre
 from cube_sim.allocation.limits import side_table, thruster_limits
+from cube_sim.compiled import compiled
 from cube_sim.errors import AllocationError
 
 
@@ -32,11 +32,7 @@ class HalfSpaces(NamedTuple):
 
 
 def half_spaces(A: ArrayLike, limits: ArrayLike, *, allow_off: bool = True) -> HalfSpaces:
-    """The sets ``A K`` of all boxes K as half-spaces.
-
-    By Farkas' lemma w is outside A K exactly when some y has ``y.w > max y.A f``. That maximum is linear between the
-    planes ``y.a_i = 0``, so it is enough to look along the lines where r - 1 of these planes meet, r = rank A: the
-    same lines for every box.
+    """The sets ``A K`` of all boxes K as half-spaces, bounded across `facet_normals`.
 
     Args:
         A: see `Allocator`.
@@ -47,19 +43,11 @@ def half_spaces(A: ArrayLike, limits: ArrayLike, *, allow_off: bool = True) -> H
     m = matrix.shape[1]
     fibre = wrench_fibre(matrix, np.ones(m), lever_length(matrix))
     columns = fibre.equations  # (r, m) the columns of A in coordinates of range(A)
-    r = fibre.rank
-    rows: list[NDArray[np.float64]] = []
-    for chosen in itertools.combinations(range(m), r - 1):
-        _, sigma, Vt = np.linalg.svd(np.vstack([columns[:, list(chosen)].T, np.zeros((1, r))]))
-        if r > 1 and sigma[r - 2] < 1e-10:
-            continue
-        if not any(abs(abs(Vt[-1] @ known) - 1.0) < 1e-14 for known in rows):
-            rows.append(Vt[-1])
-    normals = np.array(rows)
+    normals = facet_normals(columns)
     low, high = side_table(thruster_limits(limits, m), allow_off)
     subsets = every_subset(low, high)
     reach = normals @ columns  # (h, m)
-    least, most = np.zeros((len(subsets), len(rows))), np.zeros((len(subsets), len(rows)))
+    least, most = np.zeros((len(subsets), len(normals))), np.zeros((len(subsets), len(normals)))
     for i in range(m):
         at = subsets[:, i] + 1
         ends = np.outer(low[i, at], reach[:, i]), np.outer(high[i, at], reach[:, i])
@@ -117,7 +105,7 @@ def attainable_map(
     return found
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _fill(
     middle: NDArray[np.float64],
     right: NDArray[np.float64],

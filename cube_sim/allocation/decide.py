@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.lines import line_search
 from cube_sim.allocation.memory import Memory, Tick, remember, this_tick
 from cube_sim.allocation.nearest import CANDIDATES, nearest
-from cube_sim.allocation.search import FOUND, UNPROVEN, search
+from cube_sim.allocation.scaled import largest_scale
+from cube_sim.allocation.search import FOUND, GAVE_UP, search
 from cube_sim.allocation.tables import Packed, Tables, unpack
 from cube_sim.allocation.ties import changed, preferred
+from cube_sim.compiled import compiled
 
-EXACT, CLOSEST, INVALID_WRENCH = 0, 1, 2
+EXACT, CLOSEST, INVALID_WRENCH, UNPROVEN, UNPROVEN_CLOSEST, SCALED = 0, 1, 2, 5, 6, 7
 """The numbers of `Status`."""
 
 FAR = 1e3
@@ -68,7 +69,7 @@ def blank_answers(count: int, rows: int, motors: int) -> Answers:
     return Answers(np.zeros((count, 4 * motors + 2 * rows + 6)), np.zeros((count, motors), np.int8))
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def answer_of(numbers: NDArray[np.float64], n: int, m: int) -> Answer:
     """Name the parts of one row of `Answers.numbers`."""
     a, b = m + n, m + 2 * n
@@ -78,7 +79,7 @@ def answer_of(numbers: NDArray[np.float64], n: int, m: int) -> Answer:
     )  # fmt: skip
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def cheapest(
     t: Tables,
     tick: Tick,
@@ -116,8 +117,8 @@ def cheapest(
                 origin, t.kernel, t.weights, tick.low, tick.high, t.targets[a], tick.penalty, tick.relaxed[a],
                 tick.masks, memory.subset, t.tolerance, trial, sides, mu,
             )  # fmt: skip
-            there = outcome == FOUND or (outcome == UNPROVEN and cost < math.inf)
-            proven = proven and outcome != UNPROVEN
+            there = outcome == FOUND or (outcome == GAVE_UP and cost < math.inf)
+            proven = proven and outcome != GAVE_UP
         nodes += looked
         if not there:
             continue
@@ -132,7 +133,7 @@ def cheapest(
     return found, best, winner, nodes, proven
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def cost_on(t: Tables, tick: Tick, alternative: int, force: NDArray[np.float64], subset: NDArray[np.int8]) -> float:
     """Cost of forces (m,) on the sides (m,) they lie on, for one alternative of the objective [N^2]."""
     cost = 0.0
@@ -142,7 +143,7 @@ def cost_on(t: Tables, tick: Tick, alternative: int, force: NDArray[np.float64],
     return cost
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def snap(
     t: Tables, tick: Tick, wanted: NDArray[np.float64], force: NDArray[np.float64], subset: NDArray[np.int8]
 ) -> tuple[float, int]:
@@ -164,7 +165,7 @@ def snap(
     return best, winner
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def nearest_origins(t: Tables, tick: Tick, demand: NDArray[np.float64]) -> tuple[NDArray[np.float64], int, bool]:
     """Forces making the wrenches closest to a demand.
 
@@ -178,15 +179,8 @@ def nearest_origins(t: Tables, tick: Tick, demand: NDArray[np.float64]) -> tuple
         pseudo-inverse, to be moved to allowed sides. Then nodes looked at, and whether the answer is proven.
     """
     n, m = t.A.shape
-    size = 0.0
-    for a in range(n):
-        size = max(size, abs(demand[a]))
-    limit = FAR * max(t.reach, 1e-12)
-    scale = limit / size if size > limit else 1.0
-    goal = np.zeros(t.basis.shape[1])
-    for b in range(goal.shape[0]):
-        for a in range(n):
-            goal[b] += t.basis[a, b] * t.wrench_weights[a] * (demand[a] * scale)
+    scale = shortened(t, demand)
+    goal = reachable(t, demand, scale)
     candidates = np.zeros((CANDIDATES, m))
     count, _, proven, nodes = nearest(
         goal, t.spread, t.free, t.gain, tick.low, tick.high, tick.relaxed[0], tick.masks, t.tolerance, candidates
@@ -199,7 +193,68 @@ def nearest_origins(t: Tables, tick: Tick, demand: NDArray[np.float64]) -> tuple
     return candidates[:count], nodes, proven
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
+def shortened(t: Tables, demand: NDArray[np.float64]) -> float:
+    """Factor that makes a demand (n,) far beyond reach shorter, so that no product overflows; else 1."""
+    size = 0.0
+    for a in range(demand.shape[0]):
+        size = max(size, abs(demand[a]))
+    limit = FAR * max(t.reach, 1e-12)
+    return limit / size if size > limit else 1.0
+
+
+@compiled
+def reachable(t: Tables, demand: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
+    """Coordinates s (r,) of `WrenchDistance` of a scaled demand (n,), what no forces of any size can make left out."""
+    goal = np.zeros(t.basis.shape[1])
+    for b in range(goal.shape[0]):
+        for a in range(demand.shape[0]):
+            goal[b] += t.basis[a, b] * t.wrench_weights[a] * (demand[a] * scale)
+    return goal
+
+
+@compiled
+def scaled_origin(
+    t: Tables, tick: Tick, demand: NDArray[np.float64], origin: NDArray[np.float64], part: NDArray[np.float64]
+) -> tuple[int, bool]:
+    """The largest attainable part of a demand in its own direction; none of it where there is no such part.
+
+    Args:
+        t: of the allocator.
+        tick: sides of this call.
+        demand: (n,) finite.
+        origin: (m,) out: forces making that part, limits aside [N].
+        part: (n,) out: the demand, scaled.
+
+    Returns:
+        Nodes looked at, whether the answer is proven.
+    """
+    n, m = t.A.shape
+    r, h = t.facets.shape[1], t.facets.shape[0]
+    short = shortened(t, demand)
+    goal = reachable(t, demand, short)
+    across, gain = np.zeros(h), np.zeros((h, m))
+    size = 0.0
+    for f in range(h):
+        for b in range(r):
+            across[f] += t.facets[f, b] * goal[b]
+            for i in range(m):
+                gain[f, i] += t.facets[f, b] * t.gain[b, i]
+        for i in range(m):
+            size = max(size, abs(gain[f, i]))
+    rounding = 1e-3 * size * t.tolerance  # well below what the search for the forces counts as rounding
+    scale, proven, nodes = largest_scale(across, gain, tick.low, tick.high, tick.relaxed[0], tick.masks, rounding)
+    scale = max(scale, 0.0)
+    for i in range(m):
+        origin[i] = 0.0
+        for b in range(r):
+            origin[i] += t.spread[i, b] * (goal[b] * scale)
+    for a in range(n):
+        part[a] = demand[a] * short * scale
+    return nodes, proven
+
+
+@compiled
 def closest(
     t: Tables,
     tick: Tick,
@@ -233,7 +288,8 @@ def closest(
         proven = proven and sure
         if not there:
             cost, alternative = snap(t, tick, candidates[c], trial, sides)
-            mu[:] = 0.0
+            for i in range(m):
+                mu[i] = 0.0
         changes = changed(sides, memory.subset)
         if c > 0 and not preferred(cost, best, sides, subset, changes, changes_best):
             continue
@@ -243,7 +299,7 @@ def closest(
     return best, winner, nodes, proven
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def attainable_origin(t: Tables, demand: NDArray[np.float64], origin: NDArray[np.float64]) -> bool:
     """Write the least forces making the demand, limits aside; False when no forces of any size can, or it is far."""
     n, m = t.A.shape
@@ -263,7 +319,7 @@ def attainable_origin(t: Tables, demand: NDArray[np.float64], origin: NDArray[np
     return True
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def complete(
     t: Tables, demand: NDArray[np.float64], force: NDArray[np.float64], wrench: NDArray[np.float64],
     error: NDArray[np.float64],
@@ -284,7 +340,7 @@ def complete(
     return largest * math.sqrt(square)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def allocate_each(packed: Packed, memory: Memory, wrenches: NDArray[np.float64], answers: Answers) -> None:
     """Allocate N demands (N, n) in order, each remembering the one before.
 
@@ -292,7 +348,7 @@ def allocate_each(packed: Packed, memory: Memory, wrenches: NDArray[np.float64],
     """
     t = unpack(packed)
     n, m = t.A.shape
-    demand, origin = np.empty(n), np.empty(m)
+    demand, part, origin = np.empty(n), np.empty(n), np.empty(m)
     for at in range(wrenches.shape[0]):
         status = EXACT
         for a in range(n):
@@ -300,7 +356,8 @@ def allocate_each(packed: Packed, memory: Memory, wrenches: NDArray[np.float64],
             if not math.isfinite(demand[a]):
                 status = INVALID_WRENCH
         if status == INVALID_WRENCH:
-            demand[:] = 0.0
+            for a in range(n):
+                demand[a] = 0.0
         tick = this_tick(t, memory)
         answer, subset = answer_of(answers.numbers[at], n, m), answers.subset[at]
         found, alternative, nodes, proven = False, 0, 0, True
@@ -309,13 +366,27 @@ def allocate_each(packed: Packed, memory: Memory, wrenches: NDArray[np.float64],
                 t, tick, memory, origin, answer.force, subset, answer.multiplier
             )
         if not found:
+            for a in range(n):
+                part[a] = demand[a]
             if status == EXACT:
                 status = CLOSEST
-            _, alternative, more, sure = closest(t, tick, memory, demand, answer.force, subset, answer.multiplier)
-            nodes += more
-            proven = proven and sure
+                if t.facets.shape[0] > 0:
+                    status = SCALED
+                    more, sure = scaled_origin(t, tick, demand, origin, part)
+                    nodes += more
+                    found, _, alternative, more, cheap = cheapest(
+                        t, tick, memory, origin, answer.force, subset, answer.multiplier
+                    )
+                    nodes += more
+                    proven = proven and sure and cheap
+            if not found:
+                _, alternative, more, sure = closest(t, tick, memory, part, answer.force, subset, answer.multiplier)
+                nodes += more
+                proven = proven and sure
         answer.rest[0] = complete(t, demand, answer.force, answer.wrench, answer.error)
         answer.rest[1] = cost_on(t, tick, alternative, answer.force, subset)
+        if not proven and status != INVALID_WRENCH:
+            status = UNPROVEN if status == EXACT else UNPROVEN_CLOSEST
         answer.rest[2], answer.rest[3] = status, alternative
         answer.rest[4], answer.rest[5] = nodes, 0.0 if proven else 1.0
         for i in range(m):

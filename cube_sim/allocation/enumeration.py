@@ -12,11 +12,14 @@ from cube_sim.allocation.decide import (
     CLOSEST,
     EXACT,
     INVALID_WRENCH,
+    SCALED,
+    UNPROVEN_CLOSEST,
     Answers,
     answer_of,
     attainable_origin,
     complete,
     nearest_origins,
+    scaled_origin,
     snap,
 )
 from cube_sim.allocation.memory import Memory, Tick, remember, this_tick
@@ -63,9 +66,22 @@ class Enumeration:
         if attainable_origin(t, demand, origin):
             found, solved = self._cheapest(tick, origin)
         if found is None:
-            status = CLOSEST if status == EXACT else status
+            candidates, proven = np.empty((0, m)), True
+            part = demand
+            if status == EXACT and len(t.facets):
+                status, part = SCALED, np.empty(n)
+                _, proven = scaled_origin(t, tick, demand, origin, part)
+                found, more = self._cheapest(tick, origin)
+                solved += more
+            elif status == EXACT:
+                status = CLOSEST
+            if found is None:
+                candidates, _, sure = nearest_origins(t, tick, part)
+                proven = proven and sure
+            if not proven and status != INVALID_WRENCH:
+                status = UNPROVEN_CLOSEST
             answer = []
-            for candidate in nearest_origins(t, tick, demand)[0]:
+            for candidate in candidates:
                 there, more = self._cheapest(tick, candidate)
                 solved += more
                 if there is None:
@@ -73,7 +89,7 @@ class Enumeration:
                     cost, alternative = snap(t, tick, candidate, force, subset)
                     there = cost, force, subset, alternative
                 answer.append(there)
-            found = min(answer, key=lambda there: round(there[0] / t.tolerance))
+            found = found or min(answer, key=lambda there: round(there[0] / t.tolerance))
         cost, force, subset, alternative = found
         answer = answer_of.py_func(answers.numbers[0], n, m)
         answer.force[:], answers.subset[0] = force + 0.0, subset

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.relaxation import relax
 from cube_sim.allocation.tables import Tables
+from cube_sim.compiled import compiled
 
 
 class Memory(NamedTuple):
@@ -56,7 +56,7 @@ def copied(memory: Memory) -> Memory:
     return Memory(memory.subset.copy(), memory.push.copy(), memory.travel.copy())
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def this_tick(t: Tables, memory: Memory) -> Tick:
     """Sides and prices of the next call: reversals are priced, and forces may move by the change limit only.
 
@@ -87,7 +87,7 @@ def this_tick(t: Tables, memory: Memory) -> Tick:
     return Tick(low, high, masks, penalty, relaxed)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def remember(t: Tables, memory: Memory, force: NDArray[np.float64], subset: NDArray[np.int8]) -> None:
     """Make an answer the previous one.
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.projection import INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import split
 from cube_sim.allocation.search import MOST_NODES
+from cube_sim.compiled import compiled
 
 CANDIDATES = 32
 """Most distinct equally close wrenches kept; symmetric vehicles have a handful."""
@@ -20,7 +20,7 @@ DOUBT = 1000.0
 """Gap between an answer and its bound, in roundings, from which the answer counts as not proven."""
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def nearest(
     goal: NDArray[np.float64],
     spread: NDArray[np.float64],
@@ -107,7 +107,7 @@ def nearest(
                     rows[i, r + b] = kernel[i, b] / soft
             outcome = project(rows, bottom, top, start, math.inf, tolerance, point, mu)
             solved += 1
-            if outcome in (STALLED, INFEASIBLE):
+            if outcome == STALLED or outcome == INFEASIBLE:  # noqa: SIM109 - compiles faster
                 break
             for i in range(m):
                 f[i] = 0.0

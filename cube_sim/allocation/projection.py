@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
+
+from cube_sim.compiled import compiled
 
 OPTIMAL, INFEASIBLE, CUT, STALLED = 0, 1, 2, 3
 """Outcomes: solved; no point satisfies the strips; the distance exceeds the cutoff; the iteration limit was hit."""
@@ -15,7 +16,7 @@ _PARALLEL = 1e-10
 """Sine of the angle below which a strip adds no new direction to the active ones."""
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def project(
     rows: NDArray[np.float64],
     low: NDArray[np.float64],
@@ -145,7 +146,7 @@ def project(
     return STALLED
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _drop(
     rows: NDArray[np.float64],
     active: NDArray[np.int64],

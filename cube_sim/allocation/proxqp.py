@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 from proxsuite import proxqp
 
-from cube_sim.allocation.decide import CLOSEST, Answers, answer_of
+from cube_sim.allocation.decide import CLOSEST, UNPROVEN_CLOSEST, Answers, answer_of
 from cube_sim.allocation.qp import SubsetQP
 from cube_sim.allocation.tables import Packed, Tables, pack, unpack
+from cube_sim.compiled import compiled
 
 BORDER = 1e-6
 """Residuals, part of the largest force, up to which a problem without interior counts as solved."""
@@ -195,7 +195,7 @@ class Confirmer:
         return bool(solved and within(x, force, self._agreement_N))
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def subset_problem(
     packed: Packed,
     answers: Answers,
@@ -217,13 +217,15 @@ def subset_problem(
     rows, motors = t.equations.shape
     answer = answer_of(answers.numbers[0], t.A.shape[0], motors)
     made = np.empty(motors)
+    status = int(answer.rest[2])
+    met = status != CLOSEST and status < UNPROVEN_CLOSEST
     for i in range(motors):
         target = t.targets[int(answer.rest[3]), i, answers.subset[0, i] + 1]
         problem[0, i] = -t.weights[i] * target
         problem[2, i], problem[3, i] = answer.low[i], answer.high[i]
         problem[4, i], multiplier[i] = answer.force[i], answer.multiplier[i]
         made[i] = answer.force[i]
-        if answer.rest[2] != CLOSEST:
+        if met:
             made[i] = 0.0
             for a in range(wrench.shape[0]):
                 made[i] += t.particular[i, a] * wrench[a]
@@ -234,7 +236,7 @@ def subset_problem(
             problem[5, b] -= t.equations[b, i] * (t.weights[i] * answer.force[i] + problem[0, i] + multiplier[i])
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def within(x: NDArray[np.float64], y: NDArray[np.float64], limit: float) -> bool:
     """Whether no entry differs by more than the limit; a NaN differs from everything."""
     agree = True

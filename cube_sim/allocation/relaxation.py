@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
+
+from cube_sim.compiled import compiled
 
 ANY_SIDE = 7
 """Bit mask of the sides still open to a motor: 1 negative, 2 off, 4 positive."""
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def relax(
     low: NDArray[np.float64],
     high: NDArray[np.float64],
@@ -57,7 +58,7 @@ def relax(
             relaxed[i, mask, 2], relaxed[i, mask, 3] = mean, constant
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def choose_side(
     f: float,
     motor: int,
@@ -83,7 +84,7 @@ def choose_side(
     return best, cost
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def split(f: float, motor: int, mask: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[int, int]:
     """Divide the open sides of a motor at force f, the part nearer to f first; both parts are smaller than the mask.
 

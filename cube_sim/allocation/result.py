@@ -22,6 +22,13 @@ class Status(IntEnum):
             does not know. Remedy: an exact method, or a controller that makes up for the error.
         FORBIDDEN_FORCE: a method blind to limits asks a motor for a force outside its allowed set; the motor will
             make another. Remedy: a method that knows the limits.
+        UNPROVEN: the forces make the demanded wrench, but the search gave up before it had proof that none do at
+            less cost. Remedy: the objective ``energy``, fewer motors to choose between, or patience with the cost.
+        UNPROVEN_CLOSEST: no forces that make the demanded wrench were found; these make the closest wrench found (or
+            the largest scale found), without proof. Remedy: as for ``UNPROVEN`` and ``CLOSEST``.
+        SCALED: no allowed forces make the demanded wrench; these make the largest part of it that keeps its direction
+            and is attainable. Where not even no wrench at all is, they make the closest to none. Remedy: as for
+            ``CLOSEST``.
     """
 
     EXACT = 0
@@ -29,6 +36,9 @@ class Status(IntEnum):
     INVALID_WRENCH = 2
     MISSED = 3
     FORBIDDEN_FORCE = 4
+    UNPROVEN = 5
+    UNPROVEN_CLOSEST = 6
+    SCALED = 7
 
     @property
     def message(self) -> str:
@@ -42,6 +52,9 @@ _MESSAGES = {
     Status.INVALID_WRENCH: "the demanded wrench is not finite: the thrusters rest",
     Status.MISSED: "the allocation misses the demanded wrench",
     Status.FORBIDDEN_FORCE: "the allocation asks a thruster for a force outside its allowed set",
+    Status.UNPROVEN: "the demanded wrench is made, perhaps not at the least cost",
+    Status.UNPROVEN_CLOSEST: "no forces making the demanded wrench were found: the best wrench found is made",
+    Status.SCALED: "the demanded wrench is out of reach: the largest part of it in its direction is made",
 }
 
 

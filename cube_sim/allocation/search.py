@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.projection import CUT, INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import choose_side, split
 from cube_sim.allocation.ties import changed, preferred, slack_of
+from cube_sim.compiled import compiled
 
-FOUND, NONE, UNPROVEN = 0, 1, 2
+FOUND, NONE, GAVE_UP = 0, 1, 2
 """Outcomes: the optimum; no allowed forces make the wrench; a projection stalled or there were too many: not proven."""
 
 
@@ -20,7 +20,7 @@ MOST_NODES = 20_000
 """Projections after which a search gives up its proof and answers with the best it has; eight motors take hundreds."""
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def search(
     origin: NDArray[np.float64],
     kernel: NDArray[np.float64],
@@ -117,7 +117,7 @@ def search(
             top[i] -= origin[i]
         outcome = project(kernel, bottom, top, start, best + slack - free, tolerance, point, mu)
         solved += 1
-        if outcome in (INFEASIBLE, CUT):
+        if outcome == INFEASIBLE or outcome == CUT:  # noqa: SIM109 - compiles faster
             continue
         if outcome == STALLED:  # no bound for this node: divide it where it can be divided
             for i in range(m):
@@ -177,5 +177,5 @@ def search(
                 bound[depth] = lower
                 depth += 1
     if not proven:
-        return UNPROVEN, value_best, solved
+        return GAVE_UP, value_best, solved
     return (FOUND if best < math.inf else NONE), value_best, solved

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.allocation.facets import facet_normals
 from cube_sim.allocation.geometry import WrenchDistance, WrenchFibre, torque_rows
 from cube_sim.allocation.lines import suits_lines
 from cube_sim.allocation.relaxation import relax
+from cube_sim.compiled import compiled
 
 
 class Packed(NamedTuple):
@@ -18,7 +19,7 @@ class Packed(NamedTuple):
 
     Attributes:
         numbers: every float of the tables, field after field.
-        sizes: n, m, k, r, number of alternatives, planar.
+        sizes: n, m, k, r, number of alternatives, planar, h.
         masks: (m,) as in `Tables`.
     """
 
@@ -43,6 +44,8 @@ class Tables(NamedTuple):
         free: (m, k) its orthonormal kernel.
         basis: (n, r) see `WrenchDistance`.
         gain: (r, m) see `WrenchDistance`.
+        facets: (h, r) normals across which a demand is scaled, in the coordinates s of `WrenchDistance`; h = 0 where
+            the closest wrench is wanted instead.
         wrench_weights: (n,) diagonal of W.
         weights: (m,) w.
         low: (m, 3) lower end of each side [N]; an empty side has low > high.
@@ -70,6 +73,7 @@ class Tables(NamedTuple):
     free: NDArray[np.float64]
     basis: NDArray[np.float64]
     gain: NDArray[np.float64]
+    facets: NDArray[np.float64]
     wrench_weights: NDArray[np.float64]
     weights: NDArray[np.float64]
     low: NDArray[np.float64]
@@ -97,6 +101,7 @@ def make_tables(
     change_limit: float,
     tolerance: float,
     length_m: float,
+    scaled: bool,
 ) -> Tables:
     """Tabulate; see `Tables` for the arguments."""
     n, m = A.shape
@@ -120,6 +125,7 @@ def make_tables(
         free=distance.kernel,
         basis=distance.basis,
         gain=distance.gain,
+        facets=facet_normals(distance.gain) if scaled else np.zeros((0, len(distance.gain))),
         wrench_weights=distance.weights,
         weights=weights,
         low=sides[0],
@@ -171,11 +177,11 @@ def pack(tables: Tables) -> Packed:
     fields = [np.ravel(field) for name, field in tables._asdict().items() if name not in ("masks", "planar")]
     n, m = tables.A.shape
     k, r = tables.kernel.shape[1], len(tables.equations)
-    sizes = np.array([n, m, k, r, len(tables.targets), tables.planar], np.int64)
+    sizes = np.array([n, m, k, r, len(tables.targets), tables.planar, len(tables.facets)], np.int64)
     return Packed(np.concatenate(fields), sizes, tables.masks)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def unpack(packed: Packed) -> Tables:
     """Tables whose arrays are views of the packed numbers."""
     numbers, sizes, masks = packed
@@ -191,6 +197,7 @@ def unpack(packed: Packed) -> Tables:
     free, at = _take(numbers, at, m, m - r)
     basis, at = _take(numbers, at, n, r)
     gain, at = _take(numbers, at, r, m)
+    facets, at = _take(numbers, at, sizes[6], r)
     wrench_weights, at = _take(numbers, at, 1, n)
     weights, at = _take(numbers, at, 1, m)
     low, at = _take(numbers, at, m, 3)
@@ -201,13 +208,13 @@ def unpack(packed: Packed) -> Tables:
     edge, at = _take(numbers, at, m, 3)
     return Tables(
         A, error_scale[0], particular, kernel, equations, unreachable, plane, sizes[5] != 0, spread, free, basis, gain,
-        wrench_weights[0], weights[0], low, high, masks, targets.reshape(alternatives, m, 3), penalty,
+        facets, wrench_weights[0], weights[0], low, high, masks, targets.reshape(alternatives, m, 3), penalty,
         relaxed.reshape(alternatives, m, 8, 4), edge, float(numbers[at]), float(numbers[at + 1]),
         float(numbers[at + 2]), float(numbers[at + 3]),
     )  # fmt: skip
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _take(numbers: NDArray[np.float64], at: int, rows: int, columns: int) -> tuple[NDArray[np.float64], int]:
     end = at + rows * columns
     return numbers[at:end].reshape(rows, columns), end

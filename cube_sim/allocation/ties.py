@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.compiled import compiled
 
-@nb.njit(cache=True, error_model="numpy")
+
+@compiled
 def slack_of(best: float) -> float:
     """Difference in cost that counts as rounding next to the best cost [N^2]."""
     return 1e-9 * (abs(best) + 1e-6) if best < math.inf else 0.0
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def changed(sides: NDArray[np.int8], previous: NDArray[np.int8]) -> int:
     """Number of motors whose side differs from the previous one."""
     count = 0
@@ -24,7 +25,7 @@ def changed(sides: NDArray[np.int8], previous: NDArray[np.int8]) -> int:
     return count
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def preferred(
     cost: float,
     best: float,

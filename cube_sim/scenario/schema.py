@@ -171,7 +171,8 @@ class Allocation(Block):
         default="search+proxqp",
         description="Exact: search+proxqp (a search picks the subset, one ProxQP solves it), search, enumerate (one "
         "ProxQP per subset), enumerate_parallel. To compare with: contraction, compensation, pseudo_inverse, "
-        "clipped_pseudo_inverse; these know no objective, torque weight, penalty or change limit.",
+        "clipped_pseudo_inverse; these know no objective, torque weight, penalty or change limit, and do not "
+        "know whether a wrench is attainable.",
     )
     allow_off: bool = Field(default=True, description="Whether a thruster may rest at 0 N, inside its dead zone.")
     objective: Literal["energy", "reactivity", "reactivity_by_side"] = Field(
@@ -183,6 +184,11 @@ class Allocation(Block):
         default=30.0,
         gt=0,
         description="Weight of torque against force errors when the wrench is unattainable.",
+    )
+    unattainable: Literal["closest", "scaled"] = Field(
+        default="closest",
+        description="What is made of an unattainable wrench. closest: the closest attainable one. scaled: the largest "
+        "attainable part of it in its own direction; with dead zones that may be nothing.",
     )
     dead_zone_margin: float = Field(
         default=0.1,

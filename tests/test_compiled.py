@@ -1,0 +1,58 @@
+"""Machine code kept on disk is used again, and never after what it was made from has changed."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+CALLEE = """
+from cube_sim.compiled import compiled
+
+FACTOR = {factor}
+
+@compiled
+def inner(x):
+    return {inner}
+"""
+MIDDLE = """
+from callee import FACTOR, inner
+from cube_sim.compiled import compiled
+
+@compiled
+def middle(x):
+    return FACTOR * inner(x)
+"""
+CALLER = """
+from cube_sim.compiled import compiled
+from middle import middle
+
+@compiled
+def outer(x):
+    return middle(x) + 1.0
+
+print(outer(1.0), sum(outer.stats.cache_hits.values()))
+"""
+
+
+def outer(folder):
+    """What a fresh process computes, and how many functions it took from the disk."""
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": str(Path(__file__).parents[1])}
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"
+    done = subprocess.run(
+        [sys.executable, "caller.py"], cwd=folder, env=environment, capture_output=True, text=True, check=True
+    )
+    value, hits = done.stdout.split()
+    return float(value), int(hits)
+
+
+def test_cached_code_follows_functions_and_constants_of_other_files(tmp_path):
+    callee = tmp_path / "callee.py"
+    (tmp_path / "middle.py").write_text(MIDDLE)
+    (tmp_path / "caller.py").write_text(CALLER)
+    callee.write_text(CALLEE.format(factor=2.0, inner="x + 3.0"))
+    assert outer(tmp_path) == (9.0, 0)
+    assert outer(tmp_path) == (9.0, 1)
+    callee.write_text(CALLEE.format(factor=2.0, inner="x + 4.00"))
+    assert outer(tmp_path) == (11.0, 0)
+    callee.write_text(CALLEE.format(factor=5.0, inner="x + 4.00"))
+    assert outer(tmp_path) == (26.0, 0)
