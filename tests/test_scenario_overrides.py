@@ -28,9 +28,9 @@ def test_every_value_of_a_scenario_can_be_overridden(tmp_path):
 
     overrides = dict(leaves(data, []))
     assert len(overrides) > 40
-    checks = [{} for _ in data["checks"]]
+    lists = {key: [{} for _ in data[key]] for key in ("events", "checks")}
     start = write(tmp_path)
-    assert load(start, {"path": {}, "checks": checks, **overrides}).scenario == wanted.scenario
+    assert load(start, {"path": {}, **lists, **overrides}).scenario == wanted.scenario
 
 
 def test_outer_overrides_come_first_whatever_the_order(tmp_path):
