@@ -133,7 +133,11 @@ checks:
         ("duration_s: 10", "duration_s: !secret 3", "4:13: duration_s: cannot be read: "),
         ("hull.xml", ".", "3:8: model: . is a folder, not an MJCF file"),
         ("type: line", "type: lien", "5:7: path: unknown type 'lien'; did you mean line?"),
-        ("type: line, ", "", "5:7: path: needs the key type: one of line, arc, circle, helix, sinusoid, polyline, spline, csv"),
+        (
+            "type: line, ",
+            "",
+            "5:7: path: needs the key type: one of line, arc, circle, helix, sinusoid, polyline, spline, csv",
+        ),
         ("end_m: [4, 0, -5]", "end_m: [0, 0, -5]", "5:48: path.end_m: a line needs two different points"),
         ("end_m: [4, 0, -5]", "end_m: [4, 0, -5, 1]", "5:48: path.end_m: must have 3 entries, has 4"),
         ("end_m: [4, 0, -5]", "end_m: far", "5:48: path.end_m: must be a list, got the text 'far'"),
