@@ -48,6 +48,29 @@ def test_cube_against_bounded_least_squares_on_all_256_subsets():
     assert sum(check_closest(allocator, False, wrench) for wrench in wrenches) >= 3
 
 
+@pytest.mark.parametrize(
+    ("allow_off", "wrench"),
+    [
+        (True, [14.762395607368724, -29.856409641553377, 39.25982189043817, 10.34256368615195, -5.113843846678851,
+                -10.400001685908734]),
+        (True, [-22.671361181042435, -41.577349191552734, -10.392306179559816, -11.453590572461, 20.63819959761053,
+                -4.399999630737488]),
+        (True, [29.041458573611663, -7.433762038202131, -28.86751368814014, -24.74538173341955, -2.7397471095149455,
+                9.199999695377276]),
+        (False, [-54.196155948052244, 19.29016706573869, -10.392302776460879, -7.8535860404333135, 14.40281666841603,
+                 -24.39999776840452]),
+    ],
+)  # fmt: skip
+def test_on_the_border_of_a_subset_its_cheapest_forces_are_found(allow_off, wrench):
+    """Motors with no freedom left stand a rounding off their dead zone; the others must still be at their best."""
+    A = np.delete(cube(), np.random.default_rng(1).choice(8, 1, replace=False), axis=1)
+    allocator = Allocator(
+        A, [-40, -8, 10, 50], allow_off=allow_off, objective="reactivity_by_side", reactivity=[-32, 44]
+    )
+    allocator.allocate(wrench)
+    assert allocator.effort.disagreements == 0
+
+
 def test_attitude_first_by_default():
     """The default gives up force to keep torque; plain weights do not."""
     A = cube()

@@ -153,7 +153,7 @@ def nearest(
             repeated = repeated or gap <= 1e3 * near
         if repeated and distance >= best - near:
             continue
-        chosen, furthest = -1, 2.0 * tolerance
+        chosen, furthest = -1, tolerance  # half of what the search for the forces accepts
         for i in range(m):
             gap = math.inf
             for s in range(3):

@@ -16,6 +16,10 @@ FOUND, NONE, GAVE_UP = 0, 1, 2
 """Outcomes: the optimum; no allowed forces make the wrench; a projection stalled or there were too many: not proven."""
 
 
+ACCEPTED = 2.001
+"""Distance from a side, in tolerances, at which a force still lies on it. The projections keep to 2: what is accepted
+on a side is then attainable with that side alone, and the cheapest force of a subset is never missed at its border."""
+
 MOST_NODES = 20_000
 """Projections after which a search gives up its proof and answers with the best it has; eight motors take hundreds."""
 
@@ -115,7 +119,7 @@ def search(
             free += weight[i] * value * value
             bottom[i] -= origin[i]
             top[i] -= origin[i]
-        outcome = project(kernel, bottom, top, start, best + slack - free, tolerance, point, mu)
+        outcome = project(kernel, bottom, top, start, best + slack - free, 2.0 * tolerance, point, mu)
         solved += 1
         if outcome == INFEASIBLE or outcome == CUT:  # noqa: SIM109 - compiles faster
             continue
@@ -143,7 +147,7 @@ def search(
             f[i] = value
             here = weight[i] * (value - relaxed[i, mask[i], 2]) ** 2
             lower += here
-            s, price = choose_side(value, i, mask[i], low, high, target, penalty, weight[i], 2.0 * tolerance)
+            s, price = choose_side(value, i, mask[i], low, high, target, penalty, weight[i], ACCEPTED * tolerance)
             sides[i] = s - 1
             if s < 0:
                 gap = math.inf
