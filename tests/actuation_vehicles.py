@@ -1,29 +1,20 @@
 """Vehicles the actuation tests share."""
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
 from cube_sim import Vehicle, load_model
 from cube_sim.actuation.hull import Hull
+from cube_sim.analyze_command import hull_of
+
+__all__ = ["cube", "hull_of", "random_hull"]
 
 
 @cache
 def cube() -> Vehicle:
-    return Vehicle.from_model(load_model("models/cube.xml"))
-
-
-def hull_of(vehicle: Vehicle) -> Hull:
-    g = float(np.linalg.norm(vehicle.gravity))
-    return Hull(
-        mass=vehicle.mass_matrix + vehicle.added_mass,
-        linear_damping=vehicle.linear_damping,
-        quadratic_damping=vehicle.quadratic_damping,
-        weight=vehicle.mass * g,
-        buoyancy=vehicle.displaced_mass * g,
-        centre_of_mass=vehicle.centre_of_mass,
-        centre_of_buoyancy=vehicle.centre_of_buoyancy,
-    )
+    return Vehicle.from_model(load_model(Path(__file__).parents[1] / "models" / "cube.xml"))
 
 
 def random_hull(rng) -> Hull:
