@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import cube_sim
-from cube_sim.actuators import Actuators
 from cube_sim.allocation import Allocator, Status
 from cube_sim.control.authority import Authority, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.health import Health
+from cube_sim.mission.actuators import Actuators
 from cube_sim.spatial import rotation_from_quaternion
 
 

@@ -10,7 +10,7 @@ from scenario_files import REPO
 import cube_sim
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.mission import prepare
-from cube_sim.planar_knowledge import planar_model
+from cube_sim.mission.planar_knowledge import planar_model
 from cube_sim.scenario import load
 
 MISSION = f"""\

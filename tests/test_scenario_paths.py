@@ -7,8 +7,8 @@ import pytest
 from scenario_files import MINIMAL, mistakes, write
 
 from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.mission.path import laps_of, path_of
 from cube_sim.scenario import load
-from cube_sim.scenario_path import laps_of, path_of
 
 LINE = "{type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}"
 SQUARE = "points_m: [[0, 0, -5], [4, 0, -5], [4, 4, -5], [0, 4, -5]]"

@@ -13,9 +13,9 @@ from cube_sim.control.planar.follower import PlanarFollower
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
-from cube_sim.planar_knowledge import planar_model
+from cube_sim.mission.path import is_level, laps_of, speed_of
+from cube_sim.mission.planar_knowledge import planar_model
 from cube_sim.scenario import Loaded
-from cube_sim.scenario_path import is_level, laps_of, speed_of
 from cube_sim.vehicle.vehicle import Vehicle
 
 

@@ -1,0 +1,56 @@
+"""The allocation a scenario asks for, over the thrusters of its vehicle."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation.factory import WrenchAllocator, is_exact, make_allocator
+from cube_sim.mission.actuators import Actuators
+from cube_sim.scenario import schema
+from cube_sim.vehicle.vehicle import Vehicle
+
+
+def actuators_of(vehicle: Vehicle, block: schema.Allocation) -> Actuators:
+    """Wrench to thruster forces, as the `allocation` block says."""
+    thrusters = vehicle.thrusters
+
+    def build(A: NDArray[np.float64], limits: NDArray[np.float64], which: NDArray[np.int_]) -> WrenchAllocator:
+        options: dict[str, Any] = {
+            "allow_off": block.allow_off,
+            "power_coefficients": thrusters.power_coefficients[which],
+        }
+        if is_exact(block.method):
+            weights = np.ones(6)
+            weights[3:] = block.torque_weight
+            options |= {
+                "objective": block.objective,
+                "wrench_weights": weights,
+                "unattainable": block.unattainable,
+                "reversal_penalty": block.reversal_penalty_N2,
+                "change_limit": block.change_limit_N,
+            }
+        if block.objective.startswith("reactivity"):
+            options["reactivity"] = thrusters.reactivity[which]
+        return make_allocator(block.method, A, limits, options)
+
+    limits = clear_of_dead_zone(thrusters.limits, block.dead_zone_margin)
+    return Actuators(vehicle.actuation_matrix, limits, build)
+
+
+def clear_of_dead_zone(limits: NDArray[np.float64], margin: float) -> NDArray[np.float64]:
+    """Limits whose dead zones are wider by the share `margin`, never beyond saturation.
+
+    A lagging motor approaches a constant command from inside: commanded exactly onto the edge of its dead zone it
+    would never start, and close to the edge it starts late, after lag * ln(1 / margin).
+
+    Args:
+        limits: (m,4) [F_max-, F_DZ-, F_DZ+, F_max+] [N].
+        margin: share of F_DZ.
+    """
+    wider = limits.copy()
+    wider[:, 1] = np.maximum(limits[:, 0], limits[:, 1] * (1.0 + margin))
+    wider[:, 2] = np.minimum(limits[:, 3], limits[:, 2] * (1.0 + margin))
+    return wider

@@ -1,0 +1,86 @@
+"""A loaded scenario turned into the objects the loop drives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+
+from cube_sim.allocation import Status
+from cube_sim.control.authority import Authority
+from cube_sim.control.controller import Controller
+from cube_sim.control.diagnosis import Diagnosis
+from cube_sim.events import Events
+from cube_sim.guidance.path import Path
+from cube_sim.mission.actuators import Actuators
+from cube_sim.mission.allocation import actuators_of
+from cube_sim.mission.control import controller_of, diagnosis_of
+from cube_sim.mission.hull import hull_of, initial_state
+from cube_sim.mission.path import path_of
+from cube_sim.mission.refusals import require_possible_events, require_signals
+from cube_sim.recording.channels import Channel, channel_table
+from cube_sim.scenario import Loaded, Scenario
+from cube_sim.vehicle.vehicle import Vehicle
+
+PATH_POINTS = 400
+"""Points of the polyline by which a recording shows the path."""
+
+
+@dataclass(frozen=True)
+class Mission:
+    """Everything a run needs, ready at time 0.
+
+    Attributes:
+        scenario: what was asked for.
+        model: the compiled model with water.
+        data: its state, at the scenario's initial condition.
+        vehicle: the hull that follows the path.
+        path: the path.
+        controller: state to wrench.
+        actuators: wrench to thruster forces.
+        events: what happens on the way.
+        diagnosis: finds thruster faults, None when the controller is told of them or ignores them.
+        channels: what will be recorded.
+    """
+
+    scenario: Scenario
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    vehicle: Vehicle
+    path: Path
+    controller: Controller
+    actuators: Actuators
+    events: Events
+    diagnosis: Diagnosis | None
+    channels: tuple[Channel, ...]
+
+
+def prepare(loaded: Loaded) -> Mission:
+    """Build a mission; nothing is written.
+
+    Raises:
+        ScenarioError: the model does not fit the scenario; with position.
+    """
+    scenario = loaded.scenario
+    model, vehicle = hull_of(loaded)
+    path = path_of(loaded)
+    channels = channel_table(
+        vehicle.thrusters.names,
+        PATH_POINTS,
+        tuple(status.name for status in Status),
+        tuple(authority.name for authority in Authority),
+    )
+    require_signals(loaded, channels)
+    require_possible_events(loaded, vehicle)
+    return Mission(
+        scenario=scenario,
+        model=model,
+        data=initial_state(model, vehicle, scenario),
+        vehicle=vehicle,
+        path=path,
+        controller=controller_of(loaded, model, path, vehicle),
+        actuators=actuators_of(vehicle, scenario.allocation),
+        events=Events(scenario.events, model, vehicle),
+        diagnosis=diagnosis_of(vehicle, scenario) if scenario.control.faults == "diagnosed" else None,
+        channels=channels,
+    )
