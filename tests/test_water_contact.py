@@ -65,6 +65,9 @@ OPTIONS = [
     '<option integrator="implicitfast" timestep="0.002" solver="Newton" cone="elliptic"/>',
     '<option integrator="RK4" timestep="0.005" solver="Newton"/>',
     '<option integrator="Euler" timestep="0.002" solver="CG" iterations="200" tolerance="1e-12"/>',
+    '<option integrator="RK4" timestep="0.005" solver="PGS" iterations="200" tolerance="1e-12"/>',
+    '<option integrator="Euler" timestep="0.002" solver="PGS" jacobian="sparse" iterations="200" tolerance="1e-12"/>',
+    '<option integrator="Euler" timestep="0.002" noslip_iterations="5" cone="elliptic"/>',
 ]
 
 
@@ -83,7 +86,7 @@ def test_a_corner_hits_a_wall_obliquely(option, friction, solref):
     np.testing.assert_allclose(got, expected, atol=tolerance(option))
 
 
-@pytest.mark.parametrize("option", OPTIONS[:2])
+@pytest.mark.parametrize("option", [OPTIONS[0], OPTIONS[1], OPTIONS[5]])
 def test_two_hulls_collide(option):
     """Both with added mass, and apart from each other in islands of their own before they touch."""
     scene = HULL.format(name="left", pos="-0.6 0.05 0", friction="0.5", solref="0.02 1")
@@ -92,6 +95,45 @@ def test_two_hulls_collide(option):
     velocity = np.array([0.8, 0.0, 0.1, 0.3, 0.2, -0.4, -0.7, 0.1, 0.0, -0.2, 0.5, 0.1])
     got, expected = both_fly(scene, ("left", "right"), option, velocity, 900)
     np.testing.assert_allclose(got, expected, atol=tolerance(option))
+
+
+def pressed_against_the_wall() -> mujoco.MjModel:
+    scene = HULL.format(name="hull", pos="0.7 0 0", friction="0.5", solref="0.02 1")
+    return wet(scene + WALL.format(friction="0.5", solref="0.02 1"), ("hull",), '<option timestep="0.002"/>')
+
+
+def test_solver_chosen_after_loading():
+    """Newton, CG and PGS, each run to its end, agree on one problem: they see the same inertia."""
+    model, ends = pressed_against_the_wall(), []
+    model.opt.iterations, model.opt.tolerance = 1000, 1e-14
+    for solver in (mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtSolver.mjSOL_CG, mujoco.mjtSolver.mjSOL_PGS):
+        model.opt.solver = solver
+        data = mujoco.MjData(model)
+        data.qvel[0] = 0.5
+        touched = False
+        for _ in range(200):
+            mujoco.mj_step(model, data)
+            touched |= data.nefc > 0
+        assert touched
+        ends.append(data.qvel.copy())
+    np.testing.assert_allclose(ends[1], ends[0], atol=1e-7)
+    np.testing.assert_allclose(ends[2], ends[0], atol=1e-7)
+
+
+def test_derivatives_in_contact_do_not_depend_on_the_solver():
+    """mjd_transitionFD runs the passive stage again and again on one set of contacts."""
+    model, found = pressed_against_the_wall(), []
+    model.opt.iterations, model.opt.tolerance = 1000, 1e-16
+    data = mujoco.MjData(model)
+    data.qfrc_applied[0] = 30.0
+    mujoco.mj_step(model, data, nstep=500)
+    for solver in (mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtSolver.mjSOL_PGS):
+        model.opt.solver = solver
+        A = np.zeros((12, 12))
+        mujoco.mjd_transitionFD(model, data, 1e-5, True, A, None, None, None)
+        found.append(A)
+    assert data.nefc > 0
+    np.testing.assert_allclose(found[1], found[0], atol=1e-4)
 
 
 def test_elastic_rebound_keeps_the_speed():

@@ -75,8 +75,6 @@ def edited(**changes) -> mujoco.MjSpec:
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"solver": mujoco.mjtSolver.mjSOL_PGS}, "PGS"),
-        ({"noslip_iterations": 3}, "noslip"),
         ({"density": 1000.0}, "MuJoCo's own fluid model"),
         ({"viscosity": 0.001}, "MuJoCo's own fluid model"),
         (
@@ -88,6 +86,29 @@ def edited(**changes) -> mujoco.MjSpec:
 def test_wrong_option(changes, reason):
     with pytest.raises(ModelError, match=reason):
         cube_sim.load_model(edited(**changes))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("disableflags", int(mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER)),
+        ("density", 1000.0),
+        ("viscosity", 0.001),
+    ],
+)
+def test_a_wrong_option_set_after_loading_is_not_flown_without_a_word(name, value):
+    """A hull whose water is skipped, or doubled, gets no force that looks like one; MuJoCo warns at the first step."""
+    model = cube_sim.load_model(CUBE)
+    data = mujoco.MjData(model)
+    setattr(model.opt, name, value)
+    with collect_warnings() as warnings:
+        mujoco.mj_step(model, data)
+    assert data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number > 0
+    assert any("QACC" in text for text in warnings)
+    setattr(model.opt, name, 0)
+    mujoco.mj_resetData(model, data)
+    mujoco.mj_step(model, data)
+    assert data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number == 0
 
 
 def test_no_water_at_all():

@@ -31,6 +31,7 @@ _LOW, _HIGH, _POINTS, _CURVE = packing.DEAD_LOW, packing.DEAD_HIGH, packing.POIN
 _EFFICIENCY, _SUPPLY, _STUCK = packing.EFFICIENCY, packing.SUPPLY, packing.STUCK
 
 _factor_mass_matrix = types.ExternalFunction("mj_factorM", types.void(types.int64, types.int64))
+_project_constraints = types.ExternalFunction("mj_projectConstraint", types.void(types.int64, types.int64))
 
 
 @numba.njit
@@ -90,28 +91,38 @@ def _plus(a, b):
 
 
 @numba.njit
+def _not_a_number():
+    """The wrench of what cannot be computed: MuJoCo warns of it at the first step, on any thread."""
+    nan = float("nan")
+    return (nan, nan, nan, nan, nan, nan)
+
+
+@numba.njit
 def _user_wrench(function, process, time, position, rotation, nu, nu_r):
     """The hull's own force; not a number when the model comes from another process, whose functions are not here."""
     table = force_table()
     if double(table, 0) != process:
-        nan = float("nan")
-        return (nan, nan, nan, nan, nan, nan)
+        return _not_a_number()
     return call_force(field(table, 8 * (function + 1)), time, position, rotation, nu, nu_r)
 
 
-def build(model: Mapping[str, int], data: Mapping[str, int], no_gravity: int) -> dict:
+def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str, int]) -> dict:
     """Compile both callbacks for one memory layout.
 
     Args:
         model: byte offsets of the fields of mjModel.
         data: byte offsets of the fields of mjData.
-        no_gravity: the disable flag that switches gravity off, and buoyancy with it.
+        codes: MuJoCo's numbers for "no_gravity", the disable flag that switches gravity off and buoyancy with it;
+            "no_passive", the two that together skip `passive`; and "pgs", the solver.
 
     Returns:
         numba cfuncs "passive" (model, data) and "thrust" (model, data, actuator).
     """
     nnumeric, numeric_adr, numeric_data = model["nnumeric"], model["numeric_adr"], model["numeric_data"]
     opt_gravity, opt_wind, opt_disableflags = model["opt.gravity"], model["opt.wind"], model["opt.disableflags"]
+    opt_density, opt_viscosity = model["opt.density"], model["opt.viscosity"]
+    opt_solver, opt_noslip = model["opt.solver"], model["opt.noslip_iterations"]
+    no_gravity, no_passive, pgs = codes["no_gravity"], codes["no_passive"], codes["pgs"]
     dof_armature, m_rowadr, actuator_actadr = model["dof_armature"], model["M_rowadr"], model["actuator_actadr"]
     actuator_actnum = model["actuator_actnum"]
     time_, qvel, xpos, xmat, act = data["time"], data["qvel"], data["xpos"], data["xmat"], data["act"]
@@ -196,11 +207,16 @@ def build(model: Mapping[str, int], data: Mapping[str, int], no_gravity: int) ->
             if function >= 0:
                 nu_r = relative_velocity(R, nu, current)
                 F = _plus(F, _user_wrench(function, double(packed, _PROCESS), time, position, rotation, nu, nu_r))
+            if double(m + opt_density, 0) != 0.0 or double(m + opt_viscosity, 0) != 0.0:
+                F = _not_a_number()  # MuJoCo's own fluid model was switched on later: every force twice
             force = field(d, qfrc_passive) + 8 * dof
             for i in range(3):
                 put(force, i, double(force, i) + R[i, 0] * F[0] + R[i, 1] * F[1] + R[i, 2] * F[2])
                 put(force, 3 + i, double(force, 3 + i) + F[3 + i])
         _factor_mass_matrix(m, d)
+        if integer(m + opt_solver, 0) == pgs or integer(m + opt_noslip, 0) > 0:
+            # These work on J M^-1 J', which MuJoCo has computed before the added mass was in M.
+            _project_constraints(m, d)
 
     def thrust(m, d, actuator):
         packed = parameters_of(m)
@@ -209,6 +225,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], no_gravity: int) ->
         start = int(double(packed, int(double(packed, _ACTUATORS)) + actuator))
         if start < 0:
             return 0.0
+        if integer(m + opt_disableflags, 0) & no_passive == no_passive:
+            return float("nan")  # MuJoCo skips `passive`: the hull would be dry without a word
         curve = packed + 8 * start
         stuck = double(curve, _STUCK)
         if stuck == stuck:  # a number: the motor holds that force whatever the command

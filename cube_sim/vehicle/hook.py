@@ -53,14 +53,19 @@ def _callbacks() -> dict:
     llvmlite.binding.load_library_permanently(str(library))
     user_forces.publish()
     layouts = structs.offsets("mjModel", structs.MODEL_FIELDS), structs.offsets("mjData", structs.DATA_FIELDS)
-    no_gravity = int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+    off = mujoco.mjtDisableBit
+    codes = {
+        "no_gravity": int(off.mjDSBL_GRAVITY),
+        "no_passive": int(off.mjDSBL_SPRING | off.mjDSBL_DAMPER),
+        "pgs": int(mujoco.mjtSolver.mjSOL_PGS),
+    }
 
     def build():
         from cube_sim.vehicle import callbacks
 
-        return callbacks.build(*layouts, no_gravity)
+        return callbacks.build(*layouts, codes)
 
-    found = machine_code.addresses(f"{_sources()} {layouts} {no_gravity}", build, tuple(_ARGUMENTS))
+    found = machine_code.addresses(f"{_sources()} {layouts} {codes}", build, tuple(_ARGUMENTS))
     return {role: ctypes.CFUNCTYPE(_RESULTS[role], *_ARGUMENTS[role])(address) for role, address in found.items()}
 
 

@@ -139,10 +139,6 @@ def _require_usable_options(spec: mujoco.MjSpec) -> None:
         raise ModelError(
             "option", "density and viscosity switch MuJoCo's own fluid model on; put 0 and use water:density"
         )
-    if option.solver == mujoco.mjtSolver.mjSOL_PGS:
-        raise ModelError("option", 'solver="PGS" does not see the added mass; use Newton or CG')
-    if option.noslip_iterations:
-        raise ModelError("option", "noslip_iterations does not see the added mass; put 0")
     off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
     if option.disableflags & off == off:
         raise ModelError("option", "disabling both spring and damper skips the passive stage, and the water with it")
