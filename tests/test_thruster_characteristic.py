@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import cube_sim
+from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.pulse import PulseRange
 
 CUBE = Path(__file__).parents[1] / "models" / "cube.xml"
 ZONES = [(0.0, 0.0), (-0.356, 0.4), (-2.0, 2.0), (-12.0, 7.0), (-0.0, 5.0)]
@@ -91,3 +93,57 @@ def test_a_thruster_of_its_own_goes_before_its_hulls():
     limits = cube_sim.Vehicle.from_model(model).thrusters.limits
     np.testing.assert_array_equal(limits[2], [-39.91, -5.0, 6.0, 51.44])
     np.testing.assert_array_equal(limits[3], [-39.91, -0.356, 0.4, 51.44])
+
+
+T200_US = [
+    (1100, -39.91), (1140, -35.85), (1180, -29.36), (1220, -24.07), (1260, -19.04), (1300, -14.10), (1340, -10.01),
+    (1380, -6.36), (1420, -3.16), (1468, -0.356), (1472, 0.0), (1528, 0.0), (1532, 0.400), (1560, 2.135),
+    (1600, 5.92), (1640, 10.14), (1680, 15.08), (1720, 20.82), (1760, 27.05), (1800, 33.54), (1840, 41.72),
+    (1880, 49.15), (1900, 51.44),
+]  # fmt: skip
+"""Pulse [us] and thrust [N] of a T200 at 16 V, rows of the public performance workbook."""
+
+
+@pytest.mark.parametrize("model", ["cube", "cube_as_built", "bluerov2_heavy"])
+def test_the_t200s_table_in_microseconds(model):
+    thrusters = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE.with_stem(model))).thrusters
+    edges = (1468, 1532)  # the smallest forces: the motor holds them just beyond, and rests on the edge itself
+    for pulse, force in T200_US:
+        if force:
+            sent = thrusters.pwm([force] * 8)
+            np.testing.assert_allclose(sent, pulse, rtol=1e-14)
+            np.testing.assert_allclose(thrusters.force_of_pwm(sent), force, rtol=1e-12)
+        if pulse not in edges:
+            np.testing.assert_allclose(thrusters.force_of_pwm([pulse] * 8), force, atol=1e-12)
+        np.testing.assert_allclose(thrusters.command_of_pwm([pulse] * 8), (pulse - 1500) / 400, atol=1e-15)
+    assert np.all(thrusters.force_of_pwm([1468, 1532] * 4) == 0.0)
+    np.testing.assert_array_equal(thrusters.pwm(np.zeros(8)), 1500.0)
+    np.testing.assert_array_equal(thrusters.force_of_pwm([900.0, 2200.0] * 4), [-39.91, 51.44] * 4)
+    np.testing.assert_array_equal(thrusters.voltage, 16.0)
+
+
+@pytest.mark.parametrize("zone", ZONES)
+@pytest.mark.parametrize("pulses", [(1100.0, 1500.0, 1900.0), (1900.0, 1500.0, 1100.0), (1000.0, 1487.3, 2012.9)])
+def test_round_trip_through_pulses_of_every_attainable_force(zone, pulses):
+    """Also for a controller wired the other way round, and for one whose rest is not in the middle."""
+    model = cube_sim.load_model(CUBE, {"hull:thruster_dead_zone": zone, "hull:thruster_pwm": pulses})
+    thrusters = cube_sim.Vehicle.from_model(model).thrusters
+    low, dead_low, dead_high, high = thrusters.limits[0]
+    attainable = np.concatenate([np.linspace(low, dead_low, 60), np.zeros(8), np.linspace(dead_high, high, 60)])
+    for forces in attainable.reshape(-1, 8):
+        np.testing.assert_allclose(thrusters.force_of_pwm(thrusters.pwm(forces)), forces, atol=1e-9)
+    commands = np.linspace(-1.0, 1.0, 8)
+    np.testing.assert_allclose(thrusters.command_of_pwm(thrusters.pwm_of_command(commands)), commands, atol=1e-15)
+    forward = np.diff(thrusters.pwm_of_command(commands))
+    assert np.all(forward * np.sign(pulses[2] - pulses[0]) > 0.0)
+
+
+def test_pulses_of_one_thruster_of_its_own_and_of_none():
+    model = cube_sim.load_model(CUBE, {"T3:thruster_pwm": (1000, 1500, 2000)})
+    ranges = cube_sim.Vehicle.from_model(model).thrusters.pulse_ranges
+    assert ranges[2] == PulseRange(1000.0, 1500.0, 2000.0)
+    assert ranges[3] == PulseRange(1100.0, 1500.0, 1900.0)
+    jack = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE.with_stem("jack"))).thrusters
+    assert np.all(np.isnan(jack.voltage))
+    with pytest.raises(ModelError, match=r"T1:thruster_pwm: is not in the model"):
+        jack.pwm(np.zeros(4))

@@ -17,7 +17,13 @@ from cube_sim.errors import ModelError
 
 DENSITY, CURRENT = "water:density", "water:current"
 HULL_PARAMETERS = ("volume", "centre_of_buoyancy", "added_mass", "linear_damping", "quadratic_damping")
-THRUSTER_PARAMETERS = ("thruster_characteristic", "thruster_dead_zone", "thruster_power")
+THRUSTER_PARAMETERS = (
+    "thruster_characteristic",
+    "thruster_dead_zone",
+    "thruster_power",
+    "thruster_voltage",
+    "thruster_pwm",
+)
 
 _KNOWN = HULL_PARAMETERS + THRUSTER_PARAMETERS
 _NEARLY = 0.8  # share of letters in common, as difflib counts them

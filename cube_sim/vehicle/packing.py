@@ -6,7 +6,8 @@ without names, locks or state, and that travels with every copy of the model int
     [MAGIC, number of hulls, start of hull records, start of the actuator table, start of the current or -1, process]
     hull records, HULL_SIZE each
     actuator table: one entry per actuator, the start of its curve record or -1
-    curve records: [c_DZ-, c_DZ+, F_DZ-, F_DZ+, n, efficiency, supply, stuck, k_P-, k_P+, c_1..c_n, F_1..F_n]
+    curve records: [c_DZ-, c_DZ+, F_DZ-, F_DZ+, n, efficiency, supply, stuck, k_P-, k_P+, voltage,
+                    pulse of -1, of 0, of 1, c_1..c_n, F_1..F_n]; voltage and pulses are NaN where not known
     current: [n_t, n_z, t_1.., z_1.., (v_x, v_y, v_z) time by time]
 
 A few entries are meant to change while a model is in use: `cube_sim.vehicle.condition`.
@@ -34,7 +35,7 @@ BODY, DOF, DISPLACED_MASS, CENTRE, ADDED_MASS, LINEAR, QUADRATIC, FORCE = 0, 1, 
 HULL_SIZE = 115
 # one curve record
 DEAD_LOW, DEAD_HIGH, ZONE_LOW, ZONE_HIGH, POINTS = 0, 1, 2, 3, 4
-EFFICIENCY, SUPPLY, STUCK, POWER, CURVE = 5, 6, 7, 8, 10
+EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, CURVE = 5, 6, 7, 8, 10, 11, 14
 
 
 def pack(
@@ -101,7 +102,8 @@ def _curve_record(thruster: ThrusterParameters) -> NDArray[np.float64]:
     curve = thruster.characteristic
     whole = (1.0, 1.0, np.nan)  # efficiency, supply, not stuck
     head = [*curve.command_dead_zone, *curve.force_dead_zone, curve.commands.size, *whole, *thruster.power]
-    return np.concatenate([np.array(head), curve.commands, curve.forces])
+    wires = [np.nan if thruster.voltage is None else thruster.voltage, *(thruster.pulse_us or [np.nan] * 3)]
+    return np.concatenate([np.array([*head, *wires]), curve.commands, curve.forces])
 
 
 def _current_record(profile: CurrentProfile | None) -> NDArray[np.float64]:

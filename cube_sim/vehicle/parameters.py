@@ -9,9 +9,9 @@
     <body>:thruster_characteristic      pairs command, force [N] for every thruster of the hull
     <body>:thruster_dead_zone           F_DZ-, F_DZ+ [N]
     <body>:thruster_power               k_P-, k_P+ of the electrical power k_P |F|^1.5 [W/N^1.5]; may be left out
-    <actuator>:thruster_characteristic  the same for one thruster, before its hull's
-    <actuator>:thruster_dead_zone
-    <actuator>:thruster_power
+    <body>:thruster_voltage             the voltage of the characteristic [V]; may be left out
+    <body>:thruster_pwm                 pulse widths of the commands -1, 0 and 1 [us]; may be left out
+    <actuator>:thruster_...             each of these for one thruster, before its hull's
     water:current                       rows time [s], height z [m], v_x, v_y, v_z [m/s] (world axes) on a full grid of
                                         times and heights, added to `option wind`; linear between, constant beyond
 
@@ -63,10 +63,14 @@ class ThrusterParameters:
     Attributes:
         characteristic: command to force.
         power: (k_P-, k_P+) of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 when not known.
+        voltage: at which the characteristic holds [V]; None when not known.
+        pulse_us: (3,) pulse widths of the commands -1, 0 and 1 [us]; None when not known.
     """
 
     characteristic: Characteristic
     power: tuple[float, float]
+    voltage: float | None
+    pulse_us: tuple[float, float, float] | None
 
 
 @dataclass(frozen=True)
@@ -174,11 +178,43 @@ def _current(numerics: Mapping[str, NDArray[np.float64]]) -> CurrentProfile | No
 
 
 def _thruster(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str) -> ThrusterParameters:
-    name = next((n for n in (f"{o}:thruster_power" for o in (actuator, body)) if n in numerics), None)
-    power = np.zeros(2) if name is None else _vector(numerics, name, 2)
-    if name and np.any(power < 0.0):
+    return ThrusterParameters(
+        characteristic=_characteristic(numerics, actuator, body),
+        power=_power(numerics, _either(numerics, actuator, body, "thruster_power")),
+        voltage=_voltage(numerics, _either(numerics, actuator, body, "thruster_voltage")),
+        pulse_us=_pulse_us(numerics, _either(numerics, actuator, body, "thruster_pwm")),
+    )
+
+
+def _power(numerics: Mapping[str, NDArray[np.float64]], name: str | None) -> tuple[float, float]:
+    if name is None:
+        return 0.0, 0.0
+    reverse, forward = _vector(numerics, name, 2).tolist()
+    if reverse < 0.0 or forward < 0.0:
         raise ModelError(name, "has a negative value; a motor takes power in both directions")
-    return ThrusterParameters(_characteristic(numerics, actuator, body), (float(power[0]), float(power[1])))
+    return reverse, forward
+
+
+def _voltage(numerics: Mapping[str, NDArray[np.float64]], name: str | None) -> float | None:
+    if name is None:
+        return None
+    voltage = _scalar(numerics, name)
+    if voltage <= 0.0:
+        raise ModelError(name, f"is {voltage:g}; the voltage of a characteristic [V] is positive")
+    return voltage
+
+
+def _pulse_us(numerics: Mapping[str, NDArray[np.float64]], name: str | None) -> tuple[float, float, float] | None:
+    if name is None:
+        return None
+    reverse, rest, forward = _vector(numerics, name, 3).tolist()
+    if min(reverse, rest, forward) <= 0.0 or not (reverse < rest < forward or reverse > rest > forward):
+        raise ModelError(
+            name,
+            f"[{reverse:g}, {rest:g}, {forward:g}] us is out of order; positive pulse widths of full reverse, rest and "
+            "full forward, rest between the others, are right, for example 1100 1500 1900",
+        )
+    return reverse, rest, forward
 
 
 def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str) -> Characteristic:
@@ -207,10 +243,14 @@ def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, 
     return Characteristic(commands, forces, (float(zone[0]), float(zone[1])))
 
 
+def _either(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, parameter: str) -> str | None:
+    """The thruster's own numeric, or its hull's, or None."""
+    return next((name for owner in (actuator, body) if (name := f"{owner}:{parameter}") in numerics), None)
+
+
 def _first(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, parameter: str) -> str:
-    for owner in (actuator, body):
-        if f"{owner}:{parameter}" in numerics:
-            return f"{owner}:{parameter}"
+    if name := _either(numerics, actuator, body, parameter):
+        return name
     raise ModelError(f"{body}:{parameter}", f"is missing; thruster '{actuator}' needs it, or '{actuator}:{parameter}'")
 
 

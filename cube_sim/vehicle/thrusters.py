@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.pulse import PulseRange
 
 
 @dataclass(frozen=True)
@@ -20,6 +22,8 @@ class Thrusters:
         characteristics: (m,) steady command-to-force curves.
         lag_s: (m,) time constants of the motors [s].
         power_coefficients: (m,2) k_P-, k_P+ of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 where not known.
+        voltage: (m,) the voltage at which each characteristic holds [V]; NaN where not known.
+        pulse_ranges: (m,) what stands for the commands on the wire; None where not known.
     """
 
     names: tuple[str, ...]
@@ -27,6 +31,8 @@ class Thrusters:
     characteristics: tuple[Characteristic, ...]
     lag_s: NDArray[np.float64]
     power_coefficients: NDArray[np.float64]
+    voltage: NDArray[np.float64]
+    pulse_ranges: tuple[PulseRange | None, ...]
 
     @property
     def limits(self) -> NDArray[np.float64]:
@@ -60,3 +66,61 @@ class Thrusters:
         """(m,) steady forces [N] of `command` (m,)."""
         c = np.asarray(command, dtype=float)
         return np.array([float(k.force(x)) for k, x in zip(self.characteristics, c, strict=True)])
+
+    def pwm(self, force: ArrayLike) -> NDArray[np.float64]:
+        """(m,) pulse widths [us] whose steady forces are `force` (m,) [N].
+
+        Not rounded: a controller that sends whole microseconds rounds them itself, away from rest at the edges of the
+        dead zone, where the motor stands still.
+
+        Raises:
+            ModelError: a thruster has no `thruster_pwm`.
+        """
+        commands = self.command(force)
+        widths = self.pwm_of_command(commands)
+        rows = zip(self.characteristics, self._pulse_ranges(), commands.tolist(), widths.tolist(), strict=True)
+        return np.array([_outside_dead_zone(*row) for row in rows])
+
+    def pwm_of_command(self, command: ArrayLike) -> NDArray[np.float64]:
+        """(m,) pulse widths [us] of normalised commands (m,); beyond -1 and 1 they saturate.
+
+        Raises:
+            ModelError: a thruster has no `thruster_pwm`.
+        """
+        c = np.asarray(command, dtype=float)
+        return np.array([float(r.pulse(x)) for r, x in zip(self._pulse_ranges(), c, strict=True)])
+
+    def command_of_pwm(self, pulse_us: ArrayLike) -> NDArray[np.float64]:
+        """(m,) normalised commands, as MuJoCo's `ctrl` takes them, of pulse widths (m,) [us].
+
+        Raises:
+            ModelError: a thruster has no `thruster_pwm`.
+        """
+        widths = np.asarray(pulse_us, dtype=float)
+        return np.array([float(r.command(x)) for r, x in zip(self._pulse_ranges(), widths, strict=True)])
+
+    def force_of_pwm(self, pulse_us: ArrayLike) -> NDArray[np.float64]:
+        """(m,) steady forces [N] of pulse widths (m,) [us].
+
+        Raises:
+            ModelError: a thruster has no `thruster_pwm`.
+        """
+        return self.force(self.command_of_pwm(pulse_us))
+
+    def _pulse_ranges(self) -> list[PulseRange]:
+        known = [r for r in self.pulse_ranges if r is not None]
+        if len(known) < len(self.names):
+            name = self.names[self.pulse_ranges.index(None)]
+            raise ModelError(f"{name}:thruster_pwm", "is not in the model, for this thruster or for its hull")
+        return known
+
+
+def _outside_dead_zone(curve: Characteristic, pulses: PulseRange, command: float, pulse_us: float) -> float:
+    """The pulse, moved by its last digit when rounding put a command just outside the dead zone back into it."""
+    if command == 0.0:
+        return pulse_us
+    end = pulses.forward_us if command > 0.0 else pulses.reverse_us
+    low, high = curve.command_dead_zone
+    while low <= pulses.command(pulse_us) <= high and pulse_us != end:
+        pulse_us = float(np.nextafter(pulse_us, end))
+    return pulse_us

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from cube_sim.errors import ModelError
 from cube_sim.spatial import skew
 from cube_sim.vehicle import packing
-from cube_sim.vehicle.characteristic import Characteristic
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.thruster_reading import thrusters_of
 from cube_sim.vehicle.thrusters import Thrusters
 
 
@@ -34,7 +34,7 @@ class Vehicle:
         centre_of_buoyancy: r_CB (3,) [m].
         gravity: (3,) world axes [m/s^2].
         actuation_matrix: A (6,m), F_B = A F_m, read from the compiled transmission.
-        thrusters: names, indices, limits and characteristics of the m thrusters.
+        thrusters: names, indices, limits, characteristics, pulses and power of the m thrusters.
     """
 
     name: str
@@ -113,11 +113,11 @@ def _vehicle(model: mujoco.MjModel, packed: NDArray[np.float64], record: NDArray
     data.qpos[:] = model.qpos0
     mujoco.mj_forward(model, data)
     mass_matrix, centre_of_mass = _rigid_body(model, data, body)
-    actuators = [i for i in range(model.nu) if _is_thruster_of(model, packed, i, body)]
+    thrusters = thrusters_of(model, packed, body)
     R = data.xmat[body].reshape(3, 3)
     moment = np.zeros((model.nu, model.nv))
     mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
-    joint_axes = moment[actuators, dof : dof + 6].T
+    joint_axes = moment[thrusters.actuators, dof : dof + 6].T
     return Vehicle(
         name=name,
         body=body,
@@ -132,13 +132,7 @@ def _vehicle(model: mujoco.MjModel, packed: NDArray[np.float64], record: NDArray
         centre_of_buoyancy=record[packing.CENTRE : packing.ADDED_MASS],
         gravity=np.array(model.opt.gravity),
         actuation_matrix=np.vstack([R.T @ joint_axes[:3], joint_axes[3:]]),
-        thrusters=Thrusters(
-            names=tuple(model.actuator(i).name for i in actuators),
-            actuators=np.array(actuators, dtype=int),
-            characteristics=tuple(_characteristic(packed, i) for i in actuators),
-            power_coefficients=np.array([_power(packed, i) for i in actuators]).reshape(-1, 2),
-            lag_s=np.array([model.actuator_dynprm[i, 0] for i in actuators]),
-        ),
+        thrusters=thrusters,
     )
 
 
@@ -158,26 +152,3 @@ def _rigid_body(
         total += np.block([[m * np.eye(3), -m * S], [m * S, inertia - m * S @ S]])
     first_moment = np.array([total[5, 1], total[3, 2], total[4, 0]])
     return total, first_moment / total[0, 0]
-
-
-def _is_thruster_of(model: mujoco.MjModel, packed: NDArray[np.float64], actuator: int, body: int) -> bool:
-    if packed[int(packed[packing.ACTUATORS]) + actuator] < 0.0:
-        return False
-    site = model.actuator_trnid[actuator, 0]
-    return bool(model.body_rootid[model.site_bodyid[site]] == body)
-
-
-def _power(packed: NDArray[np.float64], actuator: int) -> NDArray[np.float64]:
-    start = int(packed[int(packed[packing.ACTUATORS]) + actuator])
-    return packed[start + packing.POWER : start + packing.POWER + 2]
-
-
-def _characteristic(packed: NDArray[np.float64], actuator: int) -> Characteristic:
-    start = int(packed[int(packed[packing.ACTUATORS]) + actuator])
-    n = int(packed[start + packing.POINTS])
-    curve = start + packing.CURVE
-    return Characteristic(
-        commands=packed[curve : curve + n],
-        forces=packed[curve + n : curve + 2 * n],
-        force_dead_zone=(float(packed[start + packing.ZONE_LOW]), float(packed[start + packing.ZONE_HIGH])),
-    )
