@@ -18,7 +18,7 @@ class Speed(NamedTuple):
     """A desired speed.
 
     Attributes:
-        value: u_d [m/s], positive.
+        value: u_d [m/s], positive, or 0 where a run ends.
         slope: du_d/ds [1/s].
     """
 
@@ -43,6 +43,26 @@ class ConstantSpeed:
     def at(self, s: float) -> Speed:
         """The same everywhere."""
         return self._speed
+
+
+class StoppingSpeed:
+    """A profile that ends: the speed falls as the remaining length over T, and the end is approached like exp(-t / T).
+
+    Args:
+        profile: the speed before.
+        end: arc length [m] where it comes to rest; infinite for never.
+        time: T [s].
+    """
+
+    def __init__(self, profile: SpeedProfile, end: float, time: float) -> None:
+        self._profile, self._end, self._time = profile, end, time
+
+    def at(self, s: float) -> Speed:
+        """The speed at arc length s [m]; 0 from the end on."""
+        if s >= self._end:
+            return Speed(0.0, 0.0)
+        wanted, last = self._profile.at(s), (self._end - s) / self._time
+        return wanted if wanted.value <= last else Speed(last, -1.0 / self._time)
 
 
 class PlannedSpeed:

@@ -1,0 +1,41 @@
+"""What path following, trajectory tracking and point stabilisation have in common.
+
+A target says where on the path the vehicle should be, a motion law which velocity brings it there. In path following
+the target waits for the vehicle (`VirtualTarget` with `Approach`); in trajectory tracking it does not, it runs by the
+clock (`ClockedTarget` with `Pursuit`); in point stabilisation it has nowhere to go (the same on a `Point`).
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from cube_sim.guidance.approach import DesiredMotion
+from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.spatial import Vector
+
+
+class Target(Protocol):
+    """A point that runs along a path."""
+
+    arc_length: float
+
+    def view(self, position: Vector, velocity_W: Vector) -> TargetView:
+        """The vehicle in the target's frame, and the target's speed.
+
+        Args:
+            position: p_WB (3,) [m].
+            velocity_W: velocity over ground (3,) [m/s], world axes.
+        """
+        ...
+
+    def advance(self, speed: float, dt: float) -> None:
+        """Move on for dt [s], starting at s' = speed [m/s]."""
+        ...
+
+
+class MotionLaw(Protocol):
+    """A rule that gives the desired velocity of a vehicle seen from its target."""
+
+    def motion(self, view: TargetView) -> DesiredMotion:
+        """Desired velocity and its derivative along the present motion."""
+        ...
