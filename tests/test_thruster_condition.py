@@ -11,7 +11,6 @@ import pytest
 import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import condition
-from cube_sim.vehicle.battery import Battery
 from cube_sim.vehicle.characteristic import Characteristic
 
 CUBE = Path(__file__).parents[1] / "models" / "cube.xml"
@@ -56,6 +55,14 @@ def test_supply_scales_with_its_square(model):
     assert forces(model, 0.8)[0] == pytest.approx(whole[0] * 0.5625, rel=1e-14)
 
 
+def test_supply_scales_a_stuck_thruster_too(model):
+    condition.set_stuck(model, "T2", -12.0)
+    condition.set_supply(model, "T2", 0.5)
+    assert forces(model, 0.8)[1] == -3.0
+    condition.set_supply(model, "T2", 0.0)
+    assert forces(model, 0.8)[1] == 0.0
+
+
 def test_a_copy_has_its_own_faults(model):
     import copy
 
@@ -73,7 +80,7 @@ def test_a_copy_has_its_own_faults(model):
         (lambda m: condition.set_efficiency(m, "T1", float("nan")), "efficiency nan is outside"),
         (lambda m: condition.set_stuck(m, "T1", 60.0), "it gives -39.91 to 51.44 N"),
         (lambda m: condition.set_stuck(m, "T1", float("nan")), "cannot be stuck at nan"),
-        (lambda m: condition.set_supply(m, "T1", 0.0), "not positive and finite"),
+        (lambda m: condition.set_supply(m, "T1", -0.1), "negative or not finite"),
     ],
 )
 def test_wrong_conditions(model, change, reason):
@@ -127,31 +134,3 @@ def test_reactivity_points(model):
     assert curve.reactivity == pytest.approx((0.5 * (-35.85 - 29.36), 0.5 * (33.54 + 41.72)))
     line = Characteristic(np.array([-1.0, 0.0, 1.0]), np.array([-10.0, 0.0, 20.0]), (-1.0, 1.0))
     assert line.reactivity == (-5.0, 10.0)
-
-
-def test_battery_sags_by_ohms_law():
-    battery = Battery(open_voltage=16.0, resistance=0.05)
-    for power in (0.0, 100.0, 700.0):
-        v = battery.voltage(power)
-        assert v == pytest.approx(16.0 - 0.05 * power / v, rel=1e-12)
-    assert battery.voltage(battery.greatest_power) == 8.0
-    assert battery.voltage(2.0 * battery.greatest_power) == 8.0
-    assert Battery(16.0, 0.0).voltage(1e4) == 16.0
-
-
-def test_a_battery_in_the_loop_settles_where_power_and_voltage_agree(model):
-    """Full ahead from a weak battery: F = F_16V (V/16)^2, P = sum k_P F^1.5 and V = E - R P/V hold together."""
-    thrusters, battery = cube_sim.Vehicle.from_model(model).thrusters, Battery(open_voltage=16.0, resistance=0.02)
-    data = mujoco.MjData(model)
-    data.ctrl[:] = 1.0
-    power, voltage = 0.0, 16.0
-    for _ in range(100):
-        mujoco.mj_step(model, data)
-        power = float(thrusters.power(data.actuator_force[thrusters.actuators]).sum())
-        voltage = battery.voltage(power)
-        for name in thrusters.names:
-            condition.set_supply(model, name, voltage / 16.0)
-    whole = 8 * 0.997 * 51.44**1.5
-    assert power == pytest.approx(whole * (voltage / 16.0) ** 3, rel=1e-6)
-    assert voltage == pytest.approx(16.0 - 0.02 * power / voltage, rel=1e-9)
-    assert 12.0 < voltage < 14.0

@@ -1,32 +1,45 @@
-"""Voltage sag: what the thrusters draw lowers the voltage they are fed with."""
+"""A battery: its voltage falls with the current drawn and with what has been drawn."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 
 
 @dataclass(frozen=True)
 class Battery:
-    """A source of constant voltage behind a resistance.
+    """A source of voltage behind a resistance.
 
     Attributes:
-        open_voltage: E [V].
-        resistance: of the cells and the cable, R [ohm].
+        open_voltage: E when full [V].
+        resistance: R of cells and cable [ohm].
+        empty_voltage: E when empty [V]; it falls in a straight line with the charge. None: as when full.
+        capacity: energy given at open circuit from full to empty [J].
     """
 
     open_voltage: float
     resistance: float
+    empty_voltage: float | None = None
+    capacity: float = inf
 
-    @property
-    def greatest_power(self) -> float:
-        """The most it can deliver, E^2 / 4R [W]."""
-        return self.open_voltage**2 / (4.0 * self.resistance) if self.resistance > 0.0 else float("inf")
+    def open_voltage_at(self, charge: float) -> float:
+        """E [V] at a charge between 0, empty, and 1, full."""
+        empty = self.open_voltage if self.empty_voltage is None else self.empty_voltage
+        return empty + charge * (self.open_voltage - empty)
 
-    def voltage(self, power: float) -> float:
-        """Terminal voltage [V] while delivering `power` [W]: V = E/2 + sqrt(E^2/4 - R P), from V = E - R P / V.
+    def voltage(self, propellers: float, charge: float = 1.0) -> float:
+        """Terminal voltage V [V] while propellers draw the current I = k V^2.
 
-        Beyond the greatest power the voltage stays at E/2, where that power is reached.
+        The power of a propeller at constant command goes with the cube of its speed, and so of V; its current with the
+        square. V = E - R k V^2 has one positive root, at any load: V = 2 E / (1 + sqrt(1 + 4 R k E)).
+
+        Args:
+            propellers: k [A/V^2].
+            charge: of the battery.
         """
-        under_root = 0.25 * self.open_voltage**2 - self.resistance * power
-        return 0.5 * self.open_voltage + sqrt(max(0.0, under_root))
+        E = self.open_voltage_at(charge)
+        return 2.0 * E / (1.0 + sqrt(1.0 + 4.0 * self.resistance * propellers * E))
+
+    def drain(self, power: float, voltage: float) -> float:
+        """Power [W] its cells lose while it delivers `power` [W] at `voltage` [V]: P + R I^2, I = P / V."""
+        return power + self.resistance * (power / voltage) ** 2 if power > 0.0 else 0.0

@@ -230,7 +230,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         curve = packed + 8 * start
         stuck = double(curve, _STUCK)
         if stuck == stuck:  # a number: the motor holds that force whatever the command
-            return stuck
+            return stuck * double(curve, _SUPPLY)
         n = int(double(curve, _POINTS))
         adr = integer(field(m, actuator_actadr), actuator) + integer(field(m, actuator_actnum), actuator) - 1
         force = force_of_command(

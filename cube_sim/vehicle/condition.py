@@ -31,6 +31,8 @@ def set_efficiency(model: mujoco.MjModel, thruster: str, efficiency: float) -> N
 def set_stuck(model: mujoco.MjModel, thruster: str, force: float) -> None:
     """A thruster that holds `force` [N] whatever it is commanded, until `set_efficiency` frees it.
 
+    The force is that at the voltage of its characteristic; another supply scales it as it scales any other.
+
     Raises:
         ModelError: no such thruster, or a force it could never give.
     """
@@ -44,15 +46,15 @@ def set_stuck(model: mujoco.MjModel, thruster: str, force: float) -> None:
 
 
 def set_supply(model: mujoco.MjModel, thruster: str, ratio: float) -> None:
-    """Supply voltage over the voltage the characteristic was measured at.
+    """Supply voltage over the voltage the characteristic was measured at; 0 is no supply.
 
     Propeller speed follows voltage and thrust its square, so forces scale with ratio^2 (F = k n |n|).
 
     Raises:
-        ModelError: no such thruster, or a ratio that is not positive and finite.
+        ModelError: no such thruster, or a ratio that is negative or not finite.
     """
-    if not 0.0 < ratio < np.inf:
-        raise ModelError(thruster, f"supply ratio {ratio:g} is not positive and finite")
+    if not 0.0 <= ratio < np.inf:
+        raise ModelError(thruster, f"supply ratio {ratio:g} is negative or not finite")
     packing.numbers(model)[_curve(model, thruster) + packing.SUPPLY] = ratio**2
 
 
