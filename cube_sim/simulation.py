@@ -189,7 +189,7 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     recorder.append("thrusters", t, allocation.force, commands, produced)
     believed = actuators.health.efficiency
     recorder.append("health", t, mission.events.health.efficiency, believed, decision.authority)
-    recorder.append("water", t, mission.model.opt.wind)
+    recorder.append("water", t, mission.model.opt.wind, decision.current)
     return allocation.wrench, allocation.status
 
 
@@ -220,4 +220,4 @@ def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
     limits = vehicle.thrusters.limits * health.efficiency[:, None]
     stuck = ~np.isnan(health.stuck)
     limits[stuck] = health.stuck[stuck, None]
-    recorder.append("actuation", t, vehicle.actuation_matrix.ravel(), limits.ravel())
+    recorder.append("actuation", t, mission.actuators.matrix.ravel(), limits.ravel())

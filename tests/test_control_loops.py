@@ -15,6 +15,7 @@ from cube_sim.simulation import read_state
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 
 MODEL = Path(__file__).parents[1] / "models" / "cube.xml"
+STILL_WATER = np.zeros(3)
 FULL = {"hull:added_mass": None, "hull:centre_of_buoyancy": (0.01, -0.02, 0.05)}
 
 
@@ -71,10 +72,12 @@ def test_the_velocity_error_decays_with_its_time_constant(swimmer):
         data, state = random_motion(rng, model, vehicle)
         motion = DesiredMotion(rng.normal(size=3), rng.normal(size=3))
         attitude = DesiredAttitude(quaternion_from_euler(*rng.uniform(-3.0, 3.0, 3)), np.zeros(3))
-        tau, _ = loops.wrench(state, motion, attitude)
+        current = model.opt.wind[:] = rng.normal(0.0, 0.2, 3)
+        tau, _ = loops.wrench(state, motion, attitude, current)
         body_acceleration(vehicle, data, state, tau)
         error = motion.velocity - state.rotation @ state.velocity
         np.testing.assert_allclose(data.qacc[:3], motion.acceleration + error / 1.3, atol=1e-9)
+    model.opt.wind[:] = 0.0
 
 
 def test_the_attitude_is_reached_the_short_way_from_anywhere_and_q_equals_minus_q(swimmer):
@@ -89,10 +92,12 @@ def test_the_attitude_is_reached_the_short_way_from_anywhere_and_q_equals_minus_
         wanted, twin = DesiredAttitude(q, np.zeros(3)), DesiredAttitude(-q, np.zeros(3))
         mujoco.mj_forward(model, data)
         state = read_state(vehicle, data)
-        np.testing.assert_array_equal(loops.wrench(state, still, wanted)[0], loops.wrench(state, still, twin)[0])
+        np.testing.assert_array_equal(
+            loops.wrench(state, still, wanted, STILL_WATER)[0], loops.wrench(state, still, twin, STILL_WATER)[0]
+        )
         angles = []
         for _ in range(1000):
-            tau, reference = loops.wrench(state, still, wanted)
+            tau, reference = loops.wrench(state, still, wanted, STILL_WATER)
             angles.append(reference.attitude_error)
             data.qfrc_applied[:3], data.qfrc_applied[3:] = state.rotation @ tau[:3], tau[3:]
             mujoco.mj_step(model, data)
@@ -108,7 +113,7 @@ def test_turning_with_the_desired_rate_needs_no_error(swimmer):
     data, state = random_motion(np.random.default_rng(8), model, vehicle)
     w_W = state.rotation @ state.rates
     attitude = DesiredAttitude(state.quaternion, w_W)
-    tau, reference = loops.wrench(state, DesiredMotion(np.zeros(3), np.zeros(3)), attitude)
+    tau, reference = loops.wrench(state, DesiredMotion(np.zeros(3), np.zeros(3)), attitude, STILL_WATER)
     np.testing.assert_allclose(reference.rates, state.rates, atol=1e-12)
     acceleration = body_acceleration(vehicle, data, state, tau)
     np.testing.assert_allclose(state.rotation @ acceleration[3:], 0.0, atol=1e-9)  # w_W is constant
@@ -124,7 +129,7 @@ def test_the_observer_is_a_first_order_filter_of_the_true_disturbance():
     for _ in range(400):
         mujoco.mj_forward(model, data)
         state = read_state(vehicle, data)
-        estimates.append(observer.update(state, np.zeros(6), dt))
+        estimates.append(observer.update(state, np.zeros(6), STILL_WATER, dt))
         data.qfrc_applied[:3], data.qfrc_applied[3:] = state.rotation @ disturbance[:3], disturbance[3:]
         mujoco.mj_step(model, data)
     t = dt * np.arange(len(estimates))

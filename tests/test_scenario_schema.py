@@ -18,6 +18,10 @@ UNITS = (
 WITHOUT_UNIT = {
     "schema_version",
     "seed",
+    "mass",
+    "added_mass",
+    "drag",
+    "thrust",
     "turns",
     "laps",
     "periods",

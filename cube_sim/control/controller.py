@@ -15,6 +15,7 @@ class Decision(NamedTuple):
     Attributes:
         wrench: F_B^d (6,) demanded of the thrusters [N, N m].
         disturbance: estimate (6,) of what the model does not explain [N, N m].
+        current: estimate (3,) of the water's velocity [m/s], world axes.
         view: the vehicle seen from the virtual target.
         remaining: arc length from the target to the end of the path [m].
         velocity: desired velocity of the body origin over ground (3,) [m/s].
@@ -26,6 +27,7 @@ class Decision(NamedTuple):
 
     wrench: Vector
     disturbance: Vector
+    current: Vector
     view: TargetView
     remaining: float
     velocity: Vector

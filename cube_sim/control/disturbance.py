@@ -1,4 +1,4 @@
-"""An estimate of the wrench the model does not explain: current, tether, wrong coefficients."""
+"""An estimate of the wrench the model does not explain: tether, wrong coefficients, unknown current."""
 
 from __future__ import annotations
 
@@ -26,12 +26,13 @@ class DisturbanceObserver:
         self._integral: Vector | None = None
         self._estimate = np.zeros(6)
 
-    def update(self, state: State, applied: Vector, dt: float) -> Vector:
+    def update(self, state: State, applied: Vector, current: Vector, dt: float) -> Vector:
         """The estimate (6,) [N, N m], body axes, after a tick.
 
         Args:
             state: at the end of the tick.
             applied: the thrusters' wrench (6,) during the tick, body axes.
+            current: the current (3,) the model is to reckon with [m/s], world axes.
             dt: length of the tick [s].
         """
         nu = np.concatenate([state.velocity, state.rates])
@@ -39,7 +40,7 @@ class DisturbanceObserver:
         if self._integral is None:
             self._integral = momentum
             return self._estimate
-        model = self._dynamics.wrench(state.rotation, nu, np.zeros(6), np.zeros(3))
+        model = self._dynamics.wrench(state.rotation, nu, np.zeros(6), current)
         self._integral = self._integral + dt * (applied - model + self._estimate)
         self._estimate = (momentum - self._integral) / self._time
         return self._estimate

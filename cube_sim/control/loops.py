@@ -53,8 +53,10 @@ class MotionLoops:
     attitude_time: float
     rate_time: float
 
-    def wrench(self, state: State, motion: DesiredMotion, attitude: DesiredAttitude) -> tuple[Vector, Reference]:
-        """The wrench (6,) [N, N m], body axes, and what it follows. The water is taken to be at rest."""
+    def wrench(
+        self, state: State, motion: DesiredMotion, attitude: DesiredAttitude, current: Vector
+    ) -> tuple[Vector, Reference]:
+        """The wrench (6,) [N, N m], body axes, in a steady current (3,) [m/s], world axes, and what it follows."""
         R, v, w = state.rotation, state.velocity, state.rates
         v_ref = motion.velocity @ R
         pull = motion.acceleration @ R + (v_ref - v) / self.velocity_time
@@ -70,6 +72,6 @@ class MotionLoops:
         dw = dw_ref + (w_ref - w) / self.rate_time
 
         nu, nu_dot = np.concatenate([v, w]), np.concatenate([dv, dw])
-        tau = self.dynamics.wrench(R, nu, nu_dot, np.zeros(3))
+        tau = self.dynamics.wrench(R, nu, nu_dot, current)
         angle = 2.0 * float(np.arctan2(np.linalg.norm(eps), eta))
         return tau, Reference(v_ref, w_ref, angle)

@@ -6,10 +6,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cube_sim.control.attitude import AttitudeMode
+from cube_sim.control.attitude import AttitudeMode, Situation
 from cube_sim.control.authority import Authority, Capability, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.controller import Decision
+from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.guidance.approach import Approach
@@ -19,7 +20,7 @@ from cube_sim.spatial import State, Vector
 
 @dataclass
 class PathFollower:
-    """Virtual target -> approach velocity and attitude -> loops -> wrench, less the estimated disturbance.
+    """Virtual target -> approach velocity and attitude -> loops -> wrench, with what is unknown estimated.
 
     Attributes:
         target: the virtual target on the path.
@@ -28,6 +29,7 @@ class PathFollower:
         loops: desired motion to wrench.
         balancing_time: of `BalancedAttitude` [s].
         observer: the disturbance estimate, None for none.
+        current_observer: reads that estimate; None to take the water to be at rest.
         capability: what the thrusters can still do; demands are projected onto it.
     """
 
@@ -37,6 +39,7 @@ class PathFollower:
     loops: MotionLoops
     balancing_time: float
     observer: DisturbanceObserver | None
+    current_observer: CurrentObserver | None
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
     _balanced: BalancedAttitude | None = None
     _force: Vector = field(default_factory=lambda: np.zeros(3))
@@ -61,15 +64,16 @@ class PathFollower:
         view = self.target.view(state.position, state.rotation @ state.velocity)
         motion = self.approach.motion(view)
         mode = self.attitude if self._balanced is None else self._balanced
-        attitude = mode.attitude(view, self._force, dt)
-        wrench, reference = self._loops.wrench(state, motion, attitude)
-        disturbance = np.zeros(6) if self.observer is None else self.observer.update(state, applied, dt)
+        disturbance, current = self._unknowns(state, applied, dt)
+        attitude = mode.attitude(Situation(view, state.rotation, self._force, current), dt)
+        wrench, reference = self._loops.wrench(state, motion, attitude, current)
         demanded = wrench - disturbance
         self._force = state.rotation @ demanded[:3]
         self.target.advance(view.speed, dt)
         return Decision(
             wrench=self.capability.attainable(demanded),
             disturbance=disturbance,
+            current=current,
             view=view,
             remaining=view.remaining,
             velocity=reference.velocity,
@@ -78,3 +82,12 @@ class PathFollower:
             attitude_error=reference.attitude_error,
             authority=self.capability.authority,
         )
+
+    def _unknowns(self, state: State, applied: Vector, dt: float) -> tuple[Vector, Vector]:
+        """The estimated disturbance and current: what the current explains is taken out of the disturbance."""
+        observer, flow = self.observer, self.current_observer
+        current = np.zeros(3) if flow is None else flow.estimate
+        if observer is None:
+            return np.zeros(6), current
+        disturbance = observer.update(state, applied, current, dt)
+        return disturbance, current if flow is None else flow.update(state, disturbance, dt)

@@ -24,13 +24,13 @@ class Actuators:
     taken off every demand.
 
     Args:
-        A: (6,m) actuation matrix.
+        A: (6,m) actuation matrix, as believed.
         limits: (m,4) [N] of whole thrusters.
         build: makes the allocator.
     """
 
     def __init__(self, A: Matrix, limits: Matrix, build: Build) -> None:
-        self._A, self._limits, self._build = A, limits, build
+        self.matrix, self._limits, self._build = A, limits, build
         self.believe(Health.whole(A.shape[1]))
 
     def believe(self, health: Health) -> None:
@@ -40,7 +40,7 @@ class Actuators:
         self._held = np.where(np.isnan(health.stuck), 0.0, health.stuck)
         efficiency = health.efficiency[self._obedient, None]
         self._allocator = (
-            self._build(self._A[:, self._obedient], self._limits[self._obedient] * efficiency, self._obedient)
+            self._build(self.matrix[:, self._obedient], self._limits[self._obedient] * efficiency, self._obedient)
             if self._obedient.size
             else None
         )
@@ -48,12 +48,12 @@ class Actuators:
     @property
     def working_matrix(self) -> Matrix:
         """(6,k) columns of the thrusters that obey."""
-        return self._A[:, self._obedient]
+        return self.matrix[:, self._obedient]
 
     def allocate(self, wrench: Vector) -> Allocation:
         """Forces (m,) of all thrusters for a demand (6,): dead ones 0, stuck ones what they hold."""
-        held = self._A @ self._held
-        m = self._A.shape[1]
+        held = self.matrix @ self._held
+        m = self.matrix.shape[1]
         if self._allocator is None:
             error = wrench - held
             still = np.zeros(m, np.int8)

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.factory import WrenchAllocator, is_exact, make_allocator
 from cube_sim.mission.actuators import Actuators
-from cube_sim.scenario import schema
+from cube_sim.scenario import Scenario
 from cube_sim.vehicle.vehicle import Vehicle
 
 
-def actuators_of(vehicle: Vehicle, block: schema.Allocation) -> Actuators:
-    """Wrench to thruster forces, as the `allocation` block says."""
-    thrusters = vehicle.thrusters
+def actuators_of(vehicle: Vehicle, scenario: Scenario) -> Actuators:
+    """Wrench to thruster forces, as the `allocation` block says, by the matrix the controller believes in."""
+    thrusters, block = vehicle.thrusters, scenario.allocation
 
     def build(A: NDArray[np.float64], limits: NDArray[np.float64], which: NDArray[np.int_]) -> WrenchAllocator:
         options: dict[str, Any] = {
@@ -37,7 +37,7 @@ def actuators_of(vehicle: Vehicle, block: schema.Allocation) -> Actuators:
         return make_allocator(block.method, A, limits, options)
 
     limits = clear_of_dead_zone(thrusters.limits, block.dead_zone_margin)
-    return Actuators(vehicle.actuation_matrix, limits, build)
+    return Actuators(scenario.knowledge.thrust * vehicle.actuation_matrix, limits, build)
 
 
 def clear_of_dead_zone(limits: NDArray[np.float64], margin: float) -> NDArray[np.float64]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from math import inf, radians
 
-import mujoco
 import numpy as np
 
 from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
 from cube_sim.control.authority import Authority, capability
 from cube_sim.control.controller import Controller
+from cube_sim.control.current import CurrentObserver
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
@@ -18,6 +18,8 @@ from cube_sim.errors import ScenarioError
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.mission.hull import Hull
+from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.path import is_level, laps_of, speed_of
 from cube_sim.mission.planar import planar_follower
 from cube_sim.scenario import Loaded, Scenario, schema
@@ -25,18 +27,20 @@ from cube_sim.spatial import quaternion_from_euler
 from cube_sim.vehicle.vehicle import Vehicle
 
 
-def controller_of(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: Vehicle) -> Controller:
-    """The law from states to wrenches.
+def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
+    """The law from states to wrenches, for the vehicle the controller believes to fly.
 
     Raises:
         ScenarioError: the law does not fit the path or the vehicle; with position.
     """
     scenario = loaded.scenario
-    guidance, control, dynamics = scenario.guidance, scenario.control, vehicle.dynamics
+    guidance, control = scenario.guidance, scenario.control
+    dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
     if control.law == "planar_lapierre_2007":
-        return planar_follower(loaded, model, path, vehicle)
-    limit, time = guidance.target_speed_limit_m_s, control.disturbance_time_s
-    whole = capability(vehicle.actuation_matrix)
+        return planar_follower(loaded, believed, path)
+    limit = guidance.target_speed_limit_m_s
+    time, flow = control.disturbance_time_s, control.current_time_s
+    whole = capability(believed.vehicle.actuation_matrix)
     if whole.authority is Authority.LEVEL and not is_level(path):
         text = "this path climbs or sinks, and the vehicle has thrusters for a level plane only"
         raise ScenarioError([loaded.mistake("path", text)])
@@ -54,6 +58,7 @@ def controller_of(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: Ve
         loops=MotionLoops(dynamics, control.velocity_time_s, control.attitude_time_s, control.rate_time_s),
         balancing_time=0.5 * control.attitude_time_s,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
+        current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
         capability=whole if whole.authority is Authority.LEVEL else capability(np.eye(6)),
     )
 

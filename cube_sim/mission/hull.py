@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import mujoco
 import numpy as np
 
@@ -12,41 +14,71 @@ from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
 
-def hull_of(loaded: Loaded) -> tuple[mujoco.MjModel, Vehicle]:
+class Hull(NamedTuple):
+    """A hull and the compiled model it is in."""
+
+    model: mujoco.MjModel
+    vehicle: Vehicle
+
+
+def flown_hull(loaded: Loaded) -> Hull:
     """The model with water and the vehicle in it that flies, as the scenario changes them.
 
     Raises:
         ScenarioError: the model is not right, or has no such vehicle; with position.
     """
     scenario = loaded.scenario
+    hull = _hull(loaded, scenario.model, "model")
+    hull.model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{scenario.physics.integrator.upper()}")
+    hull.model.opt.timestep = scenario.physics.step_s
+    hull.model.opt.wind[:] = scenario.current_m_s
+    # A state that has left the real numbers must end the run, not silently start it again.
+    hull.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    return hull
+
+
+def believed_hull(loaded: Loaded, flown: Hull) -> Hull:
+    """The vehicle the controller reckons with before the factors of `knowledge`.
+
+    Raises:
+        ScenarioError: its model is not right, or has other thrusters; with position.
+    """
+    file = loaded.scenario.knowledge.model
+    if file is None:
+        return flown
+    believed = _hull(loaded, file, "knowledge.model")
+    names, there = flown.vehicle.thrusters.names, believed.vehicle.thrusters.names
+    if names != there:
+        text = f"has the thrusters {', '.join(there)}; the vehicle that flies has {', '.join(names)}"
+        raise ScenarioError([loaded.mistake("knowledge.model", f"{file}: {text}")])
+    return believed
+
+
+def _hull(loaded: Loaded, file: str, key: str) -> Hull:
+    scenario = loaded.scenario
     try:
-        model = load_model(scenario.model)
-        vehicle = _chosen_hull(loaded, model)
+        model = load_model(file)
+        vehicle = _chosen_hull(loaded, model, key)
         zone = scenario.thrusters.dead_zone_N
         if zone is not None:
             # Every thruster gets it, whether the model states dead zones per hull or per thruster.
             owners = (vehicle.name, *vehicle.thrusters.names)
-            model = load_model(scenario.model, {f"{owner}:thruster_dead_zone": zone for owner in owners})
+            model = load_model(file, {f"{owner}:thruster_dead_zone": zone for owner in owners})
             vehicle = Vehicle.from_model(model, vehicle.name)
     except ModelError as error:
-        where = "thrusters.dead_zone_N" if error.element.endswith("thruster_dead_zone") else "model"
+        where = "thrusters.dead_zone_N" if error.element.endswith("thruster_dead_zone") else key
         raise ScenarioError([loaded.mistake(where, str(error))]) from None
     if not vehicle.thrusters.names:
-        where = "model" if scenario.vehicle is None else "vehicle"
-        raise ScenarioError([loaded.mistake(where, f"{scenario.model}: '{vehicle.name}' has no thruster")])
-    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{scenario.physics.integrator.upper()}")
-    model.opt.timestep = scenario.physics.step_s
-    model.opt.wind[:] = scenario.current_m_s
-    # A state that has left the real numbers must end the run, not silently start it again.
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    return model, vehicle
+        where = key if scenario.vehicle is None else "vehicle"
+        raise ScenarioError([loaded.mistake(where, f"{file}: '{vehicle.name}' has no thruster")])
+    return Hull(model, vehicle)
 
 
-def _chosen_hull(loaded: Loaded, model: mujoco.MjModel) -> Vehicle:
+def _chosen_hull(loaded: Loaded, model: mujoco.MjModel, key: str) -> Vehicle:
     hulls, name = hull_names(model), loaded.scenario.vehicle
     if name is None and len(hulls) > 1:
         text = f"the model has several hulls: {', '.join(hulls)}; say which one flies, for example vehicle: {hulls[0]}"
-        raise ScenarioError([loaded.mistake("model", text)])
+        raise ScenarioError([loaded.mistake(key, text)])
     if name is not None and name not in hulls:
         raise ScenarioError([loaded.mistake("vehicle", f"no hull '{name}'; the model has {', '.join(hulls)}")])
     return Vehicle.from_model(model, name)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from math import inf, radians
 
-import mujoco
 import numpy as np
 
 from cube_sim.control.planar.approach_angle import ApproachAngle
@@ -13,19 +12,20 @@ from cube_sim.control.planar.follower import PlanarFollower
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.mission.hull import Hull
+from cube_sim.mission.knowledge import believed_planar_model
 from cube_sim.mission.path import is_level, laps_of, speed_of
 from cube_sim.mission.planar_knowledge import planar_model
 from cube_sim.scenario import Loaded
-from cube_sim.vehicle.vehicle import Vehicle
 
 
-def planar_follower(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: Vehicle) -> PlanarFollower:
+def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollower:
     """The controller of `control.law: planar_lapierre_2007`.
 
     Raises:
         ScenarioError: the path is not level, the vehicle cannot stop or steer as told; with position.
     """
-    scenario = loaded.scenario
+    scenario, (model, vehicle) = loaded.scenario, believed
     guidance, planar = scenario.guidance, scenario.control.planar
     profile = speed_of(guidance, path)
     mistakes = []
@@ -42,7 +42,7 @@ def planar_follower(loaded: Loaded, model: mujoco.MjModel, path: Path, vehicle: 
         text = "a planar law needs a force ahead and a torque about the vertical; these thrusters do not give both"
         mistakes.append(loaded.mistake("model", text))
     try:
-        knowledge = planar_model(model, vehicle)
+        knowledge = believed_planar_model(planar_model(model, vehicle), vehicle, scenario.knowledge)
     except ModelError as error:
         mistakes.append(loaded.mistake("control.law", str(error)))
         raise ScenarioError(mistakes) from None

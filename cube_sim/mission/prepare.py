@@ -15,7 +15,7 @@ from cube_sim.guidance.path import Path
 from cube_sim.mission.actuators import Actuators
 from cube_sim.mission.allocation import actuators_of
 from cube_sim.mission.control import controller_of, diagnosis_of
-from cube_sim.mission.hull import hull_of, initial_state
+from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_possible_events, require_signals
 from cube_sim.recording.channels import Channel, channel_table
@@ -62,7 +62,9 @@ def prepare(loaded: Loaded) -> Mission:
         ScenarioError: the model does not fit the scenario; with position.
     """
     scenario = loaded.scenario
-    model, vehicle = hull_of(loaded)
+    flown = flown_hull(loaded)
+    believed = believed_hull(loaded, flown)
+    model, vehicle = flown
     path = path_of(loaded)
     channels = channel_table(
         vehicle.thrusters.names,
@@ -78,8 +80,8 @@ def prepare(loaded: Loaded) -> Mission:
         data=initial_state(model, vehicle, scenario),
         vehicle=vehicle,
         path=path,
-        controller=controller_of(loaded, model, path, vehicle),
-        actuators=actuators_of(vehicle, scenario.allocation),
+        controller=controller_of(loaded, believed, path),
+        actuators=actuators_of(believed.vehicle, scenario),
         events=Events(scenario.events, model, vehicle),
         diagnosis=diagnosis_of(vehicle, scenario) if scenario.control.faults == "diagnosed" else None,
         channels=channels,

@@ -96,7 +96,7 @@ def channel_table(
         Channel(
             "actuation",
             (
-                Field("matrix", 6 * m, "N/N, N m/N", "A of F_B = A f, row-major (6, m), body axes", motor_wrench),
+                Field("matrix", 6 * m, "N/N, N m/N", "A of F_B = A f as believed, row-major (6, m)", motor_wrench),
                 Field("limits", 4 * m, "N", "dead zone and saturation of each motor as believed, (m, 4)", motor_limits),
             ),
             ON_CHANGE,
@@ -181,6 +181,9 @@ def channel_table(
         ),
         Channel(
             "water",
-            (Field("current", 3, "m/s", "velocity of the water at the vehicle, world axes", XYZ),),
+            (
+                Field("current", 3, "m/s", "velocity of the water at the vehicle, world axes", XYZ),
+                Field("estimated", 3, "m/s", "the same as the controller estimates it", XYZ),
+            ),
         ),
     )

@@ -6,7 +6,6 @@ To add a key: add a Field with bounds and a description to its block, then write
 
 from __future__ import annotations
 
-from pathlib import Path as FilePath
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
@@ -15,8 +14,9 @@ from pydantic_core.core_schema import ValidationInfo
 
 from .check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
 from .event_blocks import Event
+from .knowledge_block import Knowledge
 from .path_blocks import Path
-from .values import Block, Name, Pair, Vector3, refuse
+from .values import Block, Name, Pair, Vector3, existing_model, refuse
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 
@@ -148,6 +148,12 @@ class Control(Block):
         gt=0,
         description="Estimate of the wrench the model does not explain [s]; null: no estimate.",
     )
+    current_time_s: float | None = Field(
+        default=10.0,
+        gt=0,
+        description="Estimate of the current, from the wrench still water does not explain [s]; null, or no disturbance_time_s: none, and"
+        " what the current does counts as a disturbance.",
+    )
     faults: Literal["diagnosed", "told", "ignored"] = Field(
         default="diagnosed",
         description="How the controller learns of thruster faults: from commands and responses, at once, or never.",
@@ -246,6 +252,7 @@ class Scenario(Block):
     path: Path
     guidance: Guidance
     control: Control = Control()
+    knowledge: Knowledge = Knowledge()
     allocation: Allocation = Allocation()
     events: Annotated[tuple[Event, ...], Strict(False)] = Field(default=(), description="What happens during the run.")
     checks: Annotated[tuple[Check, ...], Strict(False)] = Field(
@@ -265,16 +272,7 @@ class Scenario(Block):
     @field_validator("model")
     @classmethod
     def _existing_file(cls, model: str, info: ValidationInfo) -> str:
-        if info.context is None:
-            return model
-        path = FilePath(info.context["directory"], model)
-        if "\0" in model:
-            refuse("a file name cannot hold a NUL character")
-        if path.is_dir():
-            refuse(f"{model} is a folder, not an MJCF file")
-        if not path.is_file():
-            refuse(f"no such file: {path}")
-        return str(path.resolve())
+        return existing_model(model, info)
 
     @field_validator("control_period_s")
     @classmethod

@@ -58,6 +58,7 @@ class PlanarFollower:
         return Decision(
             wrench=np.array([command.F, 0.0, 0.0, 0.0, 0.0, command.Gamma]) if follows else np.zeros(6),
             disturbance=np.zeros(6),
+            current=np.zeros(3),
             view=view,
             remaining=view.remaining,
             velocity=np.array([speed.value, 0.0, 0.0]),
