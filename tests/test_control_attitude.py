@@ -5,26 +5,30 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cube_sim.control.attitude import AlongPath, FixedAttitude
+from cube_sim.control.attitude import AlongPath, FixedAttitude, Situation
 from cube_sim.guidance.helix import Helix
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.path import PathPoint
 from cube_sim.guidance.virtual_target import TargetView, VirtualTarget
 from cube_sim.spatial import rotation_from_quaternion, skew
 
-NONE = np.zeros(3)  # no force: these attitudes do not ask for it
 HELIX = Helix([0.0, 0.0, 0.0], 3.0, 8.0, 2.0)
 
 
-def at(path, s: float, speed: float = 0.4) -> TargetView:
+def seen(view: TargetView) -> Situation:
+    """These attitudes ask for nothing but the view."""
+    return Situation(view, np.eye(3), np.zeros(3), np.zeros(3))
+
+
+def at(path, s: float, speed: float = 0.4) -> Situation:
     view = VirtualTarget(path, 0.5, arc_length=s).view(path.at(s).position, np.zeros(3))
-    return view._replace(speed=speed)
+    return seen(view._replace(speed=speed))
 
 
 def flown(mode, path, speed=0.4, dt=0.02):
     """Desired attitudes as rotations, and their rates, while the target runs up to 10 m of the path."""
     for s in np.arange(0.0, min(path.length, 10.0), speed * dt):
-        desired = mode.attitude(at(path, s, speed), NONE, dt)
+        desired = mode.attitude(at(path, s, speed), dt)
         yield s, rotation_from_quaternion(desired.quaternion), desired.rates
 
 
@@ -63,7 +67,7 @@ def test_a_half_loop_through_the_vertical_never_jumps_and_ends_level():
         T = np.array([np.cos(angle), 0.0, np.sin(angle)])
         N = np.array([-np.sin(angle), 0.0, np.cos(angle)])
         point = PathPoint(np.zeros(3), np.column_stack([T, N, np.cross(T, N)]), (k1, 0.0), (0.0, 0.0))
-        desired = mode.attitude(TargetView(s, 10.0, speed, point, np.zeros(3), np.zeros(3)), NONE, dt)
+        desired = mode.attitude(seen(TargetView(s, 10.0, speed, point, np.zeros(3), np.zeros(3))), dt)
         assert np.all(np.isfinite(desired.rates))
         steps.append((rotation_from_quaternion(desired.quaternion), np.linalg.norm(desired.rates)))
     for (R, rate), (after, _) in pairwise(steps):
@@ -75,6 +79,6 @@ def test_a_half_loop_through_the_vertical_never_jumps_and_ends_level():
 
 def test_a_fixed_attitude_is_fixed():
     q = np.array([0.5, 0.5, -0.5, 0.5])
-    desired = FixedAttitude(q).attitude(at(HELIX, 3.0), NONE, 0.02)
+    desired = FixedAttitude(q).attitude(at(HELIX, 3.0), 0.02)
     np.testing.assert_array_equal(desired.quaternion, q)
     np.testing.assert_array_equal(desired.rates, np.zeros(3))

@@ -8,6 +8,7 @@ import pytest
 
 import cube_sim
 from cube_sim.allocation import Allocator, Status
+from cube_sim.control.attitude import Situation
 from cube_sim.control.authority import Authority, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.diagnosis import Diagnosis
@@ -67,7 +68,7 @@ def settled(cube, lost, force, seconds=30.0, dt=0.05):
     left = capability(left_after(cube.actuation_matrix, list(lost)))
     mode = BalancedAttitude(left, cube.dynamics, np.eye(3), time=0.5)
     for _ in range(int(seconds / dt)):
-        desired = mode.attitude(None, force, dt)
+        desired = mode.attitude(Situation(None, np.eye(3), force, np.zeros(3)), dt)
     return rotation_from_quaternion(desired.quaternion), desired.rates
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.attitude import UP, DesiredAttitude
+from cube_sim.control.attitude import DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
-from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.control.levelling import UP
 from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation, rotation_about, skew
 from cube_sim.vehicle.dynamics import Dynamics
 
@@ -49,11 +49,11 @@ class BalancedAttitude:
         self._rotation, self._time, self._levelling_time = rotation.copy(), time, levelling_time
         self._force: Vector | None = None
 
-    def attitude(self, view: TargetView, force_W: Vector, dt: float) -> DesiredAttitude:
+    def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """See `AttitudeMode.attitude`."""
         if self._force is None:
-            self._force = force_W
-        self._force = self._force + min(1.0, dt / self._time) * (force_W - self._force)
+            self._force = situation.force
+        self._force = self._force + min(1.0, dt / self._time) * (situation.force - self._force)
         R = self._rotation
         rates = self._rates(R.T @ self._force, R[2])
         speed = float(np.linalg.norm(rates))

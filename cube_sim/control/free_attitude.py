@@ -1,0 +1,111 @@
+"""The attitude of least effort: the vehicle turns to where its thrusters have least to do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cube_sim.control.attitude import DesiredAttitude, Situation
+from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation, rotation_about
+from cube_sim.vehicle.dynamics import Dynamics
+
+MOST_RATE = 0.5
+"""Bound on the turning of the desired attitude [rad/s]."""
+SOFTNESS_N = 1.0
+"""Efforts of this size and less hardly turn the vehicle."""
+DAMPING = 0.2
+"""Share of the effort that is added to its curvature."""
+STEP = 1e-4
+"""Of the central differences [rad]."""
+
+
+class FreeAttitude:
+    """Damped Gauss-Newton descent of the effort E = w' Q w over attitudes, Q = (A A')^+, at the pace of T.
+
+    E is the least |f|^2 [N^2] of thruster forces that make the wrench w, dead zones and limits apart. w(R) is what the
+    motion needs in the attitude R at the velocity over ground and in the current as they are: drag of the hull turned
+    that way, the torque that holds it against its righting moment, and the rest of the force demanded now,
+    which stands still in the world. Forces and velocities are averaged over T before.
+
+    A hull upside down rests as well as an upright one as far as torques go; so its potential energy |r| - r z, r the
+    righting moment at a right angle and z = R' e_z, counts like a torque of that size. Beyond a right angle, where the
+    righting moment falls again, that alone would let it hang: there it is turned back at the pace 1 / T.
+
+    Args:
+        dynamics: the controller's knowledge of the hull.
+        effort: Q (6,6) [1, 1/m, 1/m^2], see `effort_matrix`.
+        time: T [s], several times that of the attitude loop.
+    """
+
+    def __init__(self, dynamics: Dynamics, effort: Matrix, time: float) -> None:
+        self._dynamics, self._time = dynamics, time
+        sizes, axes = np.linalg.eigh(effort)
+        self._root = (axes * np.sqrt(np.maximum(sizes, 0.0))).T  # root' root = Q
+        g = float(np.linalg.norm(dynamics.gravity))
+        mass = float(dynamics.mass_matrix[0, 0])
+        self._righting = g * (dynamics.displaced_mass * dynamics.centre_of_buoyancy - mass * dynamics.centre_of_mass)
+        self._lift = float(np.linalg.norm(self._righting))
+        self._lift_root = float(np.sqrt(np.trace(effort[3:, 3:]) / 3.0))
+        self._rotation: Matrix | None = None
+        self._force, self._velocity = np.zeros(3), np.zeros(3)
+
+    def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
+        """The desired attitude, from the vehicle's own at the first call on, and how it turns."""
+        velocity = situation.view.point.rotation @ situation.view.velocity
+        if self._rotation is None:
+            self._rotation, self._force, self._velocity = situation.rotation, situation.force, velocity
+        share = min(1.0, dt / self._time)
+        self._force = self._force + share * (situation.force - self._force)
+        self._velocity = self._velocity + share * (velocity - self._velocity)
+        R = self._rotation
+        rates = self._descent(R, situation) + self._out_of_upside_down(R[2])
+        speed = float(np.linalg.norm(rates))
+        if speed > MOST_RATE:
+            rates, speed = rates * (MOST_RATE / speed), MOST_RATE
+        if speed > 0.0:
+            self._rotation = R @ rotation_about(rates / speed, speed * dt)
+        return DesiredAttitude(quaternion_from_rotation(R), R @ rates)
+
+    def _descent(self, R: Matrix, situation: Situation) -> Vector:
+        """Turning rate (3,) [rad/s], body axes."""
+        current = situation.current
+        known = self._water(situation.rotation, current)
+        rest = self._force - situation.rotation @ known[:3]
+        y = self._efforts(R, current, rest)
+        slopes = []
+        for axis in np.eye(3):
+            ahead, back = (self._efforts(R @ rotation_about(axis, h), current, rest) for h in (STEP, -STEP))
+            slopes.append((ahead - back) / (2.0 * STEP))
+        J = np.column_stack(slopes)
+        damping = DAMPING * float(y @ y) + SOFTNESS_N**2
+        return -np.linalg.solve(J.T @ J + damping * np.eye(3), J.T @ y) / self._time
+
+    def _efforts(self, R: Matrix, current: Vector, rest: Vector) -> Vector:
+        """(7,) [N], whose square is E and the share of the potential energy."""
+        wrench = self._water(R, current)
+        wrench[:3] += rest @ R
+        return np.append(self._root @ wrench, self._lift_root * (self._lift - float(self._righting @ R[2])))
+
+    def _water(self, R: Matrix, current: Vector) -> Vector:
+        """The wrench (6,) that keeps the hull going as it goes, without turning, body axes."""
+        nu = np.concatenate([self._velocity @ R, np.zeros(3)])
+        return self._dynamics.wrench(R, nu, np.zeros(6), current)
+
+    def _out_of_upside_down(self, z: Vector) -> Vector:
+        """What the righting moment lacks beyond a right angle (3,) [rad/s], body axes."""
+        if not self._lift > 0.0:
+            return np.zeros(3)
+        upright = self._righting / self._lift
+        if upright @ z >= 0.0:
+            return np.zeros(3)
+        normal = cross(upright, z)
+        sine = float(np.linalg.norm(normal))
+        if not sine > 1e-6:
+            normal = cross(upright, np.roll(upright, 1) + np.array([0.0, 1.0, 0.0]))  # any one will do
+            return normal / float(np.linalg.norm(normal)) / self._time
+        return normal * ((1.0 - sine) / (sine * self._time))
+
+
+def effort_matrix(A: Matrix) -> Matrix:
+    """Q = (A A')^+ (6,6): w' Q w is the least |f|^2 with A f = w, for w in the range of A."""
+    root = np.linalg.pinv(A, rcond=1e-2)
+    return root.T @ root
