@@ -12,7 +12,7 @@ from cube_sim.scenario import Scenario, load
 from cube_sim.scenario.json_schema import json_schema
 
 UNITS = (
-    "_m", "_s", "_m_s", "_deg", "_deg_s", "_m_s2", "_per_m", "_per_s", "_per_s2", "_N", "_N2",
+    "_m", "_s", "_m_s", "_deg", "_deg_s", "_m_s2", "_per_m", "_per_s", "_per_s2", "_N", "_N2", "_hz",
 )  # fmt: skip
 # Pure numbers, and limits whose unit is that of the signal they judge.
 WITHOUT_UNIT = {
@@ -26,6 +26,7 @@ WITHOUT_UNIT = {
     "laps",
     "periods",
     "efficiency",
+    "scale_error",
     "axis",
     "torque_weight",
     "dead_zone_margin",

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -105,7 +106,7 @@ class Filter:
         ends = np.cumsum([CONSTANTS, *(len(aid.constants) for aid in aids)]).tolist()
         if P.shape != (ends[-1], ends[-1]) or x.shape != (ends[-1] + 1,):
             raise ValueError(f"these aids make {ends[-1]} errors; x has {x.shape}, P {P.shape}")
-        self._places = [slice(first, last) for first, last in zip(ends, ends[1:], strict=False)]
+        self._places = [slice(first, last) for first, last in pairwise(ends)]
         memory = max((aid.sampling.delay_ticks(period_s) for aid in aids), default=0) + 1
         self._epochs: deque[_Epoch] = deque(maxlen=memory)
         self._tick = -1

@@ -37,7 +37,10 @@ class Heading:
         return np.array([self.bias])
 
     def expect(self, motion: Motion, constants: Vector) -> Expected | None:
-        """See `Aid.expect`: n turns by phi x n, its heading by phi_z - n_z (n_x phi_x + n_y phi_y) / (n_x^2 + n_y^2)."""
+        """See `Aid.expect`.
+
+        n changes by phi x n, its heading by phi_z - n_z (n_x phi_x + n_y phi_y) / (n_x^2 + n_y^2).
+        """
         x, y, z = motion.rotation[:, 0].tolist()
         level = x * x + y * y
         if level < LEAST_LEVEL_PART**2:

@@ -15,6 +15,7 @@ from pydantic_core.core_schema import ValidationInfo
 from .check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
 from .event_blocks import Event
 from .knowledge_block import Knowledge
+from .navigation_blocks import Navigation, require_slower_than
 from .path_blocks import Path
 from .values import Block, Name, Pair, Vector3, existing_model, refuse
 
@@ -252,6 +253,9 @@ class Scenario(Block):
     path: Path
     guidance: Guidance
     control: Control = Control()
+    navigation: Navigation | None = Field(
+        default=None, description="Sensors and an estimate for the controller. Default: it sees the true state."
+    )
     knowledge: Knowledge = Knowledge()
     allocation: Allocation = Allocation()
     events: Annotated[tuple[Event, ...], Strict(False)] = Field(default=(), description="What happens during the run.")
@@ -297,6 +301,14 @@ class Scenario(Block):
                 because=("duration_s",),
             )
         return control_period_s
+
+    @field_validator("navigation")
+    @classmethod
+    def _readings_the_loop_can_take(cls, navigation: Navigation | None, info: ValidationInfo) -> Navigation | None:
+        control_period_s = info.data.get("control_period_s")
+        if navigation is not None and control_period_s is not None:
+            require_slower_than(navigation, control_period_s)
+        return navigation
 
     @field_validator("checks")
     @classmethod

@@ -1,0 +1,146 @@
+"""The `navigation` block: the sensors the controller flies on, and how wrong they are.
+
+The defaults are a mid-grade set of a small vehicle: an industrial MEMS inertial unit, a 1 MHz class Doppler log, a
+strain-gauge pressure sensor, a magnetic compass. Biases and scale errors are standard deviations: each run draws its
+own from the scenario's seed, and the estimator knows the standard deviations only.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from .values import Block, Vector3, refuse
+
+LONGEST_DELAY_S = 10.0
+
+
+class Imu(Block):
+    """Gyros and accelerometers at the body origin, read at every control period. Defaults: industrial MEMS."""
+
+    gyro_noise_deg_s_per_sqrt_hz: float = Field(
+        default=0.005, ge=0, description="Density of the gyros' white noise [deg/s/sqrt(Hz)]."
+    )
+    gyro_bias_deg_s: float = Field(default=0.1, ge=0, description="Standard deviation of the gyros' bias [deg/s].")
+    gyro_bias_walk_deg_s2_per_sqrt_hz: float = Field(
+        default=0.0003, ge=0, description="Random walk of the gyros' bias: density of its rate [deg/s^2/sqrt(Hz)]."
+    )
+    accelerometer_noise_m_s2_per_sqrt_hz: float = Field(
+        default=0.0006, ge=0, description="Density of the accelerometers' white noise [m/s^2/sqrt(Hz)]."
+    )
+    accelerometer_bias_m_s2: float = Field(
+        default=0.02, ge=0, description="Standard deviation of the accelerometers' bias [m/s^2]."
+    )
+    accelerometer_bias_walk_m_s3_per_sqrt_hz: float = Field(
+        default=0.0001, ge=0, description="Random walk of the accelerometers' bias [m/s^3/sqrt(Hz)]."
+    )
+
+
+class Aid(Block):
+    """What every sensor beside the inertial unit has."""
+
+    rate_hz: float
+    delay_s: float
+
+
+def _rate(default: float) -> Any:
+    return Field(default=default, gt=0, description="Readings per second [Hz], at most one per control period.")
+
+
+def _delay(default: float) -> Any:
+    text = "From the instant of a reading to its arrival [s]; the estimator knows it."
+    return Field(default=default, ge=0, le=LONGEST_DELAY_S, description=text)
+
+
+class Dvl(Aid):
+    """Doppler log with bottom track: velocity over ground, body axes. Defaults: a 1 MHz class."""
+
+    rate_hz: float = _rate(5.0)
+    noise_m_s: float = Field(default=0.01, gt=0, description="Standard deviation of a reading, each axis [m/s].")
+    bias_m_s: float = Field(default=0.002, ge=0, description="Standard deviation of the bias, each axis [m/s].")
+    scale_error: float = Field(
+        default=0.005, ge=0, description="Standard deviation of the scale error, a share of the velocity."
+    )
+    delay_s: float = _delay(0.1)
+    lever_arm_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="Where it sits, body axes from the origin [m].")
+
+
+class Depth(Aid):
+    """Pressure gauge, read as depth below z = 0. Defaults: a strain gauge, air pressure known to 5 hPa."""
+
+    rate_hz: float = _rate(10.0)
+    noise_m: float = Field(default=0.01, gt=0, description="Standard deviation of a reading [m].")
+    bias_m: float = Field(default=0.05, ge=0, description="Standard deviation of the bias [m].")
+    delay_s: float = _delay(0.05)
+
+
+class Heading(Aid):
+    """Compass: the azimuth of the body's x axis; none while that points steeply up or down. Defaults: magnetic."""
+
+    rate_hz: float = _rate(10.0)
+    noise_deg: float = Field(default=0.5, gt=0, description="Standard deviation of a reading [deg].")
+    bias_deg: float = Field(default=2.0, ge=0, description="Standard deviation of the bias [deg].")
+    delay_s: float = _delay(0.05)
+
+
+class PositionFix(Aid):
+    """Acoustic fix in world axes. Defaults: an ultra-short baseline at some tens of metres."""
+
+    rate_hz: float = _rate(0.5)
+    noise_m: float = Field(default=0.5, gt=0, description="Standard deviation of a reading, each axis [m].")
+    delay_s: float = _delay(0.5)
+
+
+class InitialEstimate(Block):
+    """How well the state is known at time 0; the first estimate is off by a drawn error of this size."""
+
+    position_m: float = Field(default=0.5, ge=0, description="Standard deviation of each axis [m].")
+    velocity_m_s: float = Field(default=0.05, ge=0, description="Standard deviation of each axis [m/s].")
+    tilt_deg: float = Field(default=1.0, ge=0, description="Standard deviation of the vertical, each axis [deg].")
+    heading_deg: float = Field(default=3.0, ge=0, description="Standard deviation of the heading [deg].")
+
+
+class Navigation(Block):
+    """Sensors and an estimate made of them; the controller sees the estimate only. A sensor set to null is left out."""
+
+    imu: Imu = Field(default=Imu(), description="Inertial unit; it cannot be left out.")
+    dvl: Dvl | None = Field(default=Dvl(), description="Doppler log.")
+    depth: Depth | None = Field(default=Depth(), description="Pressure gauge.")
+    heading: Heading | None = Field(default=Heading(), description="Compass.")
+    position: PositionFix | None = Field(
+        default=None, description="Acoustic position fix. Default: none, position is dead-reckoned."
+    )
+    initial: InitialEstimate = Field(default=InitialEstimate(), description="What is known at time 0.")
+
+    @property
+    def aids(self) -> dict[str, Aid]:
+        """The sensors beside the inertial unit, by name, in a fixed order."""
+        found = {"dvl": self.dvl, "depth": self.depth, "heading": self.heading, "position": self.position}
+        return {name: aid for name, aid in found.items() if aid is not None}
+
+    @field_validator("imu", mode="before")
+    @classmethod
+    def _inertial_unit(cls, imu: Any) -> Any:
+        if imu is None:
+            refuse("no estimate without an inertial unit: it alone says how the vehicle turns between two readings")
+        return imu
+
+    @model_validator(mode="after")
+    def _velocity_is_seen(self) -> Self:
+        if self.dvl is None and self.position is None:
+            refuse("nothing sees the velocity, so the position is lost within a minute: give dvl or position", "dvl")
+        return self
+
+
+def require_slower_than(navigation: Navigation, control_period_s: float) -> None:
+    """Refuse a sensor that reads more often than the loop looks."""
+    for name, aid in navigation.aids.items():
+        if aid.rate_hz * control_period_s > 1.0 + 1e-9:
+            refuse(
+                f"must be at most one reading per control period: {aid.rate_hz:g} Hz against"
+                f" {1.0 / control_period_s:g} Hz",
+                name,
+                "rate_hz",
+                because=("control_period_s",),
+            )
