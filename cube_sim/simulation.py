@@ -170,7 +170,7 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     vehicle, data, actuators = mission.vehicle, mission.data, mission.actuators
     state = read_state(vehicle, data)
     decision = mission.controller.decide(state, applied, mission.scenario.control_period_s)
-    allocation = actuators.allocate(decision.wrench)
+    allocation = actuators.allocate(decision.wrench, decision.secondary)
     commands = vehicle.thrusters.command(actuators.motor_force(allocation.force))
     data.ctrl[vehicle.thrusters.actuators] = commands
     if mission.diagnosis is not None:

@@ -14,6 +14,7 @@ class Decision(NamedTuple):
 
     Attributes:
         wrench: F_B^d (6,) demanded of the thrusters [N, N m].
+        secondary: the part (6,) of it that gives way when the thrusters cannot make all; zero where nothing does.
         disturbance: estimate (6,) of what the model does not explain [N, N m].
         current: estimate (3,) of the water's velocity [m/s], world axes.
         view: the vehicle seen from the virtual target.
@@ -26,6 +27,7 @@ class Decision(NamedTuple):
     """
 
     wrench: Vector
+    secondary: Vector
     disturbance: Vector
     current: Vector
     view: TargetView

@@ -13,8 +13,8 @@ from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
-from cube_sim.guidance.approach import Approach
-from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.control.priority import path_first
+from cube_sim.guidance.law import MotionLaw, Target
 from cube_sim.spatial import State, Vector
 
 
@@ -23,7 +23,7 @@ class PathFollower:
     """Virtual target -> approach velocity and attitude -> loops -> wrench, with what is unknown estimated.
 
     Attributes:
-        target: the virtual target on the path.
+        target: the target on the path.
         approach: the desired velocity.
         attitude: the desired attitude.
         loops: desired motion to wrench.
@@ -31,16 +31,19 @@ class PathFollower:
         observer: the disturbance estimate, None for none.
         current_observer: reads that estimate; None to take the water to be at rest.
         capability: what the thrusters can still do; demands are projected onto it.
+        path_first: whether the attitude gives way to the path when the thrusters cannot serve both. Where the attitude
+            has to point the thrust, it never does.
     """
 
-    target: VirtualTarget
-    approach: Approach
+    target: Target
+    approach: MotionLaw
     attitude: AttitudeMode
     loops: MotionLoops
     balancing_time: float
     observer: DisturbanceObserver | None
     current_observer: CurrentObserver | None
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
+    path_first: bool = False
     _balanced: BalancedAttitude | None = None
     _force: Vector = field(default_factory=lambda: np.zeros(3))
 
@@ -70,8 +73,10 @@ class PathFollower:
         demanded = wrench - disturbance
         self._force = state.rotation @ demanded[:3]
         self.target.advance(view.speed, dt)
+        attainable = self.capability.attainable(demanded)
         return Decision(
-            wrench=self.capability.attainable(demanded),
+            wrench=attainable,
+            secondary=self._secondary(attainable),
             disturbance=disturbance,
             current=current,
             view=view,
@@ -82,6 +87,13 @@ class PathFollower:
             attitude_error=reference.attitude_error,
             authority=self.capability.authority,
         )
+
+    def _secondary(self, wrench: Vector) -> Vector:
+        """The part (6,) of a wrench that gives way to the path: none where the attitude has to point the thrust."""
+        if not self.path_first or self._balanced is not None:
+            return np.zeros(6)
+        dynamics = self.loops.dynamics
+        return path_first(wrench, dynamics.mass_matrix + dynamics.added_mass).secondary
 
     def _unknowns(self, state: State, applied: Vector, dt: float) -> tuple[Vector, Vector]:
         """The estimated disturbance and current: what the current explains is taken out of the disturbance."""

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation import Allocation, Status
+from cube_sim.allocation import Allocation, Allocator, Status
 from cube_sim.allocation.factory import WrenchAllocator
 from cube_sim.control.health import Health
 from cube_sim.spatial import Matrix, Vector
@@ -50,15 +50,23 @@ class Actuators:
         """(6,k) columns of the thrusters that obey."""
         return self.matrix[:, self._obedient]
 
-    def allocate(self, wrench: Vector) -> Allocation:
-        """Forces (m,) of all thrusters for a demand (6,): dead ones 0, stuck ones what they hold."""
+    def allocate(self, wrench: Vector, secondary: Vector | None = None) -> Allocation:
+        """Forces (m,) of all thrusters for a demand (6,): dead ones 0, stuck ones what they hold.
+
+        Args:
+            wrench: all that is demanded [N, N m].
+            secondary: the part (6,) of it that gives way to the rest, to an allocator that knows parts; None for none.
+        """
         held = self.matrix @ self._held
         m = self.matrix.shape[1]
         if self._allocator is None:
             error = wrench - held
             still = np.zeros(m, np.int8)
             return Allocation(self._held.copy(), held, error, float(np.linalg.norm(error)), 0.0, still, Status.CLOSEST)
-        part = self._allocator.allocate(wrench - held)
+        if secondary is not None and secondary.any() and isinstance(self._allocator, Allocator):
+            part = self._allocator.allocate_by_priority(wrench - held - secondary, secondary)
+        else:
+            part = self._allocator.allocate(wrench - held)
         force, subset = self._held.copy(), np.sign(self._held).astype(np.int8)
         force[self._obedient], subset[self._obedient] = part.force, part.subset
         return replace(part, force=force, wrench=part.wrench + held, subset=subset)

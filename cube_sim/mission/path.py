@@ -12,6 +12,7 @@ from cube_sim.guidance.arc import arc_through, circle
 from cube_sim.guidance.helix import Helix
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.path import Path
+from cube_sim.guidance.point import Point
 from cube_sim.guidance.polyline import polyline
 from cube_sim.guidance.sinusoid import sinusoid
 from cube_sim.guidance.speed import ConstantSpeed, PlannedSpeed, SpeedProfile
@@ -46,6 +47,8 @@ def make_path(block: blocks.Path) -> Path:
     match block:
         case blocks.Line():
             return Line(block.start_m, block.end_m)
+        case blocks.Point():
+            return Point(block.position_m, radians(block.heading_deg))
         case blocks.Arc():
             return arc_through(block.start_m, block.through_m, block.end_m)
         case blocks.Circle():
@@ -96,6 +99,6 @@ def is_level(path: Path) -> bool:
 
 def speed_of(guidance: Guidance, path: Path) -> SpeedProfile:
     """The desired speed along a path."""
-    if guidance.lateral_acceleration_m_s2 is None:
+    if guidance.lateral_acceleration_m_s2 is None or not path.length:
         return ConstantSpeed(guidance.speed_m_s)
     return PlannedSpeed(path, guidance.speed_m_s, guidance.lateral_acceleration_m_s2, guidance.along_acceleration_m_s2)

@@ -42,6 +42,16 @@ class Line(Block):
         return end_m
 
 
+class Point(Block):
+    """A point to stay at: the path of a vehicle that goes nowhere."""
+
+    type: Literal["point"]
+    position_m: Vector3 = Field(description="Where to stay, world axes [m].")
+    heading_deg: float = Field(
+        default=0.0, description="Which way is along the path, from world x towards world y [deg]."
+    )
+
+
 class Arc(Block):
     """A part of a circle in any plane, through three points."""
 
@@ -193,6 +203,6 @@ class Csv(Closable):
 
 
 Path = Annotated[
-    Line | Arc | Circle | Helix | Sinusoid | Polyline | Spline | Csv,
+    Line | Point | Arc | Circle | Helix | Sinusoid | Polyline | Spline | Csv,
     Field(discriminator="type"),
 ]

@@ -12,6 +12,7 @@ from pydantic import Field, field_validator
 from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
+from .attitude_blocks import AlongPath, Attitude
 from .check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
 from .event_blocks import Event
 from .knowledge_block import Knowledge
@@ -61,8 +62,13 @@ class Thrusters(Block):
 
 
 class Guidance(Block):
-    """How the virtual target moves and how the vehicle closes in on the path."""
+    """How the target moves along the path and how the vehicle closes in on it."""
 
+    law: Literal["path_following", "trajectory_tracking"] = Field(
+        default="path_following",
+        description="path_following: the target waits for the vehicle. trajectory_tracking: it runs by the clock from"
+        " time 0, at the speed along the path. A path of type point is held, whichever is said.",
+    )
     speed_m_s: float = Field(gt=0, description="Speed along the path [m/s].")
     lateral_acceleration_m_s2: float | None = Field(
         default=None,
@@ -71,6 +77,15 @@ class Guidance(Block):
     )
     along_acceleration_m_s2: float = Field(
         default=0.05, gt=0, description="How fast the speed may change before and after a curve [m/s^2]."
+    )
+    tracking_time_s: float = Field(
+        default=2.0, gt=0, description="Tracking, or at a point: time that removes 63 % of a small position error [s]."
+    )
+    closing_speed_m_s: float | None = Field(
+        default=None,
+        gt=0,
+        description="Tracking, or at a point: how fast a large position error is run down, beside the target's own"
+        " speed [m/s]. Default: speed_m_s.",
     )
     approach_angle_deg: float = Field(
         default=60.0,
@@ -99,22 +114,6 @@ class Guidance(Block):
         gt=0,
         description="The speed falls as remaining path / stop_time_s before the end of the path [s].",
     )
-
-
-class AlongPath(Block):
-    """The body x axis follows the path's tangent."""
-
-    mode: Literal["along_path"]
-
-
-class FixedAttitude(Block):
-    """The vehicle keeps one attitude in the world."""
-
-    mode: Literal["fixed"]
-    attitude_deg: Vector3 = Field(description="[roll, pitch, yaw], as in initial.attitude_deg [deg].")
-
-
-Attitude = Annotated[AlongPath | FixedAttitude, Field(discriminator="mode")]
 
 
 class PlanarGains(Block):
@@ -160,6 +159,12 @@ class Control(Block):
         description="How the controller learns of thruster faults: from commands and responses, at once, or never.",
     )
     attitude: Attitude = Field(default=AlongPath(mode="along_path"), description="Which attitude the vehicle takes.")
+    priority: Literal["path", "attitude"] | None = Field(
+        default=None,
+        description="What the thrusters give when they cannot give all. path: the force the path needs, and what is"
+        " left of the torque; attitude: by allocation.torque_weight. Default: path for the modes free and look_at,"
+        " attitude for the others.",
+    )
 
 
 class Allocation(Block):

@@ -57,6 +57,7 @@ class PlanarFollower:
         follows = self._authority is not Authority.SAFE
         return Decision(
             wrench=np.array([command.F, 0.0, 0.0, 0.0, 0.0, command.Gamma]) if follows else np.zeros(6),
+            secondary=np.zeros(6),
             disturbance=np.zeros(6),
             current=np.zeros(3),
             view=view,

@@ -1,0 +1,37 @@
+"""The target and the motion law a scenario's `guidance` block asks for."""
+
+from __future__ import annotations
+
+from math import inf, radians
+
+from cube_sim.guidance.approach import Approach
+from cube_sim.guidance.clocked_target import ClockedTarget
+from cube_sim.guidance.law import MotionLaw, Target
+from cube_sim.guidance.path import Path
+from cube_sim.guidance.pursuit import Pursuit
+from cube_sim.guidance.speed import StoppingSpeed
+from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.mission.path import laps_of, speed_of
+from cube_sim.scenario import Scenario
+from cube_sim.scenario import path_blocks as blocks
+
+
+def guidance_of(scenario: Scenario, path: Path) -> tuple[Target, MotionLaw]:
+    """Who runs along the path, and how the vehicle keeps up; a point is held whatever the law."""
+    guidance, profile, laps = scenario.guidance, speed_of(scenario.guidance, path), laps_of(scenario.path)
+    is_point = isinstance(scenario.path, blocks.Point)
+    if is_point or guidance.law == "trajectory_tracking":
+        if is_point or guidance.stop_at_end:
+            profile = StoppingSpeed(profile, path.length * laps, guidance.stop_time_s)
+        closing_speed = guidance.speed_m_s if guidance.closing_speed_m_s is None else guidance.closing_speed_m_s
+        return ClockedTarget(path, profile, laps), Pursuit(profile, guidance.tracking_time_s, closing_speed)
+    limit = guidance.target_speed_limit_m_s
+    return (
+        VirtualTarget(path, guidance.target_gain_per_s, inf if limit is None else limit, laps=laps),
+        Approach(
+            profile,
+            radians(guidance.approach_angle_deg),
+            guidance.approach_gain_per_m,
+            guidance.stop_time_s if guidance.stop_at_end else None,
+        ),
+    )

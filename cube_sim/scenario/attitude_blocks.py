@@ -1,0 +1,51 @@
+"""The `control.attitude` block: which attitude the vehicle takes, told apart by `mode`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from .values import Block, Vector3, refuse
+
+
+class AlongPath(Block):
+    """The body x axis follows the path's tangent."""
+
+    mode: Literal["along_path"]
+
+
+class FixedAttitude(Block):
+    """The vehicle keeps one attitude in the world."""
+
+    mode: Literal["fixed"]
+    attitude_deg: Vector3 = Field(description="[roll, pitch, yaw], as in initial.attitude_deg [deg].")
+
+
+class FreeAttitude(Block):
+    """The vehicle turns to where its thrusters have least to do."""
+
+    mode: Literal["free"]
+
+
+class LookAt(Block):
+    """A body axis points at a fixed point of the world; about it, the vehicle stays level."""
+
+    mode: Literal["look_at"]
+    point_m: Vector3 = Field(description="What to look at, world axes [m].")
+    axis: Vector3 = Field(default=(1.0, 0.0, 0.0), description="Which way it looks, body axes, of any length.")
+    near_m: float = Field(
+        default=0.3,
+        gt=0,
+        description="Distance of the point within which its direction counts for less and less [m].",
+    )
+
+    @field_validator("axis")
+    @classmethod
+    def _has_a_direction(cls, axis: Vector3) -> Vector3:
+        if not any(axis):
+            refuse("an axis to look along needs a direction")
+        return axis
+
+
+Attitude = Annotated[AlongPath | FixedAttitude | FreeAttitude | LookAt, Field(discriminator="mode")]
