@@ -120,7 +120,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
     """
     nnumeric, numeric_adr, numeric_data = model["nnumeric"], model["numeric_adr"], model["numeric_data"]
     opt_gravity, opt_wind, opt_disableflags = model["opt.gravity"], model["opt.wind"], model["opt.disableflags"]
-    opt_density, opt_viscosity = model["opt.density"], model["opt.viscosity"]
+    opt_density, opt_viscosity, opt_timestep = model["opt.density"], model["opt.viscosity"], model["opt.timestep"]
     opt_solver, opt_noslip = model["opt.solver"], model["opt.noslip_iterations"]
     no_gravity, no_passive, pgs = codes["no_gravity"], codes["no_passive"], codes["pgs"]
     dof_armature, m_rowadr, actuator_actadr = model["dof_armature"], model["M_rowadr"], model["actuator_actadr"]
@@ -190,6 +190,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                     vector(table + 16 + 8 * n_t, n_z),
                     matrix(table + 16 + 8 * (n_t + n_z), n_t * n_z, 3),
                     steady,
+                    double(m + opt_timestep, 0),
                 )
             F = water_wrench(
                 M_A,

@@ -8,16 +8,15 @@ from cube_sim.vehicle.hydrodynamics import cross, times, to_body
 
 @compiled
 def bracket(x, xs):
-    """Where x lies among increasing xs (n,): index of the point before it, fraction to the next, 1/spacing.
+    """Where x lies among increasing xs (n,): index of the point before it, of the one after it, fraction between.
 
-    Beyond the ends the nearest point holds, and 1/spacing is 0: nothing changes out there. On a point the slope is that
-    of the interval that begins there.
+    Beyond the ends the nearest point holds.
     """
     last = xs.shape[0] - 1
-    if last == 0 or x < xs[0]:
-        return 0, 0.0, 0.0
+    if x <= xs[0]:
+        return 0, 0, 0.0
     if x >= xs[last]:
-        return last - 1, 1.0, 0.0
+        return last, last, 0.0
     low, high = 0, last
     while high - low > 1:
         middle = (low + high) // 2
@@ -25,13 +24,40 @@ def bracket(x, xs):
             low = middle
         else:
             high = middle
-    slope = 1.0 / (xs[high] - xs[low])
-    return low, (x - xs[low]) * slope, slope
+    return low, high, (x - xs[low]) / (xs[high] - xs[low])
 
 
 @compiled
-def current_at(time, height, times_s, heights, velocities, steady):
-    """Current and its acceleration at a place, bilinear in time and height.
+def velocity_at(time, height, times_s, heights, velocities):
+    """The table's velocity at a time and a height, a 3-tuple; arguments as in `current_at`."""
+    n_z = heights.shape[0]
+    i, next_i, a = bracket(time, times_s)
+    j, next_j, b = bracket(height, heights)
+    i, next_i = i * n_z, next_i * n_z
+    return (
+        _bilinear(velocities, 0, i, next_i, j, next_j, a, b),
+        _bilinear(velocities, 1, i, next_i, j, next_j, a, b),
+        _bilinear(velocities, 2, i, next_i, j, next_j, a, b),
+    )
+
+
+@compiled
+def _bilinear(values, axis, i, next_i, j, next_j, a, b):
+    p, q = values[i + j, axis], values[i + next_j, axis]
+    r, s = values[next_i + j, axis], values[next_i + next_j, axis]
+    early, late = p + b * (q - p), r + b * (s - r)
+    return early + a * (late - early)
+
+
+@compiled
+def current_at(time, height, times_s, heights, velocities, steady, step):
+    """Current and its acceleration at a place, from a table that is bilinear in time and height.
+
+    The acceleration of a piecewise linear current jumps at the table's points, and an integrator that meets a jump
+    within a step is off by a share of that step. So it is the mean over one time step, from half a step before to half
+    a step after, of D v_c / Dt along the path of the water that passes the place; nothing before time 0, where a
+    simulation starts, is in it. Wherever in a step a jump lies, the weights of Runge-Kutta's stages and of Euler's
+    steps then add up to all of it.
 
     Args:
         time: [s].
@@ -40,31 +66,20 @@ def current_at(time, height, times_s, heights, velocities, steady):
         heights: (n_z,) increasing [m].
         velocities: (n_t n_z, 3) [m/s], world axes, time by time.
         steady: 3-tuple added everywhere [m/s].
+        step: the time step [s].
 
     Returns:
-        v_c and D v_c / Dt = dv_c/dt + (v_c)_z dv_c/dz, 3-tuples in world axes [m/s, m/s^2]: the acceleration of the
-        water that passes the place.
+        v_c and D v_c / Dt = dv_c/dt + (v_c)_z dv_c/dz, 3-tuples in world axes [m/s, m/s^2].
     """
-    n_z = heights.shape[0]
-    i, a, per_s = bracket(time, times_s)
-    j, b, per_m = bracket(height, heights)
-    next_i = min(i + 1, times_s.shape[0] - 1)
-    next_j = min(j + 1, n_z - 1)
-    v_x, t_x, z_x = _bilinear(velocities, 0, i * n_z, next_i * n_z, j, next_j, a, b)
-    v_y, t_y, z_y = _bilinear(velocities, 1, i * n_z, next_i * n_z, j, next_j, a, b)
-    v_z, t_z, z_z = _bilinear(velocities, 2, i * n_z, next_i * n_z, j, next_j, a, b)
-    v = (v_x + steady[0], v_y + steady[1], v_z + steady[2])
-    rise = v[2] * per_m
-    return v, (t_x * per_s + rise * z_x, t_y * per_s + rise * z_y, t_z * per_s + rise * z_z)
-
-
-@compiled
-def _bilinear(values, axis, i, next_i, j, next_j, a, b):
-    """Value, difference along the first and along the second axis of one cell."""
-    p, q = values[i + j, axis], values[i + next_j, axis]
-    r, s = values[next_i + j, axis], values[next_i + next_j, axis]
-    early, late = p + b * (q - p), r + b * (s - r)
-    return early + a * (late - early), late - early, (q - p) + a * ((s - r) - (q - p))
+    u = velocity_at(time, height, times_s, heights, velocities)
+    v = (u[0] + steady[0], u[1] + steady[1], u[2] + steady[2])
+    before, after = 0.5 * step, 0.5 * step
+    if 0.0 <= time < before:
+        before = time
+    behind = velocity_at(time - before, height - before * v[2], times_s, heights, velocities)
+    ahead = velocity_at(time + after, height + after * v[2], times_s, heights, velocities)
+    span = before + after
+    return v, ((ahead[0] - behind[0]) / span, (ahead[1] - behind[1]) / span, (ahead[2] - behind[2]) / span)
 
 
 @compiled

@@ -16,7 +16,7 @@ from cube_sim.errors import ModelError
 
 MODEL_FIELDS = (
     "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "opt.density", "opt.viscosity", "opt.solver",
-    "opt.noslip_iterations", "numeric_adr", "numeric_data",
+    "opt.noslip_iterations", "opt.timestep", "numeric_adr", "numeric_data",
     "dof_armature", "M_rowadr", "actuator_actadr", "actuator_actnum",
 )  # fmt: skip
 DATA_FIELDS = ("time", "qvel", "xpos", "xmat", "act", "cdof", "crb", "M", "qfrc_passive")
