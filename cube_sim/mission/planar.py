@@ -17,6 +17,7 @@ from cube_sim.mission.knowledge import believed_planar_model
 from cube_sim.mission.path import is_level, laps_of, speed_of
 from cube_sim.mission.planar_knowledge import planar_model
 from cube_sim.scenario import Loaded
+from cube_sim.scenario.path_blocks import Point
 
 
 def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollower:
@@ -29,6 +30,11 @@ def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollowe
     guidance, planar = scenario.guidance, scenario.control.planar
     profile = speed_of(guidance, path)
     mistakes = []
+    if isinstance(scenario.path, Point):
+        mistakes.append(loaded.mistake("path", "a planar law steers by moving ahead and cannot stay at a point"))
+    if guidance.law == "trajectory_tracking":
+        text = "a planar law follows paths, its target waits for the vehicle: give path_following"
+        mistakes.append(loaded.mistake("guidance.law", text))
     stations = np.linspace(0.0, path.length, 501)
     if not is_level(path):
         mistakes.append(loaded.mistake("path", "a planar law follows level paths, this one climbs or sinks"))
