@@ -1,7 +1,7 @@
 """The loop, and nothing else.
 
-One tick: state (MuJoCo) -> path error and desired motion (guidance) -> wrench (control) -> thruster forces (allocation)
--> thruster commands -> one row per channel (recording) -> MuJoCo steps with water.
+One tick: state (MuJoCo, or an estimate of it) -> path error and desired motion (guidance) -> wrench (control) ->
+thruster forces (allocation) -> thruster commands -> one row per channel (recording) -> MuJoCo steps with water.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from cube_sim.reach_log import ReachLog
 from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import check, claim
 from cube_sim.scenario import Loaded, load
-from cube_sim.spatial import State, quaternion_from_rotation
+from cube_sim.spatial import State, angle_between, quaternion_from_rotation
 from cube_sim.vehicle.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, Verdict, overall, to_json
 
@@ -169,7 +169,8 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     """
     vehicle, data, actuators = mission.vehicle, mission.data, mission.actuators
     state = read_state(vehicle, data)
-    decision = mission.controller.decide(state, applied, mission.scenario.control_period_s)
+    known = state if mission.on_estimate is None else mission.on_estimate.see(state, data, recorder, t)
+    decision = mission.controller.decide(known, applied, mission.scenario.control_period_s)
     allocation = actuators.allocate(decision.wrench, decision.secondary)
     commands = vehicle.thrusters.command(actuators.motor_force(allocation.force))
     data.ctrl[vehicle.thrusters.actuators] = commands
@@ -178,10 +179,15 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
 
     recorder.append("pose", t, state.position, state.quaternion)
     recorder.append("velocity", t, state.velocity, state.rates)
-    point, (s1, y1, z1) = decision.view.point, decision.view.error
+    point, error, attitude_error = decision.view.point, decision.view.error, decision.attitude_error
+    if known is not state:
+        # What is recorded is where the vehicle truly is, not where it believes to be.
+        error = (state.position - point.position) @ point.rotation
+        attitude_error = angle_between(decision.quaternion, state.quaternion)
+    s1, y1, z1 = error
     orientation = quaternion_from_rotation(point.rotation)
     recorder.append("target", t, decision.view.arc_length, decision.remaining, point.position, orientation)
-    recorder.append("path_error", t, s1, (y1, z1), hypot(y1, z1), decision.attitude_error)
+    recorder.append("path_error", t, s1, (y1, z1), hypot(y1, z1), attitude_error)
     recorder.append("reference", t, decision.velocity, decision.rates, decision.quaternion)
     recorder.append("wrench", t, decision.wrench, allocation.wrench, decision.disturbance)
     recorder.append("allocation", t, allocation.residual, allocation.cost, allocation.status, allocation.subset)

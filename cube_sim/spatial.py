@@ -5,7 +5,7 @@ Quaternions are wxyz, unit, body to world.
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import atan2, cos, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -106,3 +106,9 @@ def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Vector:
     qy = np.array([cos(half[1]), 0.0, sin(half[1]), 0.0])
     qz = np.array([cos(half[2]), 0.0, 0.0, sin(half[2])])
     return multiply(qz, multiply(qy, qx))
+
+
+def angle_between(p: Vector, q: Vector) -> float:
+    """Angle [rad] of the rotation between two attitudes, 0 to pi."""
+    w, x, y, z = multiply(conjugate(p), q)
+    return 2.0 * atan2(sqrt(x * x + y * y + z * z), abs(w))

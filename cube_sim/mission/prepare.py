@@ -16,6 +16,7 @@ from cube_sim.mission.actuators import Actuators
 from cube_sim.mission.allocation import actuators_of
 from cube_sim.mission.control import controller_of, diagnosis_of
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
+from cube_sim.mission.navigation import OnEstimate, channels_of
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_possible_events, require_signals
 from cube_sim.recording.channels import Channel, channel_table
@@ -40,6 +41,7 @@ class Mission:
         actuators: wrench to thruster forces.
         events: what happens on the way.
         diagnosis: finds thruster faults, None when the controller is told of them or ignores them.
+        on_estimate: what the controller sees instead of the true state; None when it sees that.
         channels: what will be recorded.
     """
 
@@ -52,6 +54,7 @@ class Mission:
     actuators: Actuators
     events: Events
     diagnosis: Diagnosis | None
+    on_estimate: OnEstimate | None
     channels: tuple[Channel, ...]
 
 
@@ -71,7 +74,7 @@ def prepare(loaded: Loaded) -> Mission:
         PATH_POINTS,
         tuple(status.name for status in Status),
         tuple(authority.name for authority in Authority),
-    )
+    ) + channels_of(scenario.navigation)
     require_signals(loaded, channels)
     require_possible_events(loaded, vehicle)
     return Mission(
@@ -84,5 +87,6 @@ def prepare(loaded: Loaded) -> Mission:
         actuators=actuators_of(believed.vehicle, scenario),
         events=Events(scenario.events, model, vehicle),
         diagnosis=diagnosis_of(vehicle, scenario) if scenario.control.faults == "diagnosed" else None,
+        on_estimate=OnEstimate.of(scenario, vehicle),
         channels=channels,
     )

@@ -1,0 +1,175 @@
+"""A scenario's `navigation` block at work: the truth read from MuJoCo, the estimate for the controller, its record."""
+
+from __future__ import annotations
+
+from math import radians
+
+import mujoco
+import numpy as np
+
+from cube_sim.navigation.aid import Aid
+from cube_sim.navigation.depth import Depth
+from cube_sim.navigation.dvl import Dvl
+from cube_sim.navigation.filter import Fusion, Outcome
+from cube_sim.navigation.heading import Heading
+from cube_sim.navigation.imu import ImuErrors
+from cube_sim.navigation.motion import Motion, Truth
+from cube_sim.navigation.navigator import Estimate, InitialErrors, Navigator
+from cube_sim.navigation.observability import what_drifts
+from cube_sim.navigation.position import PositionFix
+from cube_sim.navigation.sampling import Sampling
+from cube_sim.recording.channels import Channel
+from cube_sim.recording.navigation_channels import navigation_channels
+from cube_sim.recording.recorder import Recorder
+from cube_sim.scenario import Scenario
+from cube_sim.scenario import navigation_blocks as blocks
+from cube_sim.spatial import Matrix, State, Vector
+from cube_sim.vehicle.vehicle import Vehicle
+
+
+class OnEstimate:
+    """What stands between the true state and a controller that flies on sensors.
+
+    Args:
+        block: the scenario's `navigation`.
+        vehicle: the hull that carries the sensors.
+        seed: root of their random streams.
+        period_s: the control period.
+    """
+
+    def __init__(self, block: blocks.Navigation, vehicle: Vehicle, seed: int, period_s: float) -> None:
+        self._block, self._vehicle, self._seed, self._period = block, vehicle, seed, period_s
+        self._navigator: Navigator | None = None
+        self._in_doubt: set[str] = set()
+
+    @classmethod
+    def of(cls, scenario: Scenario, vehicle: Vehicle) -> OnEstimate | None:
+        """As the scenario says; None when its controller sees the true state."""
+        if scenario.navigation is None:
+            return None
+        return cls(scenario.navigation, vehicle, scenario.seed, scenario.control_period_s)
+
+    def see(self, true: State, data: mujoco.MjData, recorder: Recorder, t: float) -> State:
+        """The state as the controller knows it; once per tick.
+
+        Args:
+            true: the vehicle's state.
+            data: MuJoCo's, up to date at t, accelerations too.
+            recorder: gets the estimate, its error and the readings that have arrived.
+            t: simulated time [s].
+        """
+        truth = read_truth(true, data, self._vehicle)
+        if self._navigator is None:
+            self._navigator = self._set_out(truth.motion, recorder, t)
+        estimate, fusions = self._navigator.update(truth)
+        self._record(self._navigator, truth, estimate, recorder, t)
+        for fusion in fusions:
+            self._record_reading(self._navigator.aids[fusion.reading.aid].name, fusion, recorder, t)
+        return estimate.state
+
+    def _set_out(self, truth: Motion, recorder: Recorder, t: float) -> Navigator:
+        block = self._block
+        recorder.log(t, "INFO", f"navigation: {what_drifts(block.aids)}")
+        return Navigator(
+            imu=_imu(block.imu),
+            aids=[_aid(aid) for aid in block.aids.values()],
+            initial=_initial(block.initial),
+            truth=truth,
+            seed=self._seed,
+            gravity=self._vehicle.gravity,
+            period_s=self._period,
+        )
+
+    def _record(self, navigator: Navigator, truth: Truth, estimate: Estimate, recorder: Recorder, t: float) -> None:
+        state, motion = estimate.state, truth.motion
+        recorder.append(
+            "navigation",
+            t,
+            state.position,
+            state.quaternion,
+            state.velocity,
+            state.rates,
+            estimate.position_sigma,
+            estimate.velocity_sigma,
+            estimate.attitude_sigma,
+            estimate.gyro_bias,
+            estimate.accelerometer_bias,
+        )
+        recorder.append(
+            "navigation_error",
+            t,
+            state.position - motion.position,
+            state.rotation @ state.velocity - motion.velocity,
+            rotation_vector(state.rotation @ motion.rotation.T),
+            estimate.gyro_bias - navigator.true_biases[:3],
+            estimate.accelerometer_bias - navigator.true_biases[3:],
+        )
+        recorder.append("sensor_imu", t, navigator.inertial[:3], navigator.inertial[3:])
+
+    def _record_reading(self, name: str, fusion: Fusion, recorder: Recorder, t: float) -> None:
+        reading, innovation = fusion.reading.value, fusion.innovation
+        taken_at = fusion.reading.tick * self._period
+        values = (reading[0], innovation[0]) if len(reading) == 1 else (reading, innovation)
+        recorder.append(f"sensor_{name}", t, values[0], taken_at, values[1], fusion.surprise, fusion.outcome)
+        if fusion.outcome is Outcome.FORCED and name not in self._in_doubt:
+            self._in_doubt.add(name)
+            text = f"navigation: {name} contradicts the estimate again and again; it is believed, the estimate doubted"
+            recorder.log(t, "WARNING", text)
+        elif fusion.outcome is Outcome.FUSED and name in self._in_doubt:
+            self._in_doubt.remove(name)
+            recorder.log(t, "INFO", f"navigation: {name} and the estimate agree again")
+
+
+def channels_of(block: blocks.Navigation | None) -> tuple[Channel, ...]:
+    """What navigation will record; nothing without it."""
+    return () if block is None else navigation_channels({name: aid.rate_hz for name, aid in block.aids.items()})
+
+
+def read_truth(state: State, data: mujoco.MjData, vehicle: Vehicle) -> Truth:
+    """What sensors at the body origin feel; a free joint's linear acceleration is its origin's, in world axes."""
+    acceleration = data.qacc[vehicle.dof_address : vehicle.dof_address + 3]
+    motion = Motion(state.position, state.rotation @ state.velocity, state.rotation, state.rates)
+    return Truth(motion, (acceleration - vehicle.gravity) @ state.rotation)
+
+
+def rotation_vector(R: Matrix) -> Vector:
+    """The rotation vector (3,) [rad] of R, at most pi long."""
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(R).ravel())
+    vector = np.empty(3)
+    mujoco.mju_quat2Vel(vector, quaternion, 1.0)
+    return vector
+
+
+def _imu(block: blocks.Imu) -> ImuErrors:
+    return ImuErrors(
+        gyro_noise=radians(block.gyro_noise_deg_s_per_sqrt_hz),
+        accelerometer_noise=block.accelerometer_noise_m_s2_per_sqrt_hz,
+        gyro_bias=radians(block.gyro_bias_deg_s),
+        accelerometer_bias=block.accelerometer_bias_m_s2,
+        gyro_bias_walk=radians(block.gyro_bias_walk_deg_s2_per_sqrt_hz),
+        accelerometer_bias_walk=block.accelerometer_bias_walk_m_s3_per_sqrt_hz,
+    )
+
+
+def _aid(block: blocks.Aid) -> Aid:
+    sampling = Sampling(block.rate_hz, block.delay_s)
+    match block:
+        case blocks.Dvl():
+            return Dvl(sampling, block.noise_m_s, block.bias_m_s, block.scale_error, block.lever_arm_m)
+        case blocks.Depth():
+            return Depth(sampling, block.noise_m, block.bias_m)
+        case blocks.Heading():
+            return Heading(sampling, radians(block.noise_deg), radians(block.bias_deg))
+        case blocks.PositionFix():
+            return PositionFix(sampling, block.noise_m)
+    raise TypeError(f"no sensor is built from {type(block).__name__}")
+
+
+def _initial(block: blocks.InitialEstimate) -> InitialErrors:
+    return InitialErrors(
+        position=block.position_m,
+        velocity=block.velocity_m_s,
+        tilt=radians(block.tilt_deg),
+        heading=radians(block.heading_deg),
+    )

@@ -1,0 +1,74 @@
+"""The channels of a run that is flown on an estimate: the estimate, its error, and what each sensor said."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cube_sim.recording.channels import WXYZ, XYZ, Channel, Field
+
+_READINGS = {
+    "dvl": Field("velocity", 3, "m/s", "velocity of the sensor over ground as read, body axes", XYZ),
+    "depth": Field("depth", 1, "m", "depth below z = 0 as read, positive downwards"),
+    "heading": Field("heading", 1, "rad", "azimuth of the body's x axis as read, from world x towards y"),
+    "position": Field("position", 3, "m", "position fix as read, world axes", XYZ),
+}
+
+
+def navigation_channels(rates_hz: Mapping[str, float]) -> tuple[Channel, ...]:
+    """Declare what navigation records beside the channels of every run.
+
+    Args:
+        rates_hz: rate of each sensor beside the inertial unit, by name.
+    """
+    return (
+        Channel(
+            "navigation",
+            (
+                Field("position", 3, "m", "estimated p_WB, world axes", XYZ),
+                Field("quaternion", 4, "1", "estimated q_WB, body to world", WXYZ),
+                Field("linear", 3, "m/s", "estimated velocity over ground, estimated body axes", XYZ),
+                Field("angular", 3, "rad/s", "estimated angular velocity, body axes", XYZ),
+                Field("position_sigma", 3, "m", "standard deviation of the position, world axes", XYZ),
+                Field("velocity_sigma", 3, "m/s", "standard deviation of the velocity, world axes", XYZ),
+                Field(
+                    "attitude_sigma", 3, "rad", "standard deviation of the attitude's rotation vector, world axes", XYZ
+                ),
+                Field("gyro_bias", 3, "rad/s", "estimated bias of the gyros", XYZ),
+                Field("accelerometer_bias", 3, "m/s^2", "estimated bias of the accelerometers", XYZ),
+            ),
+        ),
+        Channel(
+            "navigation_error",
+            (
+                Field("position", 3, "m", "estimated less true position, world axes", XYZ),
+                Field("velocity", 3, "m/s", "estimated less true velocity, world axes", XYZ),
+                Field("attitude", 3, "rad", "rotation vector from the true to the estimated attitude, world axes", XYZ),
+                Field("gyro_bias", 3, "rad/s", "estimated less true bias of the gyros", XYZ),
+                Field("accelerometer_bias", 3, "m/s^2", "estimated less true bias of the accelerometers", XYZ),
+            ),
+        ),
+        Channel(
+            "sensor_imu",
+            (
+                Field("rates", 3, "rad/s", "angular velocity as read, body axes", XYZ),
+                Field("specific_force", 3, "m/s^2", "acceleration less gravity as read, body axes", XYZ),
+            ),
+        ),
+        *(_sensor(name, rate) for name, rate in rates_hz.items()),
+    )
+
+
+def _sensor(name: str, rate_hz: float) -> Channel:
+    """Rows come when readings arrive."""
+    reading = _READINGS[name]
+    return Channel(
+        f"sensor_{name}",
+        (
+            reading,
+            Field("taken_at", 1, "s", "when the sensor looked; the row's own time is when the reading was there"),
+            Field("innovation", reading.width, reading.unit, "what it said beyond the estimate", reading.columns),
+            Field("surprise", 1, "1", "the innovation's square in units of its covariance, chi-square"),
+            Field("outcome", 1, "1", "0 fused, 1 kept out by the gate, 2 fused although the gate would not"),
+        ),
+        rate_hz,
+    )
