@@ -33,9 +33,7 @@ SHORT = {"duration_s": 3.0, "checks": [{"kind": "allowed_forces"}]}
 THROWN = {
     **SHORT,
     "physics.integrator": "Euler",
-    "physics.step_s": 0.5,
-    "control_period_s": 0.5,
-    "initial.velocity_m_s": [10.0, 0.0, 0.0],
+    "initial.velocity_m_s": [320.0, 0.0, 0.0],
 }
 
 
@@ -113,8 +111,15 @@ def test_the_same_scenario_gives_the_same_bytes_in_another_process(short, tmp_pa
     assert (tmp_path / "again" / "run.mcap").read_bytes() == (short.directory / "run.mcap").read_bytes()
 
 
+def test_a_step_too_long_for_the_motors_is_refused(tmp_path):
+    """The lag of 20 ms under a step that the scenario, not the model, sets."""
+    steps = {**SHORT, "physics.step_s": 0.06, "control_period_s": 0.06}
+    with pytest.raises(ScenarioError, match=r"physics.step_s.*T1: its lag of 0.02 s is unstable under RK4"):
+        cube_sim.run(HELIX, steps, tmp_path / "out")
+
+
 def test_a_state_that_leaves_the_real_numbers_ends_the_run_as_error_with_the_last_good_state(tmp_path):
-    """An Euler step of 0.5 s on a hull thrown at 10 m/s: its drag overshoots and the state blows up."""
+    """An Euler step of 10 ms on a hull thrown at 320 m/s: its drag overshoots and the state blows up."""
     result = cube_sim.run(HELIX, {**THROWN, "duration_s": 20.0}, tmp_path / "out")
     assert result.verdict == "ERROR"
     assert json.loads((tmp_path / "out" / "verdict.json").read_text())["verdict"] == "ERROR"
@@ -126,7 +131,7 @@ def test_a_state_that_leaves_the_real_numbers_ends_the_run_as_error_with_the_las
 def test_a_last_step_that_leaves_the_real_numbers_is_an_error_too(tmp_path):
     """All rows but the last are there, and no check would miss it."""
     whole = cube_sim.run(HELIX, {**THROWN, "duration_s": 20.0}, tmp_path / "whole").signals["pose.position"]
-    result = cube_sim.run(HELIX, {**THROWN, "duration_s": whole[-1, 0] + 0.5}, tmp_path / "out")
+    result = cube_sim.run(HELIX, {**THROWN, "duration_s": round(whole[-1, 0] + 0.02, 6)}, tmp_path / "out")
     assert len(result.signals["pose.position"]) == len(whole)
     assert result.verdict == "ERROR"
 

@@ -26,6 +26,8 @@ MISTAKES = [
     ("hull:volume", [-0.1], "is -0.1"),
     ("hull:volume", [0.1, 0.2], "has 2 values; it takes 1"),
     ("hull:volume", [np.inf], "not finite"),
+    ("hull:volume", "abc", "is 'abc'; numbers are right"),
+    ("hull:volume", [[0.1], [0.1, 0.2]], "numbers are right"),
     ("hull:centre_of_buoyancy", [0.0, 0.0], "has 2 values; it takes 3"),
     ("hull:linear_damping", [1.0, 1.0, 1.0, 1.0, 1.0, -1.0], "negative diagonal"),
     ("hull:quadratic_damping", [-1.0, 1.0, 1.0, 1.0, 1.0, 1.0], "negative diagonal"),
@@ -84,6 +86,8 @@ def edited(**changes) -> mujoco.MjSpec:
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
+        ({"wind": [np.nan, 0.0, 0.0]}, "option: wind is nan 0 0; finite numbers are right"),
+        ({"gravity": [0.0, 0.0, np.inf]}, "option: gravity is 0 0 inf"),
         ({"density": 1000.0}, "MuJoCo's own fluid model"),
         ({"viscosity": 0.001}, "MuJoCo's own fluid model"),
         (

@@ -105,6 +105,58 @@ def test_commands_end_where_the_curve_ends(attributes):
     np.testing.assert_allclose(data.act, 0.9, rtol=1e-9)
 
 
-def test_a_wider_range_of_commands_is_the_authors():
-    model = cube_sim.load_model(edited((T1, f'{T1} ctrlrange="-2 2"')))
-    np.testing.assert_array_equal(model.actuator_ctrlrange[:2], [[-2.0, 2.0], [-1.0, 1.0]])
+def test_a_wider_range_of_commands_ends_with_the_curve_too():
+    model = cube_sim.load_model(edited((T1, f'{T1} ctrlrange="-5 5"')))
+    np.testing.assert_array_equal(model.actuator_ctrlrange[:2], [[-1.0, 1.0], [-1.0, 1.0]])
+
+
+@pytest.mark.parametrize(
+    ("integrator", "limit"), [("Euler", 2.0), ("implicit", 2.0), ("implicitfast", 2.0), ("RK4", 2.785)]
+)
+def test_a_lag_the_time_step_makes_unstable_is_refused(integrator, limit):
+    """Just below the limit a commanded motor comes to rest, above it is refused; filterexact is stable at any step."""
+
+    def motors(step: float, dyntype: str = "filter") -> mujoco.MjModel:
+        choice = ('timestep="0.01" integrator="RK4"', f'timestep="{step!r}" integrator="{integrator}"')
+        return cube_sim.load_model(edited(choice, ('dyntype="filter"', f'dyntype="{dyntype}"')))
+
+    model = motors(0.99 * limit * 0.02)
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 0.5
+    for _ in range(2000):
+        data.qvel[:], data.qpos[:] = 0.0, [0, 0, 0, 1, 0, 0, 0]
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(data.act, 0.5, atol=1e-6)
+    with pytest.raises(ModelError, match=r"T1: its lag of 0.02 s is unstable under \w+ with a time step of") as caught:
+        motors(1.01 * limit * 0.02)
+    assert caught.value.element == "T1"
+    assert "dyntype='filterexact'" in caught.value.reason
+    assert motors(1.01 * limit * 0.02, "filterexact").nu == 8
+
+
+@pytest.mark.parametrize(("delay_s", "samples"), [(0.1, 10), (0.035, 4), (0.0, 0), (0.1, 12)])
+def test_a_delay_is_as_long_as_it_says(delay_s, samples):
+    attributes = f' delay="{delay_s!r}" nsample="{samples}"' if samples else ""
+    model = cube_sim.load_model(edited((T1, T1 + attributes)))
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 1.0
+    sent = 0
+    while data.act[0] == 0.0:
+        mujoco.mj_step(model, data)
+        sent += 1
+    assert (sent - 1) * 0.01 == pytest.approx(delay_s, abs=0.0101)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "reason"),
+    [
+        ('delay="0.5" nsample="4"', "its delay of 0.5 s is cut off at 0.04 s"),
+        ('delay="0.05" nsample="4"', "time step of 0.01 s; 5 are right"),
+        ('delay="-0.1" nsample="4"', "has a delay of -0.1 s"),
+    ],
+)
+def test_a_delay_the_buffer_cuts_off_is_refused(attributes, reason):
+    with pytest.raises(ModelError) as caught:
+        cube_sim.load_model(edited((T1, f"{T1} {attributes}")))
+    assert caught.value.element == "T1"
+    assert reason in caught.value.reason

@@ -11,6 +11,7 @@ from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.time_step import require_time_step
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
 
@@ -31,6 +32,10 @@ def flown_hull(loaded: Loaded) -> Hull:
     hull = _hull(loaded, scenario.model, "model")
     hull.model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{scenario.physics.integrator.upper()}")
     hull.model.opt.timestep = scenario.physics.step_s
+    try:
+        require_time_step(hull.model)
+    except ModelError as error:
+        raise ScenarioError([loaded.mistake("physics.step_s", f"{scenario.model}: {error}")]) from None
     hull.model.opt.wind[:] = scenario.current_m_s
     # A state that has left the real numbers must end the run, not silently start it again.
     hull.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import hook, packing, structs, user_forces
@@ -17,6 +17,7 @@ from cube_sim.vehicle.inverse_weights import set_inverse_weights
 from cube_sim.vehicle.numeric_names import require_parameter
 from cube_sim.vehicle.parameters import read_parameters
 from cube_sim.vehicle.thruster_elements import limit_commands, thruster_elements
+from cube_sim.vehicle.time_step import require_time_step
 from cube_sim.vehicle.user_forces import UserForce
 from cube_sim.vehicle.warnings import collect_warnings
 
@@ -97,7 +98,7 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     numerics = {n.name: np.array(n.data, dtype=float) for n in spec.numerics}
     for name, values in overrides.items():
         require_parameter(name)
-        numerics[name] = np.atleast_1d(np.asarray(values, dtype=float))
+        numerics[name] = _numbers(name, values)
     if packing.PACKED in numerics:
         raise ModelError(packing.PACKED, "is written by load_model; remove it from the MJCF")
     bodies = {body.name: _is_free(body) for body in spec.bodies if body.name and body.name != "world"}
@@ -111,6 +112,7 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
         _prepare(spec, hull.body)
     spec.add_numeric(name=packing.PACKED, size=packing.packed_size(parameters), data=[0.0])
     model = spec.compile()
+    require_time_step(model)
     if np.any(model.tendon_armature != 0.0):
         raise ModelError("tendon", "has armature, which a hull's inertia has no room for; put armature on a joint")
     ids = [model.body(hull.body).id for hull in parameters.hulls]
@@ -133,8 +135,19 @@ def _register(forces: dict[str, UserForce], hulls: list[str]) -> list[int]:
     return [user_forces.register(forces[h], f"{h}:force") if h in forces else -1 for h in hulls]
 
 
+def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    try:
+        return np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise ModelError(name, f"is {values!r:.80}; numbers are right") from None
+
+
 def _require_usable_options(spec: mujoco.MjSpec) -> None:
     option = spec.option
+    for name in ("timestep", "gravity", "wind"):
+        value = np.array(getattr(option, name), dtype=float)
+        if not np.all(np.isfinite(value)):
+            raise ModelError("option", f"{name} is {' '.join(f'{x:g}' for x in value.flat)}; finite numbers are right")
     if option.density or option.viscosity:
         raise ModelError(
             "option", "density and viscosity switch MuJoCo's own fluid model on; put 0 and use water:density"

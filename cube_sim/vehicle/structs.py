@@ -66,7 +66,7 @@ def verify(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         for field in layout.names or ():
             if field.startswith("opt_"):
                 expected = getattr(model.opt, field[4:])
-                agrees = np.array_equal(view[field], expected)
+                agrees = np.array_equal(view[field], expected, equal_nan=True)
             else:
                 value = getattr(owner, field)
                 if isinstance(value, np.ndarray):

@@ -46,7 +46,7 @@ def thruster_elements(spec: mujoco.MjSpec) -> list[ThrusterElement | None]:
 
 
 def limit_commands(spec: mujoco.MjSpec, curves: Sequence[Characteristic | None]) -> None:
-    """Hold every command to the ends of its curve where the MJCF does not limit it.
+    """Hold every command to the ends of its curve, also where the MJCF allows more.
 
     The curve saturates anyway; but a command beyond its end would pass the lag faster than a motor does, and keep it
     from turning back.
@@ -64,8 +64,7 @@ def limit_commands(spec: mujoco.MjSpec, curves: Sequence[Characteristic | None])
         commands, forces = (float(curve.commands[0]), float(curve.commands[-1])), curve.limits[[0, -1]]
         if _is_limited(spec, actuator.ctrllimited, actuator.ctrlrange):
             _require_inside(actuator.name, "ctrlrange", actuator.ctrlrange, commands, "leave it out or widen it")
-        else:
-            actuator.ctrllimited, actuator.ctrlrange = mujoco.mjtLimited.mjLIMITED_TRUE, commands
+        actuator.ctrllimited, actuator.ctrlrange = mujoco.mjtLimited.mjLIMITED_TRUE, commands
         if _is_limited(spec, actuator.actlimited, actuator.actrange):
             _require_inside(actuator.name, "actrange", actuator.actrange, commands, "leave it out or widen it")
         if _is_limited(spec, actuator.forcelimited, actuator.forcerange):

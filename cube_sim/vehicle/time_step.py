@@ -1,0 +1,63 @@
+"""Whether a time step is short enough for the lags of the motors, and their buffers long enough for their delays.
+
+MuJoCo goes on without a word in both cases: a lag under Euler with a step of twice its time constant swings for ever,
+beyond that it grows without bound; a buffer that is too short cuts the delay off.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+
+import mujoco
+import numpy as np
+
+from cube_sim.errors import ModelError
+
+_EULER_LIMIT = 2.0  # |1 - h/tau| = 1
+_RK4_LIMIT = 2.785  # 1 - x + x^2/2 - x^3/6 + x^4/24 = 1
+_ROUNDING = 1e-9
+
+
+def require_time_step(model: mujoco.MjModel) -> None:
+    """Refuse a lag that the model's time step and integrator make unstable, and a delay that its buffer cuts off.
+
+    `load_model` asks this of the time step in the file; whoever sets another one on the compiled model asks again.
+
+    Args:
+        model: compiled; only its actuators with ``biastype="user"``, the thrusters, are looked at.
+
+    Raises:
+        ModelError: names the actuator, both times and what would be right.
+    """
+    for i in np.flatnonzero(model.actuator_biastype == mujoco.mjtBias.mjBIAS_USER).tolist():
+        name = model.actuator(i).name
+        _require_stable_lag(model, i, name)
+        _require_whole_delay(model, i, name)
+
+
+def _require_stable_lag(model: mujoco.MjModel, i: int, name: str) -> None:
+    if model.actuator_dyntype[i] != mujoco.mjtDyn.mjDYN_FILTER:
+        return  # filterexact is stable at every step
+    step, lag = model.opt.timestep, float(model.actuator_dynprm[i, 0])
+    rk4 = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+    limit = _RK4_LIMIT if rk4 else _EULER_LIMIT
+    if step >= limit * lag:
+        method = mujoco.mjtIntegrator(model.opt.integrator).name.removeprefix("mjINT_")
+        raise ModelError(
+            name,
+            f"its lag of {lag:g} s is unstable under {method} with a time step of {step:g} s; take a step below "
+            f"{limit * lag:g} s, or dyntype='filterexact', which is stable at any",
+        )
+
+
+def _require_whole_delay(model: mujoco.MjModel, i: int, name: str) -> None:
+    step, delay, samples = model.opt.timestep, float(model.actuator_delay[i]), int(model.actuator_history[i, 0])
+    if not 0.0 <= delay < np.inf:
+        raise ModelError(name, f"has a delay of {delay:g} s; a command arrives at once (0) or later")
+    needed = ceil(delay / step * (1.0 - _ROUNDING))
+    if samples < needed:
+        raise ModelError(
+            name,
+            f"its delay of {delay:g} s is cut off at {samples * step:g} s: nsample={samples} commands, one per "
+            f"time step of {step:g} s; {needed} are right",
+        )
