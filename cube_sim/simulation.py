@@ -120,7 +120,7 @@ def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> flo
     steps, ticks = scenario.steps_per_tick, scenario.ticks
     ticks_per_second = max(1, round(1.0 / scenario.control_period_s))
     _describe(mission, recorder)
-    applied, reach = np.zeros(6), ReachLog(recorder)
+    applied, reach, told = np.zeros(6), ReachLog(recorder), ""
     for k in range(ticks + 1):
         t = k * scenario.control_period_s
         for sentence in mission.events.happen(t):
@@ -130,8 +130,12 @@ def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> flo
             recorder.log(t, "ERROR", "the state has left all bounds or is not a number: the run ends here")
             return t
         _take_note_of_faults(mission, recorder, t)
-        applied, status = _tick(mission, recorder, t, applied)
+        applied, status, given_up = _tick(mission, recorder, t, applied)
         reach.note(t, status)
+        if given_up != told:
+            _give_up(mission, recorder, t, given_up)
+            told = given_up
+        mission.drop_weight.lift(data)
         if k < ticks:
             mujoco.mj_step(model, data, nstep=steps)
         if progress is not None and k % ticks_per_second == 0:
@@ -154,12 +158,14 @@ def _take_note_of_faults(mission: Mission, recorder: Recorder, t: float) -> None
     actuators.believe(health)
     _record_actuation(mission, recorder, t)
     left = capability(actuators.working_matrix)
-    mission.controller.reconfigure(left, read_state(mission.vehicle, mission.data))
+    mission.controller.reconfigure(left)
     recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
 
 
 def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.float64]):
-    """One control period up to the thruster commands; returns the wrench they make and the allocation's status.
+    """One control period up to the thruster commands.
+
+    Returns the wrench the commands make, the allocation's status and why the path is given up, if it is.
 
     Args:
         mission: whose MuJoCo data are up to date at t.
@@ -196,7 +202,14 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     believed = actuators.health.efficiency
     recorder.append("health", t, mission.events.health.efficiency, believed, decision.authority)
     recorder.append("water", t, mission.model.opt.wind, decision.current)
-    return allocation.wrench, allocation.status
+    return allocation.wrench, allocation.status, decision.given_up
+
+
+def _give_up(mission: Mission, recorder: Recorder, t: float, reason: str) -> None:
+    """Say that the path is given up, and why, or that it is followed again."""
+    recorder.log(t, "WARNING", f"the path is given up: {reason}" if reason else "the path is followed again")
+    if reason and mission.scenario.control.safe_mode.action == "surface" and mission.drop_weight.drop():
+        recorder.log(t, "WARNING", "the ballast is dropped")
 
 
 def read_state(vehicle, data: mujoco.MjData) -> State:

@@ -32,7 +32,7 @@ class BalancedAttitude:
     the force vanishes or lines up with the axis it cannot be turned about.
 
     Args:
-        left: what the thrusters can still do, with authority PLANE or LINE.
+        left: what the thrusters can still do, and it steers by attitude; in a level plane by heading alone.
         dynamics: of the hull.
         rotation: R_WB (3,3) now, from which the first turn starts.
         time: of the first task, and over which the demanded force is averaged [s].
@@ -42,7 +42,7 @@ class BalancedAttitude:
     def __init__(
         self, left: Capability, dynamics: Dynamics, rotation: Matrix, time: float, levelling_time: float = 2.0
     ) -> None:
-        self._forces, self._torques = left.lost_forces, left.lost_torques
+        self._forces, self._torques, self._level = left.lost_forces, left.lost_torques, left.level
         g = float(np.linalg.norm(dynamics.gravity))
         mass = float(dynamics.mass_matrix[0, 0])
         self._righting = g * (dynamics.displaced_mass * dynamics.centre_of_buoyancy - mass * dynamics.centre_of_mass)
@@ -68,4 +68,5 @@ class BalancedAttitude:
         J = self._forces.T @ skew(F) - self._torques.T @ skew(self._righting) @ skew(z)
         inverse = J.T @ np.linalg.inv(J @ J.T + SOFTNESS_N**2 * np.eye(len(J)))
         level = cross(UP, z) / self._levelling_time
-        return -inverse @ imbalance / self._time + level - inverse @ (J @ level)
+        rates = -inverse @ imbalance / self._time + level - inverse @ (J @ level)
+        return z * (z @ rates) if self._level else rates

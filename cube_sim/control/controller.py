@@ -24,6 +24,7 @@ class Decision(NamedTuple):
         quaternion: desired attitude q_WD (4,) wxyz.
         attitude_error: angle between desired and actual attitude [rad].
         authority: how it flies with the thrusters it believes to have.
+        given_up: why the path is no longer followed and what is done instead; "" while it is.
     """
 
     wrench: Vector
@@ -37,6 +38,7 @@ class Decision(NamedTuple):
     quaternion: Vector
     attitude_error: float
     authority: Authority
+    given_up: str = ""
 
 
 class Controller(Protocol):
@@ -52,6 +54,6 @@ class Controller(Protocol):
         """
         ...
 
-    def reconfigure(self, left: Capability, state: State) -> None:
-        """Go on with other thrusters: `left` is what they can do, `state` the vehicle at the change."""
+    def reconfigure(self, left: Capability) -> None:
+        """Go on with other thrusters, which can do what is left."""
         ...

@@ -1,4 +1,4 @@
-"""Path following in 3-D for a vehicle that commands all six axes."""
+"""Path following in 3-D with whatever the thrusters can still do."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.priority import path_first
+from cube_sim.control.safe_mode import Refuge, SafeMode, Watch
 from cube_sim.guidance.law import MotionLaw, Target
+from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import State, Vector
 
 
@@ -30,6 +32,7 @@ class PathFollower:
         balancing_time: of `BalancedAttitude` [s].
         observer: the disturbance estimate, None for none.
         current_observer: reads that estimate; None to take the water to be at rest.
+        safe_mode: what to do when the path cannot be followed.
         capability: what the thrusters can still do; demands are projected onto it.
         path_first: whether the attitude gives way to the path when the thrusters cannot serve both. Where the attitude
             has to point the thrust, it never does.
@@ -42,22 +45,25 @@ class PathFollower:
     balancing_time: float
     observer: DisturbanceObserver | None
     current_observer: CurrentObserver | None
+    safe_mode: SafeMode
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
+    _refuge: Refuge | None = None
     path_first: bool = False
     _balanced: BalancedAttitude | None = None
     _force: Vector = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
-        """Fly with the loops as given."""
-        self._loops = self.loops
+        """Fly with what the thrusters can do from the start."""
+        self._watch = Watch(self.safe_mode)
+        self.reconfigure(self.capability)
 
-    def reconfigure(self, left: Capability, state: State) -> None:
-        """Go on with what is left: steer by attitude, or, when that cannot follow a path, stop demanding force."""
+    def reconfigure(self, left: Capability) -> None:
+        """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
         self.capability = left
         self._balanced, self._loops = None, self.loops
-        if left.authority in (Authority.PLANE, Authority.LINE):
-            self._balanced = BalancedAttitude(left, self.loops.dynamics, state.rotation, self.balancing_time)
-        if left.authority is Authority.LINE:
+        if left.authority is not Authority.SAFE:
+            self._refuge = None
+        if left.authority in (Authority.LINE, Authority.UNICYCLE):
             # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
             slower = max(self.loops.velocity_time, 2.0 * self.loops.attitude_time)
             self._loops = replace(self.loops, velocity_time=slower)
@@ -65,14 +71,15 @@ class PathFollower:
     def decide(self, state: State, applied: Vector, dt: float) -> Decision:
         """See `Controller.decide`."""
         view = self.target.view(state.position, state.rotation @ state.velocity)
-        motion = self.approach.motion(view)
-        mode = self.attitude if self._balanced is None else self._balanced
+        refuge = self._seek_refuge(state, view, dt)
+        motion = self.approach.motion(view) if refuge is None else refuge.motion(state.position)
         disturbance, current = self._unknowns(state, applied, dt)
-        attitude = mode.attitude(Situation(view, state.rotation, self._force, current), dt)
+        attitude = self._mode(state).attitude(Situation(view, state.rotation, self._force, current), dt)
         wrench, reference = self._loops.wrench(state, motion, attitude, current)
         demanded = wrench - disturbance
         self._force = state.rotation @ demanded[:3]
-        self.target.advance(view.speed, dt)
+        if refuge is None:
+            self.target.advance(view.speed, dt)
         attainable = self.capability.attainable(demanded)
         return Decision(
             wrench=attainable,
@@ -85,8 +92,27 @@ class PathFollower:
             rates=reference.rates,
             quaternion=attitude.quaternion,
             attitude_error=reference.attitude_error,
-            authority=self.capability.authority,
+            authority=self.capability.authority if refuge is None else Authority.SAFE,
+            given_up="" if refuge is None else refuge.reason,
         )
+
+    def _seek_refuge(self, state: State, view: TargetView, dt: float) -> Refuge | None:
+        """Where to go instead of along the path, once there is a reason; only other thrusters end it."""
+        if self._refuge is None:
+            lost = self.capability.reason if self.capability.authority is Authority.SAFE else ""
+            reason = lost or self._watch.reason(view, dt)
+            self._refuge = Refuge(self.safe_mode, state, reason) if reason else None
+        return self._refuge
+
+    def _mode(self, state: State) -> AttitudeMode:
+        """Who says which attitude to take."""
+        if self.capability.steers_by_attitude:
+            if self._balanced is None:
+                self._balanced = BalancedAttitude(
+                    self.capability, self.loops.dynamics, state.rotation, self.balancing_time
+                )
+            return self._balanced
+        return self.attitude if self._refuge is None else self._refuge.attitude
 
     def _secondary(self, wrench: Vector) -> Vector:
         """The part (6,) of a wrench that gives way to the path: none where the attitude has to point the thrust."""

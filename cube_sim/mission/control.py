@@ -13,6 +13,7 @@ from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
+from cube_sim.control.safe_mode import SafeMode
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.mission.attitude import attitude_of, is_path_first
@@ -34,11 +35,11 @@ def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
     scenario = loaded.scenario
     control = scenario.control
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
-    if control.law == "planar_lapierre_2007":
-        return planar_follower(loaded, believed, path)
     time, flow = control.disturbance_time_s, control.current_time_s
     whole = capability(believed.vehicle.actuation_matrix)
-    if whole.authority is Authority.LEVEL and not is_level(path):
+    if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
+        return planar_follower(loaded, believed, path)
+    if whole.level and not is_level(path):
         text = "this path climbs or sinks, and the vehicle has thrusters for a level plane only"
         raise ScenarioError([loaded.mistake("path", text)])
     target, approach = guidance_of(scenario, path)
@@ -50,8 +51,19 @@ def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
         balancing_time=0.5 * control.attitude_time_s,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
-        capability=whole if whole.authority is Authority.LEVEL else capability(np.eye(6)),
+        safe_mode=_safe_mode(control.safe_mode),
+        capability=whole,
         path_first=is_path_first(control),
+    )
+
+
+def _safe_mode(block: schema.SafeMode) -> SafeMode:
+    limit = block.distance_limit_m
+    return SafeMode(
+        surface=block.surface_m if block.action == "surface" else None,
+        speed=block.speed_m_s,
+        limit=inf if limit is None else limit,
+        patience=block.patience_s,
     )
 
 

@@ -15,6 +15,7 @@ from cube_sim.guidance.path import Path
 from cube_sim.mission.actuators import Actuators
 from cube_sim.mission.allocation import actuators_of
 from cube_sim.mission.control import controller_of, diagnosis_of
+from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
 from cube_sim.mission.navigation import OnEstimate, channels_of
 from cube_sim.mission.path import path_of
@@ -41,6 +42,7 @@ class Mission:
         actuators: wrench to thruster forces.
         events: what happens on the way.
         diagnosis: finds thruster faults, None when the controller is told of them or ignores them.
+        drop_weight: ballast that can be let go.
         on_estimate: what the controller sees instead of the true state; None when it sees that.
         channels: what will be recorded.
     """
@@ -54,6 +56,7 @@ class Mission:
     actuators: Actuators
     events: Events
     diagnosis: Diagnosis | None
+    drop_weight: DropWeight
     on_estimate: OnEstimate | None
     channels: tuple[Channel, ...]
 
@@ -65,6 +68,7 @@ def prepare(loaded: Loaded) -> Mission:
         ScenarioError: the model does not fit the scenario; with position.
     """
     scenario = loaded.scenario
+    safe_mode = scenario.control.safe_mode
     flown = flown_hull(loaded)
     believed = believed_hull(loaded, flown)
     model, vehicle = flown
@@ -87,6 +91,7 @@ def prepare(loaded: Loaded) -> Mission:
         actuators=actuators_of(believed.vehicle, scenario),
         events=Events(scenario.events, model, vehicle),
         diagnosis=diagnosis_of(vehicle, scenario) if scenario.control.faults == "diagnosed" else None,
+        drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle.body),
         on_estimate=OnEstimate.of(scenario, vehicle),
         channels=channels,
     )

@@ -132,12 +132,34 @@ class PlanarGains(Block):
     )
 
 
+class SafeMode(Block):
+    """What to do when the path cannot be followed."""
+
+    action: Literal["hold", "surface"] = Field(
+        default="hold", description="Keep the position as well as what is left of the thrusters can, or rise."
+    )
+    surface_m: float = Field(default=0.0, description="Height to rise to, world axes [m].")
+    speed_m_s: float = Field(default=0.2, gt=0, description="Bound on the velocity asked for [m/s].")
+    drop_weight_N: float = Field(  # noqa: N815 - N is the newton
+        default=0.0,
+        ge=0,
+        description="Weight in water of the ballast dropped when it surfaces; its inertia is taken as none [N].",
+    )
+    distance_limit_m: float | None = Field(
+        default=None,
+        gt=0,
+        description="Distance from the virtual target beyond which the path is given up [m]. Default: never.",
+    )
+    patience_s: float = Field(default=10.0, gt=0, description="How long it has to stay beyond that limit [s].")
+
+
 class Control(Block):
     """The loops that turn errors into a wrench, each given by the time it takes to remove 63 % of one."""
 
-    law: Literal["motion_6dof", "planar_lapierre_2007"] = Field(
-        default="motion_6dof",
-        description="motion_6dof: all axes. planar_lapierre_2007: a force ahead and a torque, on a level path.",
+    law: Literal["motion_6dof", "planar_lapierre_2007"] | None = Field(
+        default=None,
+        description="motion_6dof: all axes, or those the thrusters have. planar_lapierre_2007: a force ahead and a torque"
+        " about the vertical, on a level path. Default: the planar law for a vehicle built with just these two.",
     )
     planar: PlanarGains = PlanarGains()
     velocity_time_s: float = Field(default=1.0, gt=0, description="Velocity loop [s].")
@@ -151,13 +173,15 @@ class Control(Block):
     current_time_s: float | None = Field(
         default=10.0,
         gt=0,
-        description="Estimate of the current, from the wrench still water does not explain [s]; null, or no disturbance_time_s: none, and"
+        description="Estimate of the current, from the wrench still water does not explain [s]; null, or without"
+        " disturbance_time_s: none, and"
         " what the current does counts as a disturbance.",
     )
     faults: Literal["diagnosed", "told", "ignored"] = Field(
         default="diagnosed",
         description="How the controller learns of thruster faults: from commands and responses, at once, or never.",
     )
+    safe_mode: SafeMode = SafeMode()
     attitude: Attitude = Field(default=AlongPath(mode="along_path"), description="Which attitude the vehicle takes.")
     priority: Literal["path", "attitude"] | None = Field(
         default=None,

@@ -33,11 +33,13 @@ class PlanarFollower:
     target: VirtualTarget
     profile: SpeedProfile
     law: DynamicLaw
-    _authority: Authority = Authority.LINE
+    _authority: Authority = Authority.UNICYCLE
+    _given_up: str = ""
 
-    def reconfigure(self, left: Capability, state: State) -> None:
+    def reconfigure(self, left: Capability) -> None:
         """Go on while there is a force that comes without a torque; then the other direction steers."""
-        self._authority = Authority.LINE if left.pure_forces.shape[1] else Authority.SAFE
+        self._authority = Authority.UNICYCLE if left.pure_forces.shape[1] else Authority.SAFE
+        self._given_up = "" if left.pure_forces.shape[1] else f"{left.reason}; it drifts"
 
     def decide(self, state: State, applied: Vector, dt: float) -> Decision:
         """See `Controller.decide`."""
@@ -67,4 +69,5 @@ class PlanarFollower:
             quaternion=quaternion_from_euler(0.0, 0.0, psi_B - error),
             attitude_error=abs(error),
             authority=self._authority,
+            given_up=self._given_up,
         )

@@ -1,0 +1,72 @@
+"""What a vehicle does when it cannot follow its path any longer: hold where it is, or surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2
+
+import numpy as np
+
+from cube_sim.control.attitude import FixedAttitude
+from cube_sim.guidance.approach import DesiredMotion
+from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.spatial import State, Vector, quaternion_from_euler
+
+
+@dataclass(frozen=True)
+class SafeMode:
+    """When to give a path up, and what to do then.
+
+    Attributes:
+        surface: height to rise to [m], world axes; None to hold position.
+        speed: bound on the velocity asked for [m/s].
+        time: in which the distance to the place shrinks by 63 % [s].
+        limit: distance from the path [m] beyond which it is given up; infinite for never.
+        patience: how long the distance has to stay beyond the limit [s].
+    """
+
+    surface: float | None = None
+    speed: float = 0.2
+    time: float = 5.0
+    limit: float = np.inf
+    patience: float = 10.0
+
+
+class Refuge:
+    """The place and heading a vehicle keeps to, or rises from, with whatever its thrusters still give.
+
+    Args:
+        mode: what to do.
+        state: of the vehicle when it gives up.
+        reason: why, for the log.
+    """
+
+    def __init__(self, mode: SafeMode, state: State, reason: str) -> None:
+        self._mode = mode
+        self._place = state.position.copy()
+        if mode.surface is not None:
+            self._place[2] = mode.surface
+        ahead = state.rotation[:, 0]
+        self.attitude = FixedAttitude(quaternion_from_euler(0.0, 0.0, atan2(ahead[1], ahead[0])))
+        self.reason = f"{reason}; {'it holds its position' if mode.surface is None else 'it surfaces'}"
+
+    def motion(self, position: Vector) -> DesiredMotion:
+        """Towards the place, never faster than the mode's speed."""
+        velocity = (self._place - position) / self._mode.time
+        speed = float(np.linalg.norm(velocity))
+        return DesiredMotion(velocity * min(1.0, self._mode.speed / max(speed, 1e-12)), np.zeros(3))
+
+
+class Watch:
+    """Notices when the path is out of reach for good."""
+
+    def __init__(self, mode: SafeMode) -> None:
+        self._mode, self._since = mode, 0.0
+
+    def reason(self, view: TargetView, dt: float) -> str:
+        """Why the path is given up, "" if it is not; to be asked at every tick."""
+        distance = float(np.linalg.norm(view.error))
+        self._since = self._since + dt if distance > self._mode.limit else 0.0
+        if self._since < self._mode.patience:
+            return ""
+        return f"{distance:.1f} m from the path after {self._mode.patience:g} s beyond {self._mode.limit:g} m"
