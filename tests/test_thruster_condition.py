@@ -133,4 +133,16 @@ def test_reactivity_points(model):
     curve = cube_sim.Vehicle.from_model(model).thrusters.characteristics[0]
     assert curve.reactivity == pytest.approx((0.5 * (-35.85 - 29.36), 0.5 * (33.54 + 41.72)))
     line = Characteristic(np.array([-1.0, 0.0, 1.0]), np.array([-10.0, 0.0, 20.0]), (-1.0, 1.0))
-    assert line.reactivity == (-5.0, 10.0)
+    assert line.reactivity == (-5.5, 10.5)
+
+
+def test_reactivity_points_lie_outside_the_dead_zone():
+    """Jack's jump from 0 to 5 N is steeper than anything it can hold; its steepest part is 18 to 25 N, 35 N a unit."""
+    jack = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE.parent / "jack.xml")).thrusters
+    np.testing.assert_allclose(jack.reactivity, [[-21.5, 21.5]] * 4)
+    curve = Characteristic(np.array([-1.0, -0.4, 0.0, 0.2, 1.0]), np.array([-10.0, -9.0, 0.0, 8.0, 16.0]), (-6.0, 12.0))
+    assert curve.reactivity == pytest.approx(
+        (-7.5, 14.0)
+    )  # -9 to -6 of the steep segment is left, 12 to 16 of the flat
+    full = Characteristic(np.array([-1.0, 0.0, 1.0]), np.array([-10.0, 0.0, 20.0]), (-10.0, 20.0))
+    assert full.reactivity == (-10.0, 20.0)

@@ -55,6 +55,12 @@ MISTAKES = [
     ("hull:thruster_characteristic", [1.0, -40.0, 0.0, 0.0, -1.0, 50.0], "commands do not increase"),
     ("hull:thruster_characteristic", [-1.0, 40.0, 0.0, 0.0, 1.0, -50.0], "never decrease"),
     ("hull:thruster_characteristic", [-1.0, -40.0, 1.0, 50.0], "no pair has force 0"),
+    ("hull:thruster_characteristic", [1100, -39.9, 1472, 0, 1528, 0, 1900, 51.4], "gives -39.9 N at command 0"),
+    (
+        "hull:thruster_characteristic",
+        [0.0, -5.0, 0.2, 0.0, 0.3, 0.0, 1.0, 9.0],
+        "gives -5 N at command 0, where the lag",
+    ),
     ("hull:aded_mass", [1.0] * 6, "is no parameter of the water (did you mean added_mass?); there are volume"),
     ("hull:colour", [1.0], "is no parameter of the water; there are volume"),
     ("volume", [0.1], "is no parameter of the water"),

@@ -45,9 +45,16 @@ class Characteristic:
     def reactivity(self) -> tuple[float, float]:
         """(F_react-, F_react+) [N]: on each side the force where the curve is steepest, so a motor answers fastest.
 
-        That is the middle of the steepest measured segment.
+        That is the middle of the steepest measured segment, or of what the dead zone leaves of it: a motor cannot hold
+        the forces it jumps over.
         """
-        return tuple(_steepest(c, F) for c, F in self._sides)  # type: ignore[return-value]
+        (low, high), (c_low, c_high) = self.force_dead_zone, self.command_dead_zone
+        (c_reverse, F_reverse), (c_forward, F_forward) = self._sides
+        back, ahead = F_reverse < low, F_forward > high
+        return (
+            _steepest(np.append(c_reverse[back], c_low), np.append(F_reverse[back], low)),
+            _steepest(np.append(c_high, c_forward[ahead]), np.append(high, F_forward[ahead])),
+        )
 
     def force(self, command: ArrayLike) -> NDArray[np.float64]:
         """Steady force [N] at each command; commands beyond the curve saturate."""
@@ -80,8 +87,9 @@ class Characteristic:
 
 
 def _steepest(commands: NDArray[np.float64], forces: NDArray[np.float64]) -> float:
+    """Middle of the steepest segment; the force itself where there is only one point."""
     if commands.size < 2:
-        return 0.0
+        return float(forces[0])
     i = int(np.argmax(np.diff(forces) / np.diff(commands)))
     return float(0.5 * (forces[i] + forces[i + 1]))
 

@@ -240,7 +240,15 @@ def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, 
             f"[{zone[0]:g}, {zone[1]:g}] N is out of order; "
             f"{forces[0]:g} <= F_DZ- <= 0 <= F_DZ+ <= {forces[-1]:g} N is right",
         )
-    return Characteristic(commands, forces, (float(zone[0]), float(zone[1])))
+    curve = Characteristic(commands, forces, (float(zone[0]), float(zone[1])))
+    at_rest = float(curve.force(0.0))
+    if at_rest != 0.0:
+        raise ModelError(
+            curve_name,
+            f"gives {at_rest:g} N at command 0, where the lag starts and a motor rests; normalise its commands, "
+            "pulse widths as (pulse - rest) / (full - rest), and put the widths in thruster_pwm",
+        )
+    return curve
 
 
 def _either(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, parameter: str) -> str | None:
