@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from cube_sim.recording import palette
 from cube_sim.recording.channels import Channel
-from cube_sim.recording.rerun_plots import ATTITUDE, ERROR, FORCE, HEALTH, LANES, MOMENT, THRUSTERS
-from cube_sim.recording.rerun_scene import LOG, TARGET, TRAIL, VEHICLE, WORLD
+from cube_sim.recording.rerun_plots import ATTITUDE, ERROR, FORCE, HEALTH, LANES, MOMENT, NAVIGATION, THRUSTERS
+from cube_sim.recording.rerun_scene import ESTIMATE, ESTIMATE_TRAIL, LOG, TARGET, TRAIL, VEHICLE, WORLD
 
 TIMELINE = "sim_time"
 
@@ -41,14 +41,17 @@ def blueprint(
     """
     plot = _Plots(duration_s)
     names = {channel.name for channel in channels}
-    scene = _scene(points)
-    close_up = _close_up(boxes)
+    estimated = "navigation" in names
+    scene = _scene(points, (TRAIL, ESTIMATE_TRAIL) if estimated else (TRAIL,))
+    close_up = _close_up(boxes, (TRAIL, f"{TARGET}/**", f"{ESTIMATE}/**") if estimated else (TRAIL, f"{TARGET}/**"))
     lanes = rrb.StateTimelineView(origin=LANES, name="Allocation", time_view=_time(duration_s))
     health = rrb.StateTimelineView(origin=HEALTH, name="Health", time_view=_time(duration_s))
     plots: list[tuple[float, rrb.View | rrb.Container]] = []
     if "path_error" in names:
         whole, close = plot(ERROR, "Path error [m]"), plot.close_up(ERROR, "within 12 cm", _CLOSE_ERROR)
         plots.append((3.0, rrb.Horizontal(whole, close)))
+    if "navigation_error" in names:
+        plots.append((2.4, plot(NAVIGATION, "Navigation error and its standard deviation [m]")))
     if "wrench" in names:
         force = plot(FORCE, "Force [N]")
         moment = plot(MOMENT, "Moment [N m]")
@@ -72,7 +75,7 @@ def blueprint(
     )
 
 
-def _scene(points: NDArray[np.float64]) -> rrb.Spatial3DView:
+def _scene(points: NDArray[np.float64], trails: Sequence[str]) -> rrb.Spatial3DView:
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
     centre = (low + high) / 2
     radius = max(float(np.linalg.norm(high - low)) / 2, _SMALLEST_RADIUS)
@@ -95,12 +98,12 @@ def _scene(points: NDArray[np.float64]) -> rrb.Spatial3DView:
             stroke_width=1.0,
         ),
         eye_controls=eye,
-        # All of the trail up to now; everything else as it is now.
-        overrides={TRAIL: rrb.VisibleTimeRanges(timeline=TIMELINE, start=start, end=end)},
+        # All of the trails up to now; everything else as it is now.
+        overrides={trail: rrb.VisibleTimeRanges(timeline=TIMELINE, start=start, end=end) for trail in trails},
     )
 
 
-def _close_up(bodies: Sequence[str]) -> rrb.Spatial3DView:
+def _close_up(bodies: Sequence[str], hidden: Sequence[str]) -> rrb.Spatial3DView:
     """Ride with the vehicle: the view stands still in body axes, the path goes by.
 
     The hull is a wire frame here, so that the thrusters inside it are seen, and they carry their names.
@@ -110,7 +113,7 @@ def _close_up(bodies: Sequence[str]) -> rrb.Spatial3DView:
     )
     return rrb.Spatial3DView(
         origin=VEHICLE,
-        contents=[f"+ {WORLD}/**", f"- {TRAIL}", f"- {VEHICLE}/axes", f"- {TARGET}/**"],
+        contents=[f"+ {WORLD}/**", *(f"- {entity}" for entity in (f"{VEHICLE}/axes", *hidden))],
         name="Thrust and current, seen from the vehicle",
         background=rrb.Background(color=[*palette.WATER, 255]),
         line_grid=rrb.LineGrid3D(visible=False),

@@ -55,6 +55,7 @@ class Lane:
 
 
 ERROR, ATTITUDE, FORCE, MOMENT = "/plot/path_error", "/plot/attitude", "/plot/force", "/plot/moment"
+NAVIGATION = "/plot/navigation"
 THRUSTERS, LANES, HEALTH = "/plot/thrusters", "/state", "/health"
 
 _SIDES = {-1: ("reverse", palette.REVERSE), 0: ("off", palette.IDLE), 1: ("forward", palette.FORWARD)}
@@ -72,6 +73,15 @@ def curves(channels: Sequence[Channel]) -> list[Curves]:
             _single(errors["cross_track"], "path_error", ERROR, "cross-track", palette.ORANGE),
             _single(errors["along"], "path_error", ERROR, "along", palette.SKY),
             _single(errors["attitude"], "path_error", ATTITUDE, "attitude", palette.PURPLE),
+        ]
+    if "navigation_error" in table:
+        # A broad dark line for what the estimate thinks it may be off by, a thin bright one for what it is off by.
+        bright, dark = (palette.ORANGE, palette.SKY, palette.GREEN), ((84, 60, 8), (30, 62, 82), (8, 60, 44))
+        sigma = tuple(f"{axis} sigma [m]" for axis in ("x", "y", "z"))
+        error = tuple(f"{axis} error [m]" for axis in ("x", "y", "z"))
+        found += [
+            Curves("navigation", "position_sigma", f"{NAVIGATION}/sigma", sigma, dark, width=5.0),
+            Curves("navigation_error", "position", f"{NAVIGATION}/error", error, bright),
         ]
     if "wrench" in table:
         # Allocated is a broad dark band and demanded a thin bright line on it, which leaves the band where they differ.

@@ -21,6 +21,8 @@ VEHICLE = f"{WORLD}/vehicle"
 THRUST = f"{VEHICLE}/thrust"
 PATH = f"{WORLD}/path"
 TRAIL = f"{WORLD}/trail"
+ESTIMATE = f"{WORLD}/estimate"
+ESTIMATE_TRAIL = f"{ESTIMATE}/trail"
 TARGET = f"{WORLD}/target"
 CURRENT = f"{WORLD}/current"
 LOG = "/log"
@@ -70,6 +72,14 @@ def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel, vehicle: str
     recording.log(f"{TARGET}/frame", rr.TransformAxes3D(0.5), static=True)
     box = mujoco.mjtGeom.mjGEOM_BOX
     return [f"{VEHICLE}/body/{shape.name}" for shape in vehicle_shapes(model, vehicle) if shape.kind == box]
+
+
+def log_estimate_styles(recording: rr.RecordingStream) -> None:
+    """How a navigation estimate looks: its trail, and where the vehicle may be."""
+    colours = [palette.ESTIMATE]
+    recording.log(ESTIMATE_TRAIL, rr.LineStrips3D.from_fields(colors=colours, radii=[0.02]), static=True)
+    wires = rr.components.FillMode.MajorWireframe
+    recording.log(ESTIMATE, rr.Ellipsoids3D.from_fields(colors=colours, fill_mode=wires), static=True)
 
 
 def _log_ducts(recording: rr.RecordingStream, mounts: ThrusterMounts) -> None:

@@ -24,12 +24,15 @@ from cube_sim.recording.rerun_scene import (
     ARROW_M_PER_M_S,
     ARROW_M_PER_N,
     CURRENT,
+    ESTIMATE,
+    ESTIMATE_TRAIL,
     LOG,
     PATH,
     TARGET,
     THRUST,
     TRAIL,
     VEHICLE,
+    log_estimate_styles,
     log_scene,
 )
 
@@ -73,7 +76,7 @@ class RerunSink:
         self._lanes = lanes(self._channels)
         self._lane_codes: dict[str, float] = {}
         self._axes = thruster_mounts(model, vehicle).axes
-        self._last_trail_point: NDArray[np.float64] | None = None
+        self._trail_ends: dict[str, NDArray[np.float64]] = {}
         self._laid_out = False
         self._duration_s = _duration_s(header)
         # No property is sent: Rerun would put the wall clock into it.
@@ -115,8 +118,15 @@ class RerunSink:
     def _draw(self, name: str, rows: Rows) -> None:
         """Draw in 3-D what a channel has to show there."""
         if name == "pose":
+            position = self._values(rows, name, "position")
             self._send_pose(VEHICLE, rows, name)
-            self._draw_trail(rows)
+            # The arrow of the current goes along with the vehicle.
+            self._send(CURRENT, rows, rr.Transform3D.columns(translation=position))
+            self._draw_trail(TRAIL, rows, position)
+        elif name == "navigation":
+            position, sigma = (self._values(rows, name, field) for field in ("position", "position_sigma"))
+            self._send(ESTIMATE, rows, rr.Ellipsoids3D.columns(centers=position, half_sizes=2.0 * sigma))
+            self._draw_trail(ESTIMATE_TRAIL, rows, position)
         elif name == "target":
             self._send_pose(TARGET, rows, name)
         elif name == "path":
@@ -145,18 +155,15 @@ class RerunSink:
         position = self._values(rows, channel, "position")
         self._send(entity, rows, rr.Transform3D.columns(translation=position, quaternion=xyzw))
 
-    def _draw_trail(self, rows: Rows) -> None:
-        """Add a piece of trail for every tenth of a second, and take the current's arrow along."""
-        position = self._values(rows, "pose", "position")
-        self._send(CURRENT, rows, rr.Transform3D.columns(translation=position))
+    def _draw_trail(self, entity: str, rows: Rows, position: NDArray[np.float64]) -> None:
+        """Add a piece of trail for every tenth of a second."""
         tenths = np.floor(rows[:, 0] * _TRAIL_HZ)
         first_of_tenth = np.flatnonzero(np.diff(tenths, prepend=-1.0))
         ends = position[first_of_tenth]
-        previous = ends[0] if self._last_trail_point is None else self._last_trail_point
-        starts = np.vstack([previous, ends[:-1]])
+        starts = np.vstack([self._trail_ends.setdefault(entity, ends[0]), ends[:-1]])
         strips = np.stack([starts, ends], axis=1).astype(np.float32)
-        self._last_trail_point = ends[-1]
-        self._send(TRAIL, rows[first_of_tenth], rr.LineStrips3D.columns(strips=strips))
+        self._trail_ends[entity] = ends[-1]
+        self._send(entity, rows[first_of_tenth], rr.LineStrips3D.columns(strips=strips))
 
     def _write_lane(self, lane: Lane, rows: Rows) -> None:
         codes = self._values(rows, lane.channel, lane.field)[:, lane.column]
@@ -172,6 +179,8 @@ class RerunSink:
             self._send(lane.entity, rows[changes], rr.StateChange.columns(state=states))
 
     def _log_styles(self) -> None:
+        if ("navigation", "position") in self._columns:
+            log_estimate_styles(self._recording)
         for curve in self._curves:
             style = rr.SeriesLines(names=curve.names, colors=curve.colours, widths=[curve.width] * len(curve.names))
             self._recording.log(curve.entity, style, static=True)
