@@ -21,6 +21,7 @@ from cube_sim.checks import evaluate
 from cube_sim.control.authority import capability
 from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.mission import PATH_POINTS, Mission, prepare
+from cube_sim.mission.supply import allocate_at
 from cube_sim.provenance import header, versions
 from cube_sim.reach_log import ReachLog
 from cube_sim.recording.recorder import Recorder
@@ -129,7 +130,9 @@ def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> flo
         if not all(np.abs(values).max() < DIVERGED for values in (data.qpos, data.qvel, data.qacc)):
             recorder.log(t, "ERROR", "the state has left all bounds or is not a number: the run ends here")
             return t
-        _take_note_of_faults(mission, recorder, t)
+        other_voltage = _feed_thrusters(mission, recorder, t)
+        if _take_note_of_faults(mission, recorder, t) or other_voltage:
+            _record_actuation(mission, recorder, t)
         applied, status, given_up = _tick(mission, recorder, t, applied)
         reach.note(t, status)
         if given_up != told:
@@ -143,23 +146,38 @@ def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> flo
     return ticks * scenario.control_period_s
 
 
-def _take_note_of_faults(mission: Mission, recorder: Recorder, t: float) -> None:
-    """Let the controller learn of faults the way the scenario says, and go on with what is left."""
+def _feed_thrusters(mission: Mission, recorder: Recorder, t: float) -> bool:
+    """Let the supply answer what the thrusters draw; returns whether their limits have changed with its voltage."""
+    supply, before = mission.supply, mission.supply.thrust
+    if supply.update(mission.data):
+        recorder.log(t, "WARNING", "the battery is empty: the thrusters stand still")
+    recorder.append("power", t, supply.power, supply.energy, supply.voltage, supply.charge)
+    return supply.thrust != before
+
+
+def _take_note_of_faults(mission: Mission, recorder: Recorder, t: float) -> bool:
+    """Let the controller learn of faults the way the scenario says, and go on with what is left.
+
+    Returns:
+        Whether it believes something else now.
+    """
     actuators, thrusters = mission.actuators, mission.vehicle.thrusters
     if mission.diagnosis is not None:
         expected = thrusters.force(mission.diagnosis.activation)
-        health = mission.diagnosis.update(expected, mission.data.actuator_force[thrusters.actuators])
+        given = mission.data.actuator_force[thrusters.actuators]
+        thrust = mission.supply.thrust
+        health = mission.diagnosis.update(expected, given / thrust) if thrust > 0.0 else actuators.health
     elif mission.scenario.control.faults == "told":
         health = mission.events.health
     else:
-        return
+        return False
     if health is actuators.health or health.equals(actuators.health):
-        return
+        return False
     actuators.believe(health)
-    _record_actuation(mission, recorder, t)
     left = capability(actuators.working_matrix)
     mission.controller.reconfigure(left)
     recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
+    return True
 
 
 def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.float64]):
@@ -177,8 +195,8 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     state = read_state(vehicle, data)
     known = state if mission.on_estimate is None else mission.on_estimate.see(state, data, recorder, t)
     decision = mission.controller.decide(known, applied, mission.scenario.control_period_s)
-    allocation = actuators.allocate(decision.wrench, decision.secondary)
-    commands = vehicle.thrusters.command(actuators.motor_force(allocation.force))
+    allocation, motor_force = allocate_at(mission.supply.thrust, actuators, decision.wrench, decision.secondary)
+    commands = vehicle.thrusters.command(motor_force)
     data.ctrl[vehicle.thrusters.actuators] = commands
     if mission.diagnosis is not None:
         mission.diagnosis.advance(commands)
@@ -239,4 +257,5 @@ def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
     limits = vehicle.thrusters.limits * health.efficiency[:, None]
     stuck = ~np.isnan(health.stuck)
     limits[stuck] = health.stuck[stuck, None]
+    limits *= mission.supply.thrust
     recorder.append("actuation", t, mission.actuators.matrix.ravel(), limits.ravel())

@@ -95,6 +95,7 @@ def append_tick(recorder: Recorder, k: int) -> None:
     status = 1.0 if math.sin(0.7 * t) > 0.8 else 0.0
     recorder.append("allocation", t, 1e-4, float(force @ force), status, np.sign(np.round(force / 8)))
     recorder.append("thrusters", t, force, force / 50, 0.98 * force)
+    recorder.append("power", t, np.abs(force) ** 1.5, 300 * t, 15.0, 1.0)
     water = np.array([0.1, 0.02 * math.sin(t), 0.0])
     recorder.append("water", t, water, 0.9 * water)
 

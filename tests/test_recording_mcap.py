@@ -150,7 +150,7 @@ def test_every_summary_number_is_that_of_the_messages(run):
     records = list(StreamReader(io.BytesIO(run[0].read_bytes()), validate_crcs=True).records)
     found = [record for record in records if isinstance(record, Message)]
     statistics = summary.statistics
-    assert statistics.message_count == len(found) == TICKS * 10 + 2 + 2
+    assert statistics.message_count == len(found) == TICKS * 11 + 2 + 2
     assert statistics.message_start_time == min(message.log_time for message in found)
     assert statistics.message_end_time == max(message.log_time for message in found)
     assert statistics.chunk_count == len(summary.chunk_indexes) == 4
@@ -180,7 +180,7 @@ def test_the_message_index_points_at_every_message(run):
                 channel_id, _, stamp = struct.unpack_from("<HIQ", chunk, offset + 9)
                 assert (channel_id, stamp) == (record.channel_id, log_time)
                 indexed += 1
-    assert indexed == messages_in_chunks == TICKS * 10 + 2 + 2
+    assert indexed == messages_in_chunks == TICKS * 11 + 2 + 2
 
 
 def test_a_second_is_in_the_file_as_soon_as_it_is_over(tmp_path):

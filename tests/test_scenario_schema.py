@@ -12,12 +12,14 @@ from cube_sim.scenario import Scenario, load
 from cube_sim.scenario.json_schema import json_schema
 
 UNITS = (
-    "_m", "_s", "_m_s", "_deg", "_deg_s", "_m_s2", "_per_m", "_per_s", "_per_s2", "_N", "_N2", "_hz",
+    "_m", "_s", "_m_s", "_deg", "_deg_s", "_m_s2", "_per_m", "_per_s", "_per_s2", "_N", "_N2", "_hz", "_V",
+    "_ohm", "_Wh",
 )  # fmt: skip
 # Pure numbers, and limits whose unit is that of the signal they judge.
 WITHOUT_UNIT = {
     "schema_version",
     "seed",
+    "charge",
     "mass",
     "added_mass",
     "drag",

@@ -50,10 +50,11 @@ def test_without_resistance_and_limits_it_is_a_constant_voltage():
 def test_one_update_finds_voltage_forces_and_power_that_fit(cube, resistance):
     """Also where the sag is so deep that a voltage one step late would swing for ever (V below 0.8 E)."""
     model, data, thrusters = cube
+    ahead(data, model)
+    whole, seen = data.actuator_force.copy(), []
     supply = Supply(model, thrusters, Battery(16.8, resistance))
     ahead(data, model)
-    whole = data.actuator_force.copy()
-    seen = []
+    np.testing.assert_allclose(data.actuator_force, whole * (16.8 / 16.0) ** 2, rtol=1e-13)  # nothing drawn yet
     for _ in range(3):
         supply.update(data)
         seen.append(supply.voltage)

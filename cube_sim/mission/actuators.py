@@ -46,6 +46,11 @@ class Actuators:
         )
 
     @property
+    def count(self) -> int:
+        """m, dead and stuck ones included."""
+        return len(self._limits)
+
+    @property
     def working_matrix(self) -> Matrix:
         """(6,k) columns of the thrusters that obey."""
         return self.matrix[:, self._obedient]

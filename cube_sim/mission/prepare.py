@@ -20,8 +20,10 @@ from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
 from cube_sim.mission.navigation import OnEstimate, channels_of
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_possible_events, require_signals
+from cube_sim.mission.supply import supply_of
 from cube_sim.recording.channels import Channel, channel_table
 from cube_sim.scenario import Loaded, Scenario
+from cube_sim.vehicle.supply import Supply
 from cube_sim.vehicle.vehicle import Vehicle
 
 PATH_POINTS = 400
@@ -40,6 +42,7 @@ class Mission:
         path: the path.
         controller: state to wrench.
         actuators: wrench to thruster forces.
+        supply: what feeds the thrusters.
         events: what happens on the way.
         diagnosis: finds thruster faults, None when the controller is told of them or ignores them.
         drop_weight: ballast that can be let go.
@@ -54,6 +57,7 @@ class Mission:
     path: Path
     controller: Controller
     actuators: Actuators
+    supply: Supply
     events: Events
     diagnosis: Diagnosis | None
     drop_weight: DropWeight
@@ -89,6 +93,7 @@ def prepare(loaded: Loaded) -> Mission:
         path=path,
         controller=controller_of(loaded, believed, path),
         actuators=actuators_of(believed.vehicle, scenario),
+        supply=supply_of(loaded, model, vehicle),
         events=Events(scenario.events, model, vehicle),
         diagnosis=diagnosis_of(vehicle, scenario) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle.body),

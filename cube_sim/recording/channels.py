@@ -172,6 +172,15 @@ def channel_table(
             ),
         ),
         Channel(
+            "power",
+            (
+                Field("motor", m, "W", "electrical power of each motor", thrusters),
+                Field("energy", 1, "J", "what the motors have drawn since the start"),
+                Field("voltage", 1, "V", "what feeds the motors; 0 where the model does not state it"),
+                Field("charge", 1, "1", "share of the battery's capacity left, 1 without a battery"),
+            ),
+        ),
+        Channel(
             "health",
             (
                 Field("efficiency", m, "1", "share of its force each motor truly gives, 0 dead or stuck", thrusters),

@@ -13,6 +13,7 @@ from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
 from .attitude_blocks import AlongPath, Attitude
+from .battery_block import Battery
 from .check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
 from .event_blocks import Event
 from .knowledge_block import Knowledge
@@ -279,6 +280,10 @@ class Scenario(Block):
     current_m_s: Vector3 = Field(default=ZERO, description="Velocity of the water, world axes [m/s].")
     initial: Initial = Initial()
     thrusters: Thrusters = Thrusters()
+    battery: Battery | None = Field(
+        default=None,
+        description="What feeds the thrusters. Default: a constant voltage, that of the model's characteristic.",
+    )
     path: Path
     guidance: Guidance
     control: Control = Control()

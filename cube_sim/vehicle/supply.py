@@ -33,7 +33,8 @@ class Supply:
         """Connect the thrusters.
 
         Args:
-            model: made by `load_model`; with a battery, the supply of these thrusters in it changes at every update.
+            model: made by `load_model`; with a battery, the supply of these thrusters in it changes now, to its
+                voltage without load, and at every update.
             thrusters: of one hull.
             battery: None for a constant voltage.
             charge: of the battery at the start, 0 < charge <= 1.
@@ -47,7 +48,10 @@ class Supply:
         self._nominal = float(nominal[0]) if nominal.size == 1 and np.isfinite(nominal[0]) else 0.0
         if battery is not None:
             _require_known(thrusters, self._nominal)
-        self.voltage, self.thrust, self.charge = self._nominal, 1.0, charge if battery else 1.0
+        self.voltage, self.thrust, self.charge = self._nominal, 1.0, 1.0
+        if battery is not None:
+            self.charge = charge
+            self._switch_to(battery.open_voltage_at(charge))
         self.power: NDArray[np.float64] = np.zeros(len(thrusters.names))
         self.energy = 0.0
         self._time: float | None = None
@@ -85,15 +89,17 @@ class Supply:
         if self.thrust == 0.0:
             return
         if self.charge == 0.0:
-            self.voltage, self._drain = 0.0, 0.0
+            self._switch_to(0.0)
         else:
             power = float(self._thrusters.power(data.actuator_force[self._thrusters.actuators]).sum())
             at_nominal = power / self.thrust**1.5
-            self.voltage = battery.voltage(at_nominal / self._nominal**3, self.charge)
-        self.thrust = (self.voltage / self._nominal) ** 2
-        for name in self._thrusters.names:
-            condition.set_supply(self._model, name, self.voltage / self._nominal)
+            self._switch_to(battery.voltage(at_nominal / self._nominal**3, self.charge))
         mujoco.mj_forward(self._model, data)
+
+    def _switch_to(self, voltage: float) -> None:
+        self.voltage, self.thrust = voltage, (voltage / self._nominal) ** 2
+        for name in self._thrusters.names:
+            condition.set_supply(self._model, name, voltage / self._nominal)
 
 
 def _require_known(thrusters: Thrusters, nominal: float) -> None:

@@ -1,0 +1,76 @@
+"""The supply a scenario gives its thrusters, and an allocation that knows what it leaves of their force."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from cube_sim.allocation import Allocation, Status
+from cube_sim.errors import ModelError, ScenarioError
+from cube_sim.mission.actuators import Actuators
+from cube_sim.scenario import Loaded
+from cube_sim.spatial import Vector
+from cube_sim.vehicle.battery import Battery
+from cube_sim.vehicle.supply import Supply
+from cube_sim.vehicle.vehicle import Vehicle
+
+
+def supply_of(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle) -> Supply:
+    """The `battery` block's battery, or without one the voltage of the characteristics.
+
+    Raises:
+        ScenarioError: the model does not say enough of its thrusters for a battery; with position.
+    """
+    block = loaded.scenario.battery
+    if block is None:
+        return Supply(model, vehicle.thrusters)
+    empty, full = block.open_circuit_V
+    battery = Battery(full, block.resistance_ohm, empty, block.capacity_Wh * 3600.0)
+    try:
+        return Supply(model, vehicle.thrusters, battery, block.charge)
+    except ModelError as error:
+        raise ScenarioError([loaded.mistake("battery", f"{loaded.scenario.model}: {error}")]) from None
+
+
+def allocate_at(
+    thrust: float, actuators: Actuators, wrench: Vector, secondary: Vector | None = None
+) -> tuple[Allocation, Vector]:
+    """Forces for a demand while every thruster gives a share of the force of its characteristic.
+
+    All allowed sets shrink by the same factor, so the answer is the factor times the answer for a demand as much
+    larger: exact, with the limits of this moment, and no allocator has to be built anew.
+
+    Args:
+        thrust: the share, (V / V_n)^2.
+        actuators: at V_n.
+        wrench: (6,) [N, N m].
+        secondary: the part (6,) of it that gives way, as in `Actuators.allocate`.
+
+    Returns:
+        The allocation, and the forces (m,) [N] to ask of the motors as if they were whole and fed with V_n.
+    """
+    if thrust == 0.0:
+        still = np.zeros(actuators.count)
+        nothing = Allocation(
+            force=still,
+            wrench=np.zeros(6),
+            wrench_error=wrench.copy(),
+            residual=float(np.linalg.norm(wrench)),
+            cost=0.0,
+            subset=still.astype(np.int8),
+            status=Status.CLOSEST,
+        )
+        return nothing, still
+    part = actuators.allocate(wrench / thrust, None if secondary is None else secondary / thrust)
+    scaled = replace(
+        part,
+        force=part.force * thrust,
+        wrench=part.wrench * thrust,
+        wrench_error=part.wrench_error * thrust,
+        residual=part.residual * thrust,
+        cost=part.cost * thrust**2,
+        power_W=None if part.power_W is None else part.power_W * thrust**1.5,
+    )
+    return scaled, actuators.motor_force(part.force)
