@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import pickle
 from collections.abc import Callable
 from types import CodeType
 from typing import Any
@@ -23,7 +24,24 @@ def compiled(function: Callable[..., Any]) -> Any:
     file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if file is not None:  # numba has no public way to say what a cached function depends on
         file._source_stamp = (file._source_stamp, _fingerprint(function))
+        file._load_index = _forgiving(file._load_index)
     return dispatcher
+
+
+def _forgiving(load: Callable[[], dict[Any, Any]]) -> Callable[[], dict[Any, Any]]:
+    """Read a cache's index, an unreadable one as empty.
+
+    An index names the types of arguments. Left by an earlier version, it may name a type that is no more: the
+    functions are compiled again then, as for any other change.
+    """
+
+    def load_or_forget() -> dict[Any, Any]:
+        try:
+            return load()
+        except (AttributeError, ImportError, TypeError, ValueError, EOFError, pickle.UnpicklingError):
+            return {}
+
+    return load_or_forget
 
 
 def _fingerprint(function: Callable[..., Any]) -> str:

@@ -193,7 +193,7 @@ def compare(A, limits, *, allow_off, objective, count, seed, weights=None, penal
     every = EverySubset(A, limits, allow_off, weights)
     for i, wrench in enumerate(wrenches):
         price = np.zeros((m, 3))
-        push = allocator._memory.push
+        push = allocator._memory[1]
         price[push == 1, 0], price[push == -1, 2] = penalty, penalty
         answer = allocator.allocate(wrench)
         if allocator.effort.disagreements > tally.unconfirmed:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import linprog, lsq_linear
 
 
 def cube(arm_m: float = 0.2, direction_noise: float = 0.0, position_noise_m: float = 0.0, seed: int = 0) -> np.ndarray:
@@ -96,6 +96,25 @@ def least_distance(A, limits, allow_off, wrench, wrench_weights) -> float:
         else:
             best = min(best, np.linalg.norm(rest))
     return float(best)
+
+
+def largest_share(A, limits, allow_off, primary, secondary):
+    """Largest share in [0, 1] with ``primary + share * secondary`` attainable: one linear programme (HiGHS) per subset.
+
+    None where there is no such share.
+    """
+    m = A.shape[1]
+    best = None
+    for low, high in cells(limits, allow_off):
+        solved = linprog(
+            np.append(np.zeros(m), -1.0),
+            A_eq=np.column_stack([A, -secondary]),
+            b_eq=primary,
+            bounds=[*zip(low, high, strict=True), (0.0, 1.0)],
+        )
+        if solved.status == 0 and (best is None or solved.x[-1] > best):
+            best = solved.x[-1]
+    return best
 
 
 def probing_wrenches(A, limits, allow_off, seed, count=30):

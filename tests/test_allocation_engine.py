@@ -10,6 +10,7 @@ from cube_sim.allocation.projection import CUT, INFEASIBLE, OPTIMAL, project
 from cube_sim.allocation.proxqp import SubsetSolver
 from cube_sim.allocation.qp import SubsetQP
 from cube_sim.allocation.relaxation import choose_side, relax, split
+from cube_sim.allocation.sides import Price, Sides
 
 
 def solve(rows, low, high, start, cutoff=np.inf, function=project):
@@ -96,11 +97,16 @@ def test_relaxation_never_exceeds_the_true_cost():
             assert min(gaps) == pytest.approx(0.0, abs=1e-9)  # below, and touching
 
 
+def open_sides(low, high):
+    """Sides of one motor, none empty; nothing here looks at their relaxation."""
+    return Sides(low, high, np.array([7]), np.empty((1, 8, 4)))
+
+
 def test_splitting_loses_no_side_and_always_shrinks():
     low, high = np.array([[-9.0, 0.0, 2.0]]), np.array([[-2.0, 0.0, 9.0]])
     for mask in range(1, 8):
         for f in (-9.0, -2.0, -1.5, -0.5, 0.0, 0.5, 1.5, 2.0, 9.0):
-            first, second = split(f, 0, mask, low, high)
+            first, second = split(f, 0, mask, open_sides(low, high))
             assert first | second == mask
             assert first & second == 0
             assert first != 0
@@ -110,11 +116,11 @@ def test_splitting_loses_no_side_and_always_shrinks():
 
 def test_touching_sides_choose_off_then_the_sign():
     low, high = np.array([[-9.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 9.0]])
-    zeros = np.zeros((1, 3))
-    assert choose_side(0.0, 0, 7, low, high, zeros, zeros, 1.0, 0.0) == (1, 0.0)
-    assert choose_side(3.0, 0, 7, low, high, zeros, zeros, 1.0, 0.0) == (2, 9.0)
-    assert choose_side(-3.0, 0, 7, low, high, zeros, zeros, 1.0, 0.0) == (0, 9.0)
-    assert choose_side(3.0, 0, 3, low, high, zeros, zeros, 1.0, 0.0)[0] == -1
+    sides, price = open_sides(low, high), Price(np.ones(1), np.zeros((1, 3)), np.zeros((1, 3)))
+    assert choose_side(0.0, 0, 7, sides, price, 0.0) == (1, 0.0)
+    assert choose_side(3.0, 0, 7, sides, price, 0.0) == (2, 9.0)
+    assert choose_side(-3.0, 0, 7, sides, price, 0.0) == (0, 9.0)
+    assert choose_side(3.0, 0, 3, sides, price, 0.0)[0] == -1
 
 
 def test_fibre_makes_the_wrench_with_orthonormal_freedom():

@@ -2,29 +2,12 @@
 
 import numpy as np
 import pytest
-from allocation_reference import cells, cube, in_allowed_set, jack, least_cost, least_distance
-from scipy.optimize import linprog
+from allocation_reference import cube, in_allowed_set, jack, largest_share, least_cost, least_distance
 
 from cube_sim.allocation import Allocator, Status
 from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-20.0, -3.0, 4.0, 25.0])
-
-
-def largest_scale(A, limits, allow_off, wrench):
-    """Largest scale in [0, 1] over all subsets by HiGHS; None where there is none."""
-    n, m = A.shape
-    best = None
-    for low, high in cells(limits, allow_off):
-        solved = linprog(
-            np.append(np.zeros(m), -1.0),
-            A_eq=np.column_stack([A, -wrench]),
-            b_eq=np.zeros(n),
-            bounds=[*zip(low, high, strict=True), (0.0, 1.0)],
-        )
-        if solved.status == 0 and (best is None or solved.x[-1] > best):
-            best = solved.x[-1]
-    return best
 
 
 def check_scaled(allocator, allow_off, wrench):
@@ -34,7 +17,7 @@ def check_scaled(allocator, allow_off, wrench):
     if answer.status == Status.EXACT:
         return False
     assert answer.status == Status.SCALED
-    scale = largest_scale(allocator.A, allocator.limits, allow_off, wrench)
+    scale = largest_share(allocator.A, allocator.limits, allow_off, 0.0 * wrench, wrench)
     if scale is None:
         distance = np.linalg.norm(allocator.wrench_weights * answer.wrench)
         assert distance == pytest.approx(
@@ -101,7 +84,7 @@ def test_what_no_forces_can_make_is_left_out_first():
     assert np.allclose(allocator.allocate([20, 7, 5]).wrench, [20, 0, 5])
     assert np.allclose(
         allocator.allocate([200, 7, 10]).wrench[[0, 2]],
-        largest_scale(A, allocator.limits, True, np.array([200, 0, 10.0])) * np.array([200, 10]),
+        largest_share(A, allocator.limits, True, np.zeros(3), np.array([200, 0, 10.0])) * np.array([200, 10]),
     )
 
 

@@ -17,11 +17,11 @@ from cube_sim.allocation.enumeration import Enumeration
 from cube_sim.allocation.faults import faulty_sides
 from cube_sim.allocation.geometry import actuation_matrix, lever_length, torque_rows, wrench_distance, wrench_fibre
 from cube_sim.allocation.limits import side_table, thruster_limits
-from cube_sim.allocation.memory import blank_memory, copied
+from cube_sim.allocation.memory import blank_memory
 from cube_sim.allocation.objectives import Objective, side_targets
 from cube_sim.allocation.proxqp import Confirmer
 from cube_sim.allocation.result import Allocation, Allocations, Status
-from cube_sim.allocation.tables import make_tables, pack, with_sides
+from cube_sim.allocation.tables import make_tables, pack, with_facets, with_sides
 from cube_sim.errors import AllocationError
 
 Method = Literal["search+proxqp", "search", "enumerate", "enumerate_parallel"]
@@ -81,6 +81,7 @@ class Allocator:
             vehicle that keeps its attitude keeps its path, one that saves its forces loses both.
         unattainable: see `Unattainable`.
         reversal_penalty: cost of pushing against the side a motor last pushed to [N^2].
+        switching_penalty: cost of a motor starting from rest or coming to rest [N^2].
         change_limit: most a motor's force may change in one call [N], the dead zone not counted: a reversal is
             walked through the zone's edges, so a small limit delays it and never locks the motor. None: no limit.
         method: see `Method`.
@@ -106,6 +107,7 @@ class Allocator:
         wrench_weights: ArrayLike | None = None,
         unattainable: Unattainable = "closest",
         reversal_penalty: float = 0.0,
+        switching_penalty: float = 0.0,
         change_limit: float | None = None,
         method: Method = "search+proxqp",
         length_m: float | None = None,
@@ -127,6 +129,7 @@ class Allocator:
         )
         self.unattainable = one_of("unattainable", unattainable, get_args(Unattainable))
         self.reversal_penalty = scalar("reversal_penalty", reversal_penalty)
+        self.switching_penalty = scalar("switching_penalty", switching_penalty)
         self.change_limit = inf if change_limit is None else scalar("change_limit", change_limit, positive=True)
         self.length_m = scalar("length_m", lever_length(self.A) if length_m is None else length_m, positive=True)
         largest = float(np.max(np.abs(self.limits)))
@@ -144,13 +147,16 @@ class Allocator:
             self.weights,
             targets,
             reversal_penalty=self.reversal_penalty,
+            switching_penalty=self.switching_penalty,
             change_limit=self.change_limit,
             tolerance=self.tolerance_N,
             length_m=self.length_m,
             scaled=self.unattainable == "scaled",
         )
+        if self._tables.scaled:
+            self._tables = with_facets(self._tables)
         self._packed = pack(self._tables)
-        self._memory = blank_memory(m)
+        self._memory, self._nothing = blank_memory(m), np.empty((0, n))
         self._confirmer = (
             Confirmer(self._tables, AGREEMENT, max(largest, 1e-6)) if self.method == "search+proxqp" else None
         )
@@ -159,8 +165,7 @@ class Allocator:
 
     def reset(self) -> None:
         """Forget the previous answer, as at the start of a run."""
-        for remembered in self._memory:
-            remembered[:] = 0
+        self._memory[:] = 0.0
 
     def with_faults(self, efficiency: ArrayLike = 1.0, stuck: Mapping[int, float] | None = None) -> Allocator:
         """The allocator of the same vehicle with motors lost, weak or stuck; it remembers the same last answer.
@@ -182,7 +187,7 @@ class Allocator:
         other.effort = Effort()
         other._tables = with_sides(self._tables, low, high)
         other._packed = pack(other._tables)
-        other._memory = copied(self._memory)
+        other._memory = self._memory.copy()
         if self._confirmer is not None:
             other._confirmer = self._confirmer.with_tables(other._tables)
         if self._enumeration is not None:
@@ -198,35 +203,71 @@ class Allocator:
         Raises:
             AllocationError: the wrench does not have n entries.
         """
+        demand = self._demand(wrench)
+        return self._answer(demand, demand, self._nothing)
+
+    def allocate_by_priority(self, primary: ArrayLike, secondary: ArrayLike) -> Allocation:
+        """Find the forces for a demand ``primary + secondary`` whose secondary part gives way.
+
+        Where the sum is not attainable, the answer makes ``primary + share * secondary`` with the largest share in
+        [0, 1] at which it is, exactly over the union of all subsets, and of the forces that do the cheapest:
+        ``YIELDED``. Dead zones leave gaps between the attainable shares, so that 0 may be none of them while a larger
+        one is. Where no share is, the answer is the closest attainable wrench to the primary part alone. What no
+        forces of any size can make is left out of both parts first.
+
+        Args:
+            primary: (n,) [N, N m].
+            secondary: (n,) [N, N m].
+
+        Returns:
+            An answer whose ``wrench_error`` and ``residual`` are counted from the sum.
+
+        Raises:
+            AllocationError: a part does not have n entries.
+        """
+        first, second = self._demand(primary), self._demand(secondary)
+        if not len(self._tables.facets):
+            self._tables = with_facets(self._tables)
+            self._packed = pack(self._tables)
+            if self._enumeration is not None:
+                self._enumeration = Enumeration(self._tables, self.method == "enumerate_parallel")
+        return self._answer(first + second, first, second)
+
+    def _demand(self, wrench: ArrayLike) -> NDArray[np.float64]:
+        """A checked demand as one row, (1, n)."""
         demand = np.ascontiguousarray(wrench, dtype=np.float64)
+        if demand.shape != (len(self.A),):
+            raise AllocationError(f"the wrench has shape {demand.shape}; A has {len(self.A)} rows")
+        return demand[None]
+
+    def _answer(
+        self, demand: NDArray[np.float64], primary: NDArray[np.float64], secondary: NDArray[np.float64]
+    ) -> Allocation:
+        """Answer one demand, in one row, whose parts are ``primary`` and ``secondary``, which may have no row."""
         n, m = self.A.shape
-        if demand.shape != (n,):
-            raise AllocationError(f"the wrench has shape {demand.shape}; A has {n} rows")
         answers = blank_answers(1, n, m)
         if self._enumeration is None:
-            allocate_each(self._packed, self._memory, demand[None], answers)
+            allocate_each(*self._packed, self._memory, primary, secondary, answers)
         else:
-            self.effort.qps += self._enumeration.allocate(self._memory, demand, answers)
-        numbers = answers.numbers[0]
-        residual, cost, status_number, _, nodes, unproven = numbers[-6:].tolist()
-        status = _STATUS[int(status_number)]
-        self.effort.nodes += int(nodes)
-        self.effort.unproven += int(unproven)
+            self.effort.qps += self._enumeration.allocate(self._memory, primary, secondary, answers)
+        row, effort = answers[0], self.effort
+        residual, cost, number, _, nodes, unproven = row[-6:].tolist()
+        effort.nodes += int(nodes)
+        effort.unproven += int(unproven)
         if self._confirmer is not None:
-            self.effort.qps += 1
-            valid = demand if status is not Status.INVALID_WRENCH else np.zeros(n)
-            if not self._confirmer.confirms(answers, valid):
-                self.effort.disagreements += 1
-        force = numbers[:m]
+            effort.qps += 1
+            if not self._confirmer.confirms(answers, demand[0]):
+                effort.disagreements += 1
+        a, b = m + n, m + 2 * n
         return Allocation(
-            force,
-            numbers[m : m + n],
-            numbers[m + n : m + 2 * n],
+            row[:m],
+            row[m:a],
+            row[a:b],
             residual,
             cost,
-            answers.subset[0],
-            status,
-            None if self.power_coefficients is None else electrical_power(self.power_coefficients, force),
+            row[b : b + m].astype(np.int8),
+            _STATUS[int(number)],
+            None if self.power_coefficients is None else electrical_power(self.power_coefficients, row[:m]),
         )
 
     def allocate_many(self, wrenches: ArrayLike) -> Allocations:
@@ -245,18 +286,17 @@ class Allocator:
         if demands.ndim != 2 or demands.shape[1] != n:
             raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")
         answers = blank_answers(len(demands), n, m)
-        allocate_each(self._packed, self._memory, demands, answers)
-        numbers = answers.numbers
-        rest = numbers[:, -6:]
+        allocate_each(*self._packed, self._memory, demands, self._nothing, answers)
+        a, b, rest = m + n, m + 2 * n, answers[:, -6:]
         self.effort.nodes += int(rest[:, 4].sum())
         self.effort.unproven += int(rest[:, 5].sum())
         return Allocations(
-            numbers[:, :m].copy(),
-            numbers[:, m : m + n].copy(),
-            numbers[:, m + n : m + 2 * n].copy(),
+            answers[:, :m].copy(),
+            answers[:, m:a].copy(),
+            answers[:, a:b].copy(),
             rest[:, 0].copy(),
             rest[:, 1].copy(),
-            answers.subset,
+            answers[:, b : b + m].astype(np.int8),
             rest[:, 2].astype(np.int8),
         )
 

@@ -8,21 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 from proxsuite import proxqp
 
+from cube_sim.allocation.cheapest import snap
 from cube_sim.allocation.decide import (
     CLOSEST,
     EXACT,
     INVALID_WRENCH,
     SCALED,
     UNPROVEN_CLOSEST,
-    Answers,
+    YIELDED,
     answer_of,
-    attainable_origin,
     complete,
-    nearest_origins,
-    scaled_origin,
-    snap,
 )
-from cube_sim.allocation.memory import Memory, Tick, remember, this_tick
+from cube_sim.allocation.demand import attainable_origin, nearest_origins, share_origin
+from cube_sim.allocation.memory import Tick, memory_of, remember, this_tick
 from cube_sim.allocation.proxqp import SubsetSolver, new_qp, settle
 from cube_sim.allocation.qp import SubsetQP, subset_qp
 from cube_sim.allocation.tables import Tables
@@ -52,50 +50,66 @@ class Enumeration:
 
     def __init__(self, tables: Tables, parallel: bool) -> None:
         self._tables, self._parallel = tables, parallel
-        self._solver = SubsetSolver(tables.weights, tables.equations, OUTER_ITERATIONS)
+        self._solver = SubsetSolver(tables.weights, tables.fibre.equations, OUTER_ITERATIONS)
 
-    def allocate(self, memory: Memory, demand: NDArray[np.float64], answers: Answers) -> int:
-        """Answer one demand (n,) into the first row of ``answers``; returns the number of ProxQPs solved."""
-        t = self._tables
+    def allocate(
+        self,
+        memory: NDArray[np.float64],
+        primary: NDArray[np.float64],
+        secondary: NDArray[np.float64],
+        answers: NDArray[np.float64],
+    ) -> int:
+        """Answer one demand into the first row of ``answers``; returns the number of ProxQPs solved.
+
+        Args:
+            memory: (3, m), changed in place.
+            primary: (1, n).
+            secondary: (1, n), or (0, n) for a demand without such a part.
+            answers: (1, ...) from `blank_answers`.
+        """
+        t, known = self._tables, memory_of.py_func(memory)
         n, m = t.A.shape
-        status = EXACT if np.all(np.isfinite(demand)) else INVALID_WRENCH
-        demand = demand if status == EXACT else np.zeros(n)
-        tick = this_tick(t, memory)
-        origin = np.empty(m)
-        found, solved = None, 0
-        if attainable_origin(t, demand, origin):
+        two_parts = len(secondary) > 0
+        demand = primary[0] + secondary[0] if two_parts else primary[0]
+        valid = bool(np.all(np.isfinite(demand)))
+        demand = demand if valid else np.zeros(n)
+        tick = this_tick(t, known)
+        origin, part = np.empty(m), (primary[0] if two_parts and valid else demand).copy()
+        status, found, solved, proven = EXACT, None, 0, True
+        if attainable_origin(t.fibre, t.reach, t.tolerance, demand, origin):
             found, solved = self._cheapest(tick, origin)
         if found is None:
-            candidates, proven = np.empty((0, m)), True
-            part = demand
-            if status == EXACT and len(t.facets):
-                status, part = SCALED, np.empty(n)
-                _, proven = scaled_origin(t, tick, demand, origin, part)
+            status = CLOSEST
+        if found is None and valid and (two_parts or t.scaled):
+            base, direction = (primary[0], secondary[0]) if two_parts else (np.zeros(n), demand)
+            share, _, proven = share_origin(t.distance, t.facets, t.reach, tick, base, direction, origin, part)
+            if share >= 0.0 or not two_parts:
                 found, more = self._cheapest(tick, origin)
                 solved += more
-            elif status == EXACT:
-                status = CLOSEST
-            if found is None:
-                candidates, _, sure = nearest_origins(t, tick, part)
-                proven = proven and sure
-            if not proven and status != INVALID_WRENCH:
-                status = UNPROVEN_CLOSEST
+            status = SCALED if not two_parts else YIELDED if found is not None else CLOSEST
+        if found is None:
+            candidates, _, sure = nearest_origins(t.distance, t.fibre, t.reach, tick, part)
+            proven = proven and sure
             answer = []
             for candidate in candidates:
                 there, more = self._cheapest(tick, candidate)
                 solved += more
                 if there is None:
-                    force, subset = np.empty(m), np.empty(m, np.int8)
-                    cost, alternative = snap(t, tick, candidate, force, subset)
+                    force, subset = np.empty(m), np.empty(m)
+                    cost, alternative = snap(tick, candidate, force, subset)
                     there = cost, force, subset, alternative
                 answer.append(there)
-            found = found or min(answer, key=lambda there: round(there[0] / t.tolerance))
+            found = min(answer, key=lambda there: round(there[0] / t.tolerance))
+        if not valid:
+            status = INVALID_WRENCH
+        elif not proven:
+            status = UNPROVEN_CLOSEST
         cost, force, subset, alternative = found
-        answer = answer_of.py_func(answers.numbers[0], n, m)
-        answer.force[:], answers.subset[0] = force + 0.0, subset
-        residual = complete(t, demand, answer.force, answer.wrench, answer.error)
-        answer.rest[:4] = residual, cost, status, alternative
-        remember(t, memory, answer.force, answers.subset[0])
+        answer = answer_of.py_func(answers[0], n, m)
+        answer.force[:], answer.subset[:] = force + 0.0, subset
+        complete(t.A, t.error_scale, demand, answer)
+        answer.rest[1:4] = cost, status, alternative
+        remember(t.edge, known, answer.force, answer.subset)
         return solved
 
     def _cheapest(self, tick: Tick, origin: NDArray[np.float64]):
@@ -106,7 +120,8 @@ class Enumeration:
         for alternative, target in enumerate(t.targets):
             subsets = every_subset(tick.low, tick.high)
             problems = [
-                subset_qp(subset, origin, t.equations, tick.low, tick.high, target, t.weights) for subset in subsets
+                subset_qp(subset, origin, t.fibre.equations, tick.low, tick.high, target, t.weights)
+                for subset in subsets
             ]
             solved += len(problems)
             answers = solve_in_parallel(problems) if self._parallel else map(self._solver.solve, problems)

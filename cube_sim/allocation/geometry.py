@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,8 +17,7 @@ direction, and a demand along it that exceeds the limits is answered as unattain
 """
 
 
-@dataclass(frozen=True, slots=True)
-class WrenchFibre:
+class WrenchFibre(NamedTuple):
     """Every force vector that makes a wrench: ``f = particular @ F + kernel @ z`` for any z.
 
     Attributes:
@@ -39,8 +38,7 @@ class WrenchFibre:
     rank: int
 
 
-@dataclass(frozen=True, slots=True)
-class WrenchDistance:
+class WrenchDistance(NamedTuple):
     """Coordinates (s, z) in which the weighted wrench error is a plain distance.
 
     ``f = spread @ s + kernel @ z`` and ``W A f = basis @ s``: s alone decides the wrench, z is free of it.

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.relaxation import choose_side
+from cube_sim.allocation.sides import Price, Sides
 from cube_sim.allocation.ties import changed, preferred, slack_of
 from cube_sim.compiled import compiled
 
@@ -34,16 +35,12 @@ def suits_lines(plane: NDArray[np.float64]) -> bool:
 def line_search(
     origin: NDArray[np.float64],
     plane: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    target: NDArray[np.float64],
-    penalty: NDArray[np.float64],
-    masks: NDArray[np.uint8],
-    previous: NDArray[np.int8],
+    sides: Sides,
+    price: Price,
+    previous: NDArray[np.float64],
     tolerance: float,
     force: NDArray[np.float64],
-    subset: NDArray[np.int8],
+    subset: NDArray[np.float64],
     multiplier: NDArray[np.float64],
 ) -> tuple[bool, float, int]:
     """Minimise ``sum w (f - target)^2 + penalty`` over ``f = origin + plane z`` with every f_i on an allowed side.
@@ -56,12 +53,8 @@ def line_search(
     Args:
         origin: (m,) any forces making the wrench [N].
         plane: (m, 2) kernel with ``plane.T @ diag(w) @ plane = I``, columns of zeros for missing dimensions.
-        weight: (m,) w.
-        low: (m, 3) lower end of each side [N].
-        high: (m, 3) upper end of each side [N].
-        target: (m, 3) preferred force [N], the same on all sides of a motor.
-        penalty: (m, 3) cost of choosing each side [N^2], >= 0.
-        masks: (m,) sides open to each motor.
+        sides: open to the motors.
+        price: of them, with one preferred force for all sides of a motor.
         previous: (m,) subset that ties prefer.
         tolerance: force that counts as rounding [N].
         force: (m,) out [N].
@@ -72,6 +65,7 @@ def line_search(
         Whether there is an answer, its cost, and the number of points looked at.
     """
     m = origin.shape[0]
+    masks, weight, target = sides.masks, price.weight, price.target
     near, length = np.empty(m), np.empty(m)  # forces closest to the target, allowed or not; of the motors' normals
     motor, end, away = np.empty(6 * m, np.int64), np.empty(6 * m), np.empty(6 * m)  # lines, the nearest first
     lines = 0
@@ -86,18 +80,18 @@ def line_search(
         free += weight[i] * (near[i] - target[i, 0]) ** 2
         length[i] = math.sqrt(plane[i, 0] ** 2 + plane[i, 1] ** 2)
         if length[i] <= PARALLEL:
-            if choose_side(near[i], i, masks[i], low, high, target, penalty, weight[i], 2.0 * tolerance)[0] < 0:
+            if choose_side(near[i], i, masks[i], sides, price, 2.0 * tolerance)[0] < 0:
                 return False, math.inf, 0
             continue
         before = math.nan
         for s in range(3):
             if masks[i] >> s & 1:
-                for side_end in (low[i, s], high[i, s]):
+                for side_end in (sides.low[i, s], sides.high[i, s]):
                     if side_end != before:  # sides may touch, and off is a point
                         lines = _insert(motor, end, away, lines, i, side_end, abs(side_end - near[i]) / length[i])
                         before = side_end
 
-    f, sides = np.empty(m), np.empty(m, np.int8)
+    f, chosen = np.empty(m), np.empty(m)
     best, value = math.inf, math.inf
     changes_best, looked = 0, 0
     # Candidate (p, q): both -1 the point closest to the target, q = -1 the foot on line p, else an intersection.
@@ -129,20 +123,20 @@ def line_search(
                         f[h] = end[p]
                     elif h == j:
                         f[h] = end[q]
-                    s, price = choose_side(f[h], h, masks[h], low, high, target, penalty, weight[h], 2.0 * tolerance)
+                    s, true = choose_side(f[h], h, masks[h], sides, price, 2.0 * tolerance)
                     if s < 0:
                         cost = math.inf
                         break
-                    sides[h] = s - 1
-                    cost += price
+                    chosen[h] = s - 1
+                    cost += true
                 if cost == math.inf:
                     continue
-                changes = changed(sides, previous)
-                if not preferred(cost, best, sides, subset, changes, changes_best):
+                changes = changed(chosen, previous)
+                if not preferred(cost, best, chosen, subset, changes, changes_best):
                     continue
                 best, value, changes_best = min(best, cost), cost, changes
                 for h in range(m):
-                    force[h], subset[h], multiplier[h] = f[h], sides[h], 0.0
+                    force[h], subset[h], multiplier[h] = f[h], chosen[h], 0.0
                 if stage == 1:
                     multiplier[i] = -(end[p] - near[i]) / (length[i] * length[i])
                 elif stage == 2:

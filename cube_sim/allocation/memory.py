@@ -9,22 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.relaxation import relax
+from cube_sim.allocation.sides import Price, Sides
 from cube_sim.allocation.tables import Tables
 from cube_sim.compiled import compiled
 
 
 class Memory(NamedTuple):
-    """The previous answer; all zeros at the start of a run.
+    """The previous answer: the rows of one (3, m) array, all zeros at the start of a run.
 
     Attributes:
-        subset: (m,) int8 its sides: ties prefer them.
-        push: (m,) int8 direction each motor last pushed to, rests passed over: reversals are counted from it.
+        subset: (m,) its sides, -1, 0, +1: ties prefer them.
+        push: (m,) direction each motor last pushed to, rests passed over: reversals are counted from it.
         travel: (m,) force counted from the edge of the side it lies on [N]: changes are counted in it, so that
             crossing the dead zone is no change and never forbidden.
     """
 
-    subset: NDArray[np.int8]
-    push: NDArray[np.int8]
+    subset: NDArray[np.float64]
+    push: NDArray[np.float64]
     travel: NDArray[np.float64]
 
 
@@ -35,25 +36,44 @@ class Tick(NamedTuple):
         low: (m, 3) lower end of each side [N].
         high: (m, 3) upper end of each side [N].
         masks: (m,) bits of the sides that are not empty.
-        penalty: (m, 3) cost of choosing each side [N^2].
         relaxed: (t, m, 8, 4) from `relax`.
+        weights: (m,) w.
+        targets: (t, m, 3) alternatives of the objective [N].
+        penalty: (m, 3) cost of choosing each side [N^2].
+        tolerance: force that counts as rounding [N].
     """
 
     low: NDArray[np.float64]
     high: NDArray[np.float64]
-    masks: NDArray[np.uint8]
-    penalty: NDArray[np.float64]
+    masks: NDArray[np.int64]
     relaxed: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    targets: NDArray[np.float64]
+    penalty: NDArray[np.float64]
+    tolerance: float
 
 
-def blank_memory(motors: int) -> Memory:
-    """The memory at the start of a run: all motors at rest."""
-    return Memory(np.zeros(motors, np.int8), np.zeros(motors, np.int8), np.zeros(motors))
+def blank_memory(motors: int) -> NDArray[np.float64]:
+    """(3, motors) for `memory_of`, as at the start of a run: all motors at rest."""
+    return np.zeros((3, motors))
 
 
-def copied(memory: Memory) -> Memory:
-    """The same memory, from now on its own."""
-    return Memory(memory.subset.copy(), memory.push.copy(), memory.travel.copy())
+@compiled
+def memory_of(rows: NDArray[np.float64]) -> Memory:
+    """Name the rows of a memory."""
+    return Memory(rows[0], rows[1], rows[2])
+
+
+@compiled
+def sides_of(tick: Tick, alternative: int) -> Sides:
+    """The sides of one alternative of the objective."""
+    return Sides(tick.low, tick.high, tick.masks, tick.relaxed[alternative])
+
+
+@compiled
+def price_of(tick: Tick, alternative: int) -> Price:
+    """The prices of one alternative of the objective."""
+    return Price(tick.weights, tick.targets[alternative], tick.penalty)
 
 
 @compiled
@@ -64,35 +84,42 @@ def this_tick(t: Tables, memory: Memory) -> Tick:
     the edge of the dead zone, across it in no time, and on from the other edge, so a limit smaller than the dead
     zone slows a motor down and never locks it.
     """
-    if t.reversal_penalty == 0.0 and t.change_limit == math.inf:
-        return Tick(t.low, t.high, t.masks, t.penalty, t.relaxed)
-    low, high, masks, penalty = t.low.copy(), t.high.copy(), t.masks.copy(), t.penalty.copy()
-    for i in range(low.shape[0]):
-        if memory.push[i] != 0:
-            penalty[i, 1 - memory.push[i]] = t.reversal_penalty
-        if t.change_limit < math.inf:
-            bottom, top = memory.travel[i] - t.change_limit, memory.travel[i] + t.change_limit
-            masks[i] = 0
-            for s in range(3):
-                if low[i, s] <= high[i, s]:
-                    low[i, s] = max(low[i, s], t.edge[i, s] + bottom)
-                    high[i, s] = min(high[i, s], t.edge[i, s] + top)
+    low, high, masks, penalty, relaxed = t.low, t.high, t.masks, t.penalty, t.relaxed
+    if t.reversal_penalty > 0.0 or t.switching_penalty > 0.0 or t.change_limit < math.inf:
+        low, high, masks, penalty = low.copy(), high.copy(), masks.copy(), penalty.copy()
+        for i in range(low.shape[0]):
+            if memory.push[i] != 0.0:
+                penalty[i, 1 - int(memory.push[i])] = t.reversal_penalty
+            if memory.subset[i] == 0.0:
+                penalty[i, 0] += t.switching_penalty
+                penalty[i, 2] += t.switching_penalty
+            else:
+                penalty[i, 1] += t.switching_penalty
+            if t.change_limit < math.inf:
+                bottom, top = memory.travel[i] - t.change_limit, memory.travel[i] + t.change_limit
+                masks[i] = 0
+                for s in range(3):
                     if low[i, s] <= high[i, s]:
-                        masks[i] |= 1 << s
-                    else:
-                        low[i, s], high[i, s] = math.inf, -math.inf
-    relaxed = np.empty_like(t.relaxed)
-    for a in range(t.targets.shape[0]):
-        relax(low, high, t.targets[a], penalty, t.weights, relaxed[a])
-    return Tick(low, high, masks, penalty, relaxed)
+                        low[i, s] = max(low[i, s], t.edge[i, s] + bottom)
+                        high[i, s] = min(high[i, s], t.edge[i, s] + top)
+                        if low[i, s] <= high[i, s]:
+                            masks[i] |= 1 << s
+                        else:
+                            low[i, s], high[i, s] = math.inf, -math.inf
+        relaxed = np.empty_like(relaxed)
+        for a in range(t.targets.shape[0]):
+            relax(low, high, t.targets[a], penalty, t.weights, relaxed[a])
+    return Tick(low, high, masks, relaxed, t.weights, t.targets, penalty, t.tolerance)
 
 
 @compiled
-def remember(t: Tables, memory: Memory, force: NDArray[np.float64], subset: NDArray[np.int8]) -> None:
+def remember(
+    edge: NDArray[np.float64], memory: Memory, force: NDArray[np.float64], subset: NDArray[np.float64]
+) -> None:
     """Make an answer the previous one.
 
     Args:
-        t: of the allocator.
+        edge: (m, 3) see `Tables`.
         memory: changed in place.
         force: (m,) [N].
         subset: (m,).
@@ -101,4 +128,4 @@ def remember(t: Tables, memory: Memory, force: NDArray[np.float64], subset: NDAr
         memory.subset[i] = subset[i]
         if subset[i] != 0:
             memory.push[i] = subset[i]
-        memory.travel[i] = force[i] - t.edge[i, subset[i] + 1]
+        memory.travel[i] = force[i] - edge[i, int(subset[i]) + 1]

@@ -7,9 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.allocation.geometry import WrenchDistance
 from cube_sim.allocation.projection import INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import split
 from cube_sim.allocation.search import MOST_NODES
+from cube_sim.allocation.sides import Sides
 from cube_sim.compiled import compiled
 
 CANDIDATES = 32
@@ -23,13 +25,8 @@ DOUBT = 1000.0
 @compiled
 def nearest(
     goal: NDArray[np.float64],
-    spread: NDArray[np.float64],
-    kernel: NDArray[np.float64],
-    gain: NDArray[np.float64],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    relaxed: NDArray[np.float64],
-    masks: NDArray[np.uint8],
+    space: WrenchDistance,
+    sides: Sides,
     tolerance: float,
     forces: NDArray[np.float64],
 ) -> tuple[int, float, bool, int]:
@@ -43,19 +40,15 @@ def nearest(
 
     Args:
         goal: (r,) demanded wrench in the coordinates s.
-        spread: (m, r) see `WrenchDistance`.
-        kernel: (m, k) see `WrenchDistance`.
-        gain: (r, m) see `WrenchDistance`.
-        low: (m, 3) lower end of each side [N].
-        high: (m, 3) upper end of each side [N].
-        relaxed: (m, 8, 4): only the interval ends are used.
-        masks: (m,) sides open to each motor at the root.
+        space: its coordinates and norm.
+        sides: open to the motors; of ``relaxed`` only the interval ends are used.
         tolerance: force that counts as rounding [N].
         forces: (CANDIDATES, m) out: forces making the equally closest, distinct wrenches.
 
     Returns:
         Number of candidates, their distance, whether the bound was proven everywhere, nodes solved.
     """
+    spread, kernel, gain, relaxed = space.spread, space.kernel, space.gain, sides.relaxed
     m, k = kernel.shape
     r = goal.shape[0]
     d = r + k
@@ -80,7 +73,7 @@ def nearest(
     proven = True
     solved = 0
     for i in range(m):
-        stack[0, i] = masks[i]
+        stack[0, i] = sides.masks[i]
     bound[0] = 0.0
     depth = 1
     while depth > 0:
@@ -157,8 +150,8 @@ def nearest(
         for i in range(m):
             gap = math.inf
             for s in range(3):
-                if mask[i] >> s & 1 and low[i, s] <= high[i, s]:
-                    gap = min(gap, max(low[i, s] - f[i], f[i] - high[i, s]))
+                if mask[i] >> s & 1 and sides.low[i, s] <= sides.high[i, s]:
+                    gap = min(gap, max(sides.low[i, s] - f[i], f[i] - sides.high[i, s]))
             if gap > furthest:
                 chosen, furthest = i, gap
         if chosen < 0:
@@ -172,7 +165,7 @@ def nearest(
                     images[found, a] = made[a]
                 found += 1
             continue
-        first, second = split(f[chosen], chosen, mask[chosen], low, high)
+        first, second = split(f[chosen], chosen, mask[chosen], sides)
         for child in (second, first):
             if child != 0:
                 for i in range(m):

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from proxsuite import proxqp
 
-from cube_sim.allocation.decide import CLOSEST, UNPROVEN_CLOSEST, Answers, answer_of
+from cube_sim.allocation.decide import EXACT, INVALID_WRENCH, UNPROVEN, answer_of
 from cube_sim.allocation.qp import SubsetQP
-from cube_sim.allocation.tables import Packed, Tables, pack, unpack
+from cube_sim.allocation.tables import Tables, pack, unpack
 from cube_sim.compiled import compiled
 
 BORDER = 1e-6
@@ -169,9 +169,9 @@ class Confirmer:
     """
 
     def __init__(self, tables: Tables, agreement: float, scale: float, solver: SubsetSolver | None = None) -> None:
-        rows, motors = tables.equations.shape
+        rows, motors = tables.fibre.equations.shape
         self._packed, self._agreement_N, self._scale = pack(tables), agreement * scale, scale
-        self._solver = solver or SubsetSolver(tables.weights, tables.equations)
+        self._solver = solver or SubsetSolver(tables.weights, tables.fibre.equations)
         self._problem = np.zeros((6, max(rows, motors)))
         self._vectors = tuple(self._problem[i, :size] for i, size in enumerate([motors, rows, motors, motors, motors]))
         self._duals, self._multiplier = self._problem[5, :rows], np.zeros(motors)
@@ -180,14 +180,14 @@ class Confirmer:
         """The same for the same vehicle with other allowed forces."""
         return Confirmer(tables, self._agreement_N / self._scale, self._scale, self._solver)
 
-    def confirms(self, answers: Answers, wrench: NDArray[np.float64]) -> bool:
+    def confirms(self, answers: NDArray[np.float64], wrench: NDArray[np.float64]) -> bool:
         """Whether ProxQP solves the subset of the one answer and finds the same forces.
 
         Args:
             answers: holding one answer.
-            wrench: (n,) finite demand it answers.
+            wrench: (n,) demand it answers.
         """
-        subset_problem(self._packed, answers, wrench, self._problem, self._multiplier)
+        subset_problem(*self._packed, answers, wrench, self._problem, self._multiplier)
         linear, demand, low, high, force = self._vectors
         solved, x = self._solver.refine(
             (linear, demand, low, high), (force, self._duals, self._multiplier), self._scale
@@ -197,8 +197,9 @@ class Confirmer:
 
 @compiled
 def subset_problem(
-    packed: Packed,
-    answers: Answers,
+    numbers: NDArray[np.float64],
+    integers: NDArray[np.int64],
+    answers: NDArray[np.float64],
     wrench: NDArray[np.float64],
     problem: NDArray[np.float64],
     multiplier: NDArray[np.float64],
@@ -206,34 +207,36 @@ def subset_problem(
     """Write the chosen subset's problem and its solution.
 
     Args:
-        packed: of the allocator.
+        numbers: see `Packed`.
+        integers: see `Packed`.
         answers: holding one answer.
         wrench: (n,) the demand.
         problem: (6, max(r, m)) out, one row each, filled from the left: linear cost (m,), demand (r,), lower ends (m,),
             upper ends (m,), forces (m,), multipliers of the equations (r,).
         multiplier: (m,) out: of the intervals.
     """
-    t = unpack(packed)
-    rows, motors = t.equations.shape
-    answer = answer_of(answers.numbers[0], t.A.shape[0], motors)
+    t = unpack(numbers, integers)
+    equations, particular = t.fibre.equations, t.fibre.particular
+    rows, motors = equations.shape
+    answer = answer_of(answers[0], t.A.shape[0], motors)
     made = np.empty(motors)
     status = int(answer.rest[2])
-    met = status != CLOSEST and status < UNPROVEN_CLOSEST
+    met = status == EXACT or status == UNPROVEN or status == INVALID_WRENCH  # a tuple compiles slower
     for i in range(motors):
-        target = t.targets[int(answer.rest[3]), i, answers.subset[0, i] + 1]
+        target = t.targets[int(answer.rest[3]), i, int(answer.subset[i]) + 1]
         problem[0, i] = -t.weights[i] * target
         problem[2, i], problem[3, i] = answer.low[i], answer.high[i]
         problem[4, i], multiplier[i] = answer.force[i], answer.multiplier[i]
         made[i] = answer.force[i]
         if met:
             made[i] = 0.0
-            for a in range(wrench.shape[0]):
-                made[i] += t.particular[i, a] * wrench[a]
+            for a in range(wrench.shape[0] if status != INVALID_WRENCH else 0):
+                made[i] += particular[i, a] * wrench[a]
     for b in range(rows):
         problem[1, b], problem[5, b] = 0.0, 0.0
         for i in range(motors):
-            problem[1, b] += t.equations[b, i] * made[i]
-            problem[5, b] -= t.equations[b, i] * (t.weights[i] * answer.force[i] + problem[0, i] + multiplier[i])
+            problem[1, b] += equations[b, i] * made[i]
+            problem[5, b] -= equations[b, i] * (t.weights[i] * answer.force[i] + problem[0, i] + multiplier[i])
 
 
 @compiled

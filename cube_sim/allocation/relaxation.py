@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.allocation.sides import Price, Sides
 from cube_sim.compiled import compiled
 
 ANY_SIDE = 7
@@ -59,17 +60,7 @@ def relax(
 
 
 @compiled
-def choose_side(
-    f: float,
-    motor: int,
-    mask: int,
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    target: NDArray[np.float64],
-    penalty: NDArray[np.float64],
-    weight: float,
-    tolerance: float,
-) -> tuple[int, float]:
+def choose_side(f: float, motor: int, mask: int, sides: Sides, price: Price, tolerance: float) -> tuple[int, float]:
     """The cheapest open side whose interval holds force f, and its true cost; (-1, inf) in a dead zone.
 
     Where sides touch and cost the same, off wins, then the side of f's sign.
@@ -77,15 +68,15 @@ def choose_side(
     best, cost = -1, math.inf
     for order in range(3):
         s = 1 if order == 0 else (0 if (order == 1) == (f < 0.0) else 2)
-        if mask >> s & 1 and low[motor, s] - tolerance <= f <= high[motor, s] + tolerance:
-            value = weight * (f - target[motor, s]) ** 2 + penalty[motor, s]
+        if mask >> s & 1 and sides.low[motor, s] - tolerance <= f <= sides.high[motor, s] + tolerance:
+            value = price.weight[motor] * (f - price.target[motor, s]) ** 2 + price.penalty[motor, s]
             if value < cost:
                 best, cost = s, value
     return best, cost
 
 
 @compiled
-def split(f: float, motor: int, mask: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[int, int]:
+def split(f: float, motor: int, mask: int, sides: Sides) -> tuple[int, int]:
     """Divide the open sides of a motor at force f, the part nearer to f first; both parts are smaller than the mask.
 
     A force in a gap divides the sides left of it from those right of it; a force inside a side divides that side
@@ -95,14 +86,15 @@ def split(f: float, motor: int, mask: int, low: NDArray[np.float64], high: NDArr
     gap_below, gap_above = math.inf, math.inf
     nearest, distance = 0, math.inf
     for s in range(3):
-        if mask >> s & 1 and low[motor, s] <= high[motor, s]:
-            gap = max(low[motor, s] - f, f - high[motor, s], 0.0)
+        low, high = sides.low[motor, s], sides.high[motor, s]
+        if mask >> s & 1 and low <= high:
+            gap = max(low - f, f - high, 0.0)
             if gap < distance:
                 nearest, distance = 1 << s, gap
-            if high[motor, s] < f:
+            if high < f:
                 below |= 1 << s
                 gap_below = min(gap_below, gap)
-            elif low[motor, s] > f:
+            elif low > f:
                 above |= 1 << s
                 gap_above = min(gap_above, gap)
     if below and above and (below | above) == mask:

@@ -29,6 +29,8 @@ class Status(IntEnum):
         SCALED: no allowed forces make the demanded wrench; these make the largest part of it that keeps its direction
             and is attainable. Where not even no wrench at all is, they make the closest to none. Remedy: as for
             ``CLOSEST``.
+        YIELDED: the primary part of the demand is made, and the largest share of the secondary part that is
+            attainable together with it. Remedy: none where that is what priorities are for, else as for ``CLOSEST``.
     """
 
     EXACT = 0
@@ -39,6 +41,7 @@ class Status(IntEnum):
     UNPROVEN = 5
     UNPROVEN_CLOSEST = 6
     SCALED = 7
+    YIELDED = 8
 
     @property
     def message(self) -> str:
@@ -55,6 +58,7 @@ _MESSAGES = {
     Status.UNPROVEN: "the demanded wrench is made, perhaps not at the least cost",
     Status.UNPROVEN_CLOSEST: "no forces making the demanded wrench were found: the best wrench found is made",
     Status.SCALED: "the demanded wrench is out of reach: the largest part of it in its direction is made",
+    Status.YIELDED: "the demanded wrench is out of reach: its secondary part gives way to the primary one",
 }
 
 

@@ -1,4 +1,4 @@
-"""The exact search for the largest part of a wrench that keeps its direction and that allowed forces can make."""
+"""The exact search along a line of wrenches: the largest share of the way that allowed forces can make."""
 
 from __future__ import annotations
 
@@ -6,48 +6,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.search import MOST_NODES
+from cube_sim.allocation.sides import Sides
 from cube_sim.compiled import compiled
 
 
 @compiled
-def largest_scale(
+def largest_share(
+    base: NDArray[np.float64],
     across: NDArray[np.float64],
     gain: NDArray[np.float64],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    relaxed: NDArray[np.float64],
-    masks: NDArray[np.uint8],
+    sides: Sides,
     tolerance: float,
 ) -> tuple[float, bool, int]:
-    """The largest scale in [0, 1] at which a demand is attainable, over the union of all subsets.
+    """The largest share in [0, 1] at which ``primary + share * secondary`` is attainable, over all subsets.
 
-    The wrenches of a box of forces are ``lower <= normals @ w <= upper``, so the scales at which a box attains the
+    The wrenches of a box of forces are ``lower <= normals @ w <= upper``, so the shares at which a box attains the
     demand are an interval, known in closed form. With dead zones the union of these intervals has gaps. Depth first
     over the motors: where a motor's side is open its box spans all open sides, which only widens the interval, and
-    a node is discarded when the end of its interval does not exceed the best scale found.
+    a node is discarded when the end of its interval does not exceed the best share found.
 
     Args:
-        across: (h,) the demand along each facet normal.
+        base: (h,) the primary wrench along each facet normal.
+        across: (h,) the secondary wrench along each.
         gain: (h, m) what one newton of each motor makes along it.
-        low: (m, 3) lower end of each side [N].
-        high: (m, 3) upper end of each side [N].
-        relaxed: (m, 8, 4) from `relax`: only the interval ends are used.
-        masks: (m,) sides open to each motor at the root.
+        sides: open to the motors; of ``relaxed`` only the interval ends are used.
         tolerance: along a normal, that counts as rounding.
 
     Returns:
-        The scale, negative when no part of the demand is attainable, not even none of it; whether that is proven;
-        nodes looked at.
+        The share, negative when none is attainable, not even 0; whether that is proven; nodes looked at.
     """
     m = gain.shape[1]
+    relaxed = sides.relaxed
     stack = np.empty((3 * m + 1, m), np.uint8)
     bound = np.empty(3 * m + 1)
     mask, child = np.empty(m, np.uint8), np.empty(m, np.uint8)
-    sides, ends = np.empty(3, np.uint8), np.empty(3)
+    order, ends = np.empty(3, np.uint8), np.empty(3)
     for i in range(m):
-        stack[0, i] = masks[i]
-    bound[0] = interval_end(across, gain, relaxed, masks, tolerance)
+        stack[0, i] = child[i] = sides.masks[i]
     best, depth, looked = -1.0, 1, 1
+    bound[0] = interval_end(base, across, gain, relaxed, child, tolerance)
     while depth > 0:
         depth -= 1
         if bound[depth] <= best:
@@ -61,7 +58,7 @@ def largest_scale(
                 gap = relaxed[i, mask[i], 1] - relaxed[i, mask[i], 0]
                 for s in range(3):
                     if mask[i] >> s & 1:
-                        gap -= high[i, s] - low[i, s]
+                        gap -= sides.high[i, s] - sides.low[i, s]
                 if gap > widest:
                     motor, widest = i, gap
         if motor < 0:
@@ -73,19 +70,19 @@ def largest_scale(
         for s in range(3):
             if mask[motor] >> s & 1:
                 child[motor] = 1 << s
-                end = interval_end(across, gain, relaxed, child, tolerance)
+                end = interval_end(base, across, gain, relaxed, child, tolerance)
                 looked += 1
                 if end > best:
                     at = count
                     while at > 0 and ends[at - 1] > end:
-                        ends[at], sides[at] = ends[at - 1], sides[at - 1]
+                        ends[at], order[at] = ends[at - 1], order[at - 1]
                         at -= 1
-                    ends[at], sides[at] = end, child[motor]
+                    ends[at], order[at] = end, child[motor]
                     count += 1
         for c in range(count):  # the most promising last, to be looked at next
             for i in range(m):
                 stack[depth, i] = mask[i]
-            stack[depth, motor] = sides[c]
+            stack[depth, motor] = order[c]
             bound[depth] = ends[c]
             depth += 1
     return best, True, looked
@@ -93,13 +90,14 @@ def largest_scale(
 
 @compiled
 def interval_end(
+    base: NDArray[np.float64],
     across: NDArray[np.float64],
     gain: NDArray[np.float64],
     relaxed: NDArray[np.float64],
     mask: NDArray[np.uint8],
     tolerance: float,
 ) -> float:
-    """Upper end of the scales in [0, 1] at which the box of each motor's open sides attains the demand; -1 for none."""
+    """Upper end of the shares in [0, 1] at which the box of each motor's open sides attains the demand; -1 for none."""
     first, last = 0.0, 1.0
     for a in range(gain.shape[0]):
         lower, upper = -tolerance, tolerance
@@ -107,6 +105,7 @@ def interval_end(
             bottom, top = gain[a, i] * relaxed[i, mask[i], 0], gain[a, i] * relaxed[i, mask[i], 1]
             lower += min(bottom, top)
             upper += max(bottom, top)
+        lower, upper = lower - base[a], upper - base[a]
         if abs(across[a]) <= 1e-300:
             if lower > 0.0 or upper < 0.0:
                 return -1.0

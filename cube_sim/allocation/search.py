@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.projection import CUT, INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import choose_side, split
+from cube_sim.allocation.sides import Price, Sides
 from cube_sim.allocation.ties import changed, preferred, slack_of
 from cube_sim.compiled import compiled
 
@@ -28,17 +29,12 @@ MOST_NODES = 20_000
 def search(
     origin: NDArray[np.float64],
     kernel: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    target: NDArray[np.float64],
-    penalty: NDArray[np.float64],
-    relaxed: NDArray[np.float64],
-    masks: NDArray[np.uint8],
-    previous: NDArray[np.int8],
+    sides: Sides,
+    price: Price,
+    previous: NDArray[np.float64],
     tolerance: float,
     force: NDArray[np.float64],
-    subset: NDArray[np.int8],
+    subset: NDArray[np.float64],
     multiplier: NDArray[np.float64],
 ) -> tuple[int, float, int]:
     """Minimise ``sum w (f - target)^2 + penalty`` over ``f = origin + kernel z`` with every f_i on an allowed side.
@@ -55,13 +51,8 @@ def search(
     Args:
         origin: (m,) any forces making the wrench [N].
         kernel: (m, k) with ``kernel.T @ diag(w) @ kernel = I``.
-        weight: (m,) w.
-        low: (m, 3) lower end of each side [N].
-        high: (m, 3) upper end of each side [N].
-        target: (m, 3) preferred force on each side [N].
-        penalty: (m, 3) cost of choosing each side [N^2].
-        relaxed: (m, 8, 4) from `relax`.
-        masks: (m,) sides open to each motor at the root.
+        sides: open to the motors.
+        price: of them; what ``sides.relaxed`` was made with.
         previous: (m,) subset that ties prefer.
         tolerance: force that counts as rounding [N].
         force: (m,) out [N].
@@ -72,19 +63,20 @@ def search(
         Outcome, cost of ``force``, and the number of projections solved.
     """
     m, k = kernel.shape
+    relaxed, weight = sides.relaxed, price.weight
     stack = np.empty((2 * m + 2, m), np.uint8)
     bound = np.empty(2 * m + 2)
     bottom, top = np.empty(m), np.empty(m)
     start, point = np.empty(k), np.empty(k)
     f, mu = np.empty(m), np.empty(m)
-    sides = np.empty(m, np.int8)
+    chosen = np.empty(m)
     mask = np.empty(m, np.uint8)
     best, value_best = math.inf, math.inf
     changes_best = 0
     proven = True
     solved = 0
     for i in range(m):
-        stack[0, i] = masks[i]
+        stack[0, i] = sides.masks[i]
     bound[0] = -math.inf
     depth = 1
     while depth > 0:
@@ -138,7 +130,7 @@ def search(
                 proven = False
             continue
         lower, cost = constant, 0.0
-        chosen, worst = -1, 0.0
+        divided, worst = -1, 0.0
         stuck, furthest = -1, 0.0
         for i in range(m):
             value = origin[i]
@@ -147,37 +139,37 @@ def search(
             f[i] = value
             here = weight[i] * (value - relaxed[i, mask[i], 2]) ** 2
             lower += here
-            s, price = choose_side(value, i, mask[i], low, high, target, penalty, weight[i], ACCEPTED * tolerance)
-            sides[i] = s - 1
+            s, true = choose_side(value, i, mask[i], sides, price, ACCEPTED * tolerance)
+            chosen[i] = s - 1
             if s < 0:
                 gap = math.inf
                 for other in range(3):
-                    if mask[i] >> other & 1 and low[i, other] <= high[i, other]:
-                        gap = min(gap, max(low[i, other] - value, value - high[i, other]))
+                    if mask[i] >> other & 1 and sides.low[i, other] <= sides.high[i, other]:
+                        gap = min(gap, max(sides.low[i, other] - value, value - sides.high[i, other]))
                 if gap > furthest:
                     stuck, furthest = i, gap
             else:
-                cost += price
-                if price - here - relaxed[i, mask[i], 3] > worst:
-                    chosen, worst = i, price - here - relaxed[i, mask[i], 3]
+                cost += true
+                if true - here - relaxed[i, mask[i], 3] > worst:
+                    divided, worst = i, true - here - relaxed[i, mask[i], 3]
         if lower > best + slack:
             continue
         if stuck < 0:
-            changes = changed(sides, previous)
-            if preferred(cost, best, sides, subset, changes, changes_best):
+            changes = changed(chosen, previous)
+            if preferred(cost, best, chosen, subset, changes, changes_best):
                 best, value_best, changes_best = min(best, cost), cost, changes
                 for i in range(m):
-                    force[i], subset[i], multiplier[i] = f[i], sides[i], mu[i]
-            if chosen < 0 or worst <= 1e-12 * abs(best):
+                    force[i], subset[i], multiplier[i] = f[i], chosen[i], mu[i]
+            if divided < 0 or worst <= 1e-12 * abs(best):
                 continue
         else:
-            chosen = stuck
-        first, second = split(f[chosen], chosen, mask[chosen], low, high)
+            divided = stuck
+        first, second = split(f[divided], divided, mask[divided], sides)
         for child in (second, first):
             if child != 0:
                 for i in range(m):
                     stack[depth, i] = mask[i]
-                stack[depth, chosen] = child
+                stack[depth, divided] = child
                 bound[depth] = lower
                 depth += 1
     if not proven:

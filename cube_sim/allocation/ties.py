@@ -17,7 +17,7 @@ def slack_of(best: float) -> float:
 
 
 @compiled
-def changed(sides: NDArray[np.int8], previous: NDArray[np.int8]) -> int:
+def changed(sides: NDArray[np.float64], previous: NDArray[np.float64]) -> int:
     """Number of motors whose side differs from the previous one."""
     count = 0
     for i in range(sides.shape[0]):
@@ -29,8 +29,8 @@ def changed(sides: NDArray[np.int8], previous: NDArray[np.int8]) -> int:
 def preferred(
     cost: float,
     best: float,
-    sides: NDArray[np.int8],
-    subset: NDArray[np.int8],
+    sides: NDArray[np.float64],
+    subset: NDArray[np.float64],
     changes: int,
     changes_best: int,
 ) -> bool:

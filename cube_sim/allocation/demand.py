@@ -1,0 +1,152 @@
+"""From a demanded wrench to forces that make it, or what can be made of it, their dead zones aside."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation.geometry import WrenchDistance, WrenchFibre
+from cube_sim.allocation.memory import Tick, sides_of
+from cube_sim.allocation.nearest import CANDIDATES, nearest
+from cube_sim.allocation.scaled import largest_share
+from cube_sim.compiled import compiled
+
+FAR = 1e3
+"""Demands longer than this many times the reach are shortened for the search; the closest wrench is the same."""
+
+
+@compiled
+def attainable_origin(
+    fibre: WrenchFibre, reach: float, tolerance: float, demand: NDArray[np.float64], origin: NDArray[np.float64]
+) -> bool:
+    """Write the least forces making the demand, limits aside; False when no forces of any size can, or it is far.
+
+    Args:
+        fibre: of the vehicle.
+        reach: see `Tables`.
+        tolerance: force that counts as rounding [N].
+        demand: (n,) finite.
+        origin: (m,) out [N].
+    """
+    n, m = demand.shape[0], origin.shape[0]
+    for a in range(n):
+        if abs(demand[a]) > 2.0 * reach:
+            return False
+    for b in range(n):
+        outside = 0.0
+        for a in range(n):
+            outside += fibre.unreachable[b, a] * demand[a]
+        if abs(outside) > tolerance:
+            return False
+    for i in range(m):
+        origin[i] = 0.0
+        for a in range(n):
+            origin[i] += fibre.particular[i, a] * demand[a]
+    return True
+
+
+@compiled
+def share_origin(
+    distance: WrenchDistance,
+    facets: NDArray[np.float64],
+    reach: float,
+    tick: Tick,
+    primary: NDArray[np.float64],
+    secondary: NDArray[np.float64],
+    origin: NDArray[np.float64],
+    part: NDArray[np.float64],
+) -> tuple[float, int, bool]:
+    """Forces for the primary wrench and the largest attainable share of the secondary one.
+
+    What no forces of any size can make is left out of both first. Where no share is attainable, not even 0, the
+    forces are those of the primary wrench alone.
+
+    Args:
+        distance: see `Tables`.
+        facets: (h, r) see `Tables`.
+        reach: see `Tables`.
+        tick: sides of this call.
+        primary: (n,) finite.
+        secondary: (n,) finite; one far beyond reach counts as a shorter one of the same direction.
+        origin: (m,) out: forces making it, limits aside [N].
+        part: (n,) out: ``primary + share * secondary``.
+
+    Returns:
+        The share, negative for none; nodes looked at; whether the answer is proven.
+    """
+    n, m = primary.shape[0], origin.shape[0]
+    r, h = facets.shape[1], facets.shape[0]
+    short, short_primary = shortened(reach, secondary), shortened(reach, primary)
+    first, goal = reachable(distance, primary, short_primary), reachable(distance, secondary, short)
+    base, across, gain = np.zeros(h), np.zeros(h), np.zeros((h, m))
+    size = 0.0
+    for f in range(h):
+        for b in range(r):
+            base[f] += facets[f, b] * first[b]
+            across[f] += facets[f, b] * goal[b]
+            for i in range(m):
+                gain[f, i] += facets[f, b] * distance.gain[b, i]
+        for i in range(m):
+            size = max(size, abs(gain[f, i]))
+    rounding = 1e-3 * size * tick.tolerance  # well below what the search for the forces counts as rounding
+    found, proven, nodes = -1.0, True, 0
+    if short_primary == 1.0:
+        found, proven, nodes = largest_share(base, across, gain, sides_of(tick, 0), rounding)
+    share = max(found, 0.0)
+    for i in range(m):
+        origin[i] = 0.0
+        for b in range(r):
+            origin[i] += distance.spread[i, b] * (first[b] + goal[b] * share)
+    for a in range(n):
+        part[a] = primary[a] + secondary[a] * short * share
+    return found, nodes, proven
+
+
+@compiled
+def nearest_origins(
+    distance: WrenchDistance, fibre: WrenchFibre, reach: float, tick: Tick, demand: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], int, bool]:
+    """Forces making the wrenches closest to a demand.
+
+    Args:
+        distance: see `Tables`.
+        fibre: of the vehicle.
+        reach: see `Tables`.
+        tick: sides of this call.
+        demand: (n,) finite.
+
+    Returns:
+        (c, m) forces, one row per distinct equally close wrench; when every projection stalled, the one row of the
+        pseudo-inverse, to be moved to allowed sides. Then nodes looked at, and whether the answer is proven.
+    """
+    n, m = demand.shape[0], tick.low.shape[0]
+    scale = shortened(reach, demand)
+    goal = reachable(distance, demand, scale)
+    candidates = np.zeros((CANDIDATES, m))
+    count, _, proven, nodes = nearest(goal, distance, sides_of(tick, 0), tick.tolerance, candidates)
+    if count == 0:
+        for i in range(m):
+            for a in range(n):
+                candidates[0, i] += fibre.particular[i, a] * (demand[a] * scale)
+        return candidates[:1], nodes, False
+    return candidates[:count], nodes, proven
+
+
+@compiled
+def shortened(reach: float, demand: NDArray[np.float64]) -> float:
+    """Factor that makes a demand (n,) far beyond reach shorter, so that no product overflows; else 1."""
+    size = 0.0
+    for a in range(demand.shape[0]):
+        size = max(size, abs(demand[a]))
+    limit = FAR * max(reach, 1e-12)
+    return limit / size if size > limit else 1.0
+
+
+@compiled
+def reachable(distance: WrenchDistance, demand: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
+    """Coordinates s (r,) of `WrenchDistance` of a scaled demand (n,), what no forces of any size can make left out."""
+    goal = np.zeros(distance.basis.shape[1])
+    for b in range(goal.shape[0]):
+        for a in range(demand.shape[0]):
+            goal[b] += distance.basis[a, b] * distance.weights[a] * (demand[a] * scale)
+    return goal
