@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cube_sim.recording import palette
 from cube_sim.recording.channels import Channel
-from cube_sim.recording.rerun_plots import ATTITUDE, ERROR, FORCE, HEALTH, LANES, MOMENT, NAVIGATION, THRUSTERS
+from cube_sim.recording.rerun_plots import ATTITUDE, ERROR, FORCE, HEALTH, LANES, MOMENT, NAVIGATION, THRUSTERS, WATER
 from cube_sim.recording.rerun_scene import ESTIMATE, ESTIMATE_TRAIL, LOG, TARGET, TRAIL, VEHICLE, WORLD
 
 TIMELINE = "sim_time"
@@ -56,7 +56,8 @@ def blueprint(
         force = plot(FORCE, "Force [N]")
         moment = plot(MOMENT, "Moment [N m]")
         attitude = plot(ATTITUDE, "Attitude error [rad]")
-        plots.append((3.0, rrb.Tabs(force, moment, attitude, active_tab=0)))
+        tabs = [force, moment, attitude, *([plot(WATER, "Current [m/s]")] if "water" in names else [])]
+        plots.append((3.0, rrb.Tabs(*tabs, active_tab=0)))
     if "thrusters" in names:
         plots.append((3.6, plot(THRUSTERS, "Thruster forces [N]")))
     log = rrb.TextLogView(origin=LOG, name="Log")

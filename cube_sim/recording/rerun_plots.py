@@ -55,13 +55,23 @@ class Lane:
 
 
 ERROR, ATTITUDE, FORCE, MOMENT = "/plot/path_error", "/plot/attitude", "/plot/force", "/plot/moment"
-NAVIGATION = "/plot/navigation"
+NAVIGATION, WATER = "/plot/navigation", "/plot/water"
 THRUSTERS, LANES, HEALTH = "/plot/thrusters", "/state", "/health"
 
+_BRIGHT, _DARK = (palette.ORANGE, palette.SKY, palette.GREEN), ((84, 60, 8), (30, 62, 82), (8, 60, 44))
+"""Colours of x, y and z: thin bright lines on broad dark ones, so that both are seen where they agree."""
 _SIDES = {-1: ("reverse", palette.REVERSE), 0: ("off", palette.IDLE), 1: ("forward", palette.FORWARD)}
 _HEALTH = {0: ("dead or stuck", palette.BAD), 1: ("weak", palette.ORANGE), 2: ("whole", palette.GREEN)}
 _HEALTH_BOUNDS = (1e-9, 1.0)
-_STATUS_COLOURS = (palette.GREEN, palette.ORANGE, palette.BAD)
+_CODES = {
+    "EXACT": palette.GREEN,
+    "HOLONOMIC": palette.GREEN,
+    "LEVEL": palette.GREEN,
+    "SAFE": palette.BAD,
+    "INVALID_WRENCH": palette.BAD,
+    "FORBIDDEN_FORCE": palette.BAD,
+}
+"""Colours of the codes that say all is well, or nothing is; the others are in between."""
 
 
 def curves(channels: Sequence[Channel]) -> list[Curves]:
@@ -76,21 +86,23 @@ def curves(channels: Sequence[Channel]) -> list[Curves]:
         ]
     if "navigation_error" in table:
         # A broad dark line for what the estimate thinks it may be off by, a thin bright one for what it is off by.
-        bright, dark = (palette.ORANGE, palette.SKY, palette.GREEN), ((84, 60, 8), (30, 62, 82), (8, 60, 44))
         sigma = tuple(f"{axis} sigma [m]" for axis in ("x", "y", "z"))
         error = tuple(f"{axis} error [m]" for axis in ("x", "y", "z"))
         found += [
-            Curves("navigation", "position_sigma", f"{NAVIGATION}/sigma", sigma, dark, width=5.0),
-            Curves("navigation_error", "position", f"{NAVIGATION}/error", error, bright),
+            Curves("navigation", "position_sigma", f"{NAVIGATION}/sigma", sigma, _DARK, width=5.0),
+            Curves("navigation_error", "position", f"{NAVIGATION}/error", error, _BRIGHT),
         ]
+    if "water" in table:
+        for field, colours, width in (("current", _DARK, 7.0), ("estimated", _BRIGHT, 1.5)):
+            names = tuple(f"{axis} {'true' if field == 'current' else field} [m/s]" for axis in ("x", "y", "z"))
+            found.append(Curves("water", field, f"{WATER}/{field}", names, colours, width=width))
     if "wrench" in table:
         # Allocated is a broad dark band and demanded a thin bright line on it, which leaves the band where they differ.
-        bold, faint = (palette.ORANGE, palette.SKY, palette.GREEN), ((84, 60, 8), (30, 62, 82), (8, 60, 44))
         for entity, axes, unit, columns in (
             (FORCE, ("Fx", "Fy", "Fz"), "N", (0, 1, 2)),
             (MOMENT, ("Mx", "My", "Mz"), "N m", (3, 4, 5)),
         ):
-            for field, colours, width in (("allocated", faint, 7.0), ("demanded", bold, 1.5)):
+            for field, colours, width in (("allocated", _DARK, 7.0), ("demanded", _BRIGHT, 1.5)):
                 names = tuple(f"{axis} {field} [{unit}]" for axis in axes)
                 found.append(Curves("wrench", field, f"{entity}/{field}", names, colours, columns, width))
     if thrusters := table.get("thrusters"):
@@ -114,10 +126,7 @@ def lanes(channels: Sequence[Channel]) -> list[Lane]:
                     Lane(channel.name, field.name, i, f"{LANES}/{name}", _SIDES) for i, name in enumerate(field.columns)
                 ]
             elif field.labels:
-                states = {
-                    code: (label, _STATUS_COLOURS[min(code, len(_STATUS_COLOURS) - 1)])
-                    for code, label in enumerate(field.labels)
-                }
+                states = {code: (label, _CODES.get(label, palette.ORANGE)) for code, label in enumerate(field.labels)}
                 name = channel.name if field.name == "status" else field.name
                 found.append(Lane(channel.name, field.name, 0, f"{LANES}/{name}", states))
             elif channel.name == "health":
