@@ -14,8 +14,11 @@ SOFTNESS_N = 1.0
 """Efforts of this size and less hardly turn the vehicle."""
 DAMPING = 0.2
 """Share of the effort that is added to its curvature."""
-STEP = 1e-4
-"""Of the central differences [rad]."""
+STEP = 1e-6
+"""Of the differences [rad]."""
+
+_TURNS = np.array([rotation_about(axis, STEP) for axis in np.eye(3)])
+_UNIT, _REST = np.eye(3), np.zeros(6)
 
 
 class FreeAttitude:
@@ -71,24 +74,24 @@ class FreeAttitude:
         known = self._water(situation.rotation, current)
         rest = self._force - situation.rotation @ known[:3]
         y = self._efforts(R, current, rest)
-        slopes = []
-        for axis in np.eye(3):
-            ahead, back = (self._efforts(R @ rotation_about(axis, h), current, rest) for h in (STEP, -STEP))
-            slopes.append((ahead - back) / (2.0 * STEP))
-        J = np.column_stack(slopes)
+        slopes = np.array([self._efforts(R @ turn, current, rest) - y for turn in _TURNS]) / STEP  # J'
         damping = DAMPING * float(y @ y) + SOFTNESS_N**2
-        return -np.linalg.solve(J.T @ J + damping * np.eye(3), J.T @ y) / self._time
+        return -np.linalg.solve(slopes @ slopes.T + damping * _UNIT, slopes @ y) / self._time
 
     def _efforts(self, R: Matrix, current: Vector, rest: Vector) -> Vector:
-        """(7,) [N], whose square is E and the share of the potential energy."""
+        """y (7,) [N], whose square is E and the share of the potential energy."""
         wrench = self._water(R, current)
         wrench[:3] += rest @ R
-        return np.append(self._root @ wrench, self._lift_root * (self._lift - float(self._righting @ R[2])))
+        y = np.empty(7)
+        y[:6] = self._root @ wrench
+        y[6] = self._lift_root * (self._lift - float(self._righting @ R[2]))
+        return y
 
     def _water(self, R: Matrix, current: Vector) -> Vector:
         """The wrench (6,) that keeps the hull going as it goes, without turning, body axes."""
-        nu = np.concatenate([self._velocity @ R, np.zeros(3)])
-        return self._dynamics.wrench(R, nu, np.zeros(6), current)
+        nu = np.zeros(6)
+        nu[:3] = self._velocity @ R
+        return self._dynamics.wrench(R, nu, _REST, current)
 
     def _out_of_upside_down(self, z: Vector) -> Vector:
         """What the righting moment lacks beyond a right angle (3,) [rad/s], body axes."""
