@@ -9,7 +9,7 @@ import pytest
 from water_bodies import DENSITY, GRAVITY, coriolis_matrix, random_body, tumbling
 
 from cube_sim.spatial import rotation_from_quaternion
-from cube_sim.vehicle import characteristic, hydrodynamics
+from cube_sim.vehicle import hydrodynamics, thrust_law
 
 
 def uncompiled(module) -> dict:
@@ -48,10 +48,10 @@ def test_coriolis_is_fossens_matrix(seed):
 
 
 def test_interpolation_is_the_uncompiled_law_and_numpys():
-    plain = uncompiled(characteristic)["interpolate"]
+    plain = uncompiled(thrust_law)["interpolate"]
     rng = np.random.default_rng(0)
     for n in (2, 3, 22):
         x, y = np.cumsum(rng.uniform(0.1, 1.0, n)), rng.normal(size=n)
         for at in [*rng.uniform(x[0] - 1.0, x[-1] + 1.0, 200), *x]:
-            assert characteristic.interpolate(at, x, y) == pytest.approx(plain(at, x, y), abs=1e-12)
+            assert thrust_law.interpolate(at, x, y) == pytest.approx(plain(at, x, y), abs=1e-12)
             assert plain(at, x, y) == pytest.approx(np.interp(at, x, y), abs=1e-12)

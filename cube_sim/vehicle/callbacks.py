@@ -14,10 +14,10 @@ import numba
 from numba import types
 
 from cube_sim.vehicle import packing
-from cube_sim.vehicle.characteristic import force_of_command
 from cube_sim.vehicle.current import accelerating_water, current_at
 from cube_sim.vehicle.hydrodynamics import relative_velocity, water_wrench
 from cube_sim.vehicle.memory import call_force, double, field, force_table, integer, matrix, put, vector
+from cube_sim.vehicle.thrust_law import force_of_command
 
 _MAGIC = packing.MAGIC
 _COUNT, _HULLS, _ACTUATORS, _CURRENT, _PROCESS = (

@@ -8,8 +8,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.compiled import compiled
-
 
 @dataclass(frozen=True)
 class Characteristic:
@@ -72,10 +70,10 @@ class Characteristic:
         (c_reverse, F_reverse), (c_forward, F_forward) = self._sides
         if force > 0.0 and force >= 0.5 * high:
             at_edge = np.nextafter(self.command_dead_zone[1], np.inf)
-            return max(interpolate(force, F_forward, c_forward), at_edge)
+            return float(max(np.interp(force, F_forward, c_forward), at_edge))
         if force < 0.0 and force <= 0.5 * low:
             at_edge = np.nextafter(self.command_dead_zone[0], -np.inf)
-            return min(interpolate(force, F_reverse, c_reverse), at_edge)
+            return float(min(np.interp(force, F_reverse, c_reverse), at_edge))
         return 0.0
 
     @cached_property
@@ -92,37 +90,3 @@ def _steepest(commands: NDArray[np.float64], forces: NDArray[np.float64]) -> flo
         return float(forces[0])
     i = int(np.argmax(np.diff(forces) / np.diff(commands)))
     return float(0.5 * (forces[i] + forces[i + 1]))
-
-
-@compiled
-def interpolate(x, xs, ys):
-    """Piecewise linear y(x) through (xs, ys), xs increasing; constant beyond the ends."""
-    last = xs.shape[0] - 1
-    if x <= xs[0]:
-        return ys[0]
-    if x >= xs[last]:
-        return ys[last]
-    low, high = 0, last
-    while high - low > 1:
-        middle = (low + high) // 2
-        if xs[middle] <= x:
-            low = middle
-        else:
-            high = middle
-    return ys[low] + (x - xs[low]) / (xs[high] - xs[low]) * (ys[high] - ys[low])
-
-
-@compiled
-def force_of_command(command, dead_low, dead_high, commands, forces):
-    """`Characteristic.force` for one command, as the callback runs it.
-
-    Args:
-        command: normalised command after the motor's lag.
-        dead_low: c_DZ-.
-        dead_high: c_DZ+.
-        commands: (n,) increasing commands of the curve.
-        forces: (n,) forces [N].
-    """
-    if dead_low <= command <= dead_high:
-        return 0.0
-    return interpolate(command, commands, forces)

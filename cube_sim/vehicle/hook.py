@@ -17,7 +17,7 @@ import mujoco
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import machine_code, structs, user_forces
 
-_SOURCES = ("callbacks", "characteristic", "current", "hydrodynamics", "memory", "packing")
+_SOURCES = ("callbacks", "current", "hydrodynamics", "memory", "packing", "thrust_law")
 _ARGUMENTS = {
     "passive": (ctypes.c_void_p, ctypes.c_void_p),
     "thrust": (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int),

@@ -118,7 +118,7 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     ids = [model.body(hull.body).id for hull in parameters.hulls]
     dofs = [int(model.body_dofadr[i]) for i in ids]
     start = model.numeric_adr[model.nnumeric - 1]
-    table = _register(forces, [hull.body for hull in parameters.hulls])
+    table = _register(model, forces, [hull.body for hull in parameters.hulls])
     packed = packing.pack(parameters, ids, dofs, table, user_forces.process_number())
     model.numeric_data[start : start + packed.size] = packed
     data = mujoco.MjData(model)
@@ -127,12 +127,19 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     return model
 
 
-def _register(forces: dict[str, UserForce], hulls: list[str]) -> list[int]:
+def _register(model: mujoco.MjModel, forces: dict[str, UserForce], hulls: list[str]) -> list[int]:
     """The place of each hull's own force in the table of this process, -1 where there is none."""
     for body in forces:
         if body not in hulls:
             raise ModelError(f"{body}:force", f"no hull '{body}'; the model has {', '.join(hulls)}")
-    return [user_forces.register(forces[h], f"{h}:force") if h in forces else -1 for h in hulls]
+    return [_force(model, h, forces[h]) if h in forces else -1 for h in hulls]
+
+
+def _force(model: mujoco.MjModel, hull: str, function: UserForce) -> int:
+    body = model.body(hull)
+    rotation = np.zeros(9)
+    mujoco.mju_quat2Mat(rotation, body.quat)
+    return user_forces.register(function, f"{hull}:force", body.pos.copy(), rotation.reshape(3, 3))
 
 
 def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:

@@ -18,35 +18,56 @@ import llvmlite
 import llvmlite.binding as llvm
 
 _DIGEST_SIZE = 32
+_ALONE, _LEANING = ".o", ".numba.o"  # files of code that needs nobody, and of code that needs numba's runtime
 _engines: list[Any] = []  # they own the executable memory
 
 
-def addresses(key: str, build: Callable[[], Mapping[str, Any]], names: tuple[str, ...]) -> dict[str, int]:
+def addresses(
+    key: str,
+    build: Callable[[], Mapping[str, Any]],
+    names: tuple[str, ...],
+    runtime: Callable[[], None] | None = None,
+) -> dict[str, int]:
     """Addresses of compiled callbacks, from disk when they are there, else from `build`.
 
     Args:
         key: everything the code depends on besides this machine's processor and LLVM.
         build: makes name -> numba cfunc; called only when the disk has no usable file.
         names: the callbacks wanted.
+        runtime: makes numba's runtime known to the linker, for code that leans on it; with None such code is not kept.
     """
     _initialise()
     processor = f"{llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
     versions = f"{llvmlite.__version__} {llvm.llvm_version_info}"
     digest = hashlib.sha256("\n".join([key, processor, versions]).encode()).hexdigest()[:20]
-    folders = cache_folders()
+    folders, endings = cache_folders(), (_ALONE,) if runtime is None else (_ALONE, _LEANING)
     for folder in folders:
-        objects = {name: _read(folder / f"{name}-{digest}.o") for name in names}
-        if all(objects.values()):
-            return {name: _link(code, name) for name, code in objects.items() if code}
+        for ending in endings:
+            objects = {name: _read(folder / f"{name}-{digest}{ending}") for name in names}
+            if all(objects.values()):
+                if runtime is not None and ending == _LEANING:
+                    runtime()
+                return {name: _link(code, name) for name, code in objects.items() if code}
     compiled = build()
-    objects = {name: emit(compiled[name].inspect_llvm(), compiled[name].native_name, name) for name in names}
-    if any(code is None for code in objects.values()):
-        _engines.append(compiled)
-        return {name: int(compiled[name].address) for name in names}
+    for ending in endings:
+        objects = {
+            name: emit(compiled[name].inspect_llvm(), compiled[name].native_name, name, leaning=ending == _LEANING)
+            for name in names
+        }
+        if all(objects.values()):
+            break
+    else:
+        return {name: keep(compiled[name]) for name in names}
     for folder in folders:
-        if all(_write(folder / f"{name}-{digest}.o", code) for name, code in objects.items() if code):
+        if all(_write(folder / f"{name}-{digest}{ending}", code) for name, code in objects.items() if code):
             break
     return {name: _link(code, name) for name, code in objects.items() if code}
+
+
+def keep(compiled: Any) -> int:
+    """Address of a numba cfunc, which lives from now on as long as the process."""
+    _engines.append(compiled)
+    return int(compiled.address)
 
 
 def cache_folders() -> list[Path]:
@@ -59,7 +80,7 @@ def cache_folders() -> list[Path]:
     return [Path(__file__).parent / "__pycache__", Path(home) / "cube_sim", scratch]
 
 
-def emit(text: str, symbol: str, name: str) -> bytes | None:
+def emit(text: str, symbol: str, name: str, leaning: bool = False) -> bytes | None:
     """An object file for this processor from LLVM code, its entry renamed; None if it leans on Python's runtime.
 
     numba leaves every function replaceable at link time, so LLVM may not conclude that none of ours ever raises. Made
@@ -69,6 +90,7 @@ def emit(text: str, symbol: str, name: str) -> bytes | None:
         text: LLVM IR of a cfunc.
         symbol: the entry's name there.
         name: the entry's name in the object file.
+        leaning: the code may lean on Python and numba, whose symbols are known to the linker now.
     """
     text = re.sub(
         rf"^define (?:linkonce_odr )?(?=[^\n]*@(?!{re.escape(symbol)}\())", "define internal ", text, flags=re.M
@@ -82,7 +104,9 @@ def emit(text: str, symbol: str, name: str) -> bytes | None:
     outside = [f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")]
     outside += [g.name for g in module.global_variables if g.is_declaration]
     for other in outside:
-        if other.startswith(("Py", "_Py", "numba_", "NRT_")) or llvm.address_of_symbol(other) is None:
+        if not leaning and other.startswith(("Py", "_Py", "numba_", "NRT_")):
+            return None
+        if llvm.address_of_symbol(other) is None:
             return None
     return machine.emit_object(module)
 

@@ -8,8 +8,11 @@
 Arguments are the time [s], p_WB (3,) [m], R_WB (3,3), nu (6,) = [v; w] in body axes and nu_r (6,), the same relative to
 the water; the six values returned are the wrench in body axes at the body origin [N, N m]. The function is compiled
 when numba can (then it runs on every thread and costs what its arithmetic costs), and called as Python when not. It
-must depend on its arguments only: RK4 calls it four times a step, derivatives more often. What it takes from outside is
-frozen when it is compiled.
+must depend on its arguments only: RK4 calls it four times a step, derivatives more often. What a compiled one takes
+from outside, a global array say, is what it was when the model was loaded; another `load_model` takes it as it is then.
+
+A function that raises, or returns what is not a number, gives a wrench that is not a number, compiled or not: MuJoCo
+warns of it at that step, and a scenario ends as ERROR.
 """
 
 from __future__ import annotations
@@ -24,6 +27,7 @@ import llvmlite.binding
 import numpy as np
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle import user_force_code
 
 UserForce = Callable[[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray], Sequence[float]]
 
@@ -33,8 +37,9 @@ CAPACITY = 4096  # different functions in one process
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 _SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES)
 _table = (ctypes.c_int64 * (CAPACITY + 1))()
-_kept: list[Any] = []  # what must outlive the pointers in the table
-_known: dict[Any, int] = {}
+_compiled: dict[str, int] = {}  # key of the machine code -> place in the table
+_interpreted: dict[int, tuple[Any, int]] = {}  # id -> what must outlive the pointer, and its place
+_size = 0
 
 
 def publish() -> None:
@@ -51,27 +56,43 @@ def process_number() -> float:
     return ctypes.cast(_table, _DOUBLES)[0]
 
 
-def register(function: UserForce, name: str) -> int:
+def register(function: UserForce, name: str, position: np.ndarray, rotation: np.ndarray) -> int:
     """The function's place in the table, compiled if that is possible.
 
     Args:
         function: as in this module's example.
         name: element to name in errors.
+        position: p_WB (3,) at which the hull starts [m].
+        rotation: R_WB (3,3) there.
 
     Raises:
-        ModelError: it does not return six numbers.
+        ModelError: it does not return six finite numbers for a hull at rest there.
     """
-    if function in _known:
-        return _known[function]
-    index = len(_kept)
-    if index >= CAPACITY:
+    _require_wrench(function, name, position, rotation)
+    if id(function) in _interpreted:
+        return _interpreted[id(function)][1]
+    key = user_force_code.key_of(function)
+    if key in _compiled:
+        return _compiled[key]
+    if _size >= CAPACITY:
         raise ModelError(name, f"is one too many: a process holds at most {CAPACITY} user forces")
-    _require_wrench(function, name)
-    address, keep = _compile(function) or _wrap(function)
-    _kept.append(keep)
-    _table[index + 1] = address
-    _known[function] = index
-    return index
+    address = user_force_code.address(function, key)
+    if address is None:
+        call = _wrap(function)
+        place = _add(int(ctypes.cast(call, ctypes.c_void_p).value or 0))
+        _interpreted[id(function)] = (function, call), place
+        return place
+    place = _add(address)
+    if key is not None:
+        _compiled[key] = place
+    return place
+
+
+def _add(address: int) -> int:
+    global _size
+    _table[_size + 1] = address
+    _size += 1
+    return _size - 1
 
 
 def resolve(path: str, name: str) -> UserForce:
@@ -87,46 +108,29 @@ def resolve(path: str, name: str) -> UserForce:
 
 def is_compiled(function: UserForce) -> bool:
     """Whether a registered function runs as machine code (else every call takes the interpreter's lock)."""
-    return not isinstance(_kept[_known[function]], _SIGNATURE)
+    return id(function) not in _interpreted
 
 
-def _require_wrench(function: UserForce, name: str) -> None:
+def _require_wrench(function: UserForce, name: str, position: np.ndarray, rotation: np.ndarray) -> None:
     try:
-        wrench = np.asarray(function(0.0, np.zeros(3), np.eye(3), np.zeros(6), np.zeros(6)), dtype=float)
+        plain = getattr(function, "py_func", function)
+        wrench = np.asarray(plain(0.0, position.copy(), rotation.copy(), np.zeros(6), np.zeros(6)), dtype=float)
     except Exception as error:
-        raise ModelError(name, f"fails at rest at the origin: {type(error).__name__}: {error}") from error
+        text = f"fails for the hull at rest where it starts: {type(error).__name__}: {error}"
+        raise ModelError(name, text) from error
     if wrench.shape != (6,):
         raise ModelError(name, f"returns shape {wrench.shape}; six values are right: Fx Fy Fz Mx My Mz")
+    if not np.all(np.isfinite(wrench)):
+        listed = " ".join(f"{x:g}" for x in wrench)
+        raise ModelError(name, f"returns {listed} for the hull at rest where it starts; finite numbers are right")
 
 
-def _compile(function: UserForce) -> tuple[int, Any] | None:
-    import numba
-    from numba import carray, types
+def _wrap(function: UserForce) -> Any:
+    told = False
 
-    law = numba.njit(function) if not hasattr(function, "py_func") else function
-    double, pointer = types.float64, types.CPointer(types.float64)
-
-    def call(time, position, rotation, velocity, through_water, wrench):
-        F = law(
-            time,
-            carray(position, (3,)),
-            carray(rotation, (3, 3)),
-            carray(velocity, (6,)),
-            carray(through_water, (6,)),
-        )
-        for i in range(6):
-            wrench[i] = F[i]
-
-    try:
-        compiled = numba.cfunc(types.void(double, pointer, pointer, pointer, pointer, pointer))(call)
-    except numba.core.errors.NumbaError:
-        return None
-    return compiled.address, compiled
-
-
-def _wrap(function: UserForce) -> tuple[int, Any]:
     @_SIGNATURE
     def call(time, position, rotation, velocity, through_water, wrench):
+        nonlocal told
         out = np.ctypeslib.as_array(wrench, (6,))
         try:
             out[:] = function(
@@ -137,7 +141,9 @@ def _wrap(function: UserForce) -> tuple[int, Any]:
                 np.ctypeslib.as_array(through_water, (6,)).copy(),
             )
         except BaseException:
-            out[:] = np.nan  # MuJoCo stops at the first value that is not a number; ctypes prints the traceback
-            raise
+            out[:] = np.nan
+            if not told:  # MuJoCo resets the state and goes on, so that it would be told at every step
+                told = True
+                raise  # nowhere to: ctypes prints it
 
-    return int(ctypes.cast(call, ctypes.c_void_p).value or 0), call
+    return call

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -11,9 +12,11 @@ from numpy.typing import NDArray
 from cube_sim.errors import ModelError
 from cube_sim.spatial import skew
 from cube_sim.vehicle import packing
-from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.thruster_reading import thrusters_of
 from cube_sim.vehicle.thrusters import Thrusters
+
+if TYPE_CHECKING:
+    from cube_sim.vehicle.dynamics import Dynamics
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,8 @@ class Vehicle:
     @property
     def dynamics(self) -> Dynamics:
         """The equations of motion with these numbers: what a controller knows when it knows the vehicle exactly."""
+        from cube_sim.vehicle.dynamics import Dynamics  # only here: it loads the compiler
+
         return Dynamics(
             mass_matrix=self.mass_matrix,
             added_mass=self.added_mass,
