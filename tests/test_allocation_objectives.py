@@ -7,7 +7,7 @@ from allocation_reference import cells, cube, in_allowed_set, jack, least_cost
 from cube_sim.allocation import Allocator, Status
 from cube_sim.allocation.decide import allocate_each, blank_answers
 from cube_sim.allocation.memory import blank_memory
-from cube_sim.allocation.tables import pack, unpack
+from cube_sim.allocation.tables import pack, unpack, unpack_beyond
 from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-40.0, -3.2, 4.0, 50.0])
@@ -67,7 +67,7 @@ def test_lines_and_branch_and_bound_are_the_same_optimum(objective, allow_off):
             arguments["target"] = arguments["target"][: A.shape[1]]
         allocator = Allocator(A, LIMITS, allow_off=allow_off, objective=objective, weights=1.5, **arguments)
         assert allocator._tables.planar
-        other = pack(allocator._tables._replace(planar=False))
+        other = pack(allocator._tables._replace(planar=False), allocator._far)
         n, m = A.shape
         reach = 0.2 * np.abs(A) @ np.full(m, 50.0)
         wrenches = np.vstack([np.zeros(n), rng.normal(size=(300, n)) * reach, np.diag(reach), -0.1 * np.diag(reach)])
@@ -80,12 +80,16 @@ def test_lines_and_branch_and_bound_are_the_same_optimum(objective, allow_off):
 
 def test_packed_tables_come_back_whole():
     for A in (BUILT, jack(), np.eye(6)[:, :3]):
-        tables = Allocator(A, LIMITS, objective="reactivity", reactivity=REACTIVITY, reversal_penalty=3.0)._tables
-        for kept, field in zip(unpack(*pack(tables)), tables, strict=True):
-            if isinstance(field, tuple):
-                assert all(map(np.array_equal, kept, field))
-            else:
-                assert np.array_equal(kept, field)
+        allocator = Allocator(A, LIMITS, objective="reactivity", reactivity=REACTIVITY, reversal_penalty=3.0)
+        for tables, packed in (
+            (allocator._tables, unpack(*allocator._packed)),
+            (allocator._far, unpack_beyond(*allocator._packed)),
+        ):
+            for kept, field in zip(packed, tables, strict=True):
+                if isinstance(field, tuple):
+                    assert all(map(np.array_equal, kept, field))
+                else:
+                    assert np.array_equal(kept, field)
 
 
 def test_a_batch_is_the_calls_one_by_one_to_the_last_bit():

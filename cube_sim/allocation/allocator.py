@@ -21,7 +21,7 @@ from cube_sim.allocation.memory import blank_memory
 from cube_sim.allocation.objectives import Objective, side_targets
 from cube_sim.allocation.proxqp import Confirmer
 from cube_sim.allocation.result import Allocation, Allocations, Status
-from cube_sim.allocation.tables import make_tables, pack, with_facets, with_sides
+from cube_sim.allocation.tables import beyond, make_tables, pack, with_sides
 from cube_sim.errors import AllocationError
 
 Method = Literal["search+proxqp", "search", "enumerate", "enumerate_parallel"]
@@ -142,7 +142,6 @@ class Allocator:
         self._tables = make_tables(
             self.A,
             wrench_fibre(self.A, self.weights, self.length_m),
-            wrench_distance(self.A, self.wrench_weights),
             side_table(self.limits, self.allow_off),
             self.weights,
             targets,
@@ -153,15 +152,18 @@ class Allocator:
             length_m=self.length_m,
             scaled=self.unattainable == "scaled",
         )
-        if self._tables.scaled:
-            self._tables = with_facets(self._tables)
-        self._packed = pack(self._tables)
+        self._far = beyond(wrench_distance(self.A, self.wrench_weights), facets=self._tables.scaled)
+        self._packed = pack(self._tables, self._far)
         self._memory, self._nothing = blank_memory(m), np.empty((0, n))
         self._confirmer = (
-            Confirmer(self._tables, AGREEMENT, max(largest, 1e-6)) if self.method == "search+proxqp" else None
+            Confirmer(self._tables, self._packed, AGREEMENT, max(largest, 1e-6)) if self.method == "search+proxqp" else None
         )
-        parallel = self.method == "enumerate_parallel"
-        self._enumeration = Enumeration(self._tables, parallel) if self.method.startswith("enumerate") else None
+        self._enumeration = self._enumerate()
+
+    def _enumerate(self) -> Enumeration | None:
+        if not self.method.startswith("enumerate"):
+            return None
+        return Enumeration(self._tables, self._far, self.method == "enumerate_parallel")
 
     def reset(self) -> None:
         """Forget the previous answer, as at the start of a run."""
@@ -186,12 +188,11 @@ class Allocator:
         other = copy(self)
         other.effort = Effort()
         other._tables = with_sides(self._tables, low, high)
-        other._packed = pack(other._tables)
+        other._packed = pack(other._tables, other._far)
         other._memory = self._memory.copy()
         if self._confirmer is not None:
-            other._confirmer = self._confirmer.with_tables(other._tables)
-        if self._enumeration is not None:
-            other._enumeration = Enumeration(other._tables, self.method == "enumerate_parallel")
+            other._confirmer = self._confirmer.with_tables(other._tables, other._packed)
+        other._enumeration = other._enumerate()
         return other
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
@@ -226,11 +227,10 @@ class Allocator:
             AllocationError: a part does not have n entries.
         """
         first, second = self._demand(primary), self._demand(secondary)
-        if not len(self._tables.facets):
-            self._tables = with_facets(self._tables)
-            self._packed = pack(self._tables)
-            if self._enumeration is not None:
-                self._enumeration = Enumeration(self._tables, self.method == "enumerate_parallel")
+        if not len(self._far.facets):
+            self._far = beyond(self._far.distance, facets=True)
+            self._packed = pack(self._tables, self._far)
+            self._enumeration = self._enumerate()
         return self._answer(first + second, first, second)
 
     def _demand(self, wrench: ArrayLike) -> NDArray[np.float64]:

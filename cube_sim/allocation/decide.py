@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cube_sim.allocation.cheapest import cheapest, cost_on, snap
 from cube_sim.allocation.demand import attainable_origin, nearest_origins, share_origin
 from cube_sim.allocation.memory import memory_of, remember, this_tick
-from cube_sim.allocation.tables import unpack
+from cube_sim.allocation.tables import unpack, unpack_beyond
 from cube_sim.allocation.ties import changed, preferred
 from cube_sim.compiled import compiled
 
@@ -129,14 +129,14 @@ def allocate_each(
             elif stage == 1:
                 status = CLOSEST
                 if valid and (two_parts or t.scaled):
-                    share, looked, sure = share_origin(
-                        t.distance, t.facets, t.reach, tick, base, direction, origin[0], part
-                    )
+                    far = unpack_beyond(numbers, integers)
+                    share, looked, sure = share_origin(far, t.reach, tick, base, direction, origin[0], part)
                     count = int(share >= 0.0 or not two_parts)
                     status = YIELDED if two_parts else SCALED
             else:
                 status = CLOSEST if status == YIELDED else status
-                origins, looked, sure = nearest_origins(t.distance, t.fibre, t.reach, tick, part)
+                far = unpack_beyond(numbers, integers)
+                origins, looked, sure = nearest_origins(far.distance, t.fibre, t.reach, tick, part)
                 count = origins.shape[0]
             nodes += looked
             proven = proven and sure

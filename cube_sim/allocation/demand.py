@@ -9,6 +9,7 @@ from cube_sim.allocation.geometry import WrenchDistance, WrenchFibre
 from cube_sim.allocation.memory import Tick, sides_of
 from cube_sim.allocation.nearest import CANDIDATES, nearest
 from cube_sim.allocation.scaled import largest_share
+from cube_sim.allocation.tables import Beyond
 from cube_sim.compiled import compiled
 
 FAR = 1e3
@@ -47,8 +48,7 @@ def attainable_origin(
 
 @compiled
 def share_origin(
-    distance: WrenchDistance,
-    facets: NDArray[np.float64],
+    far: Beyond,
     reach: float,
     tick: Tick,
     primary: NDArray[np.float64],
@@ -62,8 +62,7 @@ def share_origin(
     forces are those of the primary wrench alone.
 
     Args:
-        distance: see `Tables`.
-        facets: (h, r) see `Tables`.
+        far: of the vehicle, with facets.
         reach: see `Tables`.
         tick: sides of this call.
         primary: (n,) finite.
@@ -75,6 +74,7 @@ def share_origin(
         The share, negative for none; nodes looked at; whether the answer is proven.
     """
     n, m = primary.shape[0], origin.shape[0]
+    distance, facets = far.distance, far.facets
     r, h = facets.shape[1], facets.shape[0]
     short, short_primary = shortened(reach, secondary), shortened(reach, primary)
     first, goal = reachable(distance, primary, short_primary), reachable(distance, secondary, short)
@@ -109,7 +109,7 @@ def nearest_origins(
     """Forces making the wrenches closest to a demand.
 
     Args:
-        distance: see `Tables`.
+        distance: of the vehicle.
         fibre: of the vehicle.
         reach: see `Tables`.
         tick: sides of this call.

@@ -23,7 +23,7 @@ from cube_sim.allocation.demand import attainable_origin, nearest_origins, share
 from cube_sim.allocation.memory import Tick, memory_of, remember, this_tick
 from cube_sim.allocation.proxqp import SubsetSolver, new_qp, settle
 from cube_sim.allocation.qp import SubsetQP, subset_qp
-from cube_sim.allocation.tables import Tables
+from cube_sim.allocation.tables import Beyond, Tables
 
 OUTER_ITERATIONS = 30
 """Limit for one subset's ProxQP. Most subsets are infeasible and all of those run into it; live ones took at most 8."""
@@ -45,11 +45,12 @@ class Enumeration:
 
     Args:
         tables: of the allocator.
+        far: of the allocator.
         parallel: solve the subsets as one batch over the processor's cores.
     """
 
-    def __init__(self, tables: Tables, parallel: bool) -> None:
-        self._tables, self._parallel = tables, parallel
+    def __init__(self, tables: Tables, far: Beyond, parallel: bool) -> None:
+        self._tables, self._far, self._parallel = tables, far, parallel
         self._solver = SubsetSolver(tables.weights, tables.fibre.equations, OUTER_ITERATIONS)
 
     def allocate(
@@ -82,13 +83,13 @@ class Enumeration:
             status = CLOSEST
         if found is None and valid and (two_parts or t.scaled):
             base, direction = (primary[0], secondary[0]) if two_parts else (np.zeros(n), demand)
-            share, _, proven = share_origin(t.distance, t.facets, t.reach, tick, base, direction, origin, part)
+            share, _, proven = share_origin(self._far, t.reach, tick, base, direction, origin, part)
             if share >= 0.0 or not two_parts:
                 found, more = self._cheapest(tick, origin)
                 solved += more
             status = SCALED if not two_parts else YIELDED if found is not None else CLOSEST
         if found is None:
-            candidates, _, sure = nearest_origins(t.distance, t.fibre, t.reach, tick, part)
+            candidates, _, sure = nearest_origins(self._far.distance, t.fibre, t.reach, tick, part)
             proven = proven and sure
             answer = []
             for candidate in candidates:

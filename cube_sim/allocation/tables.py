@@ -15,11 +15,12 @@ from cube_sim.compiled import compiled
 
 
 class Packed(NamedTuple):
-    """`Tables` in two arrays: what a compiled call is handed costs time by the piece.
+    """`Tables` and `Beyond` in two arrays: what a compiled call is handed costs time by the piece.
 
     Attributes:
-        numbers: every float of the tables, field after field.
-        integers: n, m, k, rank A, number of alternatives, planar, h, scaled, rank W A, then the masks of the m motors.
+        numbers: every float of both.
+        integers: n, m, k, rank A, number of alternatives, planar, scaled, h, rank W A, where `Beyond` begins, then the
+            masks of the m motors.
     """
 
     numbers: NDArray[np.float64]
@@ -35,9 +36,6 @@ class Tables(NamedTuple):
         fibre: all forces that make a wrench.
         plane: (m, 2) the fibre's kernel with columns of zeros for missing dimensions, for `line_search`.
         planar: whether `line_search` may be used.
-        distance: the norm of wrench errors.
-        facets: (h, r) normals across which a demand is scaled, in the coordinates s of ``distance``; h = 0 as long as
-            none is.
         scaled: whether an unattainable wrench is scaled rather than answered by the closest one.
         weights: (m,) w.
         low: (m, 3) lower end of each side [N]; an empty side has low > high.
@@ -59,8 +57,6 @@ class Tables(NamedTuple):
     fibre: WrenchFibre
     plane: NDArray[np.float64]
     planar: bool
-    distance: WrenchDistance
-    facets: NDArray[np.float64]
     scaled: bool
     weights: NDArray[np.float64]
     low: NDArray[np.float64]
@@ -77,10 +73,22 @@ class Tables(NamedTuple):
     reach: float
 
 
+class Beyond(NamedTuple):
+    """What unattainable wrenches need besides.
+
+    Attributes:
+        distance: the norm of wrench errors.
+        facets: (h, r) normals across which a demand is scaled, in the coordinates s of ``distance``; h = 0 as long as
+            none is.
+    """
+
+    distance: WrenchDistance
+    facets: NDArray[np.float64]
+
+
 def make_tables(
     A: NDArray[np.float64],
     fibre: WrenchFibre,
-    distance: WrenchDistance,
     sides: tuple[NDArray[np.float64], NDArray[np.float64]],
     weights: NDArray[np.float64],
     targets: NDArray[np.float64],
@@ -92,7 +100,7 @@ def make_tables(
     length_m: float,
     scaled: bool,
 ) -> Tables:
-    """Tabulate, without facets; see `Tables` for the arguments. ``sides`` are ``low`` and ``high``."""
+    """Tabulate; see `Tables` for the arguments. ``sides`` are ``low`` and ``high``."""
     n, m = A.shape
     k = fibre.kernel.shape[1]
     low, high = sides
@@ -108,8 +116,6 @@ def make_tables(
         fibre=fibre,
         plane=plane,
         planar=bool(uniform and k <= 2 and suits_lines(plane)),
-        distance=distance,
-        facets=np.zeros((0, len(distance.gain))),
         scaled=scaled,
         weights=weights,
         low=low,
@@ -157,57 +163,59 @@ def with_sides(tables: Tables, low: NDArray[np.float64], high: NDArray[np.float6
     )
 
 
-def with_facets(tables: Tables) -> Tables:
-    """The same with the facets that scaling and yielding go by."""
-    return tables._replace(facets=facet_normals(tables.distance.gain))
+def beyond(distance: WrenchDistance, *, facets: bool) -> Beyond:
+    """Tabulate; with the facets that scaling and yielding go by, or without."""
+    return Beyond(distance, facet_normals(distance.gain) if facets else np.zeros((0, len(distance.gain))))
 
 
-def pack(t: Tables) -> Packed:
-    """Put tables into two pieces, in the order `unpack` takes them out."""
-    fibre, distance = t.fibre, t.distance
-    floats = (
-        t.A, t.error_scale, fibre.particular, fibre.kernel, fibre.equations, fibre.unreachable, t.plane,
-        distance.spread, distance.kernel, distance.basis, distance.gain, distance.weights, t.facets, t.weights, t.low,
-        t.high, t.targets, t.penalty, t.relaxed, t.edge, t.reversal_penalty, t.switching_penalty, t.change_limit,
-        t.tolerance, t.reach,
-    )  # fmt: skip
+def pack(t: Tables, far: Beyond) -> Packed:
+    """Put tables into two pieces, in the order `unpack` and `unpack_beyond` take them out."""
+    fibre, distance = t.fibre, far.distance
+    rows = t.error_scale, t.weights
+    numbers = t.reversal_penalty, t.switching_penalty, t.change_limit, t.tolerance, t.reach
+    matrices = t.A, fibre.particular, fibre.kernel, fibre.equations, fibre.unreachable, t.plane
+    sides = t.low, t.high, t.penalty, t.edge, t.targets, t.relaxed
+    last = distance.spread, distance.kernel, distance.basis, distance.gain, far.facets, distance.weights
+    near = np.concatenate([np.ravel(part) for part in (*numbers, *rows, *matrices, *sides)])
     integers = (
-        *t.A.shape, fibre.kernel.shape[1], fibre.rank, len(t.targets), t.planar, len(t.facets), t.scaled,
-        len(distance.gain), *t.masks,
+        *t.A.shape, fibre.kernel.shape[1], fibre.rank, len(t.targets), t.planar, t.scaled, len(far.facets),
+        len(distance.gain), len(near), *t.masks,
     )  # fmt: skip
-    return Packed(np.concatenate([np.ravel(part) for part in floats]), np.array(integers, np.int64))
+    return Packed(np.concatenate([near, *map(np.ravel, last)]), np.array(integers, np.int64))
 
 
 @compiled
 def unpack(numbers: NDArray[np.float64], integers: NDArray[np.int64]) -> Tables:
     """Tables whose arrays are views of the packed numbers."""
-    n, m, k, rank, alternatives, r = integers[0], integers[1], integers[2], integers[3], integers[4], integers[8]
-    A, at = _take(numbers, 0, n, m)
-    error_scale, at = _take(numbers, at, 1, n)
+    n, m, k, rank, alternatives = integers[0], integers[1], integers[2], integers[3], integers[4]
+    at = 5 + n + m
+    A, at = _take(numbers, at, n, m)
     particular, at = _take(numbers, at, m, n)
     kernel, at = _take(numbers, at, m, k)
     equations, at = _take(numbers, at, rank, m)
     unreachable, at = _take(numbers, at, n, n)
     plane, at = _take(numbers, at, m, 2)
+    tables, at = _take(numbers, at, 4 * m, 3)
+    targets = numbers[at : at + alternatives * m * 3].reshape(alternatives, m, 3)
+    at += alternatives * m * 3
+    relaxed = numbers[at : at + alternatives * m * 32].reshape(alternatives, m, 8, 4)
+    return Tables(
+        A, numbers[5 : 5 + n], WrenchFibre(particular, kernel, equations, unreachable, rank), plane, integers[5] != 0,
+        integers[6] != 0, numbers[5 + n : 5 + n + m], tables[:m], tables[m : 2 * m], integers[10:], targets,
+        tables[2 * m : 3 * m], relaxed, tables[3 * m :], float(numbers[0]), float(numbers[1]), float(numbers[2]), float(numbers[3]), float(numbers[4]),
+    )  # fmt: skip
+
+
+@compiled
+def unpack_beyond(numbers: NDArray[np.float64], integers: NDArray[np.int64]) -> Beyond:
+    """The rest of the packed numbers, as views."""
+    n, m, h, r, at = integers[0], integers[1], integers[7], integers[8], integers[9]
     spread, at = _take(numbers, at, m, r)
-    free, at = _take(numbers, at, m, m - r)
+    kernel, at = _take(numbers, at, m, m - r)
     basis, at = _take(numbers, at, n, r)
     gain, at = _take(numbers, at, r, m)
-    wrench_weights, at = _take(numbers, at, 1, n)
-    facets, at = _take(numbers, at, integers[6], r)
-    weights, at = _take(numbers, at, 1, m)
-    low, at = _take(numbers, at, m, 3)
-    high, at = _take(numbers, at, m, 3)
-    targets, at = _take(numbers, at, alternatives, m * 3)
-    penalty, at = _take(numbers, at, m, 3)
-    relaxed, at = _take(numbers, at, alternatives, m * 32)
-    edge, at = _take(numbers, at, m, 3)
-    return Tables(
-        A, error_scale[0], WrenchFibre(particular, kernel, equations, unreachable, rank), plane, integers[5] != 0,
-        WrenchDistance(spread, free, basis, gain, wrench_weights[0]), facets, integers[7] != 0, weights[0], low, high,
-        integers[9:], targets.reshape(alternatives, m, 3), penalty, relaxed.reshape(alternatives, m, 8, 4), edge,
-        numbers[at], numbers[at + 1], numbers[at + 2], numbers[at + 3], numbers[at + 4],
-    )  # fmt: skip
+    facets, at = _take(numbers, at, h, r)
+    return Beyond(WrenchDistance(spread, kernel, basis, gain, numbers[at : at + n]), facets)
 
 
 @compiled
