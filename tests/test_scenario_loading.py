@@ -136,7 +136,7 @@ checks:
         (
             "type: line, ",
             "",
-            "5:7: path: needs the key type: one of line, arc, circle, helix, sinusoid, polyline, spline, csv",
+            "5:7: path: needs the key type: one of line, point, arc, circle, helix, sinusoid, polyline, spline, csv",
         ),
         ("end_m: [4, 0, -5]", "end_m: [0, 0, -5]", "5:48: path.end_m: a line needs two different points"),
         ("end_m: [4, 0, -5]", "end_m: [4, 0, -5, 1]", "5:48: path.end_m: must have 3 entries, has 4"),
