@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from itertools import pairwise
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -16,14 +17,14 @@ from cube_sim.navigation.aid import Aid
 from cube_sim.navigation.correction import corrected
 from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion
-from cube_sim.navigation.strapdown import CONSTANTS, predict, rotation
+from cube_sim.navigation.strapdown import ATTITUDE, CONSTANTS, predict, rotation
 from cube_sim.spatial import Matrix, Vector
 
 FALSE_ALARMS = 1e-4
 """Share of readings of a sensor as good as stated that the gate keeps out."""
 GATES = {n: float(chdtri(n, FALSE_ALARMS)) for n in (1, 2, 3)}
 """The surprise beyond which a reading of n components is kept out."""
-PATIENCE = 5
+PATIENCE = 3
 """Readings of a sensor kept out in a row before the estimate is doubted, not the sensor."""
 
 
@@ -33,7 +34,7 @@ class Outcome(IntEnum):
     FUSED = 0
     KEPT_OUT = 1
     FORCED = 2
-    """Fused after its predecessors were kept out, with the covariance raised to where the gate lets it pass."""
+    """Fused after its predecessors were kept out, position, velocity and attitude being doubted for it."""
 
 
 class Reading(NamedTuple):
@@ -188,7 +189,17 @@ class Filter:
             in_a_row = 0
         self._kept_out = (*self._kept_out[: reading.aid], in_a_row, *self._kept_out[reading.aid + 1 :])
         if outcome is Outcome.FORCED:
-            x, P, _ = corrected(self.x, self.P * (surprise / gate), H, y, variance)
+            x, P, _ = corrected(self.x, _doubted(self.P, surprise / gate), H, y, variance)
         if outcome is not Outcome.KEPT_OUT:
             self.x, self.P = x, P
         return Fusion(reading, y, surprise, outcome)
+
+
+def _doubted(P: Matrix, factor: float) -> Matrix:
+    """Covariance with the variances of position, velocity and attitude raised by a factor.
+
+    Those of the sensors' own errors stay: a filter that is lost would otherwise explain its being lost by them.
+    """
+    scale = np.ones(len(P))
+    scale[: ATTITUDE.stop] = sqrt(factor)
+    return P * np.outer(scale, scale)

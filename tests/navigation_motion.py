@@ -1,0 +1,119 @@
+"""Motions in closed form, and navigators that fly them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from cube_sim.navigation.aid import Aid
+from cube_sim.navigation.depth import Depth
+from cube_sim.navigation.dvl import Dvl
+from cube_sim.navigation.filter import Fusion
+from cube_sim.navigation.heading import Heading
+from cube_sim.navigation.imu import ImuErrors
+from cube_sim.navigation.motion import Motion, Truth
+from cube_sim.navigation.navigator import Estimate, InitialErrors, Navigator
+from cube_sim.navigation.position import PositionFix
+from cube_sim.navigation.sampling import Sampling
+from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
+
+DEG = np.pi / 180.0
+DT = 0.02
+GRAVITY = np.array([0.0, 0.0, -9.81])
+
+IMU = ImuErrors(0.005 * DEG, 6e-4, 0.1 * DEG, 0.02, 0.0003 * DEG, 1e-4)
+FLAWLESS = ImuErrors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+AIDS: tuple[Aid, ...] = (
+    Dvl(Sampling(5.0, 0.1), 0.01, 0.002, 0.005, (0.1, 0.0, -0.2)),
+    Depth(Sampling(10.0, 0.05), 0.01, 0.05),
+    Heading(Sampling(10.0, 0.05), 0.5 * DEG, 2.0 * DEG),
+    PositionFix(Sampling(0.5, 0.5), 0.5),
+)
+INITIAL = InitialErrors(0.5, 0.05, 1.0 * DEG, 3.0 * DEG)
+KNOWN = InitialErrors(0.0, 0.0, 0.0, 0.0)
+
+
+def truth(position, velocity, acceleration, angles, turning) -> Truth:
+    """From position and its derivatives (world axes) and roll, pitch, yaw and theirs."""
+    roll, pitch, _ = angles
+    R = rotation_from_quaternion(quaternion_from_euler(*angles))
+    d_roll, d_pitch, d_yaw = turning
+    rates = np.array(
+        [
+            d_roll - d_yaw * np.sin(pitch),
+            d_pitch * np.cos(roll) + d_yaw * np.cos(pitch) * np.sin(roll),
+            -d_pitch * np.sin(roll) + d_yaw * np.cos(pitch) * np.cos(roll),
+        ]
+    )
+    motion = Motion(np.array(position), np.array(velocity), R, rates)
+    return Truth(motion, R.T @ (np.array(acceleration) - GRAVITY))
+
+
+def weaving(t: float) -> Truth:
+    """A helix of 3 m radius at 0.4 m/s, swaying in heave, roll and pitch."""
+    c, s = np.cos(0.13 * t), np.sin(0.13 * t)
+    return truth(
+        [3 * c, 3 * s, -8 + 0.05 * t + 0.3 * np.sin(0.4 * t)],
+        [-0.39 * s, 0.39 * c, 0.05 + 0.12 * np.cos(0.4 * t)],
+        [-0.0507 * c, -0.0507 * s, -0.048 * np.sin(0.4 * t)],
+        [0.4 * np.sin(0.31 * t), 0.3 * np.sin(0.25 * t), 1.5 + 0.13 * t],
+        [0.124 * np.cos(0.31 * t), 0.075 * np.cos(0.25 * t), 0.13],
+    )
+
+
+def tumbling(t: float) -> Truth:
+    """The same place, over and over: pitch and roll run through all angles."""
+    m, f = weaving(t)
+    spun = truth(m.position, m.velocity, [0, 0, 0], [0.3 * t, 0.5 * t, 0.2 * t], [0.3, 0.5, 0.2])
+    acceleration = m.rotation @ f + GRAVITY
+    return Truth(spun.motion, spun.motion.rotation.T @ (acceleration - GRAVITY))
+
+
+def straight(t: float) -> Truth:
+    """Level, ahead and northwards at 0.5 m/s."""
+    return truth([0, 0.5 * t, -5], [0, 0.5, 0], [0, 0, 0], [0, 0, np.pi / 2], [0, 0, 0])
+
+
+def truths(motion: Callable[[float], Truth], seconds: float, dt: float = DT) -> list[Truth]:
+    return [motion(k * dt) for k in range(round(seconds / dt) + 1)]
+
+
+def on_time(aids: Sequence[Aid]) -> list[Aid]:
+    return [replace(aid, sampling=replace(aid.sampling, delay_s=0.0)) for aid in aids]  # type: ignore[type-var]
+
+
+class Tick(NamedTuple):
+    """A tick of a navigator: its error as the filter defines it, true minus estimated."""
+
+    estimate: Estimate
+    fusions: list[Fusion]
+    error: np.ndarray
+
+
+def navigate(motions, seed=0, imu=IMU, aids=AIDS, initial=INITIAL, dt=DT) -> list[Tick]:
+    navigator = Navigator(imu, aids, initial, motions[0].motion, seed, GRAVITY, dt)
+    ticks = []
+    for true in motions:
+        estimate, fusions = navigator.update(true)
+        ticks.append(Tick(estimate, fusions, error_of(navigator, true.motion, estimate)))
+    return ticks
+
+
+def error_of(navigator: Navigator, true: Motion, estimate: Estimate) -> np.ndarray:
+    state = estimate.state
+    R = true.rotation @ state.rotation.T
+    axis = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    angle = np.arctan2(np.linalg.norm(axis), 0.5 * (np.trace(R) - 1.0))
+    phi = axis * (angle / np.sin(angle) if angle > 1e-8 else 1.0)
+    return np.concatenate(
+        [
+            true.position - state.position,
+            true.velocity - state.rotation @ state.velocity,
+            phi,
+            navigator.true_biases - np.concatenate([estimate.gyro_bias, estimate.accelerometer_bias]),
+            *(navigator.true_constants(i) - navigator.constants(i) for i in range(len(navigator.aids))),
+        ]
+    )
