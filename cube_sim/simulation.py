@@ -28,6 +28,7 @@ from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import check, claim
 from cube_sim.scenario import Loaded, load
 from cube_sim.spatial import State, angle_between, quaternion_from_rotation
+from cube_sim.vehicle.flow import water_velocity
 from cube_sim.vehicle.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, Verdict, overall, to_json
 
@@ -219,7 +220,8 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     recorder.append("thrusters", t, allocation.force, commands, produced)
     believed = actuators.health.efficiency
     recorder.append("health", t, mission.events.health.efficiency, believed, decision.authority)
-    recorder.append("water", t, mission.model.opt.wind, decision.current)
+    water = water_velocity(mission.model, t, state.position[2])
+    recorder.append("water", t, water, decision.current)
     return allocation.wrench, allocation.status, decision.given_up
 
 

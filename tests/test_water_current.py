@@ -14,6 +14,7 @@ import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.spatial import rotation_from_quaternion
 from cube_sim.vehicle import condition, current
+from cube_sim.vehicle.flow import water_velocity
 
 
 def table(times, heights, velocities) -> np.ndarray:
@@ -201,3 +202,14 @@ def test_rows_in_any_order():
         mujoco.mj_step(model, data, nstep=100)
         ends.append(get_state(data))
     np.testing.assert_array_equal(*ends)
+
+
+def test_the_velocity_of_the_water_can_be_asked_for():
+    """Steady current and table together, bilinear inside and constant outside."""
+    rows = table([0.0], [-9.0, -4.0], [[(0.2, 0.0, 0.0), (0.0, 0.3, 0.0)]])
+    body = replace(random_body(np.random.default_rng(5)), current=(0.05, 0.0, 0.0))
+    model = with_current(body, rows)
+    np.testing.assert_allclose(water_velocity(model, 0.0, -12.0), [0.25, 0.0, 0.0])
+    np.testing.assert_allclose(water_velocity(model, 9.0, -6.5), [0.15, 0.15, 0.0])
+    np.testing.assert_allclose(water_velocity(model, 0.0, 3.0), [0.05, 0.3, 0.0])
+    assert water_velocity(body.model(), 1.0, -5.0) == pytest.approx(body.current)
