@@ -170,6 +170,11 @@ def test_other_peoples_numerics_are_left_alone(values):
         "groundwater:level",
         "plain",
         "camera:gain:",
+        "weather:current",
+        "camera:damping",
+        "plugin_added_mass",
+        "hull_colour",
+        "hullabaloo",
     )
     spec = with_numerics(*names, values=values)
     model = cube_sim.load_model(spec)
@@ -191,6 +196,16 @@ def test_other_peoples_numerics_are_left_alone(values):
         ("water:densty", "is nothing that water has; there are water:density"),
         ("a/water:curent", "is nothing that water has; there are water:density"),
         ("water:temperature", "is nothing that water has"),
+        ("Water:current", "is nothing that water has; there are water:density"),
+        ("watr:current", "is nothing that water has"),
+        ("a/Water:Density", "is nothing that water has"),
+        ("water.current", "has no colon, so it is nobody's; write water:current"),
+        ("hull.added_mass", "has no colon, so it is nobody's; write hull:added_mass"),
+        ("hull_added_mass", "write hull:added_mass"),
+        ("Hull-volume", "write hull:volume"),
+        ("T1_thruster_dead_zone", "write T1:thruster_dead_zone"),
+        ("hul:damping", "is no parameter of the water; there are volume"),
+        ("hull2:drag", "is no parameter of the water"),
     ],
 )
 def test_a_slip_of_the_pen_in_the_file_is_refused(name, reason):
@@ -198,6 +213,35 @@ def test_a_slip_of_the_pen_in_the_file_is_refused(name, reason):
         cube_sim.load_model(with_numerics(name))
     assert caught.value.element == name
     assert reason in caught.value.reason
+
+
+def with_text(name: str, data: str) -> mujoco.MjSpec:
+    xml = CUBE.read_text().replace("<custom>", f'<custom><text name="{name}" data="{data}"/>')
+    return mujoco.MjSpec.from_string(xml)
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("hull:forces", "is no force of a hull; write <hull>:force, with one of hull"),
+        ("hull:Force", "is no force of a hull"),
+        ("Hull:force", "is no force of a hull"),
+        ("hull_force", "has no colon, so it is nobody's; write hull:force"),
+        ("hull.force", "write hull:force"),
+        ("ship:force", "no hull 'ship'; the model has hull"),
+    ],
+)
+def test_a_text_that_was_meant_to_name_a_force_is_refused(name, reason):
+    with pytest.raises(ModelError) as caught:
+        cube_sim.load_model(with_text(name, "cube_sim.vehicle.infante:planar_lift"))
+    assert caught.value.element == name
+    assert reason in caught.value.reason
+
+
+@pytest.mark.parametrize("name", ["plugin:force", "hull:colour", "author", "task:forces", "enforce"])
+def test_other_peoples_texts_are_left_alone(name):
+    model = cube_sim.load_model(with_text(name, "left alone"))
+    assert bytes(model.text_data).startswith(b"left alone")
 
 
 def test_missing_density():

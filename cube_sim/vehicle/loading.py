@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import hook, packing, structs, user_forces
 from cube_sim.vehicle.inverse_weights import set_inverse_weights
-from cube_sim.vehicle.numeric_names import require_parameter
+from cube_sim.vehicle.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.parameters import read_parameters
 from cube_sim.vehicle.thruster_elements import limit_commands, thruster_elements
 from cube_sim.vehicle.time_step import require_time_step
@@ -105,8 +105,8 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     parameters = read_parameters(numerics, bodies, thruster_elements(spec))
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
     for text in spec.texts:
-        if text.name.endswith(":force"):
-            forces.setdefault(text.name.removesuffix(":force"), user_forces.resolve(text.data, text.name))
+        if (owner := force_owner(text.name, text.data, list(bodies))) is not None:
+            forces.setdefault(owner, user_forces.resolve(text.data, text.name))
     _require_usable_options(spec)
     for hull in parameters.hulls:
         _prepare(spec, hull.body)

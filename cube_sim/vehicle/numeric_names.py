@@ -1,12 +1,14 @@
 """Which custom numerics of a model are the water's, and whose they are.
 
 An MJCF may carry other numerics too, with colons in their names or without; they are nobody's business here. A name is
-judged when its last part is a parameter of the water or nearly one (`hul:aded_mass` is a slip of the pen), or when what
-stands before the last colon is a hull, a thruster or the water itself.
+judged when its last part is a parameter of the water or nearly one (`hul:aded_mass` is a slip of the pen), when what
+stands before the last colon is a hull, a thruster or the water itself, or when a colon was meant (`hull_added_mass`).
+What is judged and not right is refused, since the water would otherwise be without it and nobody would know.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from difflib import get_close_matches
 
@@ -27,6 +29,11 @@ THRUSTER_PARAMETERS = (
 
 _KNOWN = HULL_PARAMETERS + THRUSTER_PARAMETERS
 _NEARLY = 0.8  # share of letters in common, as difflib counts them
+_NEARLY_WATER = 0.85  # of the word itself: the weather is not meant
+_RATHER_A_BODY = 0.6  # of a body's name, where the parameter speaks of water
+_WORDS = {"damping", "drag", "buoyancy", "buoyant", "hydrodynamics", "thruster", "dead_zone"}  # nobody else's on a body
+_SEPARATORS = "._-/ "
+_FUNCTION = re.compile(r"[\w.]+:\w+")  # package.module:function
 
 Numerics = Mapping[str, NDArray[np.float64]]
 
@@ -60,8 +67,11 @@ def hull_names(numerics: Numerics, bodies: Sequence[str], thrusters: Collection[
     owners = [name.rpartition(":") for name in numerics]
     hulls = {owner for owner, colon, parameter in owners if colon and parameter in HULL_PARAMETERS}
     for name, values in numerics.items():
-        if name not in (DENSITY, CURRENT) and ":" in name:
-            _judge(name, values, bodies, thrusters, hulls)
+        if name not in (DENSITY, CURRENT):
+            _require_colon(name, [*bodies, *thrusters], _KNOWN)
+            _require_colon(name, ["water"], ("density", "current"))
+            if ":" in name:
+                _judge(name, values, bodies, thrusters, hulls)
     return [body for body in bodies if body in hulls]
 
 
@@ -76,15 +86,56 @@ def require_parameter(name: str) -> None:
         raise ModelError(name, _unknown(parameter))
 
 
+def force_owner(name: str, data: str, bodies: Sequence[str]) -> str | None:
+    """The hull a custom text names a force for; None for a text of another program.
+
+    Args:
+        name: of the text.
+        data: its value.
+        bodies: names of all bodies.
+
+    Raises:
+        ModelError: a force for a hull was probably meant.
+    """
+    _require_colon(name, bodies, ("force",))
+    owner, colon, parameter = name.rpartition(":")
+    if not colon or not get_close_matches(parameter.lower(), ["force"], n=1, cutoff=_NEARLY):
+        return None
+    if owner in bodies and parameter == "force":
+        return owner
+    if _like_one_of(owner, bodies):
+        raise ModelError(name, f"is no force of a hull; write <hull>:force, with one of {', '.join(bodies)}")
+    if parameter == "force" and _FUNCTION.fullmatch(data.strip()):
+        raise ModelError(name, f"no hull '{owner}'; the model has {', '.join(bodies)}")
+    return None
+
+
+def _require_colon(name: str, owners: Sequence[str], parameters: Sequence[str]) -> None:
+    """Refuse `hull_added_mass` and `hull.added_mass`, which would be nobody's."""
+    for owner in owners:
+        end = len(owner)
+        if name[:end].lower() == owner.lower() and name[end : end + 1] in tuple(_SEPARATORS):
+            for meant in get_close_matches(name[end + 1 :].lower(), parameters, n=1, cutoff=_NEARLY):
+                raise ModelError(name, f"has no colon, so it is nobody's; write {owner}:{meant}")
+
+
+def _like_one_of(owner: str, names: Sequence[str]) -> bool:
+    return bool(get_close_matches(owner.lower(), [name.lower() for name in names], n=1, cutoff=_RATHER_A_BODY))
+
+
 def _judge(
     name: str, values: NDArray[np.float64], bodies: Sequence[str], thrusters: Collection[str], hulls: Collection[str]
 ) -> None:
     owner, _, parameter = name.rpartition(":")
-    of_water = get_close_matches(parameter, ("density", "current"), n=1, cutoff=_NEARLY)
-    if owner == "water" or (owner.endswith("water") and of_water):
+    last = re.split(rf"[:{re.escape(_SEPARATORS)}]", owner.lower())[-1]
+    of_water = get_close_matches(parameter.lower(), ("density", "current"), n=1, cutoff=_NEARLY)
+    water = last.endswith("water") or get_close_matches(last, ["water"], n=1, cutoff=_NEARLY_WATER)
+    if owner == "water" or (water and of_water):
         raise ModelError(name, f"is nothing that water has; there are {DENSITY} and {CURRENT}")
     if parameter not in _KNOWN:
         if owner in hulls or owner in thrusters or _meant(parameter):
+            raise ModelError(name, _unknown(parameter))
+        if parameter.lower() in _WORDS and _like_one_of(owner, [*bodies, *thrusters]):
             raise ModelError(name, _unknown(parameter))
         return
     if not np.all(np.isfinite(values)):
