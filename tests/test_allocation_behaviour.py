@@ -70,6 +70,50 @@ def test_the_penalty_remembers_through_rest():
     assert allocator.allocate([-10, 0, 0]).cost == pytest.approx(100.0)
 
 
+@pytest.mark.parametrize("objective", ["energy", "reactivity_by_side"])
+def test_switching_penalty_is_part_of_the_optimum(objective):
+    """Cost with prices of starts, stops and reversals against all 3^4 subsets, and decisions it did change."""
+    A, start_stop, reversal = jack(), 40.0, 150.0
+    limits = np.tile([-30.0, -3.0, 4.0, 30.0], (4, 1))
+    extra = {} if objective == "energy" else {"reactivity": [-8.0, 9.0]}
+    allocator = Allocator(
+        A, limits, objective=objective, switching_penalty=start_stop, reversal_penalty=reversal, **extra
+    )
+    last, push = np.zeros(4), np.zeros(4)
+    changed = exact = 0
+    for wrench in np.random.default_rng(9).normal(size=(60, 3)) * [10, 3, 3]:
+        answer = allocator.allocate(wrench)
+        best, plain = np.inf, np.inf
+        for (low, high), signs in zip(cells(limits, True), itertools.product((-1, 1, 0), repeat=4), strict=True):
+            side = np.array(signs)
+            target = np.zeros(4) if objective == "energy" else np.choose(side + 1, [-8.0, 0.0, 9.0])
+            solved = least_cost(A, np.column_stack([low, high, low, high]), False, wrench, target=target)
+            if solved is not None:
+                price = start_stop * np.sum((side == 0) != (last == 0)) + reversal * np.sum(side * push < 0)
+                plain, best = min(plain, solved[0]), min(best, solved[0] + price)
+        assert (answer.status == Status.EXACT) == (best < np.inf)
+        if answer.status == Status.EXACT:
+            assert answer.cost == pytest.approx(best, rel=1e-7, abs=1e-6)
+            target = 0.0 if objective == "energy" else np.choose(answer.subset + 1, [-8.0, 0.0, 9.0])
+            changed += np.sum((answer.force - target) ** 2) > plain * (1 + 1e-6) + 1e-6
+            exact += 1
+        last, push = answer.subset, np.where(answer.subset != 0, answer.subset, push)
+    assert changed > 5
+    assert exact > 20
+
+
+def test_a_second_motor_does_not_come_and_go_at_the_edge_of_its_dead_zone():
+    """8.3 N is cheaper made by two motors, 7.7 N is made by one only: a price of starting leaves it to one."""
+
+    def switches(penalty):
+        allocator = Allocator([[1.0, 1.0], [0, 0], [0, 0]], [-30, -4, 4, 30], switching_penalty=penalty)
+        running = np.array([allocator.allocate([demand, 0, 0]).subset != 0 for demand in (8.3, 7.7) * 20])
+        return int(np.sum(running[1:] != running[:-1]))
+
+    assert switches(0.0) == 39
+    assert switches(50.0) == 0  # more than the 8.3^2 - 2 * 4.15^2 = 34 N^2 that a second motor saves
+
+
 @pytest.mark.parametrize("nonsense", [np.nan, np.inf, -np.inf])
 def test_a_wrench_that_is_no_number_is_answered_as_zero(nonsense):
     allocator = Allocator(cube(), LIMITS)
@@ -126,6 +170,7 @@ def test_one_sided_and_fixed_motors():
         ({"weights": [1, 1]}, r"weights has shape \(2,\); it needs \(4,\)"),
         ({"wrench_weights": [1, 1, np.nan]}, "finite"),
         ({"reversal_penalty": -1.0}, "must be >= 0"),
+        ({"switching_penalty": -1.0}, "switching_penalty is -1.0; it must be >= 0"),
         ({"tolerance_N": 0.0}, "> 0"),
         ({"length_m": -1.0}, "> 0"),
     ],

@@ -49,6 +49,7 @@ def test_every_answer_is_allowed_finite_and_bounded(seed):
     objective = str(rng.choice(["energy", "target", "reactivity", "reactivity_by_side"]))
     options = {"allow_off": off, "objective": objective, "weights": 10.0 ** rng.uniform(-2, 2, m)}
     options["reversal_penalty"] = float(rng.choice([0.0, 100.0]))
+    options["switching_penalty"] = float(rng.choice([0.0, 30.0]))
     options["change_limit"] = None if rng.random() < 0.7 else float(rng.uniform(0.1, 20))
     options["unattainable"] = "scaled" if seed % 3 == 0 else "closest"
     if objective == "target":

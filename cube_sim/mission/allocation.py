@@ -30,6 +30,7 @@ def actuators_of(vehicle: Vehicle, scenario: Scenario) -> Actuators:
                 "wrench_weights": weights,
                 "unattainable": block.unattainable,
                 "reversal_penalty": block.reversal_penalty_N2,
+                "switching_penalty": block.switching_penalty_N2,
                 "change_limit": block.change_limit_N,
             }
         if block.objective.startswith("reactivity"):

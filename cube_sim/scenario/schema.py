@@ -237,6 +237,9 @@ class Allocation(Block):
     reversal_penalty_N2: float = Field(  # noqa: N815 - N is the newton
         default=0.0, ge=0, description="Cost of one thruster changing side [N^2]."
     )
+    switching_penalty_N2: float = Field(  # noqa: N815 - N is the newton
+        default=0.0, ge=0, description="Cost of one thruster starting from rest or coming to rest [N^2]."
+    )
     change_limit_N: float | None = Field(  # noqa: N815 - N is the newton
         default=None,
         gt=0,
