@@ -14,6 +14,7 @@ LINE = "{type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}"
 SQUARE = "points_m: [[0, 0, -5], [4, 0, -5], [4, 4, -5], [0, 4, -5]]"
 KINDS = {
     LINE: 4.0,
+    "{type: point, position_m: [1, 2, -5], heading_deg: 30}": 0.0,
     "{type: arc, start_m: [1, 0, 0], through_m: [0, 1, 0], end_m: [-1, 0, 0]}": np.pi,
     "{type: circle, centre_m: [0, 0, 0], radius_m: 2, laps: 3}": 4.0 * np.pi,
     "{type: helix, centre_m: [0, 0, 0], radius_m: 1, pitch_m: 0, turns: 0.5}": np.pi,
