@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import mujoco
 
-EMERGING_M = 0.5
+EMERGING_M = 0.05
 """Depth below the surface from which the hull comes out of the water, and so loses the lift again (choice) [m]."""
 
 
