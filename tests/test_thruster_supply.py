@@ -151,3 +151,24 @@ def test_thrusters_that_do_not_say_their_voltage():
     thrusters = cube_sim.Vehicle.from_model(model).thrusters
     with pytest.raises(ModelError, match="T1:thruster_voltage: is not in the model"):
         Supply(model, thrusters, Battery(16.0, 0.1))
+
+
+def test_a_damaged_propeller_draws_what_a_whole_one_does_and_a_dead_motor_nothing():
+    """At the same command: half the thrust is the propeller's loss, not the motor's rest."""
+    model = cube_sim.load_model(CUBE)
+    thrusters = cube_sim.Vehicle.from_model(model).thrusters
+    condition.set_efficiency(model, "T1", 0.5)
+    condition.set_efficiency(model, "T2", 0.0)
+    condition.set_efficiency(model, "T3", 0.3)
+    condition.set_stuck(model, "T3", -20.0)
+    data = mujoco.MjData(model)
+    data.act[:] = [1.0, 1.0, 1.0, 1.0, -1.0, 0.0, 0.5, 0.5]
+    mujoco.mj_forward(model, data)
+    supply = Supply(model, thrusters)
+    supply.update(data)
+    assert data.actuator_force[0] == pytest.approx(0.5 * 51.44)
+    k_reverse, k_forward = thrusters.power_coefficients[0]
+    whole = k_forward * 51.44**1.5
+    np.testing.assert_allclose(
+        supply.power[:6], [whole, 0.0, k_reverse * 20.0**1.5, whole, k_reverse * 39.91**1.5, 0.0], rtol=1e-12
+    )

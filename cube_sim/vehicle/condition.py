@@ -6,9 +6,11 @@ from its next step on. Copy the model first where only some simulations are to h
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import packing
@@ -16,6 +18,8 @@ from cube_sim.vehicle import packing
 
 def set_efficiency(model: mujoco.MjModel, thruster: str, efficiency: float) -> None:
     """A thruster that gives a fraction of its force: 1 is whole, 0 is dead. Frees it when it was stuck.
+
+    A fraction is a propeller's loss: the motor turns as before and draws as before. A dead motor draws nothing.
 
     Raises:
         ModelError: no such thruster, or an efficiency outside [0, 1].
@@ -26,6 +30,21 @@ def set_efficiency(model: mujoco.MjModel, thruster: str, efficiency: float) -> N
     packed = packing.numbers(model)
     packed[start + packing.EFFICIENCY] = efficiency
     packed[start + packing.STUCK] = np.nan
+
+
+def whole_forces(model: mujoco.MjModel, thrusters: Sequence[str], forces: ArrayLike) -> NDArray[np.float64]:
+    """(m,) forces [N] that whole propellers would give where these give (m,) `forces` [N]; 0 for a dead motor.
+
+    Electrical power follows from these: what a damaged propeller loses, its motor draws all the same.
+    """
+    F = np.array(forces, dtype=float)
+    packed = packing.numbers(model)
+    for i, name in enumerate(thrusters):
+        start = _curve(model, name)
+        if np.isnan(packed[start + packing.STUCK]):
+            efficiency = packed[start + packing.EFFICIENCY]
+            F[i] = F[i] / efficiency if efficiency > 0.0 else 0.0
+    return F
 
 
 def set_stuck(model: mujoco.MjModel, thruster: str, force: float) -> None:

@@ -71,13 +71,18 @@ class Supply:
             self._discharge(self._battery, data.time)
             emptied = self.charge == 0.0 and self.thrust > 0.0
             self._feed(self._battery, data)
-        power = self._thrusters.power(data.actuator_force[self._thrusters.actuators])
+        power = self._power(data)
         if self._time is not None:
             self.energy += 0.5 * float(self.power.sum() + power.sum()) * (data.time - self._time)
         self.power, self._time = power, data.time
         if self._battery is not None and self.thrust > 0.0:
             self._drain = self._battery.drain(float(power.sum()), self.voltage)
         return emptied
+
+    def _power(self, data: mujoco.MjData) -> NDArray[np.float64]:
+        """(m,) [W], of motors whose propellers may be damaged."""
+        forces = data.actuator_force[self._thrusters.actuators]
+        return self._thrusters.power(condition.whole_forces(self._model, self._thrusters.names, forces))
 
     def _discharge(self, battery: Battery, time: float) -> None:
         """Take from the charge what the cells have lost since the last update, at that update's rate."""
@@ -91,7 +96,7 @@ class Supply:
         if self.charge == 0.0:
             self._switch_to(0.0)
         else:
-            power = float(self._thrusters.power(data.actuator_force[self._thrusters.actuators]).sum())
+            power = float(self._power(data).sum())
             at_nominal = power / self.thrust**1.5
             self._switch_to(battery.voltage(at_nominal / self._nominal**3, self.charge))
         mujoco.mj_forward(self._model, data)

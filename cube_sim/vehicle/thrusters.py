@@ -48,6 +48,7 @@ class Thrusters:
         """(..., m) electrical power [W] of steady forces (..., m) [N]: k_P |F|^1.5.
 
         A propeller's ideal power is thrust times induced speed, and that speed goes with the root of the thrust.
+        Of whole propellers: a damaged one takes what a whole one would (`condition.whole_forces`), for less thrust.
         """
         F = np.asarray(force, dtype=float)
         k = np.where(F < 0.0, self.power_coefficients[:, 0], self.power_coefficients[:, 1])
