@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import cube_sim
+from cube_sim.vehicle.infante import planar_lift
 
 MODELS = Path(__file__).parents[1] / "models"
 
@@ -112,6 +113,7 @@ def test_bluerov2_heavy_is_its_table():
 
 @pytest.mark.parametrize(("axis", "force", "speed"), [(0, 85.0, 0.72), (1, 85.0, 0.63), (2, 120.0, 0.71)])
 def test_bluerov2_heavy_reaches_its_published_top_speeds(axis, force, speed):
+    """Pushed along one axis through the centre, and weighing nothing in the water: kept straight, as a pilot would."""
     model = cube_sim.load_model(MODELS / "bluerov2_heavy.xml", {"hull:volume": 0.0135})
     data = mujoco.MjData(model)
     for _ in range(600):
@@ -120,6 +122,32 @@ def test_bluerov2_heavy_reaches_its_published_top_speeds(axis, force, speed):
         mujoco.mj_step(model, data)
     v = data.xmat[1].reshape(3, 3).T @ data.qvel[:3]
     assert v[axis] == pytest.approx(speed, rel=0.03)
+
+
+def test_bluerov2_heavy_does_not_keep_straight_by_itself():
+    """Its thrusters make surge and no moment: below 0.33 m/s it stays level, at its top speed it turns over."""
+    model = cube_sim.load_model(MODELS / "bluerov2_heavy.xml")
+    rov = cube_sim.Vehicle.from_model(model)
+    m_u, m_w = rov.added_mass[0, 0], rov.added_mass[2, 2]
+    limit = np.sqrt(rov.displaced_mass * 9.81 * rov.centre_of_buoyancy[2] / (m_w - m_u))
+    assert limit == pytest.approx(0.33, abs=0.005)
+    for surge, slow in ((12.0, True), (85.0, False)):
+        data = mujoco.MjData(model)
+        data.ctrl[:] = rov.thrusters.command(np.linalg.pinv(rov.actuation_matrix) @ [surge, 0, 0, 0, 0, 0])
+        pitch, speed = 0.0, 0.0
+        for _ in range(6000):
+            mujoco.mj_step(model, data)
+            pitch = max(pitch, abs(np.degrees(np.arcsin(data.xmat[1, 6]))))
+            speed = max(speed, data.xmat[1].reshape(3, 3)[:, 0] @ data.qvel[:3])
+        assert bool(speed < limit) is slow
+        assert pitch < 5.0 if slow else pitch == pytest.approx(78.8, abs=2.0)
+
+
+def test_infante_feeds_energy_in_astern():
+    """The published products of velocities, as its file says: for motion ahead only."""
+    for u, v, r, expected in ((1.0, 0.0, 0.1, -14.3), (-1.0, 0.0, 0.1, 14.3), (-1.0, 0.1, 0.0, 3.5)):
+        nu = np.array([u, v, 0.0, 0.0, 0.0, r])
+        assert np.dot(planar_lift(0.0, np.zeros(3), np.eye(3), nu, nu), nu) == pytest.approx(expected, abs=0.05)
 
 
 def test_jack_is_its_matrix():

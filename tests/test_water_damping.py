@@ -10,7 +10,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-from water_bodies import Body, random_body, set_state, tumbling
+from water_bodies import Body, flown, random_body, set_state, tumbling
 
 from cube_sim.errors import ModelError
 from cube_sim.spatial import rotation_from_quaternion
@@ -162,3 +162,19 @@ def test_a_body_with_full_damping_only_loses_energy(seed):
         mujoco.mj_step(model, data)
         energies.append(data.energy[1])
     assert np.all(np.diff(energies) < 0.0)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "limit"), [("Euler", 2.0), ("implicit", 2.0), ("implicitfast", 2.0), ("RK4", 2.785)]
+)
+def test_no_integrator_treats_the_waters_drag_implicitly(integrator, limit):
+    """d h / (m + a) just below the limit decays, just above it grows: also where the name promises otherwise."""
+    h, mass, added = 0.05, 10.0, 6.0
+    speeds = []
+    for ratio in (0.97 * limit, 1.03 * limit):
+        drag = ratio * (mass + added) / h
+        body = Body(mass=mass, added=np.diag([added] * 3 + [0.1] * 3), linear=np.diag([drag] * 3 + [1.0] * 3))
+        end = flown(body.model(integrator, h), np.array([0, 0, 0, 1.0, 0, 0, 0, 1.0, 0, 0, 0, 0, 0]), 150 * h)
+        speeds.append(abs(end[7]))
+    assert speeds[0] < 0.1
+    assert speeds[1] > 10.0
