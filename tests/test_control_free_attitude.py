@@ -87,6 +87,35 @@ def test_the_slope_of_the_effort_is_the_closed_form_where_there_is_one(bluerov2)
         np.testing.assert_allclose(numbers, slope, rtol=1e-5, atol=1e-3)
 
 
+def test_its_rate_is_the_damped_step_down_the_true_effort(bluerov2):
+    """Against the formula written out: the drag of the hull as turned, and a force in the world that stays."""
+    Q = effort_matrix(bluerov2.actuation_matrix)
+    g, hull = 9.81, bluerov2.dynamics
+    r = g * (hull.displaced_mass * hull.centre_of_buoyancy - bluerov2.mass * hull.centre_of_mass)
+    weight = np.trace(Q[3:, 3:]) / 3.0
+    rng, checked = np.random.default_rng(6), 0
+    for R in random_rotations(7, 40):
+        if R[2, 2] < 0.1:
+            continue
+        velocity, current, rest = rng.normal(0.0, 0.2, 3), rng.normal(0.0, 0.2, 3), rng.normal(0.0, 3.0, 3)
+
+        def w(turn, R=R, velocity=velocity, current=current, rest=rest):
+            angle = np.linalg.norm(turn)
+            turned = R @ rotation_about(turn / angle, angle) if angle > 0.0 else R
+            wrench = needed(bluerov2, turned, velocity, current) + np.append(turned.T @ rest, STILL)
+            return np.append(np.linalg.cholesky(Q).T @ wrench, np.sqrt(weight) * (np.linalg.norm(r) - r @ turned[2]))
+
+        y, h = w(STILL), 1e-5
+        J = np.column_stack([(w(h * axis) - w(-h * axis)) / (2.0 * h) for axis in np.eye(3)])
+        step = -np.linalg.solve(J.T @ J + (0.2 * y @ y + 1.0) * np.eye(3), J.T @ y) / TIME
+        (_, rates), *_ = settle(bluerov2, R, velocity, current, rest, DT)
+        if np.linalg.norm(step) < MOST_RATE:
+            np.testing.assert_allclose(R.T @ rates, step, atol=1e-4)
+            assert step @ J.T @ y < 0.0
+            checked += 1
+    assert checked > 10
+
+
 def test_the_effort_falls_all_the_way_and_ends_lower_than_any_heading_of_a_level_vehicle(bluerov2):
     """A BlueROV2 that stands in a current of 0.45 m/s, from attitudes up to a right angle from upright."""
     current = np.array([0.0, 0.45, 0.0])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cube_sim.control.attitude import Situation
+from cube_sim.control.levelling import levelling_spin
 from cube_sim.control.look_at import MOST_RATE, LookAt, shortest_turn
 from cube_sim.guidance.path import PathPoint
 from cube_sim.guidance.virtual_target import TargetView
@@ -103,6 +104,18 @@ def test_levelling_never_disturbs_the_pointing():
     assert rolled > 1.0  # the second task had something to do
 
 
+def test_about_its_axis_it_turns_for_nothing_but_the_level():
+    """The first task has no part along u, whichever way u points and the vehicle moves."""
+    point = np.array([2.0, -1.0, 0.5])
+    for rotation in random_rotations(6, 20):
+        (R, rates), *_ = flown(
+            LookAt(point, X, 0.3, 1.0), lambda t: (np.zeros(3), np.array([0.3, 0.4, -0.2])), rotation, DT
+        )
+        u, side = R[:, 0], R[:, 1]
+        spin = levelling_spin(u, np.cross(rates, u), side, 2.0)
+        assert rates @ u == pytest.approx(np.clip(spin, -MOST_RATE, MOST_RATE), abs=1e-12)
+
+
 @pytest.mark.parametrize("height", [2.0, -2.0])
 def test_straight_above_and_below_the_roll_is_left_alone(height):
     for rotation in random_rotations(4, 4):
@@ -125,6 +138,18 @@ def test_driving_through_the_point_itself_is_calm(offset):
         assert turned <= np.linalg.norm(rates) * DT + 1e-9
         assert np.linalg.norm(rates) <= 1.4143 * MOST_RATE
     np.testing.assert_allclose(steps[-1][0][:, 0], -X, atol=2e-2)
+
+
+def test_close_to_the_point_its_direction_counts_for_little():
+    """Turned away from it: at a tenth of `near` 3 % of the turn that is asked for beyond it, at a hundredth 0.03 %."""
+    rates = {}
+    for share in (0.01, 0.1, 1.0):
+        away = rotation_about(Z, np.pi - 0.5)
+        mode = LookAt(np.zeros(3), X, 0.3, 4.0)
+        ((_, rates[share]),) = flown(mode, lambda t, d=0.3 * share: (-d * X, np.zeros(3)), away, DT)
+    assert np.linalg.norm(rates[1.0]) == pytest.approx((np.pi - 0.5) / 4.0)
+    assert np.linalg.norm(rates[0.1]) == pytest.approx(0.028 * (np.pi - 0.5) / 4.0)
+    assert np.linalg.norm(rates[0.01]) == pytest.approx(2.98e-4 * (np.pi - 0.5) / 4.0)
 
 
 def test_at_the_point_it_holds_still():
