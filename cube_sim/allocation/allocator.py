@@ -156,7 +156,9 @@ class Allocator:
         self._packed = pack(self._tables, self._far)
         self._memory, self._nothing = blank_memory(m), np.empty((0, n))
         self._confirmer = (
-            Confirmer(self._tables, self._packed, AGREEMENT, max(largest, 1e-6)) if self.method == "search+proxqp" else None
+            Confirmer(self._tables, self._packed, AGREEMENT, max(largest, 1e-6))
+            if self.method == "search+proxqp"
+            else None
         )
         self._enumeration = self._enumerate()
 

@@ -12,10 +12,10 @@ from cube_sim.allocation.lines import line_search
 from cube_sim.allocation.memory import Tick, price_of, sides_of
 from cube_sim.allocation.search import FOUND, GAVE_UP, search
 from cube_sim.allocation.ties import changed, preferred
-from cube_sim.compiled import compiled
+from cube_sim.compiled import compiled, inlined
 
 
-@compiled
+@inlined
 def cheapest(
     fibre: WrenchFibre,
     plane: NDArray[np.float64],

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cube_sim.allocation.relaxation import relax
 from cube_sim.allocation.sides import Price, Sides
 from cube_sim.allocation.tables import Tables
-from cube_sim.compiled import compiled
+from cube_sim.compiled import compiled, inlined
 
 
 class Memory(NamedTuple):
@@ -64,13 +64,13 @@ def memory_of(rows: NDArray[np.float64]) -> Memory:
     return Memory(rows[0], rows[1], rows[2])
 
 
-@compiled
+@inlined
 def sides_of(tick: Tick, alternative: int) -> Sides:
     """The sides of one alternative of the objective."""
     return Sides(tick.low, tick.high, tick.masks, tick.relaxed[alternative])
 
 
-@compiled
+@inlined
 def price_of(tick: Tick, alternative: int) -> Price:
     """The prices of one alternative of the objective."""
     return Price(tick.weights, tick.targets[alternative], tick.penalty)

@@ -12,7 +12,7 @@ from cube_sim.allocation.projection import INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import split
 from cube_sim.allocation.search import MOST_NODES
 from cube_sim.allocation.sides import Sides
-from cube_sim.compiled import compiled
+from cube_sim.compiled import inner
 
 CANDIDATES = 32
 """Most distinct equally close wrenches kept; symmetric vehicles have a handful."""
@@ -22,7 +22,7 @@ DOUBT = 1000.0
 """Gap between an answer and its bound, in roundings, from which the answer counts as not proven."""
 
 
-@compiled
+@inner
 def nearest(
     goal: NDArray[np.float64],
     space: WrenchDistance,
@@ -52,9 +52,9 @@ def nearest(
     m, k = kernel.shape
     r = goal.shape[0]
     d = r + k
-    stack = np.empty((2 * m + 2, m), np.uint8)
+    stack = np.empty((2 * m + 2, m), np.int64)
     bound = np.empty(2 * m + 2)
-    mask = np.empty(m, np.uint8)
+    mask = np.empty(m, np.int64)
     bottom, top, mu, f = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     start, point = np.empty(d), np.empty(d)
     made, g = np.empty(r), np.empty(r)

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.search import MOST_NODES
 from cube_sim.allocation.sides import Sides
-from cube_sim.compiled import compiled
+from cube_sim.compiled import inner
 
 
-@compiled
+@inner
 def largest_share(
     base: NDArray[np.float64],
     across: NDArray[np.float64],
@@ -37,10 +37,10 @@ def largest_share(
     """
     m = gain.shape[1]
     relaxed = sides.relaxed
-    stack = np.empty((3 * m + 1, m), np.uint8)
+    stack = np.empty((3 * m + 1, m), np.int64)
     bound = np.empty(3 * m + 1)
-    mask, child = np.empty(m, np.uint8), np.empty(m, np.uint8)
-    order, ends = np.empty(3, np.uint8), np.empty(3)
+    mask, child = np.empty(m, np.int64), np.empty(m, np.int64)
+    order, ends = np.empty(3, np.int64), np.empty(3)
     for i in range(m):
         stack[0, i] = child[i] = sides.masks[i]
     best, depth, looked = -1.0, 1, 1
@@ -88,13 +88,13 @@ def largest_share(
     return best, True, looked
 
 
-@compiled
+@inner
 def interval_end(
     base: NDArray[np.float64],
     across: NDArray[np.float64],
     gain: NDArray[np.float64],
     relaxed: NDArray[np.float64],
-    mask: NDArray[np.uint8],
+    mask: NDArray[np.int64],
     tolerance: float,
 ) -> float:
     """Upper end of the shares in [0, 1] at which the box of each motor's open sides attains the demand; -1 for none."""

@@ -11,7 +11,7 @@ from cube_sim.allocation.projection import CUT, INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import choose_side, split
 from cube_sim.allocation.sides import Price, Sides
 from cube_sim.allocation.ties import changed, preferred, slack_of
-from cube_sim.compiled import compiled
+from cube_sim.compiled import inner
 
 FOUND, NONE, GAVE_UP = 0, 1, 2
 """Outcomes: the optimum; no allowed forces make the wrench; a projection stalled or there were too many: not proven."""
@@ -25,7 +25,7 @@ MOST_NODES = 20_000
 """Projections after which a search gives up its proof and answers with the best it has; eight motors take hundreds."""
 
 
-@compiled
+@inner
 def search(
     origin: NDArray[np.float64],
     kernel: NDArray[np.float64],
@@ -64,13 +64,13 @@ def search(
     """
     m, k = kernel.shape
     relaxed, weight = sides.relaxed, price.weight
-    stack = np.empty((2 * m + 2, m), np.uint8)
+    stack = np.empty((2 * m + 2, m), np.int64)
     bound = np.empty(2 * m + 2)
     bottom, top = np.empty(m), np.empty(m)
     start, point = np.empty(k), np.empty(k)
     f, mu = np.empty(m), np.empty(m)
     chosen = np.empty(m)
-    mask = np.empty(m, np.uint8)
+    mask = np.empty(m, np.int64)
     best, value_best = math.inf, math.inf
     changes_best = 0
     proven = True

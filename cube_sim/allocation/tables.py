@@ -11,7 +11,7 @@ from cube_sim.allocation.facets import facet_normals
 from cube_sim.allocation.geometry import WrenchDistance, WrenchFibre, torque_rows
 from cube_sim.allocation.lines import suits_lines
 from cube_sim.allocation.relaxation import relax
-from cube_sim.compiled import compiled
+from cube_sim.compiled import compiled, inner
 
 
 class Packed(NamedTuple):
@@ -202,7 +202,8 @@ def unpack(numbers: NDArray[np.float64], integers: NDArray[np.int64]) -> Tables:
     return Tables(
         A, numbers[5 : 5 + n], WrenchFibre(particular, kernel, equations, unreachable, rank), plane, integers[5] != 0,
         integers[6] != 0, numbers[5 + n : 5 + n + m], tables[:m], tables[m : 2 * m], integers[10:], targets,
-        tables[2 * m : 3 * m], relaxed, tables[3 * m :], float(numbers[0]), float(numbers[1]), float(numbers[2]), float(numbers[3]), float(numbers[4]),
+        tables[2 * m : 3 * m], relaxed, tables[3 * m :], float(numbers[0]), float(numbers[1]), float(numbers[2]),
+        float(numbers[3]), float(numbers[4]),
     )  # fmt: skip
 
 
@@ -218,7 +219,7 @@ def unpack_beyond(numbers: NDArray[np.float64], integers: NDArray[np.int64]) -> 
     return Beyond(WrenchDistance(spread, kernel, basis, gain, numbers[at : at + n]), facets)
 
 
-@compiled
+@inner
 def _take(numbers: NDArray[np.float64], at: int, rows: int, columns: int) -> tuple[NDArray[np.float64], int]:
     end = at + rows * columns
     return numbers[at:end].reshape(rows, columns), end
