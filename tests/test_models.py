@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 from pathlib import Path
 
 import mujoco
@@ -46,6 +47,12 @@ def test_cube():
     assert cube.thrusters.names == tuple(f"T{i}" for i in range(1, 9))
     np.testing.assert_allclose(cube.thrusters.limits, [[-39.91, -0.356, 0.4, 51.44]] * 8)
     np.testing.assert_allclose(cube.thrusters.lag_s, 0.02)
+
+
+def test_the_cubes_added_mass_is_what_panels_say():
+    translation, rotation = runpy.run_path(str(MODELS.parent / "benchmarks" / "cube_added_mass.py"))["extrapolated"](16)
+    assert translation == pytest.approx(0.6384, rel=2e-3)
+    assert rotation == pytest.approx(0.03926, rel=4e-3)
 
 
 def test_cube_thrust_is_the_actuation_matrix():

@@ -18,7 +18,7 @@ from cube_sim.vehicle.fingerprint import fingerprint
 SCALE = 2.0
 TABLE = np.arange(4.0)
 settings = ModuleType("settings")
-settings.gain = 3.0
+vars(settings)["gain"] = 3.0
 
 
 @numba.njit
