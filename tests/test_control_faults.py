@@ -68,7 +68,7 @@ def settled(cube, lost, force, seconds=30.0, dt=0.05):
     left = capability(left_after(cube.actuation_matrix, list(lost)))
     mode = BalancedAttitude(left, cube.dynamics, np.eye(3), time=0.5)
     for _ in range(int(seconds / dt)):
-        desired = mode.attitude(Situation(None, np.eye(3), force, np.zeros(3)), dt)
+        desired = mode.attitude(Situation(None, np.eye(3), force, np.zeros(3), left.effort), dt)
     return rotation_from_quaternion(desired.quaternion), desired.rates
 
 

@@ -7,7 +7,9 @@ import pytest
 
 import cube_sim
 from cube_sim.control.attitude import Situation
-from cube_sim.control.free_attitude import MOST_RATE, FreeAttitude, effort_matrix
+from cube_sim.control.authority import capability
+from cube_sim.control.effort import effort_matrix
+from cube_sim.control.free_attitude import MOST_RATE, FreeAttitude
 from cube_sim.guidance.path import PathPoint
 from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import quaternion_from_euler, rotation_about, rotation_from_quaternion, skew
@@ -27,10 +29,6 @@ def bluerov2():
     return cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "bluerov2_heavy.xml"))
 
 
-def mode_of(vehicle) -> FreeAttitude:
-    return FreeAttitude(vehicle.dynamics, effort_matrix(vehicle.actuation_matrix), TIME)
-
-
 def needed(vehicle, R, velocity, current):
     """The wrench (6,) of steady motion without turning: the hull's own equations of motion."""
     return vehicle.dynamics.wrench(R, np.concatenate([R.T @ velocity, STILL]), np.zeros(6), current)
@@ -38,11 +36,11 @@ def needed(vehicle, R, velocity, current):
 
 def settle(vehicle, R, velocity, current, rest=STILL, duration=60.0):
     """(R, rates) at each tick of a vehicle that turns as wanted, `rest` (3,) the force asked for beside drag."""
-    mode = mode_of(vehicle)
+    mode, effort = FreeAttitude(vehicle.dynamics, TIME), effort_matrix(vehicle.actuation_matrix)
     view = TargetView(0.0, 1.0, 0.0, HERE, STILL, velocity)
     for _ in range(round(duration / DT)):
         force = R @ needed(vehicle, R, velocity, current)[:3] + rest
-        desired = mode.attitude(Situation(view, R, force, current), DT)
+        desired = mode.attitude(Situation(view, R, force, current, effort), DT)
         yield R, desired.rates
         R = rotation_from_quaternion(desired.quaternion)
 
@@ -167,3 +165,20 @@ def test_a_vehicle_with_nothing_to_do_turns_no_way(cube):
     R = rotation_from_quaternion(quaternion_from_euler(0.0, 0.0, 1.0))
     for _, rates in settle(cube, R, STILL, STILL, duration=1.0):
         np.testing.assert_allclose(rates, 0.0, atol=1e-9)
+
+
+def test_when_thrusters_are_lost_it_reckons_with_those_that_are_left(bluerov2):
+    A, current = bluerov2.actuation_matrix, np.array([0.0, 0.45, 0.0])
+    left = capability(np.delete(A, [0], axis=1))
+    np.testing.assert_array_equal(left.effort, effort_matrix(np.delete(A, [0], axis=1)))
+    view = TargetView(0.0, 1.0, 0.0, HERE, STILL, STILL)
+    R = rotation_from_quaternion(quaternion_from_euler(0.1, 0.2, 0.3))
+    force = R @ needed(bluerov2, R, STILL, current)[:3]
+
+    def rates(mode, effort):
+        return mode.attitude(Situation(view, R, force, current, effort), 0.0).rates
+
+    veteran, fresh = FreeAttitude(bluerov2.dynamics, TIME), FreeAttitude(bluerov2.dynamics, TIME)
+    before = rates(veteran, effort_matrix(A))
+    np.testing.assert_array_equal(rates(veteran, left.effort), rates(fresh, left.effort))
+    assert np.linalg.norm(before - rates(fresh, left.effort)) > 0.01

@@ -31,12 +31,14 @@ class Situation(NamedTuple):
         rotation: R_WB (3,3), its attitude now.
         force: force (3,) [N] demanded of the thrusters at the tick before, world axes.
         current: the current (3,) [m/s] as estimated, world axes.
+        effort: Q (6,6) of the thrusters that still work, see `cube_sim.control.effort`.
     """
 
     view: TargetView
     rotation: Matrix
     force: Vector
     current: Vector
+    effort: Matrix
 
 
 class AttitudeMode(Protocol):

@@ -9,12 +9,13 @@ least in one direction and turn: that one is pointed by the heading, as a unicyc
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
 
 from cube_sim.actuation.subspaces import subspaces
+from cube_sim.control.effort import effort_matrix
 from cube_sim.spatial import Matrix, Vector
 
 OUT_OF_PLANE = np.array([False, False, True, True, True, False])
@@ -51,6 +52,7 @@ class Capability:
         reason: one line for the log.
         lost_forces: N_f (3, 6 - rank) and
         lost_torques: N_t (3, 6 - rank) of the combinations N_f' F + N_t' M = 0 that hold for all the thrusters can do.
+        effort: Q (6,6) [1, 1/m, 1/m^2], of `effort_matrix`.
     """
 
     authority: Authority
@@ -58,6 +60,7 @@ class Capability:
     reason: str
     lost_forces: Matrix
     lost_torques: Matrix
+    effort: Matrix
 
     @property
     def level(self) -> bool:
@@ -87,6 +90,10 @@ class Capability:
 
 def capability(A: Matrix) -> Capability:
     """Judge the columns (6,m) of the thrusters that still work."""
+    return replace(_judged(A), effort=effort_matrix(A))
+
+
+def _judged(A: Matrix) -> Capability:
     if A.shape[1] == 0:
         return _capability(Authority.SAFE, np.zeros((3, 0)), np.eye(6), "no thruster is left")
     if not np.any(np.abs(A[OUT_OF_PLANE]) > 1e-9):
@@ -126,4 +133,4 @@ def _steerable(lost: Matrix) -> bool:
 
 
 def _capability(authority: Authority, pure_forces: Matrix, lost: Matrix, reason: str) -> Capability:
-    return Capability(authority, pure_forces, reason, lost[:3], lost[3:])
+    return Capability(authority, pure_forces, reason, lost[:3], lost[3:], np.zeros((6, 6)))

@@ -35,19 +35,16 @@ class FreeAttitude:
 
     Args:
         dynamics: the controller's knowledge of the hull.
-        effort: Q (6,6) [1, 1/m, 1/m^2], see `effort_matrix`.
         time: T [s], several times that of the attitude loop.
     """
 
-    def __init__(self, dynamics: Dynamics, effort: Matrix, time: float) -> None:
+    def __init__(self, dynamics: Dynamics, time: float) -> None:
         self._dynamics, self._time = dynamics, time
-        sizes, axes = np.linalg.eigh(effort)
-        self._root = (axes * np.sqrt(np.maximum(sizes, 0.0))).T  # root' root = Q
+        self._effort: Matrix | None = None
         g = float(np.linalg.norm(dynamics.gravity))
         mass = float(dynamics.mass_matrix[0, 0])
         self._righting = g * (dynamics.displaced_mass * dynamics.centre_of_buoyancy - mass * dynamics.centre_of_mass)
         self._lift = float(np.linalg.norm(self._righting))
-        self._lift_root = float(np.sqrt(np.trace(effort[3:, 3:]) / 3.0))
         self._rotation: Matrix | None = None
         self._force, self._velocity = np.zeros(3), np.zeros(3)
 
@@ -56,6 +53,8 @@ class FreeAttitude:
         velocity = situation.view.point.rotation @ situation.view.velocity
         if self._rotation is None:
             self._rotation, self._force, self._velocity = situation.rotation, situation.force, velocity
+        if situation.effort is not self._effort:
+            self._take(situation.effort)
         share = min(1.0, dt / self._time)
         self._force = self._force + share * (situation.force - self._force)
         self._velocity = self._velocity + share * (velocity - self._velocity)
@@ -67,6 +66,13 @@ class FreeAttitude:
         if speed > 0.0:
             self._rotation = R @ rotation_about(rates / speed, speed * dt)
         return DesiredAttitude(quaternion_from_rotation(R), R @ rates)
+
+    def _take(self, effort: Matrix) -> None:
+        """Reckon with these thrusters from now on."""
+        self._effort = effort
+        sizes, axes = np.linalg.eigh(effort)
+        self._root = (axes * np.sqrt(np.maximum(sizes, 0.0))).T  # root' root = Q
+        self._lift_root = float(np.sqrt(np.trace(effort[3:, 3:]) / 3.0))
 
     def _descent(self, R: Matrix, situation: Situation) -> Vector:
         """Turning rate (3,) [rad/s], body axes."""
@@ -106,9 +112,3 @@ class FreeAttitude:
             normal = cross(upright, np.roll(upright, 1) + np.array([0.0, 1.0, 0.0]))  # any one will do
             return normal / float(np.linalg.norm(normal)) / self._time
         return normal * ((1.0 - sine) / (sine * self._time))
-
-
-def effort_matrix(A: Matrix) -> Matrix:
-    """Q = (A A')^+ (6,6): w' Q w is the least |f|^2 with A f = w, for w in the range of A."""
-    root = np.linalg.pinv(A, rcond=1e-2)
-    return root.T @ root

@@ -74,7 +74,8 @@ class PathFollower:
         refuge = self._seek_refuge(state, view, dt)
         motion = self.approach.motion(view) if refuge is None else refuge.motion(state.position)
         disturbance, current = self._unknowns(state, applied, dt)
-        attitude = self._mode(state).attitude(Situation(view, state.rotation, self._force, current), dt)
+        situation = Situation(view, state.rotation, self._force, current, self.capability.effort)
+        attitude = self._mode(state).attitude(situation, dt)
         wrench, reference = self._loops.wrench(state, motion, attitude, current)
         demanded = wrench - disturbance
         self._force = state.rotation @ demanded[:3]

@@ -5,24 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
-from cube_sim.control.free_attitude import FreeAttitude, effort_matrix
+from cube_sim.control.free_attitude import FreeAttitude
 from cube_sim.control.look_at import LookAt
 from cube_sim.scenario import attitude_blocks as blocks
 from cube_sim.scenario.schema import Control
-from cube_sim.spatial import Matrix, quaternion_from_euler
+from cube_sim.spatial import quaternion_from_euler
 from cube_sim.vehicle.dynamics import Dynamics
 
 FREE_SLOWNESS = 3.0
 """How many times slower than its attitude loop a free vehicle looks for its attitude."""
 
 
-def attitude_of(control: Control, dynamics: Dynamics, A: Matrix) -> AttitudeMode:
+def attitude_of(control: Control, dynamics: Dynamics) -> AttitudeMode:
     """The rule for the desired attitude.
 
     Args:
         control: the scenario's block.
         dynamics: what the controller knows of the vehicle.
-        A: (6,m) its actuation matrix.
     """
     block = control.attitude
     match block:
@@ -31,7 +30,7 @@ def attitude_of(control: Control, dynamics: Dynamics, A: Matrix) -> AttitudeMode
         case blocks.FixedAttitude():
             return FixedAttitude(quaternion_from_euler(*np.radians(block.attitude_deg)))
         case blocks.FreeAttitude():
-            return FreeAttitude(dynamics, effort_matrix(A), FREE_SLOWNESS * control.attitude_time_s)
+            return FreeAttitude(dynamics, FREE_SLOWNESS * control.attitude_time_s)
         case blocks.LookAt():
             axis = np.array(block.axis)
             return LookAt(np.array(block.point_m), axis / np.linalg.norm(axis), block.near_m, control.attitude_time_s)

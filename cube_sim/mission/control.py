@@ -46,7 +46,7 @@ def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
     return PathFollower(
         target=target,
         approach=approach,
-        attitude=attitude_of(control, dynamics, believed.vehicle.actuation_matrix),
+        attitude=attitude_of(control, dynamics),
         loops=MotionLoops(dynamics, control.velocity_time_s, control.attitude_time_s, control.rate_time_s),
         balancing_time=0.5 * control.attitude_time_s,
         observer=None if time is None else DisturbanceObserver(dynamics, time),

@@ -1,0 +1,19 @@
+"""What a wrench costs the thrusters."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cube_sim.spatial import Matrix
+
+
+def effort_matrix(A: Matrix) -> Matrix:
+    """Q = (A A')^+ (6,6): w' Q w is the least |f|^2 with A f = w, for w in the range of A, dead zones and limits apart.
+
+    Directions that cost a hundred times the cheapest one's force count as lost, and cost nothing.
+
+    Args:
+        A: (6,k) actuation matrix.
+    """
+    root = np.linalg.pinv(A, rcond=1e-2)
+    return np.asarray(root.T @ root, dtype=np.float64)
