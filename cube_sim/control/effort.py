@@ -16,4 +16,4 @@ def effort_matrix(A: Matrix) -> Matrix:
         A: (6,k) actuation matrix.
     """
     root = np.linalg.pinv(A, rcond=1e-2)
-    return np.asarray(root.T @ root, dtype=np.float64)
+    return root.T @ root

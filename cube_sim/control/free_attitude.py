@@ -80,9 +80,10 @@ class FreeAttitude:
         known = self._water(situation.rotation, current)
         rest = self._force - situation.rotation @ known[:3]
         y = self._efforts(R, current, rest)
-        slopes = np.array([self._efforts(R @ turn, current, rest) - y for turn in _TURNS]) / STEP  # J'
+        slopes = np.array([(self._efforts(R @ turn, current, rest) - y) / STEP for turn in _TURNS])  # J'
         damping = DAMPING * float(y @ y) + SOFTNESS_N**2
-        return -np.linalg.solve(slopes @ slopes.T + damping * _UNIT, slopes @ y) / self._time
+        step = np.linalg.solve(slopes @ slopes.T + damping * _UNIT, slopes @ y)
+        return np.asarray(-step / self._time, dtype=np.float64)
 
     def _efforts(self, R: Matrix, current: Vector, rest: Vector) -> Vector:
         """y (7,) [N], whose square is E and the share of the potential energy."""
