@@ -4,8 +4,8 @@ The published planar equations hold u v and u r terms that are neither added mas
 of surge. This force is what makes the whole hull obey those equations; the constants are the model file's, and a test
 holds the compiled model to the equations.
 
-These derivatives were fitted to a vehicle that goes ahead. Astern, u < 0, the same products put energy into yaw and sway
-instead of taking it out: the model is for u > 0.
+These derivatives were fitted to a vehicle that goes ahead. Astern, u < 0, the same products put energy into yaw and
+sway instead of taking it out: the model is for u > 0.
 """
 
 from __future__ import annotations
