@@ -23,21 +23,14 @@ def compiled(function: Callable[..., Any]) -> Any:
     return _compile(function)
 
 
-def inner(function: Callable[..., Any]) -> Any:
-    """The same for a function that compiled ones alone call.
-
-    It gets no doors for callers from Python and from C, which take as long to compile as a short function itself.
-    """
-    return _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-
-
 def inlined(function: Callable[..., Any]) -> Any:
-    """The same for a function called from one place: compiled as a part of its caller, and not once more by itself."""
+    """The same for a function called from one place: compiled as a part of its caller, not once more by itself."""
     return _compile(function, inline="always")
 
 
 def _compile(function: Callable[..., Any], **options: Any) -> Any:
-    dispatcher = numba.njit(cache=True, fastmath=False, error_model="numpy", **options)(function)
+    # Nothing calls these functions from C; a door for it would take a tenth of the time compiling takes.
+    dispatcher = numba.njit(cache=True, fastmath=False, error_model="numpy", no_cfunc_wrapper=True, **options)(function)
     file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if file is not None:  # numba has no public way to say what a cached function depends on
         file._source_stamp = (file._source_stamp, _fingerprint(function))

@@ -81,7 +81,7 @@ def test_switching_penalty_is_part_of_the_optimum(objective):
     )
     last, push = np.zeros(4), np.zeros(4)
     changed = exact = 0
-    for wrench in np.random.default_rng(9).normal(size=(60, 3)) * [10, 3, 3]:
+    for wrench in np.random.default_rng(9).normal(size=(30, 3)) * [10, 3, 3]:
         answer = allocator.allocate(wrench)
         best, plain = np.inf, np.inf
         for (low, high), signs in zip(cells(limits, True), itertools.product((-1, 1, 0), repeat=4), strict=True):
@@ -98,8 +98,8 @@ def test_switching_penalty_is_part_of_the_optimum(objective):
             changed += np.sum((answer.force - target) ** 2) > plain * (1 + 1e-6) + 1e-6
             exact += 1
         last, push = answer.subset, np.where(answer.subset != 0, answer.subset, push)
-    assert changed > 5
-    assert exact > 20
+    assert changed > 3
+    assert exact > 15
 
 
 def test_a_second_motor_does_not_come_and_go_at_the_edge_of_its_dead_zone():

@@ -10,7 +10,7 @@ from cube_sim.allocation.memory import Tick, sides_of
 from cube_sim.allocation.nearest import CANDIDATES, nearest
 from cube_sim.allocation.scaled import largest_share
 from cube_sim.allocation.tables import Beyond
-from cube_sim.compiled import compiled, inlined, inner
+from cube_sim.compiled import compiled, inlined
 
 FAR = 1e3
 """Demands longer than this many times the reach are shortened for the search; the closest wrench is the same."""
@@ -132,7 +132,7 @@ def nearest_origins(
     return candidates[:count], nodes, proven
 
 
-@inner
+@compiled
 def shortened(reach: float, demand: NDArray[np.float64]) -> float:
     """Factor that makes a demand (n,) far beyond reach shorter, so that no product overflows; else 1."""
     size = 0.0
@@ -142,7 +142,7 @@ def shortened(reach: float, demand: NDArray[np.float64]) -> float:
     return limit / size if size > limit else 1.0
 
 
-@inner
+@compiled
 def reachable(distance: WrenchDistance, demand: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
     """Coordinates s (r,) of `WrenchDistance` of a scaled demand (n,), what no forces of any size can make left out."""
     goal = np.zeros(distance.basis.shape[1])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cube_sim.allocation.relaxation import choose_side
 from cube_sim.allocation.sides import Price, Sides
 from cube_sim.allocation.ties import changed, preferred, slack_of
-from cube_sim.compiled import inner
+from cube_sim.compiled import compiled
 
 PARALLEL, CROSSING = 1e-12, 1e-6
 """Two motors' lines in the plane count as parallel below the first sine and must cross above the second."""
@@ -31,7 +31,7 @@ def suits_lines(plane: NDArray[np.float64]) -> bool:
     return not np.any((sine > PARALLEL) & (sine < CROSSING))
 
 
-@inner
+@compiled
 def line_search(
     origin: NDArray[np.float64],
     plane: NDArray[np.float64],
@@ -145,7 +145,7 @@ def line_search(
     return best < math.inf, value, looked
 
 
-@inner
+@compiled
 def _insert(
     motor: NDArray[np.int64],
     end: NDArray[np.float64],

@@ -12,7 +12,7 @@ from cube_sim.allocation.projection import INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import split
 from cube_sim.allocation.search import MOST_NODES
 from cube_sim.allocation.sides import Sides
-from cube_sim.compiled import inner
+from cube_sim.compiled import compiled
 
 CANDIDATES = 32
 """Most distinct equally close wrenches kept; symmetric vehicles have a handful."""
@@ -22,7 +22,7 @@ DOUBT = 1000.0
 """Gap between an answer and its bound, in roundings, from which the answer counts as not proven."""
 
 
-@inner
+@compiled
 def nearest(
     goal: NDArray[np.float64],
     space: WrenchDistance,

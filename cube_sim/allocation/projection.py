@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.compiled import compiled, inner
+from cube_sim.compiled import compiled
 
 OPTIMAL, INFEASIBLE, CUT, STALLED = 0, 1, 2, 3
 """Outcomes: solved; no point satisfies the strips; the distance exceeds the cutoff; the iteration limit was hit."""
@@ -146,7 +146,7 @@ def project(
     return STALLED
 
 
-@inner
+@compiled
 def _drop(
     rows: NDArray[np.float64],
     active: NDArray[np.int64],

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.search import MOST_NODES
 from cube_sim.allocation.sides import Sides
-from cube_sim.compiled import inner
+from cube_sim.compiled import compiled
 
 
-@inner
+@compiled
 def largest_share(
     base: NDArray[np.float64],
     across: NDArray[np.float64],
@@ -88,7 +88,7 @@ def largest_share(
     return best, True, looked
 
 
-@inner
+@compiled
 def interval_end(
     base: NDArray[np.float64],
     across: NDArray[np.float64],

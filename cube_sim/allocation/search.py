@@ -11,7 +11,7 @@ from cube_sim.allocation.projection import CUT, INFEASIBLE, STALLED, project
 from cube_sim.allocation.relaxation import choose_side, split
 from cube_sim.allocation.sides import Price, Sides
 from cube_sim.allocation.ties import changed, preferred, slack_of
-from cube_sim.compiled import inner
+from cube_sim.compiled import compiled
 
 FOUND, NONE, GAVE_UP = 0, 1, 2
 """Outcomes: the optimum; no allowed forces make the wrench; a projection stalled or there were too many: not proven."""
@@ -25,7 +25,7 @@ MOST_NODES = 20_000
 """Projections after which a search gives up its proof and answers with the best it has; eight motors take hundreds."""
 
 
-@inner
+@compiled
 def search(
     origin: NDArray[np.float64],
     kernel: NDArray[np.float64],

@@ -11,7 +11,7 @@ from cube_sim.allocation.facets import facet_normals
 from cube_sim.allocation.geometry import WrenchDistance, WrenchFibre, torque_rows
 from cube_sim.allocation.lines import suits_lines
 from cube_sim.allocation.relaxation import relax
-from cube_sim.compiled import compiled, inner
+from cube_sim.compiled import compiled
 
 
 class Packed(NamedTuple):
@@ -219,7 +219,7 @@ def unpack_beyond(numbers: NDArray[np.float64], integers: NDArray[np.int64]) -> 
     return Beyond(WrenchDistance(spread, kernel, basis, gain, numbers[at : at + n]), facets)
 
 
-@inner
+@compiled
 def _take(numbers: NDArray[np.float64], at: int, rows: int, columns: int) -> tuple[NDArray[np.float64], int]:
     end = at + rows * columns
     return numbers[at:end].reshape(rows, columns), end

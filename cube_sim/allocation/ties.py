@@ -7,16 +7,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.compiled import inner
+from cube_sim.compiled import compiled
 
 
-@inner
+@compiled
 def slack_of(best: float) -> float:
     """Difference in cost that counts as rounding next to the best cost [N^2]."""
     return 1e-9 * (abs(best) + 1e-6) if best < math.inf else 0.0
 
 
-@inner
+@compiled
 def changed(sides: NDArray[np.float64], previous: NDArray[np.float64]) -> int:
     """Number of motors whose side differs from the previous one."""
     count = 0
@@ -25,7 +25,7 @@ def changed(sides: NDArray[np.float64], previous: NDArray[np.float64]) -> int:
     return count
 
 
-@inner
+@compiled
 def preferred(
     cost: float,
     best: float,
