@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, Literal, Protocol, get_args
 
 from numpy.typing import ArrayLike
@@ -11,7 +12,7 @@ from cube_sim.allocation.allocator import Allocator, Method
 from cube_sim.allocation.arguments import one_of
 from cube_sim.allocation.compensation import Compensation
 from cube_sim.allocation.contraction import Contraction
-from cube_sim.allocation.pseudo_inverse import ClippedPseudoInverse, PseudoInverse
+from cube_sim.allocation.pseudo_inverse import PseudoInverse
 from cube_sim.allocation.result import Allocation
 from cube_sim.errors import AllocationError
 
@@ -22,7 +23,7 @@ _SIMPLE = {
     "contraction": Contraction,
     "compensation": Compensation,
     "pseudo_inverse": PseudoInverse,
-    "clipped_pseudo_inverse": ClippedPseudoInverse,
+    "clipped_pseudo_inverse": partial(PseudoInverse, clipped=True),
 }
 _SIMPLE_OPTIONS = ("allow_off", "power_coefficients")
 

@@ -10,14 +10,17 @@ from cube_sim.allocation.result import Allocation
 
 
 class PseudoInverse:
-    """``f = A^+ F``: least ``|f|^2``, blind to saturation and dead zones.
+    """``f = A^+ F``: least ``|f|^2``, blind to saturation and dead zones unless it is clipped.
 
-    The forces may lie outside the allowed set; `Status.FORBIDDEN_FORCE` says when. What the motors make of them is
-    for their characteristic to say: they saturate, and rest in the dead zone.
+    Unclipped forces may lie outside the allowed set; `Status.FORBIDDEN_FORCE` says when. What the motors make of them
+    is for their characteristic to say: they saturate, and rest in the dead zone. Clipped, each force is cut off at
+    saturation and, inside the dead zone, replaced by what a motor makes, 0; where motors may not rest, it moves to
+    the nearer edge.
 
     Args:
         A: see `Allocator`.
         limits: see `Allocator`.
+        clipped: whether forces keep to the allowed set.
         allow_off: see `Allocator`.
         power_coefficients: see `Allocator`.
     """
@@ -27,10 +30,12 @@ class PseudoInverse:
         A: ArrayLike,
         limits: ArrayLike,
         *,
+        clipped: bool = False,
         allow_off: bool = True,
         power_coefficients: ArrayLike | None = None,
     ) -> None:
         self._judge = Judge(A, limits, allow_off, power_coefficients)
+        self._clipped = clipped
 
     def reset(self) -> None:
         """Nothing is remembered."""
@@ -38,39 +43,11 @@ class PseudoInverse:
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench (n,)."""
         demand, finite = self._judge.demand(wrench)
-        return self._judge.judge(demand, finite, self._judge.pseudo_inverse @ demand)
-
-
-class ClippedPseudoInverse:
-    """``A^+ F`` with each force cut off at saturation and, inside the dead zone, replaced by what a motor makes: 0.
-
-    Where motors may not rest, a force inside the dead zone moves to the nearer edge.
-
-    Args:
-        A: see `Allocator`.
-        limits: see `Allocator`.
-        allow_off: see `Allocator`.
-        power_coefficients: see `Allocator`.
-    """
-
-    def __init__(
-        self,
-        A: ArrayLike,
-        limits: ArrayLike,
-        *,
-        allow_off: bool = True,
-        power_coefficients: ArrayLike | None = None,
-    ) -> None:
-        self._judge = Judge(A, limits, allow_off, power_coefficients)
-
-    def reset(self) -> None:
-        """Nothing is remembered."""
-
-    def allocate(self, wrench: ArrayLike) -> Allocation:
-        """Find the forces for one demanded wrench (n,)."""
-        demand, finite = self._judge.demand(wrench)
-        low, edge_low, edge_high, high = self._judge.limits.T
-        force = np.clip(self._judge.pseudo_inverse @ demand, low, high)
-        inside = (force > edge_low) & (force < edge_high)
-        edge = 0.0 if self._judge.allow_off else np.where(force - edge_low < edge_high - force, edge_low, edge_high)
-        return self._judge.judge(demand, finite, np.where(inside, edge, force))
+        force = self._judge.pseudo_inverse @ demand
+        if self._clipped:
+            low, edge_low, edge_high, high = self._judge.limits.T
+            force = np.clip(force, low, high)
+            inside = (force > edge_low) & (force < edge_high)
+            nearer = np.where(force - edge_low < edge_high - force, edge_low, edge_high)
+            force = np.where(inside, 0.0 if self._judge.allow_off else nearer, force)
+        return self._judge.judge(demand, finite, force)
