@@ -172,7 +172,7 @@ class Control(Block):
         description="Estimate of the wrench the model does not explain [s]; null: no estimate.",
     )
     current_time_s: float | None = Field(
-        default=10.0,
+        default=5.0,
         gt=0,
         description="Estimate of the current, from the wrench still water does not explain [s]; null, or without"
         " disturbance_time_s: none, and"
