@@ -250,7 +250,8 @@ def _describe(mission: Mission, recorder: Recorder) -> None:
     _record_actuation(mission, recorder, 0.0)
     points = np.array([mission.path.at(s).position for s in np.linspace(0.0, mission.path.length, PATH_POINTS)])
     recorder.append("path", 0.0, points.ravel())
-    recorder.log(0.0, "INFO", f"{mission.scenario.name}: {mission.path.length:.2f} m of path")
+    length = mission.path.length
+    recorder.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
 
 
 def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:

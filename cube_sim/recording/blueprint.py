@@ -11,7 +11,18 @@ from numpy.typing import NDArray
 
 from cube_sim.recording import palette
 from cube_sim.recording.channels import Channel
-from cube_sim.recording.rerun_plots import ATTITUDE, ERROR, FORCE, HEALTH, LANES, MOMENT, NAVIGATION, THRUSTERS, WATER
+from cube_sim.recording.rerun_plots import (
+    ATTITUDE,
+    ERROR,
+    FORCE,
+    HEALTH,
+    LANES,
+    MOMENT,
+    NAVIGATION,
+    POWER,
+    THRUSTERS,
+    WATER,
+)
 from cube_sim.recording.rerun_scene import ESTIMATE, ESTIMATE_TRAIL, LOG, TARGET, TRAIL, VEHICLE, WORLD
 
 TIMELINE = "sim_time"
@@ -59,7 +70,8 @@ def blueprint(
         tabs = [force, moment, attitude, *([plot(WATER, "Current [m/s]")] if "water" in names else [])]
         plots.append((3.0, rrb.Tabs(*tabs, active_tab=0)))
     if "thrusters" in names:
-        plots.append((3.6, plot(THRUSTERS, "Thruster forces [N]")))
+        drawn = [plot(POWER, "Power [W] and voltage [V]")] if "power" in names else []
+        plots.append((3.6, rrb.Tabs(plot(THRUSTERS, "Thruster forces [N]"), *drawn, active_tab=0)))
     log = rrb.TextLogView(origin=LOG, name="Log")
     tabs = [view for name, view in (("allocation", lanes), ("health", health)) if name in names]
     said = rrb.Tabs(*tabs, log, active_tab=0)

@@ -55,7 +55,7 @@ class Lane:
 
 
 ERROR, ATTITUDE, FORCE, MOMENT = "/plot/path_error", "/plot/attitude", "/plot/force", "/plot/moment"
-NAVIGATION, WATER = "/plot/navigation", "/plot/water"
+NAVIGATION, WATER, POWER = "/plot/navigation", "/plot/water", "/plot/power"
 THRUSTERS, LANES, HEALTH = "/plot/thrusters", "/state", "/health"
 
 _BRIGHT, _DARK = (palette.ORANGE, palette.SKY, palette.GREEN), ((84, 60, 8), (30, 62, 82), (8, 60, 44))
@@ -109,6 +109,13 @@ def curves(channels: Sequence[Channel]) -> list[Curves]:
         force = thrusters["force"]
         names = tuple(f"{name} [{force.unit}]" for name in force.columns)
         found.append(Curves("thrusters", "force", THRUSTERS, names, tuple(palette.series(force.width))))
+    if power := table.get("power"):
+        motor = power["motor"]
+        names = tuple(f"{name} [{motor.unit}]" for name in motor.columns)
+        found += [
+            Curves("power", "motor", f"{POWER}/motor", names, tuple(palette.series(motor.width))),
+            _single(power["voltage"], "power", POWER, "voltage", palette.PATH),
+        ]
     return found
 
 
