@@ -32,16 +32,18 @@ def still_at(position, yaw=0.4, pitch=0.3):
 
 def test_the_watch_gives_up_only_after_its_patience_and_forgets_when_the_path_is_near_again():
     watch = Watch(SafeMode(limit=2.0, patience=1.0))
+    assert not any(watch.reason(view_at(9.0), 0.1) for _ in range(99))  # it has yet to come near
+    assert not watch.reason(view_at(1.0), 0.1)
     assert not any(watch.reason(view_at(2.5), 0.1) for _ in range(9))
     assert not watch.reason(view_at(1.9), 0.1)
     reasons = [watch.reason(view_at(2.5), 0.1) for _ in range(12)]
     assert not any(reasons[:9])
-    assert reasons[-1] == "2.5 m from the path after 1 s beyond 2 m"
+    assert reasons[-1] == "2.5 m from its target on the path, beyond 2 m for 1 s"
 
 
 def test_a_refuge_is_where_the_vehicle_was_level_with_its_heading():
     refuge = Refuge(SafeMode(speed=0.2, time=5.0), still_at([1.0, 2.0, -3.0]), "lost")
-    assert refuge.reason == "lost; it holds its position"
+    assert refuge.reason == "lost; it holds its position as well as it can"
     np.testing.assert_allclose(refuge.motion(np.array([1.0, 2.5, -3.0])).velocity, [0.0, -0.1, 0.0], atol=1e-12)
     assert np.linalg.norm(refuge.motion(np.array([50.0, 2.0, -3.0])).velocity) == pytest.approx(0.2)
     np.testing.assert_array_equal(refuge.motion(np.array([1.0, 2.0, -3.0])).velocity, np.zeros(3))
@@ -50,7 +52,7 @@ def test_a_refuge_is_where_the_vehicle_was_level_with_its_heading():
 def test_surfacing_rises_above_the_same_place():
     refuge = Refuge(SafeMode(surface=0.0), still_at([1.0, 2.0, -3.0]), "lost")
     np.testing.assert_allclose(refuge.motion(np.array([1.0, 2.0, -3.0])).velocity, [0.0, 0.0, 0.2], atol=1e-12)
-    assert refuge.reason.endswith("it surfaces")
+    assert refuge.reason.endswith("it makes for the surface")
 
 
 def flown(tmp_path, changes):
@@ -80,7 +82,7 @@ def test_a_current_stronger_than_the_vehicle_makes_it_give_up_and_hold(tmp_path)
     signals, log = flown(tmp_path, {"duration_s": 60, "events": events, "control.safe_mode": safe})
     given_up = [text for text in log if text.startswith("the path is given up")]
     assert len(given_up) == 1
-    assert "m from the path after 3 s beyond 2 m; it holds its position" in given_up[0]
+    assert "m from its target on the path, beyond 2 m for 3 s; it holds its position" in given_up[0]
     authority = signals["health.authority"]
     at = int(np.argmax(authority[:, 1] == SAFE))
     place = signals["pose.position"][at, 1:]

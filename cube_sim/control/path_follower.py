@@ -63,6 +63,8 @@ class PathFollower:
         self._balanced, self._loops = None, self.loops
         if left.authority is not Authority.SAFE:
             self._refuge = None
+        elif self._refuge is not None:
+            self._refuge.because(left.reason)
         if left.authority in (Authority.LINE, Authority.UNICYCLE):
             # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
             slower = max(self.loops.velocity_time, 2.0 * self.loops.attitude_time)

@@ -21,7 +21,7 @@ class SafeMode:
         surface: height to rise to [m], world axes; None to hold position.
         speed: bound on the velocity asked for [m/s].
         time: in which the distance to the place shrinks by 63 % [s].
-        limit: distance from the path [m] beyond which it is given up; infinite for never.
+        limit: distance from the target on the path [m] beyond which it is given up; infinite for never.
         patience: how long the distance has to stay beyond the limit [s].
     """
 
@@ -48,7 +48,12 @@ class Refuge:
             self._place[2] = mode.surface
         ahead = state.rotation[:, 0]
         self.attitude = FixedAttitude(quaternion_from_euler(0.0, 0.0, atan2(ahead[1], ahead[0])))
-        self.reason = f"{reason}; {'it holds its position' if mode.surface is None else 'it surfaces'}"
+        self.because(reason)
+
+    def because(self, reason: str) -> None:
+        """Give another reason to be here."""
+        does = "it holds its position as well as it can" if self._mode.surface is None else "it makes for the surface"
+        self.reason = f"{reason}; {does}"
 
     def motion(self, position: Vector) -> DesiredMotion:
         """Towards the place, never faster than the mode's speed."""
@@ -58,15 +63,17 @@ class Refuge:
 
 
 class Watch:
-    """Notices when the path is out of reach for good."""
+    """Notices when a vehicle that was near its target has lost it for good; how far it starts away does not count."""
 
     def __init__(self, mode: SafeMode) -> None:
-        self._mode, self._since = mode, 0.0
+        self._mode, self._since, self._was_near = mode, 0.0, False
 
     def reason(self, view: TargetView, dt: float) -> str:
         """Why the path is given up, "" if it is not; to be asked at every tick."""
         distance = float(np.linalg.norm(view.error))
-        self._since = self._since + dt if distance > self._mode.limit else 0.0
+        self._was_near |= distance <= self._mode.limit
+        self._since = self._since + dt if self._was_near and distance > self._mode.limit else 0.0
         if self._since < self._mode.patience:
             return ""
-        return f"{distance:.1f} m from the path after {self._mode.patience:g} s beyond {self._mode.limit:g} m"
+        limit, patience = self._mode.limit, self._mode.patience
+        return f"{distance:.1f} m from its target on the path, beyond {limit:g} m for {patience:g} s"

@@ -147,9 +147,10 @@ class SafeMode(Block):
         description="Weight in water of the ballast dropped when it surfaces; its inertia is taken as none [N].",
     )
     distance_limit_m: float | None = Field(
-        default=None,
+        default=10.0,
         gt=0,
-        description="Distance from the virtual target beyond which the path is given up [m]. Default: never.",
+        description="Distance from its target at which a vehicle that was nearer gives the path up, until other"
+        " thrusters work; null: never [m].",
     )
     patience_s: float = Field(default=10.0, gt=0, description="How long it has to stay beyond that limit [s].")
 
