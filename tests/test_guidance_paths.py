@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cube_sim.errors import PathError
+from cube_sim.guidance import tabulation
 from cube_sim.guidance.arc import arc_through, circle
 from cube_sim.guidance.helix import Helix
 from cube_sim.guidance.line import Line
@@ -253,6 +254,14 @@ REFUSED = {
     ),
     "not a number": (lambda: spline([[0, 0, 0], [1, 0, np.nan]]), "point 1 is not finite", (1,)),
     "doubling back": (lambda: polyline([[0, 0, 0], [5, 0, 0], [1, 0, 0]], 0.1), "doubles back at point 1", (1,)),
+    "spline doubling back": (lambda: spline([[0, 0, 0], [5, 0, 0], [0, 0, 0]]), "doubles back at point 1", (1,)),
+    "closed spline doubling back": (
+        lambda: spline([[0, 0, 0], [5, 0, 0], [9, 0, 0]], True),
+        "doubles back at point 0",
+        (0,),
+    ),
+    "too far away": (lambda: spline([[0, 0, 0], [1, 0, 0], [1e300, 1, 1]]), r"coordinate of 1e\+300 m", (2,)),
+    "a speck": (lambda: spline([[0, 0, 0], [1e-5, 0, 0]]), "a path of 1e-05 m", ()),
     "corner too wide": (lambda: polyline(CORNERS, 3.0), "largest radius that fits", (2,)),
 }
 
@@ -267,6 +276,47 @@ def test_what_makes_no_path_is_refused_with_its_place(make, says, below):
 def test_a_cusp_is_refused():
     with pytest.raises(PathError, match="kink or a cusp"):
         tabulate([0.0, 0.0, 0.0], [Piece(lambda u: np.column_stack([u - 0.3, (u - 0.3) ** 2, 0.0 * u]), 1.0)])
+
+
+def test_a_curve_that_stops_between_two_pieces_and_turns_is_refused():
+    ahead, back = (
+        Piece(lambda u, way=way: np.outer(way * (1.0 - u), [1.0, 0.0, 0.0]), 1.0, (i,)) for i, way in ((0, 1), (1, -1))
+    )
+    with pytest.raises(PathError, match="kink or a cusp") as caught:
+        tabulate([0.0, 0.0, 0.0], [ahead, back])
+    assert caught.value.below == (1,)
+
+
+def test_a_curve_that_bends_without_end_is_refused_and_not_tabulated(monkeypatch):
+    monkeypatch.setattr(tabulation, "MOST_CELLS", 500)
+    wild = [Piece(lambda u: np.column_stack([np.ones_like(u), 5.0 * np.sin(300.0 * u), 0.0 * u]), 1.0)] * 20
+    with pytest.raises(PathError, match="more than 500 polynomials"):
+        tabulate([0.0, 0.0, 0.0], wild)
+
+
+def test_no_accepted_path_through_points_has_a_frame_that_is_none():
+    """Random walks, among them ones that run back the way they came, exactly or nearly."""
+    rng = np.random.default_rng(11)
+    refused = accepted = 0
+    for n in range(160):
+        points = np.cumsum(rng.normal(size=(rng.integers(3, 6), 3)), axis=0)
+        if n % 2:  # back to the last point but one, beside it by nothing or by 1e-9 to 3 m
+            beside = rng.normal(size=3) * (0.0 if n % 8 == 1 else 10.0 ** rng.uniform(-9.0, 0.5))
+            points = np.vstack([points, points[-2] + beside])
+        for make in (lambda closed, p=points: spline(p, closed), lambda closed, p=points: polyline(p, 0.01, closed)):
+            for closed in (False, True):
+                try:
+                    path = make(closed)
+                except PathError:
+                    refused += 1
+                    continue
+                accepted += 1
+                for s in np.linspace(0.0, path.length, 60):
+                    point = path.at(s)
+                    np.testing.assert_allclose(point.rotation.T @ point.rotation, np.eye(3), atol=1e-9)
+                    assert np.isfinite([*point.position, *point.curvature, *point.curvature_rate]).all()
+    assert refused > 100
+    assert accepted > 100
 
 
 def test_random_splines_keep_all_promises():

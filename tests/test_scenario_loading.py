@@ -155,6 +155,11 @@ checks:
             "kind: signal, signal: a.b, statistic: max, at_most: 1, from_s: 5, to_s: 5",
             "8:78: checks.0.to_s: the window is empty",
         ),
+        (
+            "guidance:",
+            "initial: {position_m: [1.0e+300, 0, 0]}\nguidance:",
+            "6:24: initial.position_m.0: must be at most 100000, got 1e+300",
+        ),
         ("name: short_line", "name: ../up", "2:7: name: must match "),
     ],
 )  # fmt: skip

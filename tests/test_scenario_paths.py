@@ -96,6 +96,27 @@ WRONG = {
     "{type: csv, file: points.csv, shape: polyline}": (
         "mission.yaml:5:1: path.corner_radius_m: a polyline needs corner_radius_m, a spline has no corners"
     ),
+    "{type: spline, points_m: [[0, 0, 0], [4, 0, 0], [1, 0, 0]]}": (
+        "mission.yaml:5:44: path.points_m.1: the path doubles back at point 1"
+    ),
+    "{type: line, start_m: [0, 0, 0], end_m: [1.0e+200, 0, 0]}": (
+        "mission.yaml:5:48: path.end_m.0: must be at most 100000, got 1e+200"
+    ),
+    "{type: line, start_m: [0, 0, 0], end_m: [1.0e-9, 0, 0]}": (
+        "mission.yaml:5:47: path.end_m: a line is 0.01 m long or longer, this one 1e-09 m"
+    ),
+    "{type: sinusoid, start_m: [0, 0, 0], amplitude_m: 1.0e+6, wavelength_m: 0.02, periods: 1000}": (
+        "mission.yaml:5:57: path.amplitude_m: must be at most 100000, got 1000000.0"
+    ),
+    "{type: sinusoid, start_m: [0, 0, 0], amplitude_m: 100, wavelength_m: 0.02, periods: 1000}": (
+        "mission.yaml:5:57: path.amplitude_m: bends with a radius of 1.01e-07 m, which must be 0.01 m or more"
+    ),
+    "{type: helix, centre_m: [0, 0, 0], radius_m: 9000, pitch_m: 0, turns: 9000}": (
+        "mission.yaml:5:7: path: the path would be some 5.09e+08 m long; 0.01 to 1e+06 m make sense"
+    ),
+    "{type: circle, centre_m: [0, 0, 0], radius_m: 1.0e-3, laps: 1}": (
+        "mission.yaml:5:53: path.radius_m: must be at least 0.01, got 0.001"
+    ),
     "{type: csv, file: no.csv}": "mission.yaml:5:25: path.file: no such file: {folder}no.csv",
 }
 
@@ -115,6 +136,8 @@ WRONG_FILES = {
     "x_m,y_m,z_m\n0,0,0\n\n1,0\n": "points.csv, row 4: column z_m is empty",
     "x_m,y_m,z_m\n0,0,nan\n1,0,0\n": "points.csv, row 2: column z_m must be finite, got nan",
     "x_m,y_m,z_m\n0,0,0\n1,0,0\n1,0,0\n": "points.csv, row 4 coincides with points.csv, row 3",
+    "x_m,y_m,z_m\n0,0,0\n4,0,0\n1,0,0\n": "the path doubles back at points.csv, row 3",
+    "x_m,y_m,z_m\n0,0,0\n1e300,1,1\n": ("points.csv, row 3 has a coordinate of 1e+300 m; 100000 m at most make sense"),
     b"x_m,y_m,z_m\n0,0,\xff\n": "points.csv is not UTF-8 text",
 }
 

@@ -70,18 +70,14 @@ def round_corners(points: Array, radius: float, closed: bool, names: Sequence[st
         PathError: the path doubles back, or two corners do not fit on the leg between them; it points at the point at
             fault and says which radius would fit.
     """
+    require_no_reversal(points, closed, names)
     legs = np.diff(points, axis=0, append=points[:1]) if closed else np.diff(points, axis=0)
     lengths = np.linalg.norm(legs, axis=1)
     ahead = legs / lengths[:, None]
     n = len(points)
     names = names or [f"point {i}" for i in range(n)]
     inner = range(n) if closed else range(1, n - 1)
-    corners = []
-    for i in inner:
-        corner = _corner(ahead[i - 1], ahead[i], radius)
-        if corner is None:
-            raise PathError(f"the path doubles back at {names[i]}", i)
-        corners.append(corner)
+    corners = [_corner(ahead[i - 1], ahead[i], radius) for i in inner]
 
     trims = np.zeros(n)
     trims[inner.start : inner.stop] = [corner.trim for corner in corners]
@@ -98,13 +94,34 @@ def round_corners(points: Array, radius: float, closed: bool, names: Sequence[st
     return corners
 
 
-def _corner(ahead: Array, out: Array, radius: float) -> Corner | None:
-    """The corner between two legs' directions; None where the path doubles back."""
+def require_no_reversal(points: Array, closed: bool, names: Sequence[str] = ()) -> None:
+    """Refuse points at which a path turns by more than `SHARPEST`.
+
+    Args:
+        points: (n, 3) [m], checked as by `cube_sim.guidance.waypoints.as_waypoints`.
+        closed: whether the last point leads back to the first.
+        names: what to call the points in messages; default "point 0", "point 1"...
+
+    Raises:
+        PathError: the path doubles back; it points at the point where.
+    """
+    legs = np.diff(points, axis=0, append=points[:1])
+    ahead = legs / np.maximum(np.linalg.norm(legs, axis=1, keepdims=True), 1e-300)
+    before = np.roll(ahead, 1, axis=0)
+    turn = 2.0 * np.arctan2(np.linalg.norm(ahead - before, axis=1), np.linalg.norm(ahead + before, axis=1))
+    if not closed:
+        turn[[0, -1]] = 0.0
+    sharp = turn > SHARPEST
+    if sharp.any():
+        i = int(np.argmax(sharp))
+        raise PathError(f"the path doubles back at {names[i] if names else f'point {i}'}", i)
+
+
+def _corner(ahead: Array, out: Array, radius: float) -> Corner:
+    """The corner between two legs' directions."""
     side = out - ahead * (ahead @ out)
     size = float(np.linalg.norm(side))
     turn = float(np.arctan2(size, ahead @ out))
-    if turn > SHARPEST:
-        return None
     if turn < STRAIGHT:
         return Corner(0.0, 0.0, 0.0, ahead, np.zeros(3))
     length = 1.875 * turn * radius

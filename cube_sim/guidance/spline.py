@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cube_sim.guidance.corner import require_no_reversal
 from cube_sim.guidance.tabulated import TabulatedPath
 from cube_sim.guidance.tabulation import Piece, tabulate
 from cube_sim.guidance.waypoints import as_waypoints
@@ -23,9 +24,10 @@ def spline(points: ArrayLike, closed: bool = False) -> TabulatedPath:
         closed: whether it returns smoothly from the last point to the first.
 
     Raises:
-        PathError: points coincide, or the curve has a cusp.
+        PathError: points coincide, the path doubles back at one, or the curve has a cusp.
     """
     knots = as_waypoints(points, closed)
+    require_no_reversal(knots, closed)
     if closed:
         knots = np.vstack([knots, knots[:1]])
     steps = np.linalg.norm(np.diff(knots, axis=0), axis=1)

@@ -29,6 +29,10 @@ SPEED_DEGREE, TANGENT_DEGREE = 24, 14
 LARGEST_TURN = 0.8
 """Angle by which the tangent may turn within a cell [rad]; the smallest rotation needs far less than pi."""
 MOST_HALVINGS = 20
+MOST_CELLS = 50_000
+"""Cells of the longest table, some ten seconds of work."""
+LARGEST_KINK = 1e-6
+"""Change of the unit tangent between two cells up to which the curve is taken to go on smoothly."""
 NEWTON_STEPS = 8
 """Enough from any start: a resolved speed varies little within a cell."""
 
@@ -88,7 +92,7 @@ def tabulate(start: ArrayLike, pieces: Sequence[Piece], closed: bool = False) ->
     """The path that begins at `start` (3,) [m] and runs through the pieces, the tangent continuous between them.
 
     Raises:
-        PathError: a piece stops, has a kink or turns too sharply to be a path.
+        PathError: the curve stops, has a kink or turns too sharply to be a path, or takes too many cells.
     """
     cells = _resolve(pieces)
     lengths = np.array([cell.length for cell in cells])
@@ -99,6 +103,7 @@ def tabulate(start: ArrayLike, pieces: Sequence[Piece], closed: bool = False) ->
     step[:, 0] += np.vstack([np.asarray(start, dtype=float)[None], ends[:-1]])
 
     first, last = (_unit(value @ T) for value in END_VALUES)
+    _require_smooth(pieces, cells, first, last, closed)
     cosine = np.einsum("nkj,nj->nk", T, first)
     spin = np.einsum("nkj,nj->nk", np.cross(T, SLOPE @ T), first) / (1.0 + cosine)
     angle = spin @ TANGENT_INTEGRAL.T
@@ -123,6 +128,9 @@ def _resolve(pieces: Sequence[Piece]) -> list[_Resolved]:
         failed = [stretch for stretch, cell in zip(open_stretches, found, strict=True) if cell is None]
         if not failed:
             return sorted(resolved, key=lambda cell: cell.stretch)
+        if len(resolved) + 2 * len(failed) > MOST_CELLS:
+            at_fault = pieces[failed[0].piece]
+            raise PathError(f"the path bends too often: it takes more than {MOST_CELLS} polynomials", *at_fault.below)
         open_stretches = [
             half
             for piece, first, last in failed
@@ -133,6 +141,16 @@ def _resolve(pieces: Sequence[Piece]) -> list[_Resolved]:
         ]
     at_fault = pieces[open_stretches[0].piece]
     raise PathError("the path has a kink or a cusp here", *at_fault.below)
+
+
+def _require_smooth(pieces: Sequence[Piece], cells: list[_Resolved], first: Array, last: Array, closed: bool) -> None:
+    """Refuse a curve that stops at the end of a cell and goes on in another direction: no cell by itself shows it."""
+    kinks = np.linalg.norm(first - np.roll(last, 1, axis=0), axis=1)
+    if not closed:
+        kinks[0] = 0.0
+    worst = int(np.argmax(kinks))
+    if not kinks[worst] <= LARGEST_KINK:
+        raise PathError("the path has a kink or a cusp here", *pieces[cells[worst].stretch.piece].below)
 
 
 def _try(pieces: Sequence[Piece], stretches: list[_Stretch]) -> list[_Resolved | None]:

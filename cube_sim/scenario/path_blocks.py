@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import dist, hypot, pi
 from pathlib import Path as FilePath
 from typing import Annotated, Literal, TypeVar
 
@@ -11,11 +12,13 @@ from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
 from ..errors import PathError
-from .values import Block, Vector3, refuse
+from .values import Block, Extent, Place, Vector3, refuse
 
-Waypoints = Annotated[tuple[Vector3, ...], Strict(False)]
+Waypoints = Annotated[tuple[Place, ...], Strict(False)]
 LAPS = "How many times round; default: again and again until the run ends. Only for a closed path."
 CORNER = "Smallest radius of curvature of the rounded corners [m]."
+SHORTEST_M, LONGEST_M = 0.01, 1e6
+"""Of a path, and of a radius along it."""
 Result = TypeVar("Result")
 
 
@@ -27,18 +30,26 @@ def accept(make: Callable[[], Result], *below: str | int) -> Result:
         refuse(str(error), *below, *error.below)
 
 
+def _require_length(length_m: float) -> None:
+    if not SHORTEST_M <= length_m <= LONGEST_M:
+        refuse(f"the path would be some {length_m:.3g} m long; {SHORTEST_M:g} to {LONGEST_M:g} m make sense")
+
+
 class Line(Block):
     """A straight segment."""
 
     type: Literal["line"]
-    start_m: Vector3 = Field(description="First point, world axes [m].")
-    end_m: Vector3 = Field(description="Last point, world axes [m]; differs from start_m.")
+    start_m: Place = Field(description="First point, world axes [m].")
+    end_m: Place = Field(description="Last point, world axes [m]; differs from start_m.")
 
     @field_validator("end_m")
     @classmethod
-    def _has_length(cls, end_m: Vector3, info: ValidationInfo) -> Vector3:
-        if end_m == info.data.get("start_m"):
+    def _has_length(cls, end_m: Place, info: ValidationInfo) -> Place:
+        start_m = info.data.get("start_m")
+        if end_m == start_m:
             refuse(f"a line needs two different points, start_m and end_m are both {list(end_m)}")
+        if start_m is not None and dist(start_m, end_m) < SHORTEST_M:
+            refuse(f"a line is {SHORTEST_M:g} m long or longer, this one {dist(start_m, end_m):g} m")
         return end_m
 
 
@@ -46,7 +57,7 @@ class Point(Block):
     """A point to stay at: the path of a vehicle that goes nowhere."""
 
     type: Literal["point"]
-    position_m: Vector3 = Field(description="Where to stay, world axes [m].")
+    position_m: Place = Field(description="Where to stay, world axes [m].")
     heading_deg: float = Field(
         default=0.0, description="Which way is along the path, from world x towards world y [deg]."
     )
@@ -56,15 +67,16 @@ class Arc(Block):
     """A part of a circle in any plane, through three points."""
 
     type: Literal["arc"]
-    start_m: Vector3 = Field(description="First point, world axes [m].")
-    through_m: Vector3 = Field(description="A point between, not on the line from start_m to end_m [m].")
-    end_m: Vector3 = Field(description="Last point [m].")
+    start_m: Place = Field(description="First point, world axes [m].")
+    through_m: Place = Field(description="A point between, not on the line from start_m to end_m [m].")
+    end_m: Place = Field(description="Last point [m].")
 
     @model_validator(mode="after")
     def _curved(self) -> Arc:
         from ..guidance.arc import arc_through
 
-        accept(lambda: arc_through(self.start_m, self.through_m, self.end_m))
+        arc = accept(lambda: arc_through(self.start_m, self.through_m, self.end_m))
+        _require_length(arc.length)
         return self
 
 
@@ -72,8 +84,8 @@ class Circle(Block):
     """A closed circle in any plane, run round and round."""
 
     type: Literal["circle"]
-    centre_m: Vector3 = Field(description="Centre, world axes [m].")
-    radius_m: float = Field(gt=0, description="Radius [m].")
+    centre_m: Place = Field(description="Centre, world axes [m].")
+    radius_m: Extent = Field(description="Radius [m].")
     axis: Vector3 = Field(
         default=(0.0, 0.0, 1.0),
         description="Direction square to the circle's plane, of any length; the circle is seen from its tip.",
@@ -99,12 +111,12 @@ class Helix(Block):
     """A circular helix about a vertical axis; with pitch_m 0 it is a horizontal circle with two ends."""
 
     type: Literal["helix"]
-    centre_m: Vector3 = Field(
+    centre_m: Place = Field(
         description="Centre of the circle on which the helix starts: a point of the axis, world axes [m]."
     )
-    radius_m: float = Field(gt=0, description="Distance of the path from its axis [m].")
-    pitch_m: float = Field(description="Rise along world z in one turn [m]; negative descends.")
-    turns: float = Field(gt=0, description="Number of turns; fractions are welcome.")
+    radius_m: Extent = Field(description="Distance of the path from its axis [m].")
+    pitch_m: float = Field(ge=-1e5, le=1e5, description="Rise along world z in one turn [m]; negative descends.")
+    turns: float = Field(gt=0, le=1e4, description="Number of turns; fractions are welcome.")
     start_angle_deg: float = Field(
         default=0.0, description="Where on the circle the path starts, from world x towards world y [deg]."
     )
@@ -112,16 +124,32 @@ class Helix(Block):
         default="left", description="Seen from above: left turns counter-clockwise, right clockwise."
     )
 
+    @model_validator(mode="after")
+    def _has_a_length(self) -> Helix:
+        _require_length(self.turns * hypot(2.0 * pi * self.radius_m, self.pitch_m))
+        return self
+
 
 class Sinusoid(Block):
     """A level sine wave about a straight axis; its tightest bend has a radius of wavelength^2 / (4 pi^2 amplitude)."""
 
     type: Literal["sinusoid"]
-    start_m: Vector3 = Field(description="Where it starts, on its axis, world axes [m].")
+    start_m: Place = Field(description="Where it starts, on its axis, world axes [m].")
     heading_deg: float = Field(default=0.0, description="Direction of the axis, from world x towards world y [deg].")
-    amplitude_m: float = Field(description="Largest distance from the axis [m]; negative begins to the right.")
-    wavelength_m: float = Field(gt=0, description="Length of one wave along the axis [m].")
+    amplitude_m: float = Field(
+        ge=-1e5, le=1e5, description="Largest distance from the axis [m]; negative begins to the right."
+    )
+    wavelength_m: Extent = Field(description="Length of one wave along the axis [m].")
     periods: float = Field(gt=0, le=1000, description="Number of waves; fractions are welcome.")
+
+    @model_validator(mode="after")
+    def _can_be_followed(self) -> Sinusoid:
+        tightest = self.wavelength_m**2 / (4.0 * pi**2 * max(abs(self.amplitude_m), 1e-300))
+        if tightest < SHORTEST_M:
+            text = f"bends with a radius of {tightest:.3g} m, which must be {SHORTEST_M:g} m or more"
+            refuse(text, "amplitude_m")
+        _require_length(self.periods * hypot(self.wavelength_m, 4.0 * self.amplitude_m))
+        return self
 
 
 class Closable(Block):
@@ -143,7 +171,7 @@ class Polyline(Closable):
 
     type: Literal["polyline"]
     points_m: Waypoints = Field(description="Corners of the path, world axes [m]; two or more, three if closed.")
-    corner_radius_m: float = Field(gt=0, description=CORNER)
+    corner_radius_m: Extent = Field(description=CORNER)
 
     @model_validator(mode="after")
     def _fits(self) -> Polyline:
@@ -163,9 +191,11 @@ class Spline(Closable):
 
     @model_validator(mode="after")
     def _distinct(self) -> Spline:
+        from ..guidance.corner import require_no_reversal
         from ..guidance.waypoints import as_waypoints
 
-        accept(lambda: as_waypoints(self.points_m, self.closed), "points_m")
+        points = accept(lambda: as_waypoints(self.points_m, self.closed), "points_m")
+        accept(lambda: require_no_reversal(points, self.closed), "points_m")
         return self
 
 
@@ -175,7 +205,7 @@ class Csv(Closable):
     type: Literal["csv"]
     file: str = Field(min_length=1, description="CSV file, relative to the scenario file.")
     shape: Literal["spline", "polyline"] = Field(default="spline", description="What joins the points.")
-    corner_radius_m: float | None = Field(default=None, gt=0, description=CORNER + " Only, and always, for a polyline.")
+    corner_radius_m: Extent | None = Field(default=None, description=CORNER + " Only, and always, for a polyline.")
 
     @field_validator("file")
     @classmethod
@@ -186,7 +216,7 @@ class Csv(Closable):
 
     @model_validator(mode="after")
     def _readable(self) -> Csv:
-        from ..guidance.corner import round_corners
+        from ..guidance.corner import require_no_reversal, round_corners
         from ..guidance.waypoints import as_waypoints
         from ..guidance.waypoints_csv import read_waypoints
 
@@ -195,6 +225,7 @@ class Csv(Closable):
         try:
             points, rows = read_waypoints(FilePath(self.file))
             checked = as_waypoints(points, self.closed, rows)
+            require_no_reversal(checked, self.closed, rows)
             if self.corner_radius_m is not None:
                 round_corners(checked, self.corner_radius_m, self.closed, rows)
         except PathError as error:

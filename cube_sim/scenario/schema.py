@@ -19,7 +19,7 @@ from .event_blocks import Event
 from .knowledge_block import Knowledge
 from .navigation_blocks import Navigation, require_slower_than
 from .path_blocks import Path
-from .values import Block, Name, Pair, Vector3, existing_model, refuse
+from .values import Block, Name, Pair, Place, Vector3, existing_model, refuse
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 
@@ -37,7 +37,7 @@ class Physics(Block):
 class Initial(Block):
     """The vehicle's state at time 0."""
 
-    position_m: Vector3 = Field(default=ZERO, description="Body origin in world axes [m].")
+    position_m: Place = Field(default=ZERO, description="Body origin in world axes [m].")
     attitude_deg: Vector3 = Field(
         default=ZERO,
         description="[roll, pitch, yaw] [deg]: yaw about z, pitch about the new y, roll about the new x.",

@@ -5,13 +5,18 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 from typing import Annotated, NoReturn
 
-from pydantic import BaseModel, ConfigDict, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 from pydantic.types import Strict
 from pydantic_core import PydanticCustomError
 from pydantic_core.core_schema import ValidationInfo
 
 # A YAML list becomes a tuple; the numbers inside stay strict (no "3" for 3, no true for 1).
 Vector3 = Annotated[tuple[float, float, float], Strict(False)]
+# Places: beyond 100 km the last digits of a position are no longer fine beside a vehicle.
+Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
+Place = Annotated[tuple[Coordinate, Coordinate, Coordinate], Strict(False)]
+# What a path is made of: neither a speck nor a journey.
+Extent = Annotated[float, Field(ge=0.01, le=1e6)]
 Pair = Annotated[tuple[float, float], Strict(False)]
 
 # Names become folder names and test ids, so they hold nothing a shell or a file system would mind.
