@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import mujoco
 
-from cube_sim.control.health import Health
+from cube_sim.allocation.health import Health
 from cube_sim.scenario.event_blocks import CurrentEvent, Event, ThrusterEvent
 from cube_sim.vehicle import condition
 from cube_sim.vehicle.vehicle import Vehicle

@@ -261,4 +261,4 @@ def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
     stuck = ~np.isnan(health.stuck)
     limits[stuck] = health.stuck[stuck, None]
     limits *= mission.supply.thrust
-    recorder.append("actuation", t, mission.actuators.matrix.ravel(), limits.ravel())
+    recorder.append("actuation", t, mission.actuators.A.ravel(), limits.ravel())

@@ -1,10 +1,12 @@
 """The largest attainable part of a wrench in its own direction, against a linear programme on every subset."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from allocation_reference import cube, in_allowed_set, jack, largest_share, least_cost, least_distance
 
-from cube_sim.allocation import Allocator, Status
+from cube_sim.allocation import Allocator, FaultTolerant, Health, Status
 from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-20.0, -3.0, 4.0, 25.0])
@@ -91,10 +93,15 @@ def test_what_no_forces_can_make_is_left_out_first():
 def test_methods_faults_and_change_limits_scale_alike():
     A, rng = jack(), np.random.default_rng(5)
     for options in ({}, {"change_limit": 3.0}, {"objective": "reactivity_by_side", "reactivity": [-9.0, 9.0]}):
+
+        def build(A, limits, _, method, options=options):
+            return Allocator(A, limits, method=method, unattainable="scaled", **options)
+
         search, enumerate_ = (
-            Allocator(A, LIMITS, method=method, unattainable="scaled", **options).with_faults([1, 0.5, 1, 1])
-            for method in ("search", "enumerate")
+            FaultTolerant(A, LIMITS, partial(build, method=method)) for method in ("search", "enumerate")
         )
+        for allocator in (search, enumerate_):
+            allocator.believe(Health.whole(4).with_thruster(1, 0.5))
         for wrench in rng.normal(size=(6, 3)) * [60, 20, 15]:
             one, other = search.allocate(wrench), enumerate_.allocate(wrench)
             assert one.status == other.status

@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 
 import cube_sim
-from cube_sim.allocation import Allocator, Status
+from cube_sim.allocation import Health
 from cube_sim.control.attitude import Situation
 from cube_sim.control.authority import Authority, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.diagnosis import Diagnosis
-from cube_sim.control.health import Health
-from cube_sim.mission.actuators import Actuators
 from cube_sim.spatial import rotation_from_quaternion
 
 
@@ -136,32 +134,3 @@ def test_a_fault_is_found_from_command_and_response(kind, efficiency, stuck):
     else:
         assert found_at is not None
         assert 50 <= found_at <= 50 + 60  # within 1.2 s
-
-
-def actuators(cube):
-    return Actuators(cube.actuation_matrix, cube.thrusters.limits, lambda A, limits, _: Allocator(A, limits))
-
-
-def test_dead_weak_and_stuck_thrusters_are_allocated_as_what_they_are(cube):
-    crew = actuators(cube)
-    crew.believe(Health.whole(8).with_thruster(0, 0.0).with_thruster(1, 0.5).with_thruster(2, 0.0, 6.0))
-    possible = np.array([0.0, 3.0, 6.0, -8.0, 9.0, 4.0, -5.0, 7.0])
-    wrench = cube.actuation_matrix @ possible
-    answer = crew.allocate(wrench)
-    assert answer.status is Status.EXACT
-    np.testing.assert_allclose(cube.actuation_matrix @ answer.force, wrench, atol=1e-9)
-    assert answer.force[0] == 0.0
-    assert answer.force[2] == 6.0
-    low, high = 0.5 * cube.thrusters.limits[1, [0, 3]]
-    assert low <= answer.force[1] <= high
-    asked = crew.motor_force(answer.force)
-    assert asked[1] == pytest.approx(2.0 * answer.force[1])
-    assert asked[0] == asked[2] == 0.0
-
-
-def test_with_no_thruster_left_nothing_is_allocated_and_nothing_breaks(cube):
-    crew = actuators(cube)
-    crew.believe(Health(np.zeros(8), np.full(8, np.nan)))
-    answer = crew.allocate(np.ones(6))
-    np.testing.assert_array_equal(answer.force, np.zeros(8))
-    assert answer.status is Status.CLOSEST

@@ -51,7 +51,7 @@ def test_each_factor_scales_what_it_names_and_nothing_else():
 
 def test_thrust_scales_the_matrix_the_allocator_uses_and_the_recording_shows():
     mission = prepare(load(HELIX, {"knowledge.thrust": 0.8}))
-    np.testing.assert_allclose(mission.actuators.matrix, 0.8 * mission.vehicle.actuation_matrix)
+    np.testing.assert_allclose(mission.actuators.A, 0.8 * mission.vehicle.actuation_matrix)
 
 
 def test_another_model_can_be_believed():

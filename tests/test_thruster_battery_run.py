@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 
 import cube_sim
-from cube_sim.allocation import Allocator, Status
-from cube_sim.control.health import Health
+from cube_sim.allocation import Allocator, FaultTolerant, Health, Status
 from cube_sim.errors import ScenarioError
-from cube_sim.mission.actuators import Actuators
 from cube_sim.mission.supply import allocate_at
 from cube_sim.recording.reading import read_recording
 
@@ -113,7 +111,7 @@ def test_allocation_at_a_share_of_the_thrust_is_that_of_smaller_limits(stuck):
     health = Health.whole(8).with_thruster(2, 0.5)
     rng, seen = np.random.default_rng(0), set()
     for thrust in (0.2, 0.8, 1.1):
-        nominal, smaller = Actuators(A, limits, build), Actuators(A, limits * thrust, build)
+        nominal, smaller = FaultTolerant(A, limits, build), FaultTolerant(A, limits * thrust, build)
         nominal.believe(health.with_thruster(5, 0.0, 10.0) if stuck else health)
         smaller.believe(health.with_thruster(5, 0.0, 10.0 * thrust) if stuck else health)
         for size in (5.0, 20.0, 80.0):
@@ -136,7 +134,7 @@ def test_allocation_at_a_share_of_the_thrust_is_that_of_smaller_limits(stuck):
 
 def test_a_whole_voltage_changes_no_bit():
     A = cube_sim.Vehicle.from_model(cube_sim.load_model(ROOT / "models" / "cube.xml")).actuation_matrix
-    actuators = Actuators(A, np.tile([-39.91, -2.0, 2.0, 51.44], (8, 1)), lambda A, limits, _: Allocator(A, limits))
+    actuators = FaultTolerant(A, np.tile([-39.91, -2.0, 2.0, 51.44], (8, 1)), lambda A, limits, _: Allocator(A, limits))
     wrench = np.array([20.0, -7.0, 3.0, 1.0, -0.5, 2.0])
     got, plain = allocate_at(1.0, actuators, wrench)[0], actuators.allocate(wrench)
     assert np.array_equal(got.force, plain.force)

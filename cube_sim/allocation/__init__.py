@@ -11,11 +11,20 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cube_sim.allocation.allocator import Allocator
     from cube_sim.allocation.factory import make_allocator
+    from cube_sim.allocation.fault_tolerant import FaultTolerant
+    from cube_sim.allocation.health import Health
     from cube_sim.allocation.result import Allocation, Status
 
-__all__ = ["Allocation", "Allocator", "Status", "make_allocator"]
+__all__ = ["Allocation", "Allocator", "FaultTolerant", "Health", "Status", "make_allocator"]
 
-_HOME = {"Allocator": "allocator", "Allocation": "result", "Status": "result", "make_allocator": "factory"}
+_HOME = {
+    "Allocation": "result",
+    "Allocator": "allocator",
+    "FaultTolerant": "fault_tolerant",
+    "Health": "health",
+    "Status": "result",
+    "make_allocator": "factory",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from copy import copy
 from dataclasses import dataclass
 from math import inf
 from typing import Literal, get_args
@@ -14,14 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 from cube_sim.allocation.arguments import one_of, pairs, row, scalar
 from cube_sim.allocation.decide import allocate_each, blank_answers
 from cube_sim.allocation.enumeration import Enumeration
-from cube_sim.allocation.faults import faulty_sides
 from cube_sim.allocation.geometry import actuation_matrix, lever_length, torque_rows, wrench_distance, wrench_fibre
 from cube_sim.allocation.limits import side_table, thruster_limits
 from cube_sim.allocation.memory import blank_memory
 from cube_sim.allocation.objectives import Objective, side_targets
 from cube_sim.allocation.proxqp import Confirmer
 from cube_sim.allocation.result import Allocation, Allocations, Status
-from cube_sim.allocation.tables import beyond, make_tables, pack, with_sides
+from cube_sim.allocation.standing import Standing
+from cube_sim.allocation.tables import beyond, make_tables, pack
 from cube_sim.errors import AllocationError
 
 Method = Literal["search+proxqp", "search", "enumerate", "enumerate_parallel"]
@@ -67,7 +65,7 @@ class Allocator:
     can make is left out of F first. With dead zones the attainable scales have gaps, and none may be left but 0.
 
     An allocator remembers its last answer: ties prefer its subset, the reversal penalty and the change limit count
-    from it. `reset` forgets it. Nothing else carries over from call to call.
+    from it. `reset` forgets it, `resume` replaces it. Nothing else carries over from call to call.
 
     Args:
         A: (3, m) rows ``[Fx Fy Mz]`` or (6, m) rows ``[Fx Fy Fz Mx My Mz]`` [1], [m].
@@ -171,31 +169,17 @@ class Allocator:
         """Forget the previous answer, as at the start of a run."""
         self._memory[:] = 0.0
 
-    def with_faults(self, efficiency: ArrayLike = 1.0, stuck: Mapping[int, float] | None = None) -> Allocator:
-        """The allocator of the same vehicle with motors lost, weak or stuck; it remembers the same last answer.
-
-        Built from tables that stay, within a small part of a control period. Faults do not add up: each call counts
-        from the motors as built.
+    def resume(self, standing: Standing) -> None:
+        """Go on from forces of another allocator's as if they were this one's previous answer.
 
         Args:
-            efficiency: (m,) share of its force each motor still makes; 0 for a lost one, which then rests, also where
-                motors may not. The answer's force is what the motor shall make, so a weak one is to be told
-                ``force / efficiency``.
-            stuck: motor, from 0, to the force it makes whatever it is told [N].
-
-        Raises:
-            AllocationError: an efficiency outside 0 to 1, no such motor, or a force that is not finite.
+            standing: of the m motors. A force outside its side's interval counts as the nearest end of it.
         """
-        low, high = faulty_sides(self.limits, self.allow_off, efficiency, stuck or {})
-        other = copy(self)
-        other.effort = Effort()
-        other._tables = with_sides(self._tables, low, high)
-        other._packed = pack(other._tables, other._far)
-        other._memory = self._memory.copy()
-        if self._confirmer is not None:
-            other._confirmer = self._confirmer.with_tables(other._tables, other._packed)
-        other._enumeration = other._enumerate()
-        return other
+        at = np.arange(len(standing.force)), standing.subset.astype(np.intp) + 1
+        t = self._tables
+        force = np.clip(standing.force, t.low[at], t.high[at])
+        travel = np.where(t.low[at] <= t.high[at], force - t.edge[at], 0.0)
+        self._memory[:] = standing.subset, standing.push, travel
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench.

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from cube_sim.allocation.measured import Judge
 from cube_sim.allocation.projection import OPTIMAL, project
 from cube_sim.allocation.result import Allocation
+from cube_sim.allocation.standing import Standing
 
 STILL = 1e-6
 """Part of a motor in the unit kernel below which no regime of sensible size moves it."""
@@ -54,6 +55,10 @@ class Compensation:
     def reset(self) -> None:
         """Forget which way round the regime ran."""
         self._direction = 1.0
+
+    def resume(self, standing: Standing) -> None:
+        """Run the regime the way round that more of the motors' last pushes agree with."""
+        self._direction = -1.0 if np.sign(self.regime) @ standing.push < 0.0 else 1.0
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench (n,)."""

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from cube_sim.allocation.measured import Judge
 from cube_sim.allocation.result import Allocation
+from cube_sim.allocation.standing import Standing
 
 
 class Contraction:
@@ -36,6 +37,9 @@ class Contraction:
         self._rounding_N = 1e-12 * float(np.max(np.abs(self._judge.limits)))
 
     def reset(self) -> None:
+        """Nothing is remembered."""
+
+    def resume(self, standing: Standing) -> None:
         """Nothing is remembered."""
 
     def allocate(self, wrench: ArrayLike) -> Allocation:

@@ -14,6 +14,7 @@ from cube_sim.allocation.compensation import Compensation
 from cube_sim.allocation.contraction import Contraction
 from cube_sim.allocation.pseudo_inverse import PseudoInverse
 from cube_sim.allocation.result import Allocation
+from cube_sim.allocation.standing import Standing
 from cube_sim.errors import AllocationError
 
 SimpleMethod = Literal["contraction", "compensation", "pseudo_inverse", "clipped_pseudo_inverse"]
@@ -37,6 +38,10 @@ class WrenchAllocator(Protocol):
 
     def reset(self) -> None:
         """Forget what came before."""
+        ...
+
+    def resume(self, standing: Standing) -> None:
+        """Go on from where the motors stand, as if this allocator had put them there."""
         ...
 
 

@@ -173,22 +173,15 @@ class Confirmer:
         packed: the same, packed.
         agreement: largest difference of the two that counts as agreement, part of ``scale``.
         scale: largest force there is [N].
-        solver: of the same vehicle, to go on using.
     """
 
-    def __init__(
-        self, tables: Tables, packed: Packed, agreement: float, scale: float, solver: SubsetSolver | None = None
-    ) -> None:
+    def __init__(self, tables: Tables, packed: Packed, agreement: float, scale: float) -> None:
         rows, motors = tables.fibre.equations.shape
         self._packed, self._agreement_N, self._scale = packed, agreement * scale, scale
-        self._solver = solver or SubsetSolver(tables.weights, tables.fibre.equations)
+        self._solver = SubsetSolver(tables.weights, tables.fibre.equations)
         self._problem = np.zeros((6, max(rows, motors)))
         self._vectors = tuple(self._problem[i, :size] for i, size in enumerate([motors, rows, motors, motors, motors]))
         self._duals, self._multiplier = self._problem[5, :rows], np.zeros(motors)
-
-    def with_tables(self, tables: Tables, packed: Packed) -> Confirmer:
-        """The same for the same vehicle with other allowed forces."""
-        return Confirmer(tables, packed, self._agreement_N / self._scale, self._scale, self._solver)
 
     def confirms(self, answers: NDArray[np.float64], wrench: NDArray[np.float64]) -> bool:
         """Whether ProxQP solves the subset of the one answer and finds the same forces.

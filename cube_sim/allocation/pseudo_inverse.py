@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from cube_sim.allocation.measured import Judge
 from cube_sim.allocation.result import Allocation
+from cube_sim.allocation.standing import Standing
 
 
 class PseudoInverse:
@@ -38,6 +39,9 @@ class PseudoInverse:
         self._clipped = clipped
 
     def reset(self) -> None:
+        """Nothing is remembered."""
+
+    def resume(self, standing: Standing) -> None:
         """Nothing is remembered."""
 
     def allocate(self, wrench: ArrayLike) -> Allocation:

@@ -110,7 +110,13 @@ def make_tables(
     error_scale = np.ones(n)
     error_scale[torque_rows(n)] = 1.0 / length_m
     uniform = bool(np.all(targets == targets[:, :, :1]))
-    tables = Tables(
+    relaxed, penalty = np.empty((len(targets), m, 8, 4)), np.zeros((m, 3))
+    for target, table in zip(targets, relaxed, strict=True):
+        relax(low, high, target, penalty, weights, table)
+    open_side = low <= high
+    strongest = np.max(np.where(open_side, np.maximum(np.abs(low), np.abs(high)), 0.0), axis=1)
+    edges = np.where(open_side[:, 0], high[:, 0], 0.0), np.zeros(m), np.where(open_side[:, 2], low[:, 2], 0.0)
+    return Tables(
         A=A,
         error_scale=error_scale,
         fibre=fibre,
@@ -120,46 +126,16 @@ def make_tables(
         weights=weights,
         low=low,
         high=high,
-        masks=np.zeros(m, np.int64),
+        masks=(open_side * (1, 2, 4)).sum(axis=1),
         targets=np.ascontiguousarray(targets),
-        penalty=np.zeros((m, 3)),
-        relaxed=np.empty((len(targets), m, 8, 4)),
-        edge=np.zeros((m, 3)),
+        penalty=penalty,
+        relaxed=relaxed,
+        edge=np.ascontiguousarray(np.column_stack(edges)),
         reversal_penalty=reversal_penalty,
         switching_penalty=switching_penalty,
         change_limit=change_limit,
         tolerance=tolerance,
-        reach=0.0,
-    )
-    return with_sides(tables, low, high)
-
-
-def with_sides(tables: Tables, low: NDArray[np.float64], high: NDArray[np.float64]) -> Tables:
-    """The same vehicle with other allowed forces: only what follows from them is tabulated anew.
-
-    Args:
-        tables: of the vehicle.
-        low: (m, 3) lower end of each side [N]; an empty side has low > high.
-        high: (m, 3) upper end of each side [N].
-    """
-    m = len(low)
-    relaxed, penalty = np.empty_like(tables.relaxed), np.zeros((m, 3))
-    for target, table in zip(tables.targets, relaxed, strict=True):
-        relax(low, high, target, penalty, tables.weights, table)
-    open_side = low <= high
-    strongest = np.max(np.where(open_side, np.maximum(np.abs(low), np.abs(high)), 0.0), axis=1)
-    return tables._replace(
-        low=low,
-        high=high,
-        masks=(open_side * (1, 2, 4)).sum(axis=1),
-        penalty=penalty,
-        relaxed=relaxed,
-        edge=np.ascontiguousarray(
-            np.column_stack(
-                [np.where(open_side[:, 0], high[:, 0], 0.0), np.zeros(m), np.where(open_side[:, 2], low[:, 2], 0.0)]
-            )
-        ),
-        reach=float(np.max(np.abs(tables.A) @ strongest)),
+        reach=float(np.max(np.abs(A) @ strongest)),
     )
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.health import Health
+from cube_sim.allocation.health import Health
 from cube_sim.spatial import Vector
 
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.allocation import FaultTolerant
 from cube_sim.allocation.factory import WrenchAllocator, is_exact, make_allocator
-from cube_sim.mission.actuators import Actuators
 from cube_sim.scenario import Scenario
 from cube_sim.vehicle.vehicle import Vehicle
 
 
-def actuators_of(vehicle: Vehicle, scenario: Scenario) -> Actuators:
+def actuators_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
     """Wrench to thruster forces, as the `allocation` block says, by the matrix the controller believes in."""
     thrusters, block = vehicle.thrusters, scenario.allocation
 
@@ -38,7 +38,7 @@ def actuators_of(vehicle: Vehicle, scenario: Scenario) -> Actuators:
         return make_allocator(block.method, A, limits, options)
 
     limits = clear_of_dead_zone(thrusters.limits, block.dead_zone_margin)
-    return Actuators(scenario.knowledge.thrust * vehicle.actuation_matrix, limits, build)
+    return FaultTolerant(scenario.knowledge.thrust * vehicle.actuation_matrix, limits, build)
 
 
 def clear_of_dead_zone(limits: NDArray[np.float64], margin: float) -> NDArray[np.float64]:

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import mujoco
 
-from cube_sim.allocation import Status
+from cube_sim.allocation import FaultTolerant, Status
 from cube_sim.control.authority import Authority
 from cube_sim.control.controller import Controller
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.events import Events
 from cube_sim.guidance.path import Path
-from cube_sim.mission.actuators import Actuators
 from cube_sim.mission.allocation import actuators_of
 from cube_sim.mission.control import controller_of, diagnosis_of
 from cube_sim.mission.drop_weight import DropWeight
@@ -56,7 +55,7 @@ class Mission:
     vehicle: Vehicle
     path: Path
     controller: Controller
-    actuators: Actuators
+    actuators: FaultTolerant
     supply: Supply
     events: Events
     diagnosis: Diagnosis | None

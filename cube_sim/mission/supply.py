@@ -7,9 +7,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from cube_sim.allocation import Allocation, Status
+from cube_sim.allocation import Allocation, FaultTolerant, Status
 from cube_sim.errors import ModelError, ScenarioError
-from cube_sim.mission.actuators import Actuators
 from cube_sim.scenario import Loaded
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.battery import Battery
@@ -35,7 +34,7 @@ def supply_of(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle) -> Supply
 
 
 def allocate_at(
-    thrust: float, actuators: Actuators, wrench: Vector, secondary: Vector | None = None
+    thrust: float, actuators: FaultTolerant, wrench: Vector, secondary: Vector | None = None
 ) -> tuple[Allocation, Vector]:
     """Forces for a demand while every thruster gives a share of the force of its characteristic.
 
@@ -46,7 +45,7 @@ def allocate_at(
         thrust: the share, (V / V_n)^2.
         actuators: at V_n.
         wrench: (6,) [N, N m].
-        secondary: the part (6,) of it that gives way, as in `Actuators.allocate`.
+        secondary: the part (6,) of it that gives way, as in `FaultTolerant.allocate`.
 
     Returns:
         The allocation, and the forces (m,) [N] to ask of the motors as if they were whole and fed with V_n.
