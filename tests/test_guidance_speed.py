@@ -1,5 +1,7 @@
 """Speed profiles: their bounds, that no faster one obeys them, and their derivative."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from cube_sim.guidance.line import Line
 from cube_sim.guidance.polyline import polyline
 from cube_sim.guidance.sinusoid import sinusoid
 from cube_sim.guidance.speed import ConstantSpeed, PlannedSpeed
+from cube_sim.guidance.spline import spline
 from cube_sim.guidance.virtual_target import VirtualTarget
 
 TOP, LATERAL, ALONG = 0.8, 0.1, 0.05
@@ -57,6 +60,31 @@ def test_the_slope_is_the_derivative(path):
         rate = (profile.at(s + h).value - profile.at(s - h).value) / (2.0 * h)
         agree += abs(rate - profile.at(s).slope) < 1e-6
     assert agree >= 199  # the few others straddle a grid point, where the slope may jump
+
+
+@pytest.mark.parametrize("leg", [50.0, 5000.0, 90_000.0])
+@pytest.mark.parametrize("closed", [False, True])
+def test_no_corner_is_missed_between_legs_of_any_length(leg, closed):
+    path = polyline([[0.0, 0.0, 0.0], [leg, 0.0, 0.0], [leg, leg, 0.0], [0.0, leg, 0.0]], 1.0, closed)
+    profile = PlannedSpeed(path, TOP, LATERAL, ALONG)
+    slowest = np.sqrt(LATERAL * 1.0)
+    assert profile.least == pytest.approx(slowest, rel=1e-3)
+    for first, last in pairwise(path.edges):
+        for s in np.linspace(first, last, 41):
+            assert profile.at(s).value ** 2 * np.hypot(*path.at(s).curvature) <= LATERAL * (1.0 + 1e-3)
+    # it brakes on the last metres of a leg, and not before
+    corner = next(s for s in path.edges[1:] if np.hypot(*path.at(s).curvature) > 1e-3)
+    braking = (TOP**2 - slowest**2) / (2.0 * ALONG)
+    assert profile.at(corner - braking - 1.0) == (TOP, 0.0)
+    assert profile.at(corner).value < 0.9 * TOP
+    assert len(profile._s) < 2500  # and its size does not grow with the legs
+
+
+def test_a_profile_of_splines_bends_keeps_the_bound_between_the_places_looked_at():
+    path = spline(np.cumsum(np.random.default_rng(0).normal([1.5, 0.0, 0.0], 1.0, (30, 3)), axis=0))
+    profile = PlannedSpeed(path, TOP, LATERAL, ALONG)
+    for s in np.linspace(0.0, path.length, 20_001):
+        assert profile.at(s).value ** 2 * np.hypot(*path.at(s).curvature) <= LATERAL * (1.0 + 1e-3)
 
 
 def test_straight_on_it_is_the_constant_speed_and_on_a_circle_the_one_that_circle_allows():

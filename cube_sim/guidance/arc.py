@@ -35,6 +35,7 @@ class Arc:
         self._radius = float(np.linalg.norm(spoke))
         self._first, self._last = (-inf, inf) if closed else (0.0, sweep)
         self.length = self._radius * sweep
+        self.edges = (0.0, self.length)
         out = spoke / self._radius
         ahead = cross(axis, out)
         _, N1, N2 = starting_frame(ahead).T

@@ -47,6 +47,7 @@ class Helix:
         self._kappa = radius / self._metre_per_radian**2
         self._tau = self._sense * self._rise / self._metre_per_radian**2
         self.length = 2.0 * pi * turns * self._metre_per_radian
+        self.edges = (0.0, self.length)
 
     def at(self, s: float) -> PathPoint:
         """The helix at arc length s [m]."""

@@ -25,6 +25,7 @@ class Line:
         self.length = float(np.linalg.norm(step))
         if not self.length > 0.0:
             raise PathError("a line needs two different points")
+        self.edges = (0.0, self.length)
         self._rotation = starting_frame(step / self.length)
 
     def at(self, s: float) -> PathPoint:

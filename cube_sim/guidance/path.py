@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from cube_sim.spatial import Matrix, Vector
@@ -38,6 +39,14 @@ class Path(Protocol):
     @property
     def closed(self) -> bool:
         """Whether the path ends where it starts, in the same direction and with the same curvature."""
+        ...
+
+    @property
+    def edges(self) -> Sequence[float]:
+        """Arc lengths (n+1,) from 0 to the length [m] between which the path is simple.
+
+        From one to the next it turns by less than a radian with a smooth curvature, or keeps its curvature.
+        """
         ...
 
     def at(self, s: float) -> PathPoint:

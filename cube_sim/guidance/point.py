@@ -21,6 +21,7 @@ class Point:
 
     closed = False
     length = 0.0
+    edges = (0.0, 0.0)
 
     def __init__(self, position: ArrayLike, heading: float) -> None:
         rotation = starting_frame(np.array([cos(heading), sin(heading), 0.0]))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from math import ceil, sqrt
+from bisect import bisect_right
+from itertools import pairwise
+from math import hypot, inf, sqrt
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -10,8 +12,15 @@ from numpy.typing import NDArray
 
 from cube_sim.guidance.path import Path
 
-GRID = 0.02
-"""Spacing of a planned profile [m], or a two-thousandth of the path where that is more."""
+Array = NDArray[np.float64]
+
+LOOKS = 32
+"""How often a planned profile looks at the curvature between two edges of a path."""
+MOST_LOOKS = 100_000
+"""Looks at a whole path beyond which there are fewer between two edges, at least `FEWEST_LOOKS`."""
+FEWEST_LOOKS = 4
+ALIKE = 1e-6
+"""Share of itself by which a curvature may vary that counts as one."""
 
 
 class Speed(NamedTuple):
@@ -29,6 +38,11 @@ class Speed(NamedTuple):
 class SpeedProfile(Protocol):
     """Desired speed along a path as a function of its arc length alone."""
 
+    @property
+    def least(self) -> float:
+        """The lowest speed anywhere [m/s]."""
+        ...
+
     def at(self, s: float) -> Speed:
         """The speed at arc length s [m]."""
         ...
@@ -39,6 +53,7 @@ class ConstantSpeed:
 
     def __init__(self, speed: float) -> None:
         self._speed = Speed(speed, 0.0)
+        self.least = speed
 
     def at(self, s: float) -> Speed:
         """The same everywhere."""
@@ -56,6 +71,7 @@ class StoppingSpeed:
 
     def __init__(self, profile: SpeedProfile, end: float, time: float) -> None:
         self._profile, self._end, self._time = profile, end, time
+        self.least = profile.least if end == inf else 0.0
 
     def at(self, s: float) -> Speed:
         """The speed at arc length s [m]; 0 from the end on."""
@@ -69,9 +85,13 @@ class PlannedSpeed:
     """Slow in curves, with the braking planned ahead.
 
     The largest u_d with u_d <= speed, u_d^2 |curvature| <= lateral acceleration and |d(u_d^2)/ds| <= 2 acceleration: a
-    point that runs along the path at u_d never accelerates along it by more than that. As the curvature is looked at on
-    a grid, the bounds hold within 0.1 %. The profile is piecewise linear in u_d^2, found by one pass against the path
-    and one along it (J. Bobrow et al. 1985, for robot arms), twice round a closed one.
+    point that runs along the path at u_d never accelerates along it by more than that. The profile is piecewise linear
+    in u_d^2: at each node it is the smallest of what the nodes around allow, plus 2 acceleration times the distance to
+    them (the two passes of J. Bobrow et al. 1985, for robot arms), over the seam of a closed path too.
+
+    The curvature is looked at `LOOKS` times between any two edges of the path, so no corner is missed however long the
+    legs, and u_d^2 |curvature| holds within 0.1 %. (A path of more than `MOST_LOOKS` / `LOOKS` edges is looked at less
+    often between them: with four looks the bound holds within 1 %, and the speed may lie 5 % below what it allows.)
 
     Args:
         path: the path.
@@ -81,14 +101,16 @@ class PlannedSpeed:
     """
 
     def __init__(self, path: Path, speed: float, lateral_acceleration: float, acceleration: float) -> None:
-        intervals = max(2, ceil(path.length / max(GRID, path.length / 2000.0)))
-        s = np.linspace(0.0, path.length, intervals + 1)
-        curvature = np.array([np.hypot(*path.at(at).curvature) for at in s])
-        # what lies between two grid points is held to the tighter one, with both neighbours of each
-        tightest = np.maximum(curvature, np.maximum(np.append(curvature[1:], 0.0), np.append(0.0, curvature[:-1])))
-        square = np.minimum(speed**2, lateral_acceleration / np.maximum(tightest, lateral_acceleration / speed**2))
-        self._step = path.length / intervals
-        self._square = _within_slope(square, 2.0 * acceleration * self._step, path.closed)
+        s, curvature = _looked_at(path)
+        # u_d^2 allowed between two nodes, by the tighter one; at a node by the tighter of its two sides
+        tighter = np.maximum(curvature[1:], curvature[:-1])
+        between = np.minimum(speed**2, lateral_acceleration / np.maximum(tighter, lateral_acceleration / speed**2))
+        first, last = (between[-1], between[0]) if path.closed else (inf, inf)
+        allowed = np.minimum(np.append(between, last), np.append(first, between))
+        slope = 2.0 * acceleration
+        nodes = _peaks(s, _within_slope(s, allowed, slope, path.closed), between, slope)
+        self._s, self._square = (column.tolist() for column in nodes.T)
+        self.least = sqrt(min(self._square))
         self._length, self._closed = path.length, path.closed
 
     def at(self, s: float) -> Speed:
@@ -97,20 +119,57 @@ class PlannedSpeed:
             s %= self._length
         elif not 0.0 <= s <= self._length:
             return Speed(sqrt(self._square[0 if s < 0.0 else -1]), 0.0)
-        i = min(int(s / self._step), len(self._square) - 2)
-        rise = (self._square[i + 1] - self._square[i]) / self._step
-        value = sqrt(self._square[i] + rise * (s - i * self._step))
-        return Speed(value, float(rise) / (2.0 * value))
+        i = min(bisect_right(self._s, s), len(self._s) - 1) - 1
+        rise = (self._square[i + 1] - self._square[i]) / (self._s[i + 1] - self._s[i])
+        value = sqrt(self._square[i] + rise * (s - self._s[i]))
+        return Speed(value, rise / (2.0 * value))
 
 
-def _within_slope(values: NDArray[np.float64], step: float, closed: bool) -> NDArray[np.float64]:
-    """The largest sequence below `values` whose neighbours differ by at most `step`."""
-    result = values.copy()
+def _looked_at(path: Path) -> tuple[Array, Array]:
+    """Arc lengths (n,) [m] and curvatures there (n,) [1/m], with nothing between them that they do not show."""
+    edges = np.asarray(path.edges)
+    shares = np.linspace(0.0, 1.0, min(LOOKS, max(FEWEST_LOOKS, MOST_LOOKS // len(edges))) + 1)
+    s: list[float] = [0.0]
+    curvature: list[float] = [_curvature(path, 0.0)]
+    for first, last in pairwise(edges):
+        few = [_curvature(path, at) for at in first + (last - first) * shares[[1, len(shares) // 3, -2, -1]]]
+        one = max(*few, curvature[-1]) - min(*few, curvature[-1]) <= ALIKE * max(few)
+        stations = [last] if one else first + (last - first) * shares[1:]
+        s += list(stations)
+        curvature += [few[-1]] if one else [_curvature(path, at) for at in stations]
+    return np.array(s), np.array(curvature)
+
+
+def _curvature(path: Path, s: float) -> float:
+    return hypot(*path.at(s).curvature)
+
+
+def _within_slope(s: Array, values: Array, slope: float, closed: bool) -> Array:
+    """The largest function on the stations s that is nowhere above `values` and rises and falls by `slope` at most."""
+    result, steps = values.tolist(), (slope * np.diff(s)).tolist()
     for _ in range(2 if closed else 1):
         if closed:
             result[0] = result[-1] = min(result[0], result[-1])
-        for i in range(len(result) - 2, -1, -1):
-            result[i] = min(result[i], result[i + 1] + step)
-        for i in range(1, len(result)):
+        for i in range(len(steps) - 1, -1, -1):
+            result[i] = min(result[i], result[i + 1] + steps[i])
+        for i, step in enumerate(steps, 1):
             result[i] = min(result[i], result[i - 1] + step)
-    return result
+    return np.array(result)
+
+
+def _peaks(s: Array, square: Array, between: Array, slope: float) -> Array:
+    """The nodes (n, 2) of s and u_d^2, and where it may rise higher between two of them the ones that make it do so.
+
+    From both ends it rises by `slope`, to where the two meet or to what is allowed there.
+    """
+    width = np.diff(s)
+    left, right = (between - square[:-1]) / slope, width - (between - square[1:]) / slope
+    meeting = 0.5 * (width + (square[1:] - square[:-1]) / slope)
+    top = np.where(left < meeting, between, np.minimum(between, square[:-1] + slope * meeting))
+    left, right = np.minimum(left, meeting), np.maximum(right, meeting)
+    new = np.concatenate([np.column_stack([s[:-1] + left, top]), np.column_stack([s[:-1] + right, top])])
+    inside = (np.concatenate([left, right]) > 1e-9 * np.tile(width, 2)) & (
+        np.concatenate([left, right]) < (1.0 - 1e-9) * np.tile(width, 2)
+    )
+    nodes = np.concatenate([np.column_stack([s, square]), new[inside]])
+    return nodes[np.unique(nodes[:, 0], return_index=True)[1]]

@@ -44,7 +44,8 @@ class TabulatedPath:
     def __init__(self, cells: Cells, end_frame: Matrix, closed: bool = False) -> None:
         self._cells = cells
         self.closed = closed
-        self.length = float(cells.edges[-1])
+        self.edges: list[float] = cells.edges.tolist()
+        self.length = self.edges[-1]
         _, N1, N2 = cells.frame[0].T
         self._holonomy = atan2(end_frame[:, 1] @ N2, end_frame[:, 1] @ N1) if closed else 0.0
 
