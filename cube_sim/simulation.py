@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.checks import evaluate
-from cube_sim.control.authority import capability
+from cube_sim.control.authority import remaining
 from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.mission.supply import allocate_at
@@ -175,7 +175,7 @@ def _take_note_of_faults(mission: Mission, recorder: Recorder, t: float) -> bool
     if health is actuators.health or health.equals(actuators.health):
         return False
     actuators.believe(health)
-    left = capability(actuators.working_matrix)
+    left = remaining(actuators.A, actuators.limits, health)
     mission.controller.reconfigure(left)
     recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
     return True

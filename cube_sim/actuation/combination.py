@@ -11,6 +11,8 @@ from cube_sim.actuation.wrench_axes import Matrix, Vector, WrenchAxes
 # Coefficients below this share of the largest are left out of the words, never out of the numbers.
 _SPOKEN = 0.02
 _ROUNDING = 1e-9
+_SILENT = 1e-6
+_ALWAYS = "= 0 always"
 
 
 @dataclass(frozen=True)
@@ -21,13 +23,22 @@ class Combination:
         coefficients: (n,) of the components of F_B [1] for forces, [1/m] for torques; unit norm once torques are
             scaled to newtons.
         text: the condition in words.
+        leading: (n,) the same in the scale of the words, where the first component spoken of stands alone.
+        unit: of the left side in that scale.
     """
 
     coefficients: Vector
     text: str
+    leading: Vector
+    unit: str
 
     def __str__(self) -> str:
         return self.text
+
+    def beside(self, constant: Vector) -> str:
+        """The words where a constant wrench (n,) [N, N m] comes on top of all the thrusters produce."""
+        value = float(self.leading @ constant)
+        return self.text if abs(value) < _SILENT else self.text.replace(_ALWAYS, f"= {value:.3g} {self.unit} always")
 
 
 def combinations(null_rows: Matrix, axes: WrenchAxes, length_m: float) -> tuple[Combination, ...]:
@@ -44,7 +55,17 @@ def combinations(null_rows: Matrix, axes: WrenchAxes, length_m: float) -> tuple[
     rows = _reduced(null_rows)
     lost_outright = np.count_nonzero(_spoken(rows), axis=1) != 1
     order = np.lexsort((np.argmax(_spoken(rows), axis=1), lost_outright)) if len(rows) else []
-    return tuple(Combination(rows[i] * axes.scale(length_m), _words(rows[i], axes, length_m)) for i in order)
+    return tuple(_combination(rows[i], axes, length_m) for i in order)
+
+
+def _combination(row: Vector, axes: WrenchAxes, length_m: float) -> Combination:
+    coefficients = row * axes.scale(length_m)
+    spoken = np.flatnonzero(_spoken(row))
+    first = spoken[0]
+    alone = len(spoken) == 1
+    leading = coefficients / (coefficients[first] if alone else row[first])
+    unit = "N m" if alone and first >= axes.forces else "N"
+    return Combination(coefficients, _words(row, axes, length_m), leading, unit)
 
 
 def _reduced(null_rows: Matrix) -> Matrix:
@@ -72,12 +93,12 @@ def _spoken(rows: Matrix) -> np.ndarray:
 def _words(row: Vector, axes: WrenchAxes, length_m: float) -> str:
     spoken = np.flatnonzero(_spoken(row))
     if len(spoken) == 1:
-        return f"cannot {axes.abilities[spoken[0]]}: {axes.names[spoken[0]]} = 0 always"
+        return f"cannot {axes.abilities[spoken[0]]}: {axes.names[spoken[0]]} {_ALWAYS}"
     leading = row[spoken[0]]
     terms = [_term(row[j] / leading, axes, int(j), length_m) for j in spoken]
     formula = " ".join(terms).removeprefix("+ ")
     tied = [axes.names[j] for j in spoken]
-    return f"{', '.join(tied[:-1])} and {tied[-1]} only together: {formula} = 0 always"
+    return f"{', '.join(tied[:-1])} and {tied[-1]} only together: {formula} {_ALWAYS}"
 
 
 def _term(scaled: float, axes: WrenchAxes, j: int, length_m: float) -> str:

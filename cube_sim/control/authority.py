@@ -9,17 +9,21 @@ least in one direction and turn: that one is pointed by the heading, as a unicyc
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
 from cube_sim.actuation.subspaces import subspaces
+from cube_sim.allocation.health import Health
 from cube_sim.control.effort import effort_matrix
 from cube_sim.spatial import Matrix, Vector
 
 OUT_OF_PLANE = np.array([False, False, True, True, True, False])
 """Heave, roll and pitch among the components of a wrench."""
+LEAST_SHARE = 0.1
+"""A thruster that gives less than this share of a whole one's largest force is no way of moving."""
 
 
 class Authority(IntEnum):
@@ -51,8 +55,9 @@ class Capability:
         pure_forces: P (3,p) orthonormal directions of force without torque, body axes.
         reason: one line for the log.
         lost_forces: N_f (3, 6 - rank) and
-        lost_torques: N_t (3, 6 - rank) of the combinations N_f' F + N_t' M = 0 that hold for all the thrusters can do.
+        lost_torques: N_t (3, 6 - rank) of the combinations N_f' F + N_t' M = b that hold for all the thrusters can do.
         effort: Q (6,6) [1, 1/m, 1/m^2], of `effort_matrix`.
+        held: (6,) [N, N m] the wrench of thrusters that are stuck; it comes on top of whatever the others do.
     """
 
     authority: Authority
@@ -61,6 +66,12 @@ class Capability:
     lost_forces: Matrix
     lost_torques: Matrix
     effort: Matrix
+    held: Vector
+
+    @property
+    def constants(self) -> Vector:
+        """b (6 - rank,) [N], N' times the held wrench: zero while nothing is stuck."""
+        return self.lost_forces.T @ self.held[:3] + self.lost_torques.T @ self.held[3:]
 
     @property
     def level(self) -> bool:
@@ -73,64 +84,95 @@ class Capability:
         return self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
 
     def attainable(self, wrench: Vector) -> Vector:
-        """The wrench (6,) in the range of A that keeps all torques and changes the force least.
+        """The wrench (6,) in the range of A, displaced by the held one, that keeps all torques and changes force least.
 
-        The combinations that cannot be produced are N_f' F + N_t' M = 0; F moves by
-        -N_f (N_f' N_f)^-1 (N_f' F + N_t' M). Where no path can be followed, everything is left to the allocation, which
-        comes as close as it can.
+        All that can be produced has N_f' F + N_t' M = b; F moves by -N_f (N_f' N_f)^-1 (N_f' F + N_t' M - b). Where no
+        path can be followed, everything is left to the allocation, which comes as close as it can.
         """
         if self.level:
-            wrench = np.where(OUT_OF_PLANE, 0.0, wrench)
+            wrench = np.where(OUT_OF_PLANE, self.held, wrench)
         if not self.steers_by_attitude:
             return wrench
-        missing = self.lost_forces.T @ wrench[:3] + self.lost_torques.T @ wrench[3:]
+        missing = self.lost_forces.T @ wrench[:3] + self.lost_torques.T @ wrench[3:] - self.constants
         step = self.lost_forces @ np.linalg.solve(self.lost_forces.T @ self.lost_forces, missing)
         return np.concatenate([wrench[:3] - step, wrench[3:]])
 
 
-def capability(A: Matrix) -> Capability:
-    """Judge the columns (6,m) of the thrusters that still work."""
-    return replace(_judged(A), effort=effort_matrix(A))
+def remaining(A: Matrix, limits: Matrix, health: Health) -> Capability:
+    """Judge thrusters in the state they are in.
+
+    Dead and stuck ones do not count, nor do those whose largest force is below `LEAST_SHARE` of a whole one's, or no
+    larger than where their dead zone ends: the allocation may use them, but nobody steers by them.
+
+    Args:
+        A: (6,m) of all thrusters.
+        limits: (m,4) of whole ones [F_max-, F_DZ-, F_DZ+, F_max+] [N].
+        health: what is believed of them.
+    """
+    passes_dead_zone = (limits[:, 0] < limits[:, 1]) | (limits[:, 3] > limits[:, 2])
+    counts = health.obedient & (health.efficiency >= LEAST_SHARE) & passes_dead_zone
+    return capability(A[:, counts], A @ np.nan_to_num(health.stuck))
 
 
-def _judged(A: Matrix) -> Capability:
+def capability(A: Matrix, held: Vector | None = None) -> Capability:
+    """Judge the columns (6,m) of the thrusters that still work, beside the wrench (6,) [N, N m] others hold."""
+    constant = np.zeros(6) if held is None else held
+    if A.shape[1] > 0 and not np.any(np.abs(A[OUT_OF_PLANE]) > 1e-9):
+        found = _in_plane(A[~OUT_OF_PLANE], constant[~OUT_OF_PLANE])
+    else:
+        found = _in_space(A, constant)
+    return Capability(
+        authority=found.authority,
+        pure_forces=found.pure_forces,
+        reason=found.reason,
+        lost_forces=found.lost[:3],
+        lost_torques=found.lost[3:],
+        effort=effort_matrix(A),
+        held=constant,
+    )
+
+
+class _Finding(NamedTuple):
+    """What geometry says: how to fly, pure forces (3,p), lost combinations (6, 6 - rank) and the line for the log."""
+
+    authority: Authority
+    pure_forces: Matrix
+    lost: Matrix
+    reason: str
+
+
+def _in_space(A: Matrix, held: Vector) -> _Finding:
     if A.shape[1] == 0:
-        return _capability(Authority.SAFE, np.zeros((3, 0)), np.eye(6), "no thruster is left")
-    if not np.any(np.abs(A[OUT_OF_PLANE]) > 1e-9):
-        return _level_capability(A)
+        return _Finding(Authority.SAFE, np.zeros((3, 0)), np.eye(6), "no thruster is left")
     space = subspaces(A)
     lost = np.array([combination.coefficients for combination in space.unreachable]).reshape(-1, 6).T
     if space.rank == 6:
-        return _capability(Authority.HOLONOMIC, np.eye(3), lost, "all six components of the wrench are there")
-    words = "; ".join(str(combination) for combination in space.unreachable)
+        return _Finding(Authority.HOLONOMIC, np.eye(3), lost, "all six components of the wrench are there")
+    words = "; ".join(combination.beside(held) for combination in space.unreachable)
     p = space.pure_forces.shape[1]
     if p == 0 or not _steerable(lost):
-        return _capability(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed")
+        return _Finding(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed")
     authority = Authority.PLANE if p == 2 else Authority.LINE
-    return _capability(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust")
+    return _Finding(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust")
 
 
-def _level_capability(A: Matrix) -> Capability:
-    """The same in the plane; to stay upright is the hull's own business."""
-    space = subspaces(A[~OUT_OF_PLANE])
+def _in_plane(A: Matrix, held: Vector) -> _Finding:
+    """The same for surge, sway and yaw (3,m); to stay upright is the hull's own business."""
+    space = subspaces(A)
     lost = np.zeros((6, len(space.unreachable)))
     for column, combination in zip(lost.T, space.unreachable, strict=True):
         column[~OUT_OF_PLANE] = combination.coefficients
     pure_forces = np.zeros((3, space.pure_forces.shape[1]))
     pure_forces[:2] = space.pure_forces[:2]
     if space.rank == 3:
-        return _capability(Authority.LEVEL, pure_forces, lost, "it moves in a level plane")
-    words = "; ".join(str(combination) for combination in space.unreachable)
+        return _Finding(Authority.LEVEL, pure_forces, lost, "it moves in a level plane")
+    words = "; ".join(combination.beside(held) for combination in space.unreachable)
     if space.rank == 2 and _steerable(lost):
-        return _capability(Authority.UNICYCLE, pure_forces, lost, f"{words}: the heading now points the thrust")
-    return _capability(Authority.SAFE, pure_forces, lost, f"{words}: the path cannot be followed")
+        return _Finding(Authority.UNICYCLE, pure_forces, lost, f"{words}: the heading now points the thrust")
+    return _Finding(Authority.SAFE, pure_forces, lost, f"{words}: the path cannot be followed")
 
 
 def _steerable(lost: Matrix) -> bool:
     """Whether every torque comes with some force: exactly when the lost combinations differ in their force parts."""
     singular = np.linalg.svd(lost[:3], compute_uv=False)
     return len(singular) == lost.shape[1] and bool(singular[-1] > 1e-2)
-
-
-def _capability(authority: Authority, pure_forces: Matrix, lost: Matrix, reason: str) -> Capability:
-    return Capability(authority, pure_forces, reason, lost[:3], lost[3:], np.zeros((6, 6)))

@@ -1,9 +1,10 @@
 """Attitude for a vehicle that has lost part of its wrench: turn until force and righting torque come together.
 
-When thrusters die, some combinations of force and torque can no longer be produced: N_f' F + N_t' M = 0 always. A force
-then drags a torque along. There are attitudes in which that torque is just the one that buoyancy asks for to hold the
-attitude: in them the vehicle pushes where the path needs it and stays as it is. This law steers to such an attitude and
-along the family of them as the demand turns; heading alone does most of it, restoring moments the rest.
+When thrusters die, some combinations of force and torque can no longer be produced: N_f' F + N_t' M = b always, b = 0
+unless some thruster is stuck at a force. A force then drags a torque along. There are attitudes in which that torque is
+just the one that buoyancy asks for to hold the attitude: in them the vehicle pushes where the path needs it and stays
+as it is. This law steers to such an attitude and along the family of them as the demand turns; heading alone does most
+of it, restoring moments the rest.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ MOST_RATE = 1.0
 class BalancedAttitude:
     """Two tasks by priority (Nakamura 1987), on the turning rate w of the desired attitude, body axes.
 
-    First, with F = R' F_W and z = R' e_z, the imbalance g = N_f' F + N_t' M_hold(z) decays over `time`:
+    First, with F = R' F_W and z = R' e_z, the imbalance g = N_f' F + N_t' M_hold(z) - b decays over `time`:
     w = -J# g / time, J = dg/dw = N_f' S(F) - N_t' S(r) S(z), where M_hold = -r x z holds the hull against the moment
     r = rho V |g| r_CB - m |g| r_CG of its buoyancy and weight. Second, in the null space of the first, the hull rights
     itself over `levelling_time`: w_level = e_z x z / levelling_time. Both J# are damped, so nothing is singular when
@@ -43,6 +44,7 @@ class BalancedAttitude:
         self, left: Capability, dynamics: Dynamics, rotation: Matrix, time: float, levelling_time: float = 2.0
     ) -> None:
         self._forces, self._torques, self._level = left.lost_forces, left.lost_torques, left.level
+        self._constants = left.constants
         g = float(np.linalg.norm(dynamics.gravity))
         mass = float(dynamics.mass_matrix[0, 0])
         self._righting = g * (dynamics.displaced_mass * dynamics.centre_of_buoyancy - mass * dynamics.centre_of_mass)
@@ -64,7 +66,7 @@ class BalancedAttitude:
         return DesiredAttitude(quaternion_from_rotation(R), R @ rates)
 
     def _rates(self, F: Vector, z: Vector) -> Vector:
-        imbalance = self._forces.T @ F - self._torques.T @ cross(self._righting, z)
+        imbalance = self._forces.T @ F - self._torques.T @ cross(self._righting, z) - self._constants
         J = self._forces.T @ skew(F) - self._torques.T @ skew(self._righting) @ skew(z)
         inverse = J.T @ np.linalg.inv(J @ J.T + SOFTNESS_N**2 * np.eye(len(J)))
         level = cross(UP, z) / self._levelling_time
