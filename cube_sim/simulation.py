@@ -197,6 +197,8 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     known = state if mission.on_estimate is None else mission.on_estimate.see(state, data, recorder, t)
     decision = mission.controller.decide(known, applied, mission.scenario.control_period_s)
     allocation, motor_force = allocate_at(mission.supply.thrust, actuators, decision.wrench, decision.secondary)
+    if mission.diagnosis is not None:
+        motor_force = mission.diagnosis.probed(motor_force)
     commands = vehicle.thrusters.command(motor_force)
     data.ctrl[vehicle.thrusters.actuators] = commands
     if mission.diagnosis is not None:

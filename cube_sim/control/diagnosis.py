@@ -1,9 +1,13 @@
 """Finding thruster faults from what was commanded and what came back.
 
 The force each motor should give is known: its command through its lag and characteristic. The force it gives is
-measured (motor telemetry: speed and current). Over a sliding window the two are compared by least squares through the
-origin, y = e x: a whole thruster has e = 1, a weak one the same shape with e < 1, a dead one e = 0. A stuck one fits no
-line: its y stays where it is while x moves.
+measured (motor telemetry: speed and current). Over a sliding window the two, x and y, are held against what is believed
+of the motor: y = x of a whole one, y = e x of a weak one, y = 0 of a dead one, y = c of a stuck one. As long as that
+fits, it is believed. When it no longer does, the window has to say which of these the motor is instead.
+
+A weak and a stuck motor look alike while x stands still, and nearly so while it creeps: y = e x fits any constant. So a
+motor is believed weak only when its force was seen to move with x, stuck only when y = e x does not fit; in between it
+is doubtful, and told something else for a moment (`Probes`), as are dead ones, which would not show that they recover.
 """
 
 from __future__ import annotations
@@ -11,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from cube_sim.allocation.health import Health
+from cube_sim.control.probing import Probes
 from cube_sim.spatial import Vector
 
 
@@ -21,6 +26,13 @@ class Diagnosis:
         lag_s: (m,) time constants of the motors [s].
         window_s: length of the window [s]: the time a fault has to last to be believed.
         threshold_N: forces and differences below this say nothing [N].
+        dt: control period [s].
+        probe_N: (m,) what silent motors are asked for [N], well beyond the threshold.
+
+    Attributes:
+        activation: (m,) the motors' lagged commands.
+        health: what is believed.
+        doubtful: (m,) bool, which motors do something else than believed that can be read in more than one way.
     """
 
     WHOLE = 0.9
@@ -28,18 +40,25 @@ class Diagnosis:
     DEAD = 0.1
     """Efficiencies below this count as dead."""
 
-    def __init__(self, lag_s: Vector, window_s: float, threshold_N: float, dt: float) -> None:
+    def __init__(self, lag_s: Vector, window_s: float, threshold_N: float, dt: float, probe_N: Vector) -> None:
         self._decay = np.exp(-dt / lag_s)
         self._threshold = threshold_N
         n, m = max(2, round(window_s / dt)), len(lag_s)
+        self._size = np.sqrt(n) * threshold_N
         self._expected, self._measured = np.zeros((n, m)), np.zeros((n, m))
         self._filled, self._row = 0, 0
+        self._probes = Probes(probe_N, dt)
         self.activation = np.zeros(m)
         self.health = Health.whole(m)
+        self.doubtful = np.zeros(m, dtype=bool)
 
     def advance(self, commands: Vector) -> None:
         """Carry the motors' lag over one tick of constant commands (m,)."""
         self.activation = commands + (self.activation - commands) * self._decay
+
+    def probed(self, force: Vector) -> Vector:
+        """The forces (m,) [N] to ask for at this tick, a probe among them when one is due."""
+        return self._probes.disturb(force, self.health, self.doubtful)
 
     def update(self, expected: Vector, measured: Vector) -> Health:
         """Judge after one more tick.
@@ -54,26 +73,37 @@ class Diagnosis:
         self._filled = min(self._filled + 1, n)
         if self._filled < n:
             return self.health
-        for i in range(len(expected)):
-            self._judge(i)
+        health = self.health
+        believed = np.where(np.isnan(health.stuck), health.efficiency * self._expected, health.stuck)
+        contradicted = np.linalg.norm(self._measured - believed, axis=0) > self._size
+        self.doubtful = np.zeros(len(expected), dtype=bool)
+        for i in np.flatnonzero(contradicted):
+            self._judge(int(i))
         return self.health
 
     def _judge(self, i: int) -> None:
-        x, y = self._expected[:, i], self._measured[:, i]
-        size = np.sqrt(len(x)) * self._threshold
+        """Believe something else of a motor that does not do what is believed of it, if its window says what."""
+        x, y, size = self._expected[:, i], self._measured[:, i], self._size
         energy = float(x @ x)
-        fitted = float(x @ y) / energy if energy > 0.0 else 1.0
-        misfit = float(np.linalg.norm(y - fitted * x))
-        moved, stayed = float(np.linalg.norm(x - x.mean())), float(np.linalg.norm(y - y.mean()))
-        off = float(np.linalg.norm(y - x))
-        believed = self.health
-        if off <= size:
-            if energy > size**2 and not believed.obedient[i]:
-                self.health = believed.with_thruster(i)  # it answers as it should again
-            return
-        if np.all(np.abs(y) > self._threshold) and stayed < 0.2 * size and (moved > size or misfit > size):
-            self.health = believed.with_thruster(i, 0.0, float(y.mean()))
-        elif energy > size**2 and misfit < 0.5 * size:
-            efficiency = 0.0 if fitted < self.DEAD else 1.0 if fitted > self.WHOLE else round(min(fitted, 1.0), 2)
-            if abs(efficiency - believed.efficiency[i]) > 0.05 or not np.isnan(believed.stuck[i]):
-                self.health = believed.with_thruster(i, efficiency)
+        share = min(1.0, max(0.0, float(x @ y) / energy)) if energy > 0.0 else 0.0
+        misfit = float(np.linalg.norm(y - share * x))
+        swing = float(np.linalg.norm(y - y.mean()))
+        proportional = energy > size**2 and misfit <= 0.5 * size
+        if np.all(np.abs(y) <= self._threshold):
+            # So little that it does not matter whether it is weak or stuck at that; or a stuck one that has let go.
+            self._believe(i, self._efficiency(share) if proportional else 0.0)
+        elif proportional:
+            efficiency = self._efficiency(share)
+            if swing > 0.5 * size and misfit <= 0.5 * swing:
+                self._believe(i, efficiency)
+            elif efficiency != self.health.efficiency[i]:
+                self.doubtful[i] = True
+        elif swing < 0.2 * size and np.all(np.abs(y) > self._threshold):
+            self._believe(i, 0.0, float(y.mean()))
+
+    def _efficiency(self, share: float) -> float:
+        return 0.0 if share < self.DEAD else 1.0 if share > self.WHOLE else round(share, 2)
+
+    def _believe(self, i: int, efficiency: float, stuck: float = np.nan) -> None:
+        if efficiency != self.health.efficiency[i] or not np.isnan(stuck) or not np.isnan(self.health.stuck[i]):
+            self.health = self.health.with_thruster(i, efficiency, stuck)

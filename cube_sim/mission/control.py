@@ -71,4 +71,7 @@ def diagnosis_of(vehicle: Vehicle, scenario: Scenario) -> Diagnosis:
     """Half a second of evidence, and differences beyond the dead zone, where no motor's force is certain."""
     thrusters = vehicle.thrusters
     threshold = max(0.5, 1.2 * float(np.abs(thrusters.limits[:, 1:3]).max()))
-    return Diagnosis(thrusters.lag_s, 0.5, threshold, scenario.control_period_s)
+    least, most = thrusters.limits[:, 0], thrusters.limits[:, 3]
+    # Three times what says nothing: an answer is seen within a few control periods, and the probe is over.
+    probe = np.where(most >= -least, np.minimum(3.0 * threshold, most), np.maximum(-3.0 * threshold, least))
+    return Diagnosis(thrusters.lag_s, 0.5, threshold, scenario.control_period_s, probe)

@@ -1,0 +1,72 @@
+"""Asking a silent or doubtful motor for a force of its own, to learn from what it gives.
+
+A motor believed dead is told nothing, so nothing it does can show that it is whole again; one that is told the same all
+the time gives the same whether it is weak or stuck. Now and then such a motor is told something else for a moment. What
+comes of it is not planned for: a motor that is dead or stuck adds nothing, and one that answers is known within a few
+control periods, at which its probe ends.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cube_sim.allocation.health import Health
+from cube_sim.spatial import Vector
+
+
+class Probes:
+    """One probe at a time, each motor at most once a period.
+
+    Args:
+        force: (m,) [N] what a silent motor is asked for. A doubtful one is asked for it too, or for nothing when that
+            is farther from what it is told.
+        dt: control period [s].
+        period_s: between two probes of one motor, and from its loss to the first [s].
+        length_s: the most a probe takes [s].
+    """
+
+    def __init__(self, force: Vector, dt: float, period_s: float = 5.0, length_s: float = 0.3) -> None:
+        m = len(force)
+        self._force = force
+        self._period, self._length = max(1, round(period_s / dt)), max(1, round(length_s / dt))
+        self._wait = np.zeros(m, dtype=int)
+        self._obeyed = np.ones(m, dtype=bool)
+        self._motor, self._left, self._asked = -1, 0, 0.0
+        self._before = Health.whole(m)
+
+    def disturb(self, force: Vector, health: Health, doubtful: np.ndarray) -> Vector:
+        """The forces (m,) [N] to ask for at this tick in place of `force`; to be called at every tick.
+
+        Args:
+            force: (m,) [N] what the motors are to be told, as if they were whole.
+            health: what is believed of them.
+            doubtful: (m,) bool, which ones need to be told something else to be judged.
+        """
+        silent = (health.efficiency == 0.0) & np.isnan(health.stuck)
+        self._wait = np.maximum(0, self._wait - 1)
+        self._wait[silent & self._obeyed] = self._period
+        self._obeyed = health.obedient
+        if self._left > 0 and not self._unchanged(health):
+            self._left = 0
+        if self._left == 0:
+            self._start(np.flatnonzero((silent | doubtful) & (self._wait == 0)), force, health)
+        if self._left == 0:
+            return force
+        self._left -= 1
+        disturbed = force.copy()
+        disturbed[self._motor] = self._asked
+        return disturbed
+
+    def _start(self, due: np.ndarray, force: Vector, health: Health) -> None:
+        if due.size == 0:
+            return
+        self._motor = i = int(due[0])
+        self._asked = 0.0 if abs(force[i]) > 0.5 * abs(self._force[i]) else float(self._force[i])
+        self._left, self._before = self._length, health
+        self._wait[i] = self._period
+
+    def _unchanged(self, health: Health) -> bool:
+        """Whether no more is known of the probed motor than when its probe began."""
+        i, before = self._motor, self._before
+        same_hold = health.stuck[i] == before.stuck[i] or bool(np.isnan(health.stuck[i]) and np.isnan(before.stuck[i]))
+        return bool(health.efficiency[i] == before.efficiency[i]) and same_hold
