@@ -38,6 +38,10 @@ DIVERGED = 1e6
 Progress = Callable[[float, float], None]
 
 
+class _NotANumberError(Exception):
+    """The controller has no answer to the state it sees."""
+
+
 @dataclass(frozen=True)
 class Run:
     """What a run leaves in memory; the same stands in its directory.
@@ -132,9 +136,13 @@ def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> flo
             recorder.log(t, "ERROR", "the state has left all bounds or is not a number: the run ends here")
             return t
         other_voltage = _feed_thrusters(mission, recorder, t)
-        if _take_note_of_faults(mission, recorder, t) or other_voltage:
+        if _take_note_of_faults(mission, recorder, t) or other_voltage or k == 0:
             _record_actuation(mission, recorder, t)
-        applied, status, given_up = _tick(mission, recorder, t, applied)
+        try:
+            applied, status, given_up = _tick(mission, recorder, t, applied)
+        except _NotANumberError as error:
+            recorder.log(t, "ERROR", f"{error}: the run ends here")
+            return t
         reach.note(t, status)
         if given_up != told:
             _give_up(mission, recorder, t, given_up)
@@ -196,6 +204,8 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     state = read_state(vehicle, data)
     known = state if mission.on_estimate is None else mission.on_estimate.see(state, data, recorder, t)
     decision = mission.controller.decide(known, applied, mission.scenario.control_period_s)
+    if not all(np.isfinite(values).all() for values in (decision.wrench, decision.quaternion, decision.view.error)):
+        raise _NotANumberError("the controller's answer is not a number")
     allocation, motor_force = allocate_at(mission.supply.thrust, actuators, decision.wrench, decision.secondary)
     if mission.diagnosis is not None:
         motor_force = mission.diagnosis.probed(motor_force)
@@ -249,7 +259,6 @@ def read_state(vehicle, data: mujoco.MjData) -> State:
 
 def _describe(mission: Mission, recorder: Recorder) -> None:
     """What a reader of the recording must know before the first row."""
-    _record_actuation(mission, recorder, 0.0)
     points = np.array([mission.path.at(s).position for s in np.linspace(0.0, mission.path.length, PATH_POINTS)])
     recorder.append("path", 0.0, points.ravel())
     length = mission.path.length

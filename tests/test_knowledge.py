@@ -23,19 +23,25 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize("wrong", WRONG, ids=lambda wrong: "+".join(wrong))
-def test_the_helix_is_followed_in_a_current_with_wrong_knowledge(wrong, tmp_path):
-    """Wrong by more than a careful engineer would be; without the estimates it is far worse."""
-    run = cube_sim.run(HELIX, {"duration_s": 55, **wrong, "checks": SETTLED}, out=tmp_path)
-    assert run.verdict == "PASS", [(check.name, check.value) for check in run.checks]
-    blind = {"control.disturbance_time_s": None, "control.current_time_s": None}
-    without = cube_sim.run(HELIX, {"duration_s": 55, **wrong, **blind, "checks": SETTLED}, out=tmp_path)
-    assert without.checks[0].value > 5.0 * run.checks[0].value
-
-
 SETTLED = [
     {"kind": "signal", "signal": "path_error.cross_track", "statistic": "rms", "from_s": 40, "at_most": 0.01},
 ]
+
+
+def rms_on_the_helix(changes, directory) -> float:
+    """Cross-track RMS [m] in a current, from 40 s on."""
+    return cube_sim.run(HELIX, {"duration_s": 55, "checks": SETTLED, **changes}, out=directory).checks[0].value
+
+
+@pytest.mark.parametrize("wrong", WRONG, ids=lambda wrong: "+".join(wrong))
+def test_the_helix_is_followed_in_a_current_with_wrong_knowledge(wrong, tmp_path):
+    """Wrong by more than a careful engineer would be."""
+    assert rms_on_the_helix(wrong, tmp_path) < 0.003
+
+
+def test_it_is_the_estimates_that_make_up_for_wrong_knowledge(tmp_path):
+    blind = {"control.disturbance_time_s": None, "control.current_time_s": None}
+    assert rms_on_the_helix({**WRONG[0], **blind}, tmp_path) > 0.03
 
 
 def test_each_factor_scales_what_it_names_and_nothing_else():

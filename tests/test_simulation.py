@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import cube_sim
+from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
@@ -252,3 +253,27 @@ def test_the_readme_has_examples():
 @pytest.mark.parametrize("overrides", SETTINGS + [call for call in CALLS if call not in SETTINGS], ids=str)
 def test_the_examples_of_the_readme_pass(overrides, tmp_path):
     assert cube_sim.run(HELIX, overrides, tmp_path / "out").verdict == "PASS"
+
+
+def test_a_controller_without_an_answer_ends_the_run_as_error_with_the_last_good_state(tmp_path, monkeypatch):
+    """Whatever made it so: thrusters at rest and a vehicle adrift are no result to judge."""
+    decide, ticks = PathFollower.decide, []
+
+    def until_one_second(self, state, applied, dt):
+        ticks.append(dt)
+        decision = decide(self, state, applied, dt)
+        return decision if sum(ticks) < 1.0 else decision._replace(wrench=np.full(6, np.nan))
+
+    monkeypatch.setattr(PathFollower, "decide", until_one_second)
+    run = cube_sim.run(HELIX, SHORT, tmp_path / "run")
+    assert run.verdict == "ERROR"
+    assert all(np.isfinite(rows).all() for name, rows in run.signals.items() if name != "path.points")
+    (line,) = (line for line in read_recording(tmp_path / "run" / "run.mcap").log if line.level == "ERROR")
+    assert line.text == "the controller's answer is not a number: the run ends here"
+
+
+def test_a_fault_told_at_the_very_start_can_be_judged(tmp_path):
+    dead = {"kind": "thrusters", "at_s": 0, "thrusters": ["T1"], "state": "dead"}
+    run = cube_sim.run(HELIX, {**SHORT, "control.faults": "told", "events": [dead]}, tmp_path / "run")
+    assert run.verdict == "PASS"
+    assert not run.signals["thrusters.force"][:, 1].any()
