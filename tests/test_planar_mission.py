@@ -65,6 +65,18 @@ WRONG = {
     ("planar_lapierre_2007", "planar_lapierre_2007, planar: {least_speed_m_s: 1.5}"): (
         "8:64: control.planar.least_speed_m_s: must lie below the speed wanted everywhere, got 1.5 m/s"
     ),
+    ("[0, 3, -5]", "[0, 3, -5.1]"): (
+        "6:23: initial.position_m: starts at z = -5.1 m, the path lies at z = -5 m, and nothing the controller asks for"
+    ),
+    ("lapierre_2007", "lapierre_2007, attitude: {mode: free}"): "control.attitude: the planar law has no use",
+    ("lapierre_2007", "lapierre_2007, current_time_s: null"): "control.current_time_s: the planar law has no use",
+    ("lapierre_2007", "lapierre_2007, disturbance_time_s: 2"): "control.disturbance_time_s: the planar law has no use",
+    ("lapierre_2007", "lapierre_2007, safe_mode: {distance_limit_m: 4}"): (
+        "control.safe_mode.distance_limit_m: the planar law has no use for it"
+    ),
+    ("duration_s: 1\n", "duration_s: 9\ncontrol_period_s: 1.5\n"): (
+        "control_period_s: 1.5 s is longer than the 1 s that control.planar.yaw_rate_gain_per_s asks for"
+    ),
     ("infante.xml", "cube.xml"): "8:16: control.law: hull: slips sideways as fast as it turns",
 }
 
@@ -77,6 +89,71 @@ def test_what_the_planar_law_cannot_fly_is_refused_at_its_place(old, new, tmp_pa
         prepare(load(path))
     (mistake,) = caught.value.mistakes
     assert WRONG[old, new] in mistake
+
+
+def test_a_circle_run_without_end_needs_no_stop_and_one_with_a_last_lap_may_not_ask_for_it(tmp_path):
+    path = tmp_path / "mission.yaml"
+    ring = {"path": {"type": "circle", "centre_m": [0, 0, -5], "radius_m": 12}, "guidance.stop_at_end": True}
+    path.write_text(MISSION)
+    prepare(load(path, ring))
+    prepare(load(path, ring | {"path.laps": 1.5, "guidance.stop_at_end": False}))
+    with pytest.raises(
+        ScenarioError, match=r"guidance.stop_at_end: a planar law .* where the path or its last lap ends"
+    ):
+        prepare(load(path, ring | {"path.laps": 1.5}))
+
+
+def test_what_a_saved_scenario_writes_out_of_the_keys_it_has_no_use_for_is_no_mistake(tmp_path):
+    path = tmp_path / "mission.yaml"
+    path.write_text(MISSION)
+    saved = tmp_path / "resolved.yaml"
+    saved.write_text(load(path).resolved_yaml())
+    assert "current_time_s" in saved.read_text()
+    prepare(load(saved))
+
+
+def test_a_corner_out_of_the_plane_is_seen_between_legs_of_any_length(tmp_path):
+    """A riser of a metre between two level legs of five kilometres."""
+    path = tmp_path / "mission.yaml"
+    riser = (
+        "{type: polyline, points_m: [[0, 0, -5], [5000, 0, -5], [5001, 0, -4], [9000, 0, -4]], corner_radius_m: 0.5}"
+    )
+    path.write_text(MISSION.replace("{type: line, start_m: [0, 0, -5], end_m: [40, 0, -5]}", riser))
+    with pytest.raises(ScenarioError, match="this one climbs or sinks"):
+        prepare(load(path))
+
+
+@pytest.mark.parametrize(
+    ("overrides", "mistake"),
+    [
+        ({}, None),
+        ({"control_period_s": 0.3}, None),
+        (
+            {"control_period_s": 0.31},
+            "override control_period_s: 0.31 s is longer than the 0.3 s that control.rate_time_s asks for",
+        ),
+        (
+            {"control_period_s": 0.31, "control.rate_time_s": 0.4, "control.attitude_time_s": 0.2},
+            "the 0.2 s that control.attitude_time_s asks for: the loop would be unstable",
+        ),
+        ({"initial.position_m": [0, 3, -5.04]}, None),
+        (
+            {"initial.position_m": [0, 3, -2]},
+            "override initial.position_m: starts at z = -2 m, the path lies at z = -5",
+        ),
+    ],
+)
+def test_the_law_for_all_axes_refuses_a_slow_period_and_a_level_vehicle_beside_its_depth(overrides, mistake, tmp_path):
+    path = tmp_path / "mission.yaml"
+    path.write_text(MISSION.replace("infante", "jack").replace("planar_lapierre_2007", "motion_6dof"))
+    loaded = load(path, {"duration_s": 10, **overrides})
+    if mistake is None:
+        prepare(loaded)
+        return
+    with pytest.raises(ScenarioError) as caught:
+        prepare(loaded)
+    (line,) = caught.value.mistakes
+    assert mistake in line
 
 
 def test_the_controller_asks_for_force_ahead_and_torque_only_and_says_so(tmp_path):

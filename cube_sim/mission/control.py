@@ -22,6 +22,7 @@ from cube_sim.mission.hull import Hull
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.path import is_level
 from cube_sim.mission.planar import planar_follower
+from cube_sim.mission.refusals import too_slow_period, wrong_depth
 from cube_sim.scenario import Loaded, Scenario, schema
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -39,9 +40,14 @@ def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
     whole = capability(believed.vehicle.actuation_matrix)
     if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
         return planar_follower(loaded, believed, path)
-    if whole.level and not is_level(path):
-        text = "this path climbs or sinks, and the vehicle has thrusters for a level plane only"
-        raise ScenarioError([loaded.mistake("path", text)])
+    mistakes = too_slow_period(loaded, _loop_times(scenario))
+    if whole.level:
+        if not is_level(path):
+            text = "this path climbs or sinks, and the vehicle has thrusters for a level plane only"
+            mistakes.append(loaded.mistake("path", text))
+        mistakes += wrong_depth(loaded, path)
+    if mistakes:
+        raise ScenarioError(mistakes)
     target, approach = guidance_of(scenario, path)
     return PathFollower(
         target=target,
@@ -55,6 +61,19 @@ def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
         capability=whole,
         path_first=is_path_first(control),
     )
+
+
+def _loop_times(scenario: Scenario) -> dict[str, float]:
+    """How fast each loop of the law for all axes is, by the value that says so [s]."""
+    control, guidance = scenario.control, scenario.guidance
+    times = {
+        "control.velocity_time_s": control.velocity_time_s,
+        "control.attitude_time_s": control.attitude_time_s,
+        "control.rate_time_s": control.rate_time_s,
+    }
+    if guidance.law == "path_following":
+        times["guidance.target_gain_per_s"] = 1.0 / guidance.target_gain_per_s
+    return times
 
 
 def _safe_mode(block: schema.SafeMode) -> SafeMode:

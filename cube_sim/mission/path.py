@@ -94,7 +94,10 @@ def laps_of(block: blocks.Path) -> float:
 
 def is_level(path: Path) -> bool:
     """Whether the path stays at one depth."""
-    return all(abs(path.at(s).rotation[2, 0]) < LEVEL for s in np.linspace(0.0, path.length, 501))
+    edges = np.asarray(path.edges)
+    # a curve without corners shows in the first, a corner between long legs in the others
+    stations = np.concatenate([np.linspace(0.0, path.length, 501), edges, 0.5 * (edges[1:] + edges[:-1])])
+    return all(abs(path.at(s).rotation[2, 0]) < LEVEL for s in stations)
 
 
 def speed_of(guidance: Guidance, path: Path) -> SpeedProfile:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, radians
+from math import inf, radians, sqrt
 
 import numpy as np
 
@@ -16,8 +16,21 @@ from cube_sim.mission.hull import Hull
 from cube_sim.mission.knowledge import believed_planar_model
 from cube_sim.mission.path import is_level, laps_of, speed_of
 from cube_sim.mission.planar_knowledge import planar_model
-from cube_sim.scenario import Loaded
+from cube_sim.mission.refusals import too_slow_period, wrong_depth
+from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.path_blocks import Point
+from cube_sim.scenario.schema import Control, SafeMode
+
+UNUSED = (
+    "velocity_time_s",
+    "attitude_time_s",
+    "rate_time_s",
+    "disturbance_time_s",
+    "current_time_s",
+    "attitude",
+    "priority",
+)
+"""Keys of `control` which only the law for all axes knows."""
 
 
 def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollower:
@@ -29,19 +42,19 @@ def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollowe
     scenario, (model, vehicle) = loaded.scenario, believed
     guidance, planar = scenario.guidance, scenario.control.planar
     profile = speed_of(guidance, path)
-    mistakes = []
+    mistakes = _without_effect(loaded) + too_slow_period(loaded, _loop_times(scenario))
     if isinstance(scenario.path, Point):
         mistakes.append(loaded.mistake("path", "a planar law steers by moving ahead and cannot stay at a point"))
     if guidance.law == "trajectory_tracking":
         text = "a planar law follows paths, its target waits for the vehicle: give path_following"
         mistakes.append(loaded.mistake("guidance.law", text))
-    stations = np.linspace(0.0, path.length, 501)
     if not is_level(path):
         mistakes.append(loaded.mistake("path", "a planar law follows level paths, this one climbs or sinks"))
-    if guidance.stop_at_end and not path.closed:
-        text = "a planar law steers by moving ahead and cannot stop at the end of an open path: give false"
+    mistakes += wrong_depth(loaded, path)
+    if guidance.stop_at_end and laps_of(scenario.path) < inf:
+        text = "a planar law steers by moving ahead and cannot stop where the path or its last lap ends: give false"
         mistakes.append(loaded.mistake("guidance.stop_at_end", text))
-    if not planar.least_speed_m_s < min(profile.at(s).value for s in stations):
+    if not planar.least_speed_m_s < profile.least:
         text = f"must lie below the speed wanted everywhere, got {planar.least_speed_m_s:g} m/s"
         mistakes.append(loaded.mistake("control.planar.least_speed_m_s", text))
     if np.linalg.matrix_rank(vehicle.actuation_matrix[[0, 5]]) < 2:
@@ -72,3 +85,28 @@ def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollowe
             target_speed_limit=limit,
         ),
     )
+
+
+def _without_effect(loaded: Loaded) -> list[str]:
+    """Mistakes: values that differ from their defaults, though the planar law has no use for them."""
+    control, default = loaded.scenario.control, Control()
+    text = "the planar law has no use for it, and what it says would not happen: leave it out"
+    return [
+        loaded.mistake(f"control.{key}", text) for key in UNUSED if getattr(control, key) != getattr(default, key)
+    ] + [
+        loaded.mistake(f"control.safe_mode.{key}", text)
+        for key in SafeMode.model_fields
+        if getattr(control.safe_mode, key) != getattr(default.safe_mode, key)
+    ]
+
+
+def _loop_times(scenario: Scenario) -> dict[str, float]:
+    """How fast each loop of the planar law is, by the value that says so [s]."""
+    planar = scenario.control.planar
+    return {
+        "guidance.target_gain_per_s": 1.0 / scenario.guidance.target_gain_per_s,
+        "control.planar.angle_gain_per_s": 1.0 / planar.angle_gain_per_s,
+        "control.planar.yaw_rate_gain_per_s": 1.0 / planar.yaw_rate_gain_per_s,
+        "control.planar.surge_gain_per_s": 1.0 / planar.surge_gain_per_s,
+        "control.planar.angle_stiffness_per_s2": 1.0 / sqrt(planar.angle_stiffness_per_s2),
+    }

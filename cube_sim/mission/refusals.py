@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from difflib import get_close_matches
 
 from cube_sim.errors import ScenarioError
+from cube_sim.guidance.path import Path
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.check_blocks import SignalCheck
 from cube_sim.scenario.event_blocks import ThrusterEvent
 from cube_sim.vehicle.vehicle import Vehicle
+
+SAME_DEPTH_M = 0.05
+"""By how much a vehicle that cannot change depth may start above or below its path."""
 
 
 def require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
@@ -28,6 +33,33 @@ def require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
             mistakes.append(loaded.mistake(f"checks.{i}.component", f"{check.signal} has columns 0 to {last}"))
     if mistakes:
         raise ScenarioError(mistakes)
+
+
+def too_slow_period(loaded: Loaded, times: Mapping[str, float]) -> list[str]:
+    """Mistakes, at most one: a control period longer than the shortest time by which its loops are given.
+
+    A loop that removes a share 1 / T of its error per second removes more than all of it in a longer period.
+
+    Args:
+        loaded: the scenario.
+        times: dotted path of the value that gives a loop's time -> that time [s].
+    """
+    period, shortest = loaded.scenario.control_period_s, min(times, key=lambda key: times[key])
+    if period <= times[shortest]:
+        return []
+    text = f"{period:g} s is longer than the {times[shortest]:g} s that {shortest} asks for: the loop would be unstable"
+    return [loaded.mistake("control_period_s", text, because=shortest)]
+
+
+def wrong_depth(loaded: Loaded, path: Path) -> list[str]:
+    """Mistakes, at most one: a start that is not at the depth of the path, of a vehicle that stays at its depth."""
+    at, there = loaded.scenario.initial.position_m[2], float(path.at(0.0).position[2])
+    if abs(at - there) <= SAME_DEPTH_M:
+        return []
+    text = (
+        f"starts at z = {at:g} m, the path lies at z = {there:g} m, and nothing the controller asks for changes depth"
+    )
+    return [loaded.mistake("initial.position_m", text)]
 
 
 def require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
