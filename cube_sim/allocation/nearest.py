@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.geometry import WrenchDistance
 from cube_sim.allocation.projection import INFEASIBLE, STALLED, project
-from cube_sim.allocation.relaxation import split
+from cube_sim.allocation.relaxation import branch, split
 from cube_sim.allocation.search import MOST_NODES
 from cube_sim.allocation.sides import Sides
 from cube_sim.compiled import compiled
@@ -166,11 +166,5 @@ def nearest(
                 found += 1
             continue
         first, second = split(f[chosen], chosen, mask[chosen], sides)
-        for child in (second, first):
-            if child != 0:
-                for i in range(m):
-                    stack[depth, i] = mask[i]
-                stack[depth, chosen] = child
-                bound[depth] = lower
-                depth += 1
+        depth = branch(stack, bound, depth, mask, chosen, (second, first), lower)
     return found, best, proven, solved

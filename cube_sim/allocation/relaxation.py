@@ -100,3 +100,34 @@ def split(f: float, motor: int, mask: int, sides: Sides) -> tuple[int, int]:
     if below and above and (below | above) == mask:
         return (below, above) if gap_below <= gap_above else (above, below)
     return nearest, mask & ~nearest
+
+
+@compiled
+def branch(
+    stack: NDArray[np.int64],
+    bound: NDArray[np.float64],
+    depth: int,
+    mask: NDArray[np.int64],
+    motor: int,
+    parts: tuple[int, int],
+    lower: float,
+) -> int:
+    """Put the nodes that leave one motor a part of its sides on a stack, the last part on top; returns its new depth.
+
+    Args:
+        stack: (d, m) sides open to each motor in each node to come, changed from ``depth`` on.
+        bound: (d,) lower bounds of these nodes, likewise.
+        depth: number of nodes on the stack.
+        mask: (m,) of the node that is divided.
+        motor: that decides.
+        parts: of its sides; an empty one makes no node.
+        lower: bound of the node that is divided.
+    """
+    for part in parts:
+        if part != 0:
+            for i in range(mask.shape[0]):
+                stack[depth, i] = mask[i]
+            stack[depth, motor] = part
+            bound[depth] = lower
+            depth += 1
+    return depth

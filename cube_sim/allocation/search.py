@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.projection import CUT, INFEASIBLE, STALLED, project
-from cube_sim.allocation.relaxation import choose_side, split
+from cube_sim.allocation.relaxation import branch, choose_side, split
 from cube_sim.allocation.sides import Price, Sides
 from cube_sim.allocation.ties import changed, preferred, slack_of
 from cube_sim.compiled import compiled
@@ -119,12 +119,7 @@ def search(
             for i in range(m):
                 single = mask[i] & -mask[i]
                 if single != mask[i]:
-                    for child in (single, mask[i] ^ single):
-                        for j in range(m):
-                            stack[depth, j] = mask[j]
-                        stack[depth, i] = child
-                        bound[depth] = bound_here
-                        depth += 1
+                    depth = branch(stack, bound, depth, mask, i, (single, mask[i] ^ single), bound_here)
                     break
             else:
                 proven = False
@@ -165,13 +160,7 @@ def search(
         else:
             divided = stuck
         first, second = split(f[divided], divided, mask[divided], sides)
-        for child in (second, first):
-            if child != 0:
-                for i in range(m):
-                    stack[depth, i] = mask[i]
-                stack[depth, divided] = child
-                bound[depth] = lower
-                depth += 1
+        depth = branch(stack, bound, depth, mask, divided, (second, first), lower)
     if not proven:
         return GAVE_UP, value_best, solved
     return (FOUND if best < math.inf else NONE), value_best, solved
