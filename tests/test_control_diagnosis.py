@@ -161,3 +161,13 @@ def test_a_probe_ends_when_its_motor_has_answered():
     bench.run(6.0, WHOLE, constant)
     probe = np.array(bench.told[told:]) == PROBE
     assert 1 <= np.count_nonzero(probe) <= 8  # of the 15 control periods it may take
+
+
+@pytest.mark.parametrize("before", [0.6, 0.98, 4.0, 12.0])
+@pytest.mark.parametrize("after", [1.3, 1.5, 2.0, 14.0])
+def test_a_motor_that_dies_is_not_called_weak_on_the_way(before, after):
+    """While the window holds what was before and what is, a line may fit both a little."""
+    bench = Bench()
+    bench.run(2.0, WHOLE, lambda _: before)
+    bench.run(3.0, DEAD, lambda _: after)
+    assert [health.efficiency[0] for _, health in bench.beliefs] == [0.0]

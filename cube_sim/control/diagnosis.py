@@ -89,6 +89,8 @@ class Diagnosis:
         misfit = float(np.linalg.norm(y - share * x))
         swing = float(np.linalg.norm(y - y.mean()))
         proportional = energy > size**2 and misfit <= 0.5 * size
+        if proportional and share >= self.DEAD and not self._still(i, share):
+            return  # the fault came amid the window, which mixes two truths
         if np.all(np.abs(y) <= self._threshold):
             # So little that it does not matter whether it is weak or stuck at that; or a stuck one that has let go.
             self._believe(i, self._efficiency(share) if proportional else 0.0)
@@ -100,6 +102,14 @@ class Diagnosis:
                 self.doubtful[i] = True
         elif swing < 0.2 * size and np.all(np.abs(y) > self._threshold):
             self._believe(i, 0.0, float(y.mean()))
+
+    def _still(self, i: int, share: float) -> bool:
+        """Whether y = share x, found over the window, holds for its newer half too."""
+        n = len(self._expected)
+        newer = (self._row + np.arange(n // 2, n)) % n
+        x, y = self._expected[newer, i], self._measured[newer, i]
+        tolerance = max(0.2 * share * float(np.linalg.norm(x)), 0.1 * self._size)
+        return bool(np.linalg.norm(y - share * x) <= tolerance)
 
     def _efficiency(self, share: float) -> float:
         return 0.0 if share < self.DEAD else 1.0 if share > self.WHOLE else round(share, 2)
