@@ -9,6 +9,7 @@ import numpy as np
 from cube_sim.control.planar.approach_angle import ApproachAngle
 from cube_sim.control.planar.dynamic import DynamicLaw, Gains
 from cube_sim.control.planar.follower import PlanarFollower
+from cube_sim.control.planar.reach import Reach
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
@@ -84,6 +85,7 @@ def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollowe
             least_speed=planar.least_speed_m_s,
             target_speed_limit=limit,
         ),
+        reach=Reach.of(vehicle.actuation_matrix, vehicle.thrusters.limits[:, [0, 3]]),
     )
 
 

@@ -12,6 +12,7 @@ from cube_sim.control.planar.dynamic import DynamicLaw, SpeedWanted
 from cube_sim.control.planar.kinematic import KinematicLaw
 from cube_sim.control.planar.model import PlanarMotion
 from cube_sim.control.planar.path_view import heading, plane_view
+from cube_sim.control.planar.reach import Reach
 from cube_sim.guidance.speed import SpeedProfile
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.spatial import State, Vector, quaternion_from_euler
@@ -28,11 +29,13 @@ class PlanarFollower:
         target: the virtual target on the path; its gain is the law's k2.
         profile: u_d along the path; its rate of change is fed forward, the rate of that is not.
         law: equation (6).
+        reach: what the thrusters can make of its demand.
     """
 
     target: VirtualTarget
     profile: SpeedProfile
     law: DynamicLaw
+    reach: Reach
     _authority: Authority = Authority.UNICYCLE
     _given_up: str = ""
 
@@ -52,13 +55,14 @@ class PlanarFollower:
             path = path._replace(c_c=0.0, g_c=0.0)  # the path goes on straight
         speed = self.profile.at(view.arc_length)
         command = self.law.command(motion, path, SpeedWanted(speed.value, speed.slope * view.speed))
+        F, Gamma = self.reach.cut(command.F, command.Gamma)
         k1, k2 = self.law.gains.k1, self.law.gains.k2
         wanted = KinematicLaw(self.law.model, self.law.approach, k1, k2).command(flow, path)
         error = self.law.kinematics(motion, path, SpeedWanted(speed.value)).error
         self.target.advance(view.speed, dt)
         follows = self._authority is not Authority.SAFE
         return Decision(
-            wrench=np.array([command.F, 0.0, 0.0, 0.0, 0.0, command.Gamma]) if follows else np.zeros(6),
+            wrench=np.array([F, 0.0, 0.0, 0.0, 0.0, Gamma]) if follows else np.zeros(6),
             secondary=np.zeros(6),
             disturbance=np.zeros(6),
             current=np.zeros(3),

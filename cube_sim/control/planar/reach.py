@@ -1,0 +1,55 @@
+"""What force ahead and torque a hull can make together, and how a demand beyond it is cut down."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Reach(NamedTuple):
+    """The (F, Gamma) a hull's thrusters can make, whatever else they then do, dead zones left out.
+
+    It is a zonogon: every edge is square to one of `normals`.
+
+    Attributes:
+        normals: (k, 2) [1, 1/m].
+        sizes: normals . (F, Gamma) is at most this (k,) [N].
+    """
+
+    normals: Array
+    sizes: Array
+
+    @classmethod
+    def of(cls, A: Array, limits: Array) -> Reach:
+        """The reach of thrusters with the columns A (6, m) and forces between `limits` (m, 2) [N]."""
+        columns = A[[0, 5]]
+        columns = columns[:, np.linalg.norm(columns, axis=0) > 1e-12]
+        across = np.column_stack([-columns[1], columns[0]]) / np.linalg.norm(columns, axis=0)[:, None]
+        normals = np.vstack([across, -across])
+        each = normals @ A[[0, 5]]
+        return cls(normals, np.maximum(each * limits[:, 0], each * limits[:, 1]).sum(axis=1))
+
+    def cut(self, F: float, Gamma: float) -> tuple[float, float]:
+        """A demand [N, N m] within reach: itself where it is, otherwise neither half at the cost of the other.
+
+        The closest attainable wrench is no use to the planar law: at low speed it asks for torques a hundred times the
+        hull's, which then take all thrust and leave none to gather the speed at which the law would ask for less. So
+        the torque first takes half of what it could have alone, the force its wish of what remains, and the torque
+        again what that leaves.
+        """
+        if (self.normals @ (F, Gamma) <= self.sizes * (1.0 + 1e-9) + 1e-9).all():
+            return F, Gamma
+        low, high = self._range(1, 0.0)
+        F = float(np.clip(F, *self._range(0, float(np.clip(Gamma, 0.5 * low, 0.5 * high)))))
+        return F, float(np.clip(Gamma, *self._range(1, F)))
+
+    def _range(self, axis: int, other: float) -> tuple[float, float]:
+        """Lowest and highest value of one of the two, given the other one."""
+        along = self.normals[:, axis]
+        left = self.sizes - self.normals[:, 1 - axis] * other
+        ahead, behind = along > 1e-12, along < -1e-12
+        return float((left[behind] / along[behind]).max()), float((left[ahead] / along[ahead]).min())
