@@ -160,8 +160,8 @@ class Control(Block):
 
     law: Literal["motion_6dof", "planar_lapierre_2007"] | None = Field(
         default=None,
-        description="motion_6dof: all axes, or those the thrusters have. planar_lapierre_2007: a force ahead and a torque"
-        " about the vertical, on a level path. Default: the planar law for a vehicle built with just these two.",
+        description="motion_6dof: all axes, or those the thrusters have. planar_lapierre_2007: a force ahead and a"
+        " torque about the vertical, on a level path. Default: the planar law for a vehicle built with just these two.",
     )
     planar: PlanarGains = PlanarGains()
     velocity_time_s: float = Field(default=1.0, gt=0, description="Velocity loop [s].")
