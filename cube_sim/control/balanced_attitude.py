@@ -45,9 +45,7 @@ class BalancedAttitude:
     ) -> None:
         self._forces, self._torques, self._level = left.lost_forces, left.lost_torques, left.level
         self._constants = left.constants
-        g = float(np.linalg.norm(dynamics.gravity))
-        mass = float(dynamics.mass_matrix[0, 0])
-        self._righting = g * (dynamics.displaced_mass * dynamics.centre_of_buoyancy - mass * dynamics.centre_of_mass)
+        self._righting = dynamics.righting_moment
         self._rotation, self._time, self._levelling_time = rotation.copy(), time, levelling_time
         self._force: Vector | None = None
 

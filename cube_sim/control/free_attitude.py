@@ -41,9 +41,7 @@ class FreeAttitude:
     def __init__(self, dynamics: Dynamics, time: float) -> None:
         self._dynamics, self._time = dynamics, time
         self._effort: Matrix | None = None
-        g = float(np.linalg.norm(dynamics.gravity))
-        mass = float(dynamics.mass_matrix[0, 0])
-        self._righting = g * (dynamics.displaced_mass * dynamics.centre_of_buoyancy - mass * dynamics.centre_of_mass)
+        self._righting = dynamics.righting_moment
         self._lift = float(np.linalg.norm(self._righting))
         self._rotation: Matrix | None = None
         self._force, self._velocity = np.zeros(3), np.zeros(3)

@@ -37,6 +37,13 @@ class Dynamics:
     centre_of_buoyancy: Vector
     gravity: Vector
 
+    @property
+    def righting_moment(self) -> Vector:
+        """r = rho V |g| r_CB - m |g| r_CG (3,) [N m], body axes: buoyancy and weight turn the hull by r x R' e_z."""
+        g = float(np.linalg.norm(self.gravity))
+        mass = float(self.mass_matrix[0, 0])
+        return g * (self.displaced_mass * self.centre_of_buoyancy - mass * self.centre_of_mass)
+
     def wrench(self, rotation: Matrix, nu: Vector, nu_dot: Vector, current: Vector) -> Vector:
         """Inverse dynamics: the wrench (6,) [N, N m], body axes, under which nu changes at the rate nu_dot.
 
