@@ -200,3 +200,13 @@ def test_status_says_where_the_search_gave_up_its_proof():
         seen.append(gave_up)
     assert any(seen)
     assert not all(seen)
+
+
+@pytest.mark.parametrize("limit", [0.1, 0.3, 0.7, 1.1])
+@pytest.mark.parametrize("steps", range(1, 12))
+def test_what_lies_exactly_one_change_limit_away_is_within_reach(limit, steps):
+    allocator = Allocator([[1.0], [0.0], [0.0]], [-40.0, -4.0, 4.0, 40.0], change_limit=limit, method="search")
+    walk = [float(allocator.allocate([sign * 40.0, 0.0, 0.0]).force[0]) for sign in (-1, 1) for _ in range(steps)]
+    # From rest to -4 N less (steps) limits; back at the dead zone's edge, +4 N, after as many.
+    np.testing.assert_allclose(walk[steps - 1], -4.0 - steps * limit, rtol=1e-12)
+    np.testing.assert_allclose(walk[-1], 4.0, rtol=1e-12)

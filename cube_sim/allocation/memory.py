@@ -96,13 +96,17 @@ def this_tick(t: Tables, memory: Memory) -> Tick:
             else:
                 penalty[i, 1] += t.switching_penalty
             if t.change_limit < math.inf:
-                bottom, top = memory.travel[i] - t.change_limit, memory.travel[i] + t.change_limit
                 masks[i] = 0
                 for s in range(3):
                     if low[i, s] <= high[i, s]:
-                        low[i, s] = max(low[i, s], t.edge[i, s] + bottom)
-                        high[i, s] = min(high[i, s], t.edge[i, s] + top)
-                        if low[i, s] <= high[i, s]:
+                        bottom = t.edge[i, s] + memory.travel[i] - t.change_limit
+                        top = t.edge[i, s] + memory.travel[i] + t.change_limit
+                        if bottom - t.tolerance <= high[i, s] and top + t.tolerance >= low[i, s]:
+                            # What lies exactly one limit away is within reach, whatever the rounding.
+                            low[i, s], high[i, s] = (
+                                max(low[i, s], min(bottom, high[i, s])),
+                                min(high[i, s], max(top, low[i, s])),
+                            )
                             masks[i] |= 1 << s
                         else:
                             low[i, s], high[i, s] = math.inf, -math.inf
