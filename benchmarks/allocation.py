@@ -71,19 +71,19 @@ def main() -> None:
         for name, allocator in methods.items():
             if name.startswith("enumerate") and i >= options.enumerated:
                 continue
-            start, worked = time.perf_counter(), time.thread_time()
+            worked, start = time.thread_time(), time.perf_counter()
             answer = allocator.allocate(wrench)
-            processor[name].append(time.thread_time() - worked)
             wall[name].append(time.perf_counter() - start)
+            processor[name].append(time.thread_time() - worked)
             costs[name] = exact_cost(answer)
         for name, cost in costs.items():
             wrong[name] += not np.isclose(cost, costs["search"], rtol=1e-5, atol=1e-6)
         if i % block == 0:
             part = wrenches[i : i + block]
-            start, worked = time.perf_counter(), time.thread_time()
+            worked, start = time.thread_time(), time.perf_counter()
             answers = batch.allocate_many(part)
-            processor["batch"].append((time.thread_time() - worked) / len(part))
             wall["batch"].append((time.perf_counter() - start) / len(part))
+            processor["batch"].append((time.thread_time() - worked) / len(part))
             there = np.where(answers.status == Status.EXACT, answers.cost, np.inf)
             alone = [exact_cost(methods["search"].allocate(w)) for w in part]
             wrong["batch"] += int(np.sum(~np.isclose(there, alone, rtol=1e-5, atol=1e-6)))

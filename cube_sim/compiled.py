@@ -9,6 +9,25 @@ from types import CodeType
 from typing import Any
 
 import numba
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array
+
+
+@intrinsic
+def borrowed(typingctx: Any, array: Any) -> Any:
+    """The same array without a share in its memory: views of it, and handing them on, cost no reference counting.
+
+    For arguments of a compiled function only: its caller holds them until it returns.
+    """
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        view = make_array(signature.args[0])(context, builder, args[0])
+        view.meminfo = cgutils.get_null_value(view.meminfo.type)
+        view.parent = cgutils.get_null_value(view.parent.type)
+        return view._getvalue()
+
+    return array(array), codegen
 
 
 def compiled(function: Callable[..., Any]) -> Any:

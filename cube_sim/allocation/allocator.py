@@ -153,6 +153,7 @@ class Allocator:
         self._far = beyond(wrench_distance(self.A, self.wrench_weights), facets=self._tables.scaled)
         self._packed = pack(self._tables, self._far)
         self._memory, self._nothing = blank_memory(m), np.empty((0, n))
+        self._room, self._ends = blank_answers(1, n, m).shape, (m, m + n, m + 2 * n, 2 * m + 2 * n)
         self._confirmer = (
             Confirmer(self._tables, self._packed, AGREEMENT, max(largest, 1e-6))
             if self.method == "search+proxqp"
@@ -222,7 +223,7 @@ class Allocator:
     def _demand(self, wrench: ArrayLike) -> NDArray[np.float64]:
         """A checked demand as one row, (1, n)."""
         demand = np.ascontiguousarray(wrench, dtype=np.float64)
-        if demand.shape != (len(self.A),):
+        if demand.shape != self.wrench_weights.shape:
             raise AllocationError(f"the wrench has shape {demand.shape}; A has {len(self.A)} rows")
         return demand[None]
 
@@ -230,8 +231,7 @@ class Allocator:
         self, demand: NDArray[np.float64], primary: NDArray[np.float64], secondary: NDArray[np.float64]
     ) -> Allocation:
         """Answer one demand, in one row, whose parts are ``primary`` and ``secondary``, which may have no row."""
-        n, m = self.A.shape
-        answers = blank_answers(1, n, m)
+        answers = np.zeros(self._room)
         if self._enumeration is None:
             allocate_each(*self._packed, self._memory, primary, secondary, answers)
         else:
@@ -244,14 +244,14 @@ class Allocator:
             effort.qps += 1
             if not self._confirmer.confirms(answers, demand[0]):
                 effort.disagreements += 1
-        a, b = m + n, m + 2 * n
+        m, a, b, c = self._ends
         return Allocation(
             row[:m],
             row[m:a],
             row[a:b],
             residual,
             cost,
-            row[b : b + m].astype(np.int8),
+            row[b:c].astype(np.int8),
             _STATUS[int(number)],
             None if self.power_coefficients is None else electrical_power(self.power_coefficients, row[:m]),
         )
@@ -273,7 +273,8 @@ class Allocator:
             raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")
         answers = blank_answers(len(demands), n, m)
         allocate_each(*self._packed, self._memory, demands, self._nothing, answers)
-        a, b, rest = m + n, m + 2 * n, answers[:, -6:]
+        _, a, b, c = self._ends
+        rest = answers[:, -6:]
         self.effort.nodes += int(rest[:, 4].sum())
         self.effort.unproven += int(rest[:, 5].sum())
         return Allocations(
@@ -282,7 +283,7 @@ class Allocator:
             answers[:, a:b].copy(),
             rest[:, 0].copy(),
             rest[:, 1].copy(),
-            answers[:, b : b + m].astype(np.int8),
+            answers[:, b:c].astype(np.int8),
             rest[:, 2].astype(np.int8),
         )
 

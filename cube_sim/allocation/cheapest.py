@@ -23,6 +23,7 @@ def cheapest(
     tick: Tick,
     previous: NDArray[np.float64],
     origin: NDArray[np.float64],
+    spare: NDArray[np.float64],
     force: NDArray[np.float64],
     subset: NDArray[np.float64],
     multiplier: NDArray[np.float64],
@@ -36,6 +37,7 @@ def cheapest(
         tick: sides and prices of this call.
         previous: (m,) subset that ties prefer.
         origin: (m,) [N].
+        spare: (3, m) room to work in.
         force: (m,) out [N], clipped to its sides.
         subset: (m,) out.
         multiplier: (m,) out.
@@ -44,7 +46,7 @@ def cheapest(
         Whether there are any, their cost, the alternative, nodes looked at, whether the answer is proven.
     """
     m = origin.shape[0]
-    trial, chosen, mu = np.empty(m), np.empty(m), np.empty(m)
+    trial, chosen, mu = spare[0], spare[1], spare[2]
     found, best, winner, nodes, proven, changes_best = False, math.inf, 0, 0, True, 0
     for a in range(tick.targets.shape[0]):
         sides, price = sides_of(tick, a), price_of(tick, a)

@@ -13,7 +13,7 @@ from cube_sim.allocation.demand import attainable_origin, nearest_origins, share
 from cube_sim.allocation.memory import memory_of, remember, this_tick
 from cube_sim.allocation.tables import unpack, unpack_beyond
 from cube_sim.allocation.ties import changed, preferred
-from cube_sim.compiled import compiled
+from cube_sim.compiled import borrowed, compiled
 
 EXACT, CLOSEST, INVALID_WRENCH, UNPROVEN, UNPROVEN_CLOSEST, SCALED, YIELDED = 0, 1, 2, 5, 6, 7, 8
 """The numbers of `Status`."""
@@ -104,10 +104,13 @@ def allocate_each(
         secondary: (N, n), or (0, n) for demands that have no such part.
         answers: (N, ...) from `blank_answers`.
     """
-    t, known = unpack(numbers, integers), memory_of(memory)
+    answers, primary, secondary = borrowed(answers), borrowed(primary), borrowed(secondary)
+    numbers, integers = borrowed(numbers), borrowed(integers)
+    t, known = unpack(numbers, integers), memory_of(borrowed(memory))
     n, m = t.A.shape
-    demand, base, direction, part = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    origin, trial, sides, mu = np.empty((1, m)), np.empty(m), np.empty(m), np.empty(m)
+    wrenches, motors = np.zeros((4, n)), np.empty((7, m))  # two pieces of memory cost less time than eleven
+    demand, base, direction, part = wrenches[0], wrenches[1], wrenches[2], wrenches[3]
+    origin, trial, sides, mu, spare = motors[:1], motors[1], motors[2], motors[3], motors[4:]
     two_parts = secondary.shape[0] > 0
     for at in range(primary.shape[0]):
         answer = answer_of(answers[at], n, m)
@@ -142,7 +145,7 @@ def allocate_each(
             proven = proven and sure
             for c in range(count):
                 there, cost, alternative, looked, sure = cheapest(
-                    t.fibre, t.plane, t.planar, tick, known.subset, origins[c], trial, sides, mu
+                    t.fibre, t.plane, t.planar, tick, known.subset, origins[c], spare, trial, sides, mu
                 )
                 nodes += looked
                 proven = proven and sure

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -109,7 +108,7 @@ class FaultTolerant:
         force, subset = self._held.copy(), np.sign(self._held).astype(np.int8)
         force[self._obedient], subset[self._obedient] = part.force, part.subset
         self._standing = self._standing.then(force, subset)
-        return replace(part, force=force, wrench=part.wrench + held, subset=subset)
+        return part._replace(force=force, wrench=part.wrench + held, subset=subset)
 
     def _nothing(self, error: NDArray[np.float64]) -> Allocation:
         """The answer of no motors, `error` (n,) short of the demand."""

@@ -7,9 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.relaxation import choose_side
 from cube_sim.allocation.sides import Price, Sides
-from cube_sim.allocation.ties import changed, preferred, slack_of
+from cube_sim.allocation.ties import slack_of
 from cube_sim.compiled import compiled
 
 PARALLEL, CROSSING = 1e-12, 1e-6
@@ -47,8 +46,9 @@ def line_search(
 
     In the plane of z each end of each side is a line, each subset a convex polygon between lines, and the cost is
     the squared distance from one point plus the penalties. The optimum of a polygon is that point, or the foot of
-    its perpendicular on a line, or an intersection of two lines. So the cheapest of these that is allowed is the
-    optimum over all subsets; those farther away than the best so far need no look.
+    its perpendicular on a line, or an intersection of two lines, and it presses on its lines from inside the
+    polygon: who leaves a line for the other side of it is no optimum. So the cheapest of these that is allowed is
+    the optimum over all subsets; those farther away than the best so far need no look.
 
     Args:
         origin: (m,) any forces making the wrench [N].
@@ -65,100 +65,144 @@ def line_search(
         Whether there is an answer, its cost, and the number of points looked at.
     """
     m = origin.shape[0]
-    masks, weight, target = sides.masks, price.weight, price.target
-    near, length = np.empty(m), np.empty(m)  # forces closest to the target, allowed or not; of the motors' normals
-    motor, end, away = np.empty(6 * m, np.int64), np.empty(6 * m), np.empty(6 * m)  # lines, the nearest first
-    lines = 0
+    low, high, masks = sides.low, sides.high, sides.masks
+    weight, target, penalty = price.weight, price.target, price.penalty
+    slip = 2.0 * tolerance
+    lined, motors, numbers = np.empty((5, 6 * m)), np.empty((10, m)), np.empty((3, 6 * m), np.int64)
+    away, end, due = lined[0], lined[1], lined[2]  # lines: signed distance, force, penalty
+    n0, n1 = lined[3], lined[4]  # unit normals
+    near, length, p0, p1 = motors[0], motors[1], motors[2], motors[3]  # nearest forces, allowed or not; normals
+    low0, low1, low2, high0, high1, high2 = motors[4], motors[5], motors[6], motors[7], motors[8], motors[9]
+    motor, press, chosen = numbers[0], numbers[1], numbers[2, :m]
     z0, z1 = 0.0, 0.0
     for i in range(m):
+        p0[i], p1[i] = plane[i, 0], plane[i, 1]
+        low0[i], low1[i], low2[i] = low[i, 0] - slip, low[i, 1] - slip, low[i, 2] - slip
+        high0[i], high1[i], high2[i] = high[i, 0] + slip, high[i, 1] + slip, high[i, 2] + slip
         pull = weight[i] * (target[i, 0] - origin[i])
         z0 += plane[i, 0] * pull
         z1 += plane[i, 1] * pull
-    free = 0.0
+    free, lines = 0.0, 0
     for i in range(m):
         near[i] = origin[i] + plane[i, 0] * z0 + plane[i, 1] * z1
         free += weight[i] * (near[i] - target[i, 0]) ** 2
         length[i] = math.sqrt(plane[i, 0] ** 2 + plane[i, 1] ** 2)
         if length[i] <= PARALLEL:
-            if choose_side(near[i], i, masks[i], sides, price, 2.0 * tolerance)[0] < 0:
+            inside = False
+            for s in range(3):
+                inside = inside or (low[i, s] - slip <= near[i] and near[i] <= high[i, s] + slip)
+            if not inside:
                 return False, math.inf, 0
             continue
-        before = math.nan
         for s in range(3):
             if masks[i] >> s & 1:
-                for side_end in (sides.low[i, s], sides.high[i, s]):
-                    if side_end != before:  # sides may touch, and off is a point
-                        lines = _insert(motor, end, away, lines, i, side_end, abs(side_end - near[i]) / length[i])
-                        before = side_end
+                for upper in range(2):
+                    side_end = high[i, s] if upper else low[i, s]
+                    if lines > 0 and motor[lines - 1] == i and end[lines - 1] == side_end:
+                        press[lines - 1] = 0  # sides touch, or off, which is a point: motors press from either side
+                        due[lines - 1] = min(due[lines - 1], penalty[i, s])
+                        continue
+                    motor[lines], end[lines], press[lines] = i, side_end, 1 - 2 * upper
+                    due[lines] = penalty[i, s]
+                    away[lines] = (side_end - near[i]) / length[i]
+                    lines += 1
 
-    f, chosen = np.empty(m), np.empty(m)
     best, value = math.inf, math.inf
     changes_best, looked = 0, 0
     # Candidate (p, q): both -1 the point closest to the target, q = -1 the foot on line p, else an intersection.
-    for stage in range(3):
-        for p in range(-1 if stage == 0 else 0, 0 if stage == 0 else lines):
-            if stage > 0 and free + away[p] * away[p] > best + slack_of(best):
-                break
-            i = motor[p] if stage > 0 else -1
-            for q in range(-1 if stage < 2 else 0, 0 if stage < 2 else p):
-                j, determinant, y0, y1 = -1, 1.0, 0.0, 0.0
-                if stage == 1:
-                    step = (end[p] - near[i]) / (length[i] * length[i])
-                    y0, y1 = plane[i, 0] * step, plane[i, 1] * step
-                elif stage == 2:
-                    j = motor[q]
-                    determinant = plane[i, 0] * plane[j, 1] - plane[i, 1] * plane[j, 0]
-                    if abs(determinant) <= SINE * length[i] * length[j]:
-                        continue
-                    a, b = end[p] - near[i], end[q] - near[j]
-                    y0 = (a * plane[j, 1] - b * plane[i, 1]) / determinant
-                    y1 = (b * plane[i, 0] - a * plane[j, 0]) / determinant
-                    if free + y0 * y0 + y1 * y1 > best + slack_of(best):
-                        continue
-                looked += 1
-                cost = 0.0
-                for h in range(m):
-                    f[h] = near[h] + plane[h, 0] * y0 + plane[h, 1] * y1
-                    if h == i:
-                        f[h] = end[p]
-                    elif h == j:
-                        f[h] = end[q]
-                    s, true = choose_side(f[h], h, masks[h], sides, price, 2.0 * tolerance)
-                    if s < 0:
-                        cost = math.inf
-                        break
-                    chosen[h] = s - 1
-                    cost += true
-                if cost == math.inf:
+    for p in range(-1, lines):
+        i, d, bound = -1, 0.0, free
+        if p >= 0:  # the nearest line is the next one
+            nearest, gap = p, abs(away[p])
+            for other in range(p + 1, lines):
+                if abs(away[other]) < gap:
+                    nearest, gap = other, abs(away[other])
+            away[p], away[nearest] = away[nearest], away[p]
+            end[p], end[nearest] = end[nearest], end[p]
+            due[p], due[nearest] = due[nearest], due[p]
+            motor[p], motor[nearest] = motor[nearest], motor[p]
+            press[p], press[nearest] = press[nearest], press[p]
+            i, d = motor[p], away[p]
+            n0[p], n1[p] = plane[i, 0] / length[i], plane[i, 1] / length[i]
+            bound = free + d * d
+        if bound > best + slack_of(best):
+            break
+        if p >= 0 and bound + due[p] > best + slack_of(best):
+            continue
+        for q in range(-1, max(p, 0)):
+            j, y0, y1, sine, off, room = (
+                -1,
+                0.0,
+                0.0,
+                1.0,
+                0.0,
+                best + slack_of(best) - bound - (due[p] if p >= 0 else 0.0),
+            )
+            if q >= 0:
+                j = motor[q]
+                sine = n0[p] * n1[q] - n1[p] * n0[q]
+                cosine = n0[p] * n0[q] + n1[p] * n1[q]
+                off = away[q] - cosine * d
+                rounding = -1e-9 * (abs(d) + abs(away[q]))
+                if (
+                    abs(sine) <= SINE
+                    or off * off > (room - due[q]) * sine * sine
+                    or press[q] * off < rounding
+                    or press[p] * (d - cosine * away[q]) < rounding
+                ):
                     continue
-                changes = changed(chosen, previous)
-                if not preferred(cost, best, chosen, subset, changes, changes_best):
+                off /= sine
+                y0, y1 = d * n0[p] - off * n1[p], d * n1[p] + off * n0[p]
+            elif p >= 0:
+                if press[p] * d < 0.0:
                     continue
-                best, value, changes_best = min(best, cost), cost, changes
-                for h in range(m):
-                    force[h], subset[h], multiplier[h] = f[h], chosen[h], 0.0
-                if stage == 1:
-                    multiplier[i] = -(end[p] - near[i]) / (length[i] * length[i])
-                elif stage == 2:
-                    multiplier[i] = (y1 * plane[j, 0] - y0 * plane[j, 1]) / determinant
-                    multiplier[j] = (y0 * plane[i, 1] - y1 * plane[i, 0]) / determinant
+                y0, y1 = d * n0[p], d * n1[p]
+            looked += 1
+            blur = 1e-9 * (abs(y0) + abs(y1))  # what rounding may do to forces that are known to lie on their lines
+            forbidden = 0
+            for h in range(m):  # without a branch, so that it takes a few instructions for all motors at once
+                here = near[h] + p0[h] * y0 + p1[h] * y1
+                under, over = here + blur, here - blur
+                forbidden |= int(
+                    ((under < low0[h]) | (over > high0[h]))
+                    & ((under < low1[h]) | (over > high1[h]))
+                    & ((under < low2[h]) | (over > high2[h]))
+                )
+            if forbidden:
+                continue
+            first = end[p] if p >= 0 else 0.0
+            second = end[q] if q >= 0 else 0.0
+            prices = 0.0
+            for h in range(m):
+                here = first if h == i else (second if h == j else near[h] + p0[h] * y0 + p1[h] * y1)
+                side, least = 0, math.inf
+                for turn in range(
+                    3
+                ):  # where sides touch and cost the same, off wins, then the side of the force's sign
+                    s = 1 if turn == 0 else (0 if (turn == 1) == (here < 0.0) else 2)
+                    inside = (low[h, s] - slip <= here) & (here <= high[h, s] + slip)
+                    if inside and penalty[h, s] < least:
+                        side, least = s, penalty[h, s]
+                chosen[h] = side
+                prices += least
+            cost = bound + off * off + prices
+            if cost > best + slack_of(best) or prices == math.inf:
+                continue
+            changes, forward = 0, 0
+            for h in range(m):
+                changes += chosen[h] - 1 != previous[h]
+                if forward == 0 and best < math.inf:
+                    forward = chosen[h] - 1 - int(subset[h])
+            slack = slack_of(best)
+            if cost >= best - slack and (changes > changes_best or (changes == changes_best and forward <= 0)):
+                continue
+            best, value, changes_best = min(best, cost), cost, changes
+            for h in range(m):
+                force[h] = near[h] + p0[h] * y0 + p1[h] * y1
+                subset[h], multiplier[h] = chosen[h] - 1.0, 0.0
+            if p >= 0:
+                force[i], multiplier[i] = first, -d / length[i]
+            if q >= 0:
+                force[j], multiplier[j] = second, (y0 * n1[p] - y1 * n0[p]) / (sine * length[j])
+                multiplier[i] = (y1 * n0[q] - y0 * n1[q]) / (sine * length[i])
     return best < math.inf, value, looked
-
-
-@compiled
-def _insert(
-    motor: NDArray[np.int64],
-    end: NDArray[np.float64],
-    away: NDArray[np.float64],
-    lines: int,
-    i: int,
-    side_end: float,
-    distance: float,
-) -> int:
-    """Put a line into its place by distance; returns the new number of lines."""
-    at = lines
-    while at > 0 and away[at - 1] > distance:
-        motor[at], end[at], away[at] = motor[at - 1], end[at - 1], away[at - 1]
-        at -= 1
-    motor[at], end[at], away[at] = i, side_end, distance
-    return lines + 1

@@ -11,7 +11,7 @@ from proxsuite import proxqp
 from cube_sim.allocation.decide import EXACT, INVALID_WRENCH, UNPROVEN, answer_of
 from cube_sim.allocation.qp import SubsetQP
 from cube_sim.allocation.tables import Packed, Tables, unpack
-from cube_sim.compiled import compiled
+from cube_sim.compiled import borrowed, compiled
 
 BORDER = 1e-6
 """Residuals, part of the largest force, up to which a problem without interior counts as solved."""
@@ -218,10 +218,10 @@ def subset_problem(
             upper ends (m,), forces (m,), multipliers of the equations (r,).
         multiplier: (m,) out: of the intervals.
     """
-    t = unpack(numbers, integers)
+    t = unpack(borrowed(numbers), borrowed(integers))
     equations, particular = t.fibre.equations, t.fibre.particular
     rows, motors = equations.shape
-    answer = answer_of(answers[0], t.A.shape[0], motors)
+    answer = answer_of(borrowed(answers)[0], t.A.shape[0], motors)
     made = np.empty(motors)
     status = int(answer.rest[2])
     met = status == EXACT or status == UNPROVEN or status == INVALID_WRENCH  # a tuple compiles slower

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,8 +62,7 @@ _MESSAGES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Allocation:
+class Allocation(NamedTuple):
     """Thruster forces for one demanded wrench.
 
     Attributes:
@@ -88,8 +87,7 @@ class Allocation:
     power_W: float | None = None  # noqa: N815 - W is the watt
 
 
-@dataclass(frozen=True, slots=True)
-class Allocations:
+class Allocations(NamedTuple):
     """Thruster forces for N demanded wrenches in order, the fields of `Allocation` with N rows each.
 
     Attributes:

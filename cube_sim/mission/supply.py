@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import mujoco
 import numpy as np
 
@@ -63,8 +61,7 @@ def allocate_at(
         )
         return nothing, still
     part = actuators.allocate(wrench / thrust, None if secondary is None else secondary / thrust)
-    scaled = replace(
-        part,
+    scaled = part._replace(
         force=part.force * thrust,
         wrench=part.wrench * thrust,
         wrench_error=part.wrench_error * thrust,
