@@ -185,7 +185,9 @@ def same(cost, other):
     return cost == other or abs(cost - other) <= 1e-5 * (1.0 + abs(other))
 
 
-def compare(A, limits, *, allow_off, objective, count, seed, weights=None, penalty=0.0, solver_share=1.0, method):
+def compare(
+    A, limits, *, allow_off, objective, count, seed, weights=None, penalty=0.0, switching=0.0, solver_share=1.0, method
+):
     """Allocate wrenches of every kind, and count where the references find another optimum."""
     n, m = A.shape
     rng = np.random.default_rng(seed)
@@ -198,14 +200,14 @@ def compare(A, limits, *, allow_off, objective, count, seed, weights=None, penal
         "reactivity_by_side": {"reactivity": REACTIVITY},
     }[objective]
     allocator = Allocator(
-        A, limits, allow_off=allow_off, objective=objective, weights=weights, reversal_penalty=penalty, method=method,
-        **options,
+        A, limits, allow_off=allow_off, objective=objective, weights=weights, reversal_penalty=penalty,
+        switching_penalty=switching, method=method, **options,
     )  # fmt: skip
     tables = allocator._tables
     wrenches = wrenches_of_every_kind(A, limits, allow_off, count, seed)
     tally = Tally(wrenches=len(wrenches))
     pinned = None
-    if penalty == 0.0 and objective != "reactivity_by_side":
+    if penalty == switching == 0.0 and objective != "reactivity_by_side":
         pinned = np.min(
             [cheapest_pinned(A, limits, allow_off, wrenches, t[:, 0], weights, 1e-7) for t in tables.targets], axis=0
         )
@@ -213,8 +215,10 @@ def compare(A, limits, *, allow_off, objective, count, seed, weights=None, penal
     every = EverySubset(A, limits, allow_off, weights)
     for i, wrench in enumerate(wrenches):
         price = np.zeros((m, 3))
-        push = allocator._memory[1]
+        side, push, _ = allocator._memory
         price[push == 1, 0], price[push == -1, 2] = penalty, penalty
+        price[side == 0, 0::2] += switching
+        price[side != 0, 1] += switching
         answer = allocator.allocate(wrench)
         if allocator.effort.disagreements > tally.unconfirmed:
             tally.unconfirmed += 1
@@ -277,6 +281,8 @@ def campaign(count, solver_share=1.0, method="search+proxqp"):
                         extra["weights"] = rng.uniform(0.3, 3.0, A.shape[1])
                     if seed % 5 == 0:
                         extra["penalty"] = 200.0
+                    if seed % 7 == 0:
+                        extra["switching"] = 150.0
                     if seed % 4 == 0:
                         extra["solver_share"] = solver_share
                     label = f"{name}, {lost} lost, {'off' if allow_off else 'strict'}, {objective}, {sorted(extra)}"
