@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,5 +145,6 @@ def solve_in_parallel(problems: list[SubsetQP]):
     for problem in problems:
         qp = batch.init_qp_in_place(motors, rows, motors)
         new_qp(qp, problem.weight, problem.equations, OUTER_ITERATIONS, problem)
-    proxqp.dense.solve_in_parallel(qps=batch)
+    # Left to itself, ProxQP uses half of the cores.
+    proxqp.dense.solve_in_parallel(qps=batch, num_threads=os.cpu_count() or 1)
     return [settle(batch.get(i), problem) for i, problem in enumerate(problems)]

@@ -111,7 +111,7 @@ def line_search(
     changes_best, looked = 0, 0
     # Candidate (p, q): both -1 the point closest to the target, q = -1 the foot on line p, else an intersection.
     for p in range(-1, lines):
-        i, d, bound = -1, 0.0, free
+        i, d, toll = -1, 0.0, 0.0
         if p >= 0:  # the nearest line is the next one
             nearest, gap = p, abs(away[p])
             for other in range(p + 1, lines):
@@ -122,22 +122,16 @@ def line_search(
             due[p], due[nearest] = due[nearest], due[p]
             motor[p], motor[nearest] = motor[nearest], motor[p]
             press[p], press[nearest] = press[nearest], press[p]
-            i, d = motor[p], away[p]
+            i, d, toll = motor[p], away[p], due[p]
             n0[p], n1[p] = plane[i, 0] / length[i], plane[i, 1] / length[i]
-            bound = free + d * d
+        bound = free + d * d
         if bound > best + slack_of(best):
             break
-        if p >= 0 and bound + due[p] > best + slack_of(best):
+        if bound + toll > best + slack_of(best):
             continue
         for q in range(-1, max(p, 0)):
-            j, y0, y1, sine, off, room = (
-                -1,
-                0.0,
-                0.0,
-                1.0,
-                0.0,
-                best + slack_of(best) - bound - (due[p] if p >= 0 else 0.0),
-            )
+            j, off, y0, y1, sine = -1, 0.0, 0.0, 0.0, 1.0
+            room = best + slack_of(best) - bound - toll
             if q >= 0:
                 j = motor[q]
                 sine = n0[p] * n1[q] - n1[p] * n0[q]
@@ -176,9 +170,7 @@ def line_search(
             for h in range(m):
                 here = first if h == i else (second if h == j else near[h] + p0[h] * y0 + p1[h] * y1)
                 side, least = 0, math.inf
-                for turn in range(
-                    3
-                ):  # where sides touch and cost the same, off wins, then the side of the force's sign
+                for turn in range(3):  # where sides touch at one price, off wins, then the side of the force's sign
                     s = 1 if turn == 0 else (0 if (turn == 1) == (here < 0.0) else 2)
                     inside = (low[h, s] - slip <= here) & (here <= high[h, s] + slip)
                     if inside and penalty[h, s] < least:
@@ -186,7 +178,7 @@ def line_search(
                 chosen[h] = side
                 prices += least
             cost = bound + off * off + prices
-            if cost > best + slack_of(best) or prices == math.inf:
+            if prices == math.inf or cost > best + slack_of(best):
                 continue
             changes, forward = 0, 0
             for h in range(m):

@@ -64,6 +64,7 @@ def search(
     """
     m, k = kernel.shape
     relaxed, weight = sides.relaxed, price.weight
+    low, high = sides.low, sides.high
     stack = np.empty((2 * m + 2, m), np.int64)
     bound = np.empty(2 * m + 2)
     bottom, top = np.empty(m), np.empty(m)
@@ -139,8 +140,8 @@ def search(
             if s < 0:
                 gap = math.inf
                 for other in range(3):
-                    if mask[i] >> other & 1 and sides.low[i, other] <= sides.high[i, other]:
-                        gap = min(gap, max(sides.low[i, other] - value, value - sides.high[i, other]))
+                    if mask[i] >> other & 1 and low[i, other] <= high[i, other]:
+                        gap = min(gap, max(low[i, other] - value, value - high[i, other]))
                 if gap > furthest:
                     stuck, furthest = i, gap
             else:
