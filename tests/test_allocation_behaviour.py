@@ -1,12 +1,14 @@
 """What an allocator does with history, nonsense and mistakes."""
 
+import copy
 import itertools
+import pickle
 
 import numpy as np
 import pytest
 from allocation_reference import cells, cube, in_allowed_set, jack, least_cost
 
-from cube_sim.allocation import Allocator, Status
+from cube_sim.allocation import Allocator, FaultTolerant, Status
 from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-40.0, -3.2, 4.0, 50.0])
@@ -210,3 +212,34 @@ def test_what_lies_exactly_one_change_limit_away_is_within_reach(limit, steps):
     # From rest to -4 N less (steps) limits; back at the dead zone's edge, +4 N, after as many.
     np.testing.assert_allclose(walk[steps - 1], -4.0 - steps * limit, rtol=1e-12)
     np.testing.assert_allclose(walk[-1], 4.0, rtol=1e-12)
+
+
+COPIES = {"deepcopy": copy.deepcopy, "copy": copy.copy, "pickle": lambda it: pickle.loads(pickle.dumps(it))}
+
+
+@pytest.mark.parametrize("duplicate", COPIES.values(), ids=COPIES)
+@pytest.mark.parametrize("method", ["search+proxqp", "search", "enumerate"])
+def test_a_copy_goes_on_as_its_original_does(method, duplicate):
+    """To the last bit, history included, and without either knowing of the other."""
+    options = {"objective": "reactivity_by_side", "reactivity": [-20.0, 25.0], "weights": [1.0, 2.0, 3.0, 1.0]}
+    options |= {"reversal_penalty": 300.0, "change_limit": 9.0, "unattainable": "scaled", "method": method}
+    original = Allocator(jack(), LIMITS, **options)
+    wrenches = np.random.default_rng(8).normal(size=(12, 3)) * [20, 9, 4]
+    for wrench in wrenches[:4]:
+        original.allocate(wrench)
+    twin, disturbed = duplicate(original), duplicate(original)
+    disturbed.allocate(-wrenches[0])
+    assert twin.effort == original.effort
+    for wrench in wrenches[4:]:
+        answer, expected = twin.allocate(wrench), original.allocate(wrench)
+        assert answer.force.tobytes() == expected.force.tobytes()
+        assert (answer.cost, answer.status) == (expected.cost, expected.status)
+    assert twin.effort == original.effort
+
+
+def test_a_copied_fault_tolerant_allocator_goes_on_too():
+    original = FaultTolerant(jack(), LIMITS, lambda A, limits, _: Allocator(A, limits, reversal_penalty=300.0))
+    original.allocate(np.array([-20.0, 0, 0]))
+    original.believe(original.health.with_thruster(1, 0.5))
+    twin, wrench = copy.deepcopy(original), np.array([9.0, 1, 0])
+    assert twin.allocate(wrench).force.tobytes() == original.allocate(wrench).force.tobytes()

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -137,6 +138,8 @@ class Allocator:
             None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
         )
         self.effort = Effort()
+        preferred = {"target": target, "reactivity": reactivity}
+        self._preferred = {name: None if value is None else np.array(value) for name, value in preferred.items()}
         self._tables = make_tables(
             self.A,
             wrench_fibre(self.A, self.weights, self.length_m),
@@ -160,6 +163,18 @@ class Allocator:
             else None
         )
         self._enumeration = self._enumerate()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles are built anew and told what to remember: ProxQP's memory cannot be copied."""
+        same = "allow_off", "objective", "weights", "wrench_weights", "unattainable", "reversal_penalty"
+        same += "switching_penalty", "method", "length_m", "tolerance_N", "power_coefficients"
+        options = {name: getattr(self, name) for name in same} | self._preferred
+        options["change_limit"] = None if self.change_limit == inf else self.change_limit
+        return partial(Allocator, **options), (self.A, self.limits), (self._memory.copy(), replace(self.effort))
+
+    def __setstate__(self, state: tuple[NDArray[np.float64], Effort]) -> None:
+        """Go on from a copy's memory (3, m) and effort."""
+        self._memory[:], self.effort = state
 
     def _enumerate(self) -> Enumeration | None:
         if not self.method.startswith("enumerate"):
