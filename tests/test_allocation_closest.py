@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from allocation_reference import cube, in_allowed_set, jack, least_cost, least_distance
+from allocation_reference import closest_forces, cube, in_allowed_set, jack, least_cost, least_distance
 
 from cube_sim.allocation import Allocator, Status
+from cube_sim.allocation import nearest as nearest_module
 
 LIMITS = np.array([-20.0, -3.0, 4.0, 25.0])
 
@@ -99,3 +100,91 @@ def test_unreachable_rows_do_not_disturb_reachable_ones():
     assert with_sway.status == Status.CLOSEST
     assert np.allclose(without.force, with_sway.force, atol=1e-6)
     assert with_sway.residual == pytest.approx(7.0)
+
+
+@pytest.mark.parametrize(("method", "calls"), [("search", 40), ("enumerate", 1)])
+def test_of_many_equally_close_wrenches_the_cheapest_is_made(method, calls):
+    """One motor per axis that may not rest: up to 64 wrenches surround a small demand, and reversals tell them apart."""
+    limits, price = np.tile([-10.0, -2.0, 2.0, 10.0], (6, 1)), 100.0
+    allocator = Allocator(np.eye(6), limits, allow_off=False, reversal_penalty=price, method=method)
+    rng, most = np.random.default_rng(12), 0
+    for call in range(calls):
+        last = rng.choice([-5.0, 5.0], 6)
+        allocator.allocate(last)
+        wrench = np.where(rng.random(6) < 0.1 * (call % 4), rng.normal(size=6), 0.0)
+        answer = allocator.allocate(wrench)
+        forces, farther = closest_forces(np.eye(6), limits, False, wrench, allocator.wrench_weights)
+        forces = forces[farther < 1e-9]
+        cost = np.sum(forces**2, axis=1) + price * np.sum(forces * last < 0.0, axis=1)
+        np.testing.assert_allclose(answer.force, forces[np.argmin(cost)], atol=1e-6)
+        assert answer.cost == pytest.approx(cost.min())
+        assert answer.status == Status.CLOSEST
+        most = max(most, len(forces))
+    assert most > 32
+
+
+def test_of_many_equally_close_wrenches_ties_keep_the_previous_subset():
+    allocator = Allocator(np.eye(6), [-10, -2, 2, 10], allow_off=False)
+    for last in np.random.default_rng(13).choice([-5.0, 5.0], (40, 6)):
+        allocator.allocate(last)
+        np.testing.assert_allclose(allocator.allocate(np.zeros(6)).force, 0.4 * last)
+
+
+def test_more_equally_close_wrenches_than_there_is_room_for_are_no_proof(monkeypatch):
+    allocator = Allocator(np.eye(6), [-10, -2, 2, 10], allow_off=False)
+    t, space = allocator._tables, allocator._far.distance
+    sides, span = nearest_module.Sides(t.low, t.high, t.masks, t.relaxed[0]), np.tile([-10.0, 10.0], (6, 1))
+    for room, proven in ((64, True), (63, False)):
+        monkeypatch.setattr(nearest_module, "CANDIDATES", room)
+        forces, sure, _ = nearest_module.nearest.py_func(np.zeros(6), space, sides, span, 1e-8)
+        assert (len(forces), sure) == (room, proven)
+
+
+def bluerov2_heavy():
+    """(6, 8) four horizontal thrusters at 45 degrees, which make surge, sway and yaw, and four vertical ones."""
+    c, x, y = np.sqrt(0.5), np.array([1.0, 1, -1, -1]), np.array([1.0, -1, 1, -1])
+    A = np.zeros((6, 8))
+    A[[0, 1, 5], :4] = c * np.ones(4), c * x * y, 0.18 * y
+    A[[2, 3, 4], 4:] = np.ones(4), 0.218 * y, -0.12 * x
+    return A
+
+
+@pytest.mark.parametrize("size", [1e2, 1e4, 1e6, 1e8])
+@pytest.mark.parametrize(
+    ("A", "allow_off"),
+    [
+        (np.eye(3), True),
+        (np.eye(3), False),
+        (jack(), True),
+        (jack(), False),
+        (bluerov2_heavy()[:, [0, 1, 3, 4, 5, 6]], False),
+        (cube(0.2, 0.05, 0.01, 4)[:, 2:], False),
+    ],
+    ids=["axes, off", "axes", "planar, off", "planar", "two planes", "as built"],
+)
+def test_beside_a_far_component_the_others_are_made_as_well_as_can_be(A, allow_off, size):
+    """From reach, 34 N to 136 N, to beyond a million times that, against bounded least squares on every subset."""
+    n, m = A.shape
+    limits = np.tile([-29.0, -3.0, 4.0, 34.0], (m, 1))
+    allocator = Allocator(A, limits, allow_off=allow_off)
+    rng = np.random.default_rng(3)
+    for _ in range(4):
+        wrench = rng.normal(size=n) * np.repeat([15.0, 2.0], [n - n // 2, n // 2])
+        wrench[rng.integers(n)] = size
+        answer = allocator.allocate(wrench)
+        forces, farther = closest_forces(A, limits, allow_off, wrench, allocator.wrench_weights)
+        closest = (forces @ A.T)[farther < 1e-8]
+        assert np.abs(closest - answer.wrench).max(axis=1).min() < 1e-3
+        assert answer.status == Status.CLOSEST
+
+
+@pytest.mark.parametrize("method", ["search+proxqp", "enumerate"])
+@pytest.mark.parametrize("size", [1e5, 1e9, 1e155, 1e300, 1.7e308])
+def test_a_component_of_any_size_leaves_the_others_alone(size, method):
+    allocator = Allocator(np.eye(3), [-10, -2, 2, 10], method=method)
+    answer = allocator.allocate([size, 5, 4])
+    np.testing.assert_allclose(answer.force, [10, 5, 4], atol=1e-6)
+    assert answer.residual == pytest.approx(min(size, 1e300), abs=11)
+    assert allocator.effort.disagreements == 0
+    np.testing.assert_allclose(allocator.allocate([-3, size, 0.7 * size]).force, [-3, 10, 10], atol=1e-6)
+    np.testing.assert_allclose(allocator.allocate_by_priority([size, 5, 4], [0, 0, 1]).force, [10, 5, 4], atol=1e-6)

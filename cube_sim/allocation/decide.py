@@ -139,7 +139,7 @@ def allocate_each(
             else:
                 status = CLOSEST if status == YIELDED else status
                 far = unpack_beyond(numbers, integers)
-                origins, looked, sure = nearest_origins(far.distance, t.fibre, t.reach, tick, part)
+                origins, looked, sure = nearest_origins(t.A, far.distance, t.fibre, t.reach, tick, part)
                 count = origins.shape[0]
             nodes += looked
             proven = proven and sure

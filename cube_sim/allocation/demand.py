@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.allocation.commitment import commit, felt
 from cube_sim.allocation.geometry import WrenchDistance, WrenchFibre
 from cube_sim.allocation.memory import Tick, sides_of
-from cube_sim.allocation.nearest import CANDIDATES, nearest
+from cube_sim.allocation.nearest import nearest
 from cube_sim.allocation.scaled import largest_share
 from cube_sim.allocation.tables import Beyond
 from cube_sim.compiled import compiled, inlined
 
 FAR = 1e3
-"""Demands longer than this many times the reach are shortened for the search; the closest wrench is the same."""
+"""Parts of a demand longer than this many times the reach are shortened where only their direction counts."""
+
+FARTHEST = 1e7
+"""Components of a demand up to this many times the reach count as they are. Beyond, those longer than `FAR` times the
+reach are shortened in one ratio, though not below that, and the others count as they are. The closest wrench stays the
+same as long as no motor makes both a long and a short component in a ratio below 1e-4: what a direction rounded to
+double precision makes across itself is then not taken for authority there."""
 
 
 @compiled
@@ -104,11 +113,17 @@ def share_origin(
 
 @inlined
 def nearest_origins(
-    distance: WrenchDistance, fibre: WrenchFibre, reach: float, tick: Tick, demand: NDArray[np.float64]
+    A: NDArray[np.float64],
+    distance: WrenchDistance,
+    fibre: WrenchFibre,
+    reach: float,
+    tick: Tick,
+    demand: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], int, bool]:
     """Forces making the wrenches closest to a demand.
 
     Args:
+        A: (n, m).
         distance: of the vehicle.
         fibre: of the vehicle.
         reach: see `Tables`.
@@ -119,17 +134,32 @@ def nearest_origins(
         (c, m) forces, one row per distinct equally close wrench; when every projection stalled, the one row of the
         pseudo-inverse, to be moved to allowed sides. Then nodes looked at, and whether the answer is proven.
     """
-    n, m = demand.shape[0], tick.low.shape[0]
-    scale = shortened(reach, demand)
-    goal = reachable(distance, demand, scale)
-    candidates = np.zeros((CANDIDATES, m))
-    count, _, proven, nodes = nearest(goal, distance, sides_of(tick, 0), tick.tolerance, candidates)
-    if count == 0:
+    n, m = A.shape
+    wanted, span, pull, committed = np.empty(n), np.empty((m, 2)), np.empty(m), np.empty(m, np.bool_)
+    bring_near(reach, demand, wanted)
+    sides, goal = sides_of(tick, 0), reachable(distance, wanted, 1.0)
+    if commit(A, distance, sides, wanted, span, pull, committed) > 0:
+        felt(distance.gain, span, pull, committed, goal)
+    candidates, proven, nodes = nearest(goal, distance, sides, span, tick.tolerance)
+    if candidates.shape[0] == 0:
+        candidates, proven = np.zeros((1, m)), False
         for i in range(m):
             for a in range(n):
-                candidates[0, i] += fibre.particular[i, a] * (demand[a] * scale)
-        return candidates[:1], nodes, False
-    return candidates[:count], nodes, proven
+                candidates[0, i] += fibre.particular[i, a] * wanted[a]
+    return candidates, nodes, proven
+
+
+@compiled
+def bring_near(reach: float, demand: NDArray[np.float64], wanted: NDArray[np.float64]) -> None:
+    """Write a demand (n,) whose components may have any size into ``wanted`` (n,), as `FARTHEST` says."""
+    size = 0.0
+    for a in range(demand.shape[0]):
+        size = max(size, abs(demand[a]))
+    most, kept = FARTHEST * max(reach, 1e-12), FAR * max(reach, 1e-12)
+    scale = most / size if size > most else 1.0
+    for a in range(demand.shape[0]):
+        length = max(abs(demand[a]) * scale, min(abs(demand[a]), kept))
+        wanted[a] = math.copysign(length, demand[a])
 
 
 @compiled

@@ -91,7 +91,7 @@ class Enumeration:
                 solved += more
             status = SCALED if not two_parts else YIELDED if found is not None else CLOSEST
         if found is None:
-            candidates, _, sure = nearest_origins(self._far.distance, t.fibre, t.reach, tick, part)
+            candidates, _, sure = nearest_origins(t.A, self._far.distance, t.fibre, t.reach, tick, part)
             proven = proven and sure
             answer = []
             for candidate in candidates:

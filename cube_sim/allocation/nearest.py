@@ -14,9 +14,11 @@ from cube_sim.allocation.search import MOST_NODES
 from cube_sim.allocation.sides import Sides
 from cube_sim.compiled import compiled
 
-CANDIDATES = 32
-"""Most distinct equally close wrenches kept; symmetric vehicles have a handful."""
+CANDIDATES = 4096
+"""Most distinct equally close wrenches kept, one for each strict subset of twelve motors; with more the answer counts
+as not proven. Most vehicles have one, symmetric ones a handful."""
 
+_ROOM = 32
 
 DOUBT = 1000.0
 """Gap between an answer and its bound, in roundings, from which the answer counts as not proven."""
@@ -27,9 +29,9 @@ def nearest(
     goal: NDArray[np.float64],
     space: WrenchDistance,
     sides: Sides,
+    span: NDArray[np.float64],
     tolerance: float,
-    forces: NDArray[np.float64],
-) -> tuple[int, float, bool, int]:
+) -> tuple[NDArray[np.float64], bool, int]:
     """Minimise ``|gain @ f - goal|`` over forces on allowed sides, exactly over the union of all subsets.
 
     Branch and bound as in `search`, on another distance. In the coordinates (s, z) of `WrenchDistance` a node is
@@ -39,14 +41,14 @@ def nearest(
     is a sum over motors and holds whatever the rounding.
 
     Args:
-        goal: (r,) demanded wrench in the coordinates s.
+        goal: (r,) demanded wrench in the coordinates s, no farther than a few times the vehicle's reach.
         space: its coordinates and norm.
         sides: open to the motors; of ``relaxed`` only the interval ends are used.
+        span: (m, 2) forces each motor may have in a closest answer [N].
         tolerance: force that counts as rounding [N].
-        forces: (CANDIDATES, m) out: forces making the equally closest, distinct wrenches.
 
     Returns:
-        Number of candidates, their distance, whether the bound was proven everywhere, nodes solved.
+        (c, m) forces making the equally closest, distinct wrenches; whether these are proven to be all; nodes solved.
     """
     spread, kernel, gain, relaxed = space.spread, space.kernel, space.gain, sides.relaxed
     m, k = kernel.shape
@@ -58,12 +60,12 @@ def nearest(
     bottom, top, mu, f = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     start, point = np.empty(d), np.empty(d)
     made, g = np.empty(r), np.empty(r)
-    images = np.empty((CANDIDATES, r))
-    size = 0.0
+    forces, images = np.empty((_ROOM, m)), np.empty((_ROOM, r))
+    size, fine = 0.0, 1e-3 * tolerance
     for a in range(r):
         for i in range(m):
             size = max(size, abs(gain[a, i]))
-    near = size * tolerance  # wrench distance that counts as rounding
+    near = size * fine  # wrench distance that counts as rounding
     rows = np.empty((m, d))
     for i in range(m):
         for a in range(r):
@@ -86,7 +88,7 @@ def nearest(
         empty = False
         for i in range(m):
             mask[i] = stack[depth, i]
-            bottom[i], top[i] = relaxed[i, mask[i], 0], relaxed[i, mask[i], 1]
+            bottom[i], top[i] = max(relaxed[i, mask[i], 0], span[i, 0]), min(relaxed[i, mask[i], 1], span[i, 1])
             empty = empty or bottom[i] > top[i]
         if empty:
             continue
@@ -98,7 +100,7 @@ def nearest(
             for i in range(m):
                 for b in range(k):
                     rows[i, r + b] = kernel[i, b] / soft
-            outcome = project(rows, bottom, top, start, math.inf, tolerance, point, mu)
+            outcome = project(rows, bottom, top, start, math.inf, fine, point, mu)
             solved += 1
             if outcome == STALLED or outcome == INFEASIBLE:  # noqa: SIM109 - compiles faster
                 break
@@ -143,7 +145,7 @@ def nearest(
             gap = 0.0
             for a in range(r):
                 gap = max(gap, abs(images[c, a] - made[a]))
-            repeated = repeated or gap <= 1e3 * near
+            repeated = repeated or gap <= 1e6 * near
         if repeated and distance >= best - near:
             continue
         chosen, furthest = -1, tolerance  # half of what the search for the forces accepts
@@ -158,13 +160,18 @@ def nearest(
             if distance < best - near:
                 found = 0
             best = min(best, distance)
-            if found < CANDIDATES:
-                for i in range(m):
-                    forces[found, i] = f[i]
-                for a in range(r):
-                    images[found, a] = made[a]
-                found += 1
+            if found == CANDIDATES:
+                proven = False
+                continue
+            if found == forces.shape[0]:
+                forces = np.concatenate((forces, np.empty((found, m))))
+                images = np.concatenate((images, np.empty((found, r))))
+            for i in range(m):
+                forces[found, i] = f[i]
+            for a in range(r):
+                images[found, a] = made[a]
+            found += 1
             continue
         first, second = split(f[chosen], chosen, mask[chosen], sides)
         depth = branch(stack, bound, depth, mask, chosen, (second, first), lower)
-    return found, best, proven, solved
+    return forces[:found], proven, solved
