@@ -104,7 +104,7 @@ def test_unreachable_rows_do_not_disturb_reachable_ones():
 
 @pytest.mark.parametrize(("method", "calls"), [("search", 40), ("enumerate", 1)])
 def test_of_many_equally_close_wrenches_the_cheapest_is_made(method, calls):
-    """One motor per axis that may not rest: up to 64 wrenches surround a small demand, and reversals tell them apart."""
+    """One motor per axis that may not rest: up to 64 wrenches lie around a small demand; reversals tell them apart."""
     limits, price = np.tile([-10.0, -2.0, 2.0, 10.0], (6, 1)), 100.0
     allocator = Allocator(np.eye(6), limits, allow_off=False, reversal_penalty=price, method=method)
     rng, most = np.random.default_rng(12), 0

@@ -20,7 +20,11 @@ as not proven. Most vehicles have one, symmetric ones a handful."""
 
 _ROOM = 32
 
-DOUBT = 1000.0
+FINE = 1e-3
+"""Part of the rounding of forces that distances are told apart by: to miss a goal D away by x in a direction across it
+makes only x^2 / 2D of difference."""
+
+DOUBT = 1e6
 """Gap between an answer and its bound, in roundings, from which the answer counts as not proven."""
 
 
@@ -61,7 +65,7 @@ def nearest(
     start, point = np.empty(d), np.empty(d)
     made, g = np.empty(r), np.empty(r)
     forces, images = np.empty((_ROOM, m)), np.empty((_ROOM, r))
-    size, fine = 0.0, 1e-3 * tolerance
+    size, fine = 0.0, FINE * tolerance
     for a in range(r):
         for i in range(m):
             size = max(size, abs(gain[a, i]))
