@@ -1,5 +1,6 @@
 """The largest attainable part of a wrench in its own direction, against a linear programme on every subset."""
 
+import itertools
 from functools import partial
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from allocation_reference import cube, in_allowed_set, jack, largest_share, least_cost, least_distance
 
 from cube_sim.allocation import Allocator, FaultTolerant, Health, Status
+from cube_sim.allocation.facets import facet_normals
 from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-20.0, -3.0, 4.0, 25.0])
@@ -111,3 +113,30 @@ def test_methods_faults_and_change_limits_scale_alike():
 def test_unknown_choice_is_refused():
     with pytest.raises(AllocationError, match="unattainable"):
         Allocator(jack(), LIMITS, unattainable="shrink")
+
+
+@pytest.mark.parametrize("unit", [1e-11, 1e9])
+def test_the_share_does_not_depend_on_the_unit_of_the_wrench(unit):
+    A = cube(direction_noise=0.05, position_noise_m=0.01, seed=4)
+    wrench = np.array([150.0, -40.0, 60.0, 5.0, 0.0, 3.0])
+    answers = [
+        Allocator(u * A, [-40, -10, 10, 50], allow_off=False, unattainable="scaled").allocate(u * wrench)
+        for u in (1.0, unit)
+    ]
+    assert answers[0].status == answers[1].status == Status.SCALED
+    np.testing.assert_allclose(answers[1].wrench / unit, answers[0].wrench, atol=1e-6)
+
+
+@pytest.mark.parametrize("columns", [jack(), cube(), cube()[:, 1:], np.random.default_rng(1).normal(size=(4, 9))])
+def test_facets_are_perpendicular_to_every_set_of_columns_that_spans_one(columns):
+    """One set after the other, by singular values; a repeated column or one of zeros adds none."""
+    r = len(columns)
+    expected = []
+    for chosen in itertools.combinations(range(columns.shape[1]), r - 1):
+        U, sigma, _ = np.linalg.svd(columns[:, chosen])
+        if sigma[-1] > 1e-9 and not any(abs(abs(U[:, -1] @ known) - 1.0) < 1e-12 for known in expected):
+            expected.append(U[:, -1])
+    for given in (columns, np.column_stack([columns, 2.0 * columns[:, 0], np.zeros(r)]), 1e-12 * columns):
+        normals = facet_normals(given)
+        assert normals.shape == (len(expected), r)
+        np.testing.assert_allclose(np.abs(normals @ np.array(expected).T).max(axis=0), 1.0, atol=1e-12)

@@ -7,6 +7,12 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
+FLAT = 1e-10
+"""Least height over the span of those before it at which a column, made 1 long, adds a dimension."""
+
+ROUNDED = 1e-9
+"""Difference of two unit vectors that counts as none."""
+
 
 def facet_normals(columns: NDArray[np.float64]) -> NDArray[np.float64]:
     """(h, r) unit normals of every facet that ``{columns @ f : low <= f <= high}`` can have, whatever low and high.
@@ -19,11 +25,19 @@ def facet_normals(columns: NDArray[np.float64]) -> NDArray[np.float64]:
         columns: (r, m) of rank r.
     """
     r, m = columns.shape
-    rows: list[NDArray[np.float64]] = []
-    for chosen in itertools.combinations(range(m), r - 1):
-        _, sigma, Vt = np.linalg.svd(np.vstack([columns[:, list(chosen)].T, np.zeros((1, r))]))
-        if r > 1 and sigma[r - 2] < 1e-10:
-            continue
-        if not any(abs(abs(Vt[-1] @ known) - 1.0) < 1e-14 for known in rows):
-            rows.append(Vt[-1])
-    return np.array(rows).reshape(-1, r)
+    length = np.linalg.norm(columns, axis=0)
+    unit = columns.T / np.where(length > 0.0, length, 1.0)[:, None]
+    sets = list(itertools.combinations(range(m), r - 1))
+    chosen = np.array(sets, np.intp).reshape(len(sets), r - 1)
+    Q, R = np.linalg.qr(np.swapaxes(unit[chosen], 1, 2), mode="complete")
+    rises = np.abs(np.diagonal(R, axis1=1, axis2=2)).min(axis=1, initial=1.0)
+    normals = Q[rises >= FLAT, :, -1]
+    return np.ascontiguousarray(normals[_distinct(normals)])
+
+
+def _distinct(lines: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Where unit vectors (h, r) are the first of their direction, up to sign and rounding; a few may be left double."""
+    first = np.argmax(np.abs(lines) > ROUNDED, axis=1)
+    upright = lines * np.sign(lines[np.arange(len(lines)), first])[:, None]
+    _, found = np.unique(np.round(upright / ROUNDED), axis=0, return_index=True)
+    return np.sort(found)
