@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from allocation_reference import cells, cube, in_allowed_set, jack, least_cost
 
-from cube_sim.allocation import Allocator, FaultTolerant, Status
+from cube_sim.allocation import Allocator, FaultTolerant, Status, make_allocator
 from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-40.0, -3.2, 4.0, 50.0])
@@ -159,7 +159,7 @@ def test_one_sided_and_fixed_motors():
         ({"limits": [-9, -1, 2, 1]}, "motor 1: .* must be ordered"),
         ({"limits": [-9, 1, 2, 9]}, "must be ordered"),
         ({"limits": [-9, -1, 1, np.inf]}, "are not finite"),
-        ({"limits": "strong"}, "not a table of numbers"),
+        ({"limits": "strong"}, "limits is not a table of numbers"),
         ({"A": np.zeros((4, 4))}, r"A has shape \(4, 4\)"),
         ({"A": np.zeros((3, 4))}, "A is zero"),
         ({"A": np.full((3, 4), np.nan)}, r"A\[0, 0\] is nan"),
@@ -174,12 +174,51 @@ def test_one_sided_and_fixed_motors():
         ({"reversal_penalty": -1.0}, "must be >= 0"),
         ({"switching_penalty": -1.0}, "switching_penalty is -1.0; it must be >= 0"),
         ({"tolerance_N": 0.0}, "> 0"),
+        ({"tolerance_N": 1e-30}, "tolerance_N is 1e-30; forces of 50 N need 5e-09 at least"),
+        ({"A": jack() * 1e160}, r"A holds 9.66e\+159; numbers beyond 1e\+30 leave double precision"),
+        ({"A": jack() * 1e-160}, "A holds 9.66e-161 at most; below 1e-30"),
+        ({"A": jack() + 1j}, "A is not a matrix of numbers: its entries must be real"),
+        ({"A": [[10**400, 1, 1, 1]] * 3}, "A is not a matrix of numbers"),
+        ({"limits": np.array(LIMITS) * 1e160}, r"limits holds 5e\+161; numbers beyond"),
+        ({"limits": [-9, -1, 1, 10**400]}, "limits is not a table of numbers"),
+        ({"reversal_penalty": 1e200}, "reversal_penalty holds 1e\\+200"),
+        ({"weights": [1e-9, 1, 1, 1e9]}, "weights spans 1e-09 to 1e\\+09; at most 1 to 1e\\+12 is solvable"),
+        ({"wrench_weights": [1, 1, 1e8]}, "wrench_weights spans 1 to 1e\\+08; at most 1 to 1e\\+06"),
+        ({"allow_off": "no"}, "allow_off is 'no'; it must be True or False"),
+        ({"method": ["search"]}, "no method"),
         ({"length_m": -1.0}, "> 0"),
     ],
 )
 def test_a_mistake_is_named(arguments, message):
     with pytest.raises(AllocationError, match=message):
         Allocator(**{"A": jack(), "limits": LIMITS} | arguments)
+
+
+@pytest.mark.parametrize(
+    "wrench", [["a", 0, 0], [1j, 0, 0], np.array([1j, 0, 0]), [[1, 2], [3]], [10**400, 0, 0], None]
+)
+@pytest.mark.parametrize("method", ["search", "contraction"])
+def test_a_wrench_that_is_no_vector_of_numbers_is_named(method, wrench):
+    allocator = make_allocator(method, jack(), LIMITS)
+    with pytest.raises(AllocationError, match=r"the wrench (is not a vector of numbers|has shape)"):
+        allocator.allocate(wrench)
+    with pytest.raises(AllocationError, match=r"the wrench (is not a vector of numbers|has shape)"):
+        FaultTolerant(jack(), LIMITS, lambda A, limits, _: Allocator(A, limits)).allocate(wrench)
+    with pytest.raises(AllocationError, match="search knows no speed; it takes allow_off, objective, target"):
+        make_allocator("search", jack(), LIMITS, {"speed": 3})
+
+
+@pytest.mark.parametrize("span", [1e6, 1e12])
+def test_motor_weights_as_different_as_is_allowed(span):
+    rng = np.random.default_rng(3)
+    for _ in range(12):
+        weights = 10.0 ** (rng.permutation([0.0, 1.0, *rng.uniform(size=2)]) * np.log10(span))
+        wrench = jack() @ rng.choice([-40.0, -3.2, 0.0, 4.0, 50.0, 20.0, -10.0], 4)
+        answer = Allocator(jack(), LIMITS, weights=weights).allocate(wrench)
+        assert answer.status == Status.EXACT
+        assert answer.cost == pytest.approx(
+            least_cost(jack(), np.tile(LIMITS, (4, 1)), True, wrench, weights=weights)[0], rel=1e-6
+        )
 
 
 def test_a_wrench_of_the_wrong_size_is_named():

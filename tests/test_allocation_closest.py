@@ -188,3 +188,16 @@ def test_a_component_of_any_size_leaves_the_others_alone(size, method):
     assert allocator.effort.disagreements == 0
     np.testing.assert_allclose(allocator.allocate([-3, size, 0.7 * size]).force, [-3, 10, 10], atol=1e-6)
     np.testing.assert_allclose(allocator.allocate_by_priority([size, 5, 4], [0, 0, 1]).force, [10, 5, 4], atol=1e-6)
+
+
+@pytest.mark.parametrize("span", [1e4, 1e6])
+@pytest.mark.parametrize("torques_first", [True, False])
+def test_wrench_weights_as_different_as_is_allowed(span, torques_first):
+    A, limits = cube(0.2, 0.05, 0.01, 4)[:, [0, 1, 2, 4, 5, 7]], np.tile([-29.0, -3.0, 4.0, 34.0], (6, 1))
+    weights = np.repeat([1.0, span] if torques_first else [span, 1.0], 3)
+    allocator = Allocator(A, limits, allow_off=False, wrench_weights=weights)
+    for wrench in np.random.default_rng(5).normal(size=(4, 6)) * [90, 90, 90, 14, 14, 14]:
+        answer = allocator.allocate(wrench)
+        forces, farther = closest_forces(A, limits, False, wrench, weights)
+        assert np.abs(forces @ A.T - answer.wrench).max(axis=1)[np.argmin(farther)] < 1e-6
+        assert answer.status == Status.CLOSEST

@@ -123,6 +123,16 @@ def test_an_option_of_another_method_is_named():
     assert isinstance(make_allocator("search", jack(), LIMITS, {"reversal_penalty": 3.0}), Allocator)
 
 
+@pytest.mark.parametrize("method", [m for m in methods() if not is_exact(m)])
+@pytest.mark.parametrize("size", [1e100, 1e250, 1e300])
+def test_a_huge_demand_is_missed_by_what_it_exceeds_the_forces(method, size):
+    answer = make_allocator(method, cube(), LIMITS).allocate([size, 0, 0, 0, 0, -size])
+    assert answer.status in (Status.MISSED, Status.FORBIDDEN_FORCE)
+    np.testing.assert_allclose(answer.wrench + answer.wrench_error, [size, 0, 0, 0, 0, -size], rtol=1e-12)
+    np.testing.assert_allclose(answer.wrench, cube() @ answer.force, rtol=1e-9, atol=1e-9 * np.abs(answer.force).max())
+    assert np.isfinite([answer.residual, answer.cost]).all()
+
+
 @pytest.mark.parametrize("method", [m for m in methods() if not m.startswith("enumerate")])
 def test_every_method_flies(method, tmp_path):
     run = cube_sim.run(HELIX, {**SHORT, "allocation.method": method}, out=tmp_path / "run")

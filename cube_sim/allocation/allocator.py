@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation.arguments import one_of, pairs, row, scalar
+from cube_sim.allocation.arguments import flag, numbers, one_of, pairs, row, scalar, spread
 from cube_sim.allocation.decide import allocate_each, blank_answers
 from cube_sim.allocation.enumeration import Enumeration
 from cube_sim.allocation.geometry import actuation_matrix, lever_length, torque_rows, wrench_distance, wrench_fibre
@@ -30,6 +30,12 @@ same spread over the processor's cores."""
 
 AGREEMENT = 1e-4
 """Largest difference between the search's and ProxQP's forces that counts as agreement, part of the largest limit."""
+
+WEIGHTS_SPAN, WRENCH_WEIGHTS_SPAN = 1e12, 1e6
+"""Largest ratio of two weights of motors, and of two of a wrench's components: what double precision tells apart."""
+
+ROUNDING = 1e-10
+"""Least force that may count as rounding, part of the largest limit."""
 
 Unattainable = Literal["closest", "scaled"]
 """``closest``: the closest attainable wrench in the weighted norm. ``scaled``: the largest attainable part of the
@@ -75,9 +81,9 @@ class Allocator:
         objective: see `Objective`.
         target: (m,) F_opt [N], required by, and only for, ``target``.
         reactivity: (m, 2) or (2,) F_react-, F_react+ [N], required by, and only for, the reactivity objectives.
-        weights: (m,) positive w of the motors; 1 unless told.
-        wrench_weights: (n,) positive diagonal of W, [1] for forces and [1/m] for torques; 1 and 30 unless told: a
-            vehicle that keeps its attitude keeps its path, one that saves its forces loses both.
+        weights: (m,) positive w of the motors, in a ratio of 1e12 at most; 1 unless told.
+        wrench_weights: (n,) positive diagonal of W, [1] for forces and [1/m] for torques, in a ratio of 1e6 at most; 1
+            and 30 unless told: a vehicle that keeps its attitude keeps its path, one that saves its forces loses both.
         unattainable: see `Unattainable`.
         reversal_penalty: cost of pushing against the side a motor last pushed to [N^2].
         switching_penalty: cost of a motor starting from rest or coming to rest [N^2].
@@ -85,7 +91,7 @@ class Allocator:
             walked through the zone's edges, so a small limit delays it and never locks the motor. None: no limit.
         method: see `Method`.
         length_m: divides torques wherever a wrench error is one number; the rms lever arm of A unless told.
-        tolerance_N: force that counts as rounding; 1e-9 of the largest limit unless told.
+        tolerance_N: force that counts as rounding, 1e-10 of the largest limit at least; 1e-9 of it unless told.
         power_coefficients: (m, 2) or (2,) k_P-, k_P+ of the electrical power ``k_P |f|^1.5`` [W/N^1.5]; with them
             every answer says its power. It is reported, not minimised.
 
@@ -116,16 +122,18 @@ class Allocator:
         self.A = actuation_matrix(A)
         n, m = self.A.shape
         self.limits = thruster_limits(limits, m)
-        self.allow_off = bool(allow_off)
+        self.allow_off = flag("allow_off", allow_off)
         self.method = one_of("method", method, get_args(Method))
         self.objective = objective
         targets = side_targets(objective, target, reactivity, m)
         self.weights = row("weights", 1.0 if weights is None else weights, m, positive=True)
+        spread("weights", self.weights, WEIGHTS_SPAN)
         attitude_first = np.ones(n)
         attitude_first[torque_rows(n)] = 30.0
         self.wrench_weights = row(
             "wrench_weights", attitude_first if wrench_weights is None else wrench_weights, n, positive=True
         )
+        spread("wrench_weights", self.wrench_weights, WRENCH_WEIGHTS_SPAN)
         self.unattainable = one_of("unattainable", unattainable, get_args(Unattainable))
         self.reversal_penalty = scalar("reversal_penalty", reversal_penalty)
         self.switching_penalty = scalar("switching_penalty", switching_penalty)
@@ -134,6 +142,10 @@ class Allocator:
         largest = float(np.max(np.abs(self.limits)))
         default = max(1e-9 * largest, 1e-12)
         self.tolerance_N = scalar("tolerance_N", default if tolerance_N is None else tolerance_N, positive=True)
+        if self.tolerance_N < ROUNDING * largest:
+            raise AllocationError(
+                f"tolerance_N is {self.tolerance_N:g}; forces of {largest:g} N need {ROUNDING * largest:g} at least"
+            )
         self.power_coefficients = (
             None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
         )
@@ -204,7 +216,7 @@ class Allocator:
             wrench: (n,) demand [N, N m] in the rows of A.
 
         Raises:
-            AllocationError: the wrench does not have n entries.
+            AllocationError: the wrench is not n numbers.
         """
         demand = self._demand(wrench)
         return self._answer(demand, demand, self._nothing)
@@ -226,7 +238,7 @@ class Allocator:
             An answer whose ``wrench_error`` and ``residual`` are counted from the sum.
 
         Raises:
-            AllocationError: a part does not have n entries.
+            AllocationError: a part is not n numbers.
         """
         first, second = self._demand(primary), self._demand(secondary)
         if not len(self._far.facets):
@@ -237,8 +249,9 @@ class Allocator:
 
     def _demand(self, wrench: ArrayLike) -> NDArray[np.float64]:
         """A checked demand as one row, (1, n)."""
-        demand = np.ascontiguousarray(wrench, dtype=np.float64)
-        if demand.shape != self.wrench_weights.shape:
+        plain = isinstance(wrench, np.ndarray) and wrench.dtype == np.float64
+        demand = np.ascontiguousarray(wrench) if plain else numbers("the wrench", wrench, "vector")
+        if demand.shape != (len(self.A),):
             raise AllocationError(f"the wrench has shape {demand.shape}; A has {len(self.A)} rows")
         return demand[None]
 
@@ -280,9 +293,9 @@ class Allocator:
             wrenches: (N, n) demands [N, N m].
 
         Raises:
-            AllocationError: the demands do not have n columns.
+            AllocationError: the demands are not n columns of numbers.
         """
-        demands = np.ascontiguousarray(wrenches, dtype=np.float64)
+        demands = numbers("the wrenches", wrenches, "table")
         n, m = self.A.shape
         if demands.ndim != 2 or demands.shape[1] != n:
             raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")

@@ -9,6 +9,57 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import AllocationError
 
+LARGEST = 1e30
+"""Largest number an allocator is built from: beyond it, squares of products leave double precision."""
+
+
+def numbers(name: str, value: ArrayLike, kind: str) -> NDArray[np.float64]:
+    """A new array of real numbers, of any shape.
+
+    Raises:
+        AllocationError: it holds something else, rows of different lengths, or a number beyond double precision.
+    """
+    try:
+        if np.iscomplexobj(value):
+            raise TypeError("its entries must be real")
+        return np.array(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError, OverflowError) as error:
+        raise AllocationError(f"{name} is not a {kind} of numbers: {error}") from None
+
+
+def bounded(name: str, values: NDArray[np.float64]) -> None:
+    """Refuse finite numbers of absurd size.
+
+    Raises:
+        AllocationError: one is.
+    """
+    size = float(np.max(np.abs(values), initial=0.0))
+    if LARGEST < size < np.inf:
+        raise AllocationError(f"{name} holds {size:g}; numbers beyond {LARGEST:g} leave double precision")
+
+
+def flag(name: str, value: bool) -> bool:
+    """A checked yes or no.
+
+    Raises:
+        AllocationError: it is neither True nor False.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise AllocationError(f"{name} is {value!r}; it must be True or False")
+    return bool(value)
+
+
+def spread(name: str, values: NDArray[np.float64], most: float) -> None:
+    """Refuse positive weights so different that double precision loses the smaller ones.
+
+    Raises:
+        AllocationError: the largest is more than ``most`` times the smallest.
+    """
+    if np.max(values) > most * np.min(values):
+        raise AllocationError(
+            f"{name} spans {np.min(values):g} to {np.max(values):g}; at most 1 to {most:g} is solvable"
+        )
+
 
 def one_of(name: str, value: str, known: Sequence[str]) -> str:
     """Pass a known name on.
@@ -16,7 +67,7 @@ def one_of(name: str, value: str, known: Sequence[str]) -> str:
     Raises:
         AllocationError: it is not known; the message lists what is.
     """
-    if value not in known:
+    if not isinstance(value, str) or value not in known:
         raise AllocationError(f"no {name} {value!r}; there are {', '.join(known)}")
     return value
 
@@ -27,10 +78,7 @@ def row(name: str, value: ArrayLike, length: int, *, positive: bool = False) -> 
     Raises:
         AllocationError: another shape, not numbers, not finite, or not positive where that is asked for.
     """
-    try:
-        vector = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise AllocationError(f"{name} is not a vector of numbers: {error}") from None
+    vector = numbers(name, value, "vector")
     if vector.ndim == 0:
         vector = np.full(length, vector)
     if vector.shape != (length,):
@@ -39,6 +87,7 @@ def row(name: str, value: ArrayLike, length: int, *, positive: bool = False) -> 
         raise AllocationError(
             f"{name} is {vector.tolist()}; every entry must be finite" + (" and > 0" if positive else "")
         )
+    bounded(name, vector)
     return vector
 
 
@@ -60,14 +109,12 @@ def pairs(name: str, value: ArrayLike, motors: int) -> NDArray[np.float64]:
     Raises:
         AllocationError: another shape, not numbers, or not finite.
     """
-    try:
-        table = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise AllocationError(f"{name} is not a table of numbers: {error}") from None
+    table = numbers(name, value, "table")
     if table.shape == (2,):
         table = np.tile(table, (motors, 1))
     if table.shape != (motors, 2):
         raise AllocationError(f"{name} has shape {table.shape}; it needs ({motors}, 2) or (2,)")
     if not np.all(np.isfinite(table)):
         raise AllocationError(f"{name} must be finite")
+    bounded(name, table)
     return table

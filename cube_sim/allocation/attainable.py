@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cube_sim.allocation.arguments import numbers
 from cube_sim.allocation.enumeration import every_subset
 from cube_sim.allocation.facets import facet_normals
 from cube_sim.allocation.geometry import actuation_matrix, lever_length, wrench_fibre
@@ -92,8 +93,9 @@ def attainable_map(
     """
     spaces = half_spaces(A, limits, allow_off=allow_off)
     n = spaces.normals.shape[1]
-    vectors = [np.asarray(v, dtype=np.float64) for v in (centre, across, down)]
-    for name, vector in zip(("centre", "across", "down"), vectors, strict=True):
+    names = "centre", "across", "down"
+    vectors = [numbers(name, v, "vector") for name, v in zip(names, (centre, across, down), strict=True)]
+    for name, vector in zip(names, vectors, strict=True):
         if vector.shape != (n,) or not np.all(np.isfinite(vector)):
             raise AllocationError(f"{name} must be {n} finite numbers")
     if min(shape) < 1:

@@ -63,7 +63,7 @@ class Compensation:
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench (n,)."""
         demand, finite = self._judge.demand(wrench)
-        asked = self._judge.pseudo_inverse @ demand
+        asked = self._judge.least(demand)
         low, edge_low, edge_high, high = self._judge.limits.T
         least, most = self._room(asked, self._direction)
         if least > most:

@@ -46,7 +46,7 @@ class Contraction:
         """Find the forces for one demanded wrench (n,)."""
         demand, finite = self._judge.demand(wrench)
         low, edge_low, edge_high, high = self._judge.limits.T
-        asked = self._judge.pseudo_inverse @ demand
+        asked = self._judge.least(demand)
         force = np.where(asked < 0.0, asked + edge_low, asked + edge_high)
         if self._judge.allow_off:
             force = np.where(np.abs(asked) <= self._rounding_N, 0.0, force)

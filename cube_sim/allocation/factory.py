@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
+from inspect import signature
 from typing import Any, Literal, Protocol, get_args
 
 from numpy.typing import ArrayLike
@@ -27,6 +28,7 @@ _SIMPLE = {
     "clipped_pseudo_inverse": partial(PseudoInverse, clipped=True),
 }
 _SIMPLE_OPTIONS = ("allow_off", "power_coefficients")
+_EXACT_OPTIONS = tuple(name for name in signature(Allocator).parameters if name not in ("A", "limits", "method"))
 
 
 class WrenchAllocator(Protocol):
@@ -71,6 +73,9 @@ def make_allocator(
     """
     given = dict(options or {})
     if is_exact(method):
+        unknown = sorted(set(given) - set(_EXACT_OPTIONS))
+        if unknown:
+            raise AllocationError(f"{method} knows no {', '.join(unknown)}; it takes {', '.join(_EXACT_OPTIONS)}")
         return Allocator(A, limits, method=method, **given)  # type: ignore[arg-type]
     unknown = sorted(set(given) - set(_SIMPLE_OPTIONS))
     if unknown:

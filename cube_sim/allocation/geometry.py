@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cube_sim.allocation.arguments import bounded, numbers
 from cube_sim.errors import AllocationError
 
 RANK_THRESHOLD = 1e-9
@@ -15,6 +16,10 @@ RANK_THRESHOLD = 1e-9
 Deliberately near machine precision: a nearly singular vehicle (thrusters lost, built imperfectly) keeps its weak
 direction, and a demand along it that exceeds the limits is answered as unattainable, exactly.
 """
+
+
+SMALLEST = 1e-30
+"""Least size of an actuation matrix, for the same reason as `arguments.LARGEST`."""
 
 
 class WrenchFibre(NamedTuple):
@@ -62,12 +67,9 @@ def actuation_matrix(A: ArrayLike) -> NDArray[np.float64]:
     """Check an actuation matrix: (3, m) rows ``[Fx Fy Mz]`` or (6, m) rows ``[Fx Fy Fz Mx My Mz]``.
 
     Raises:
-        AllocationError: another shape, no motor, an entry that is not finite, or nothing but zeros.
+        AllocationError: another shape, no motor, an entry that is not finite, nothing but zeros, or absurd sizes.
     """
-    try:
-        matrix = np.array(A, dtype=np.float64, order="C")
-    except (TypeError, ValueError) as error:
-        raise AllocationError(f"A is not a matrix of numbers: {error}") from None
+    matrix = numbers("A", A, "matrix")
     if matrix.ndim != 2 or matrix.shape[0] not in (3, 6) or matrix.shape[1] == 0:
         raise AllocationError(f"A has shape {matrix.shape}; it must be (3, m) or (6, m) with at least one motor")
     if not np.all(np.isfinite(matrix)):
@@ -75,6 +77,11 @@ def actuation_matrix(A: ArrayLike) -> NDArray[np.float64]:
         raise AllocationError(f"A[{row}, {column}] is {matrix[row, column]}; every entry must be finite")
     if not np.any(matrix):
         raise AllocationError("A is zero: no motor makes any wrench")
+    bounded("A", matrix)
+    if np.max(np.abs(matrix)) < SMALLEST:
+        raise AllocationError(
+            f"A holds {np.max(np.abs(matrix)):g} at most; below {SMALLEST:g} squares leave double precision"
+        )
     return matrix
 
 
@@ -88,6 +95,15 @@ def lever_length(A: NDArray[np.float64]) -> float:
     torque = np.linalg.norm(A[torque_rows(len(A))])
     force = np.linalg.norm(np.delete(A, np.r_[torque_rows(len(A))], axis=0))
     return float(torque / force) if torque > 0.0 and force > 0.0 else 1.0
+
+
+def error_size(error: NDArray[np.float64], length_m: float) -> float:
+    """Norm of a wrench error (n,) [N], torques divided by a length; entries beyond 1e300 count as that, and no more."""
+    with np.errstate(over="ignore"):
+        scaled = error / np.where(np.isin(np.arange(len(error)), np.r_[torque_rows(len(error))]), length_m, 1.0)
+    scaled = np.clip(scaled, -1e300, 1e300)
+    largest = float(np.max(np.abs(scaled)))
+    return largest * float(np.linalg.norm(scaled / largest)) if largest > 0.0 else 0.0
 
 
 def wrench_fibre(A: NDArray[np.float64], motor_weights: NDArray[np.float64], length_m: float) -> WrenchFibre:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cube_sim.allocation.arguments import bounded, numbers
 from cube_sim.errors import AllocationError
 
 NEGATIVE, OFF, POSITIVE = 0, 1, 2
@@ -25,16 +26,13 @@ def thruster_limits(limits: ArrayLike, motors: int) -> NDArray[np.float64]:
     Raises:
         AllocationError: the shape is none of the above, a limit is not finite, or limits cross.
     """
-    try:
-        table = np.array(limits, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise AllocationError(f"limits are not a table of numbers: {error}") from None
+    table = numbers("limits", limits, "table")
+    shape = table.shape
     if table.ndim == 1:
         table = np.tile(table, (motors, 1))
     if table.ndim != 2 or table.shape[0] != motors or table.shape[1] not in (2, 4):
         raise AllocationError(
-            f"limits have shape {np.shape(limits)}; A has {motors} motors, so give ({motors}, 4), "
-            f"({motors}, 2), (4,) or (2,)"
+            f"limits have shape {shape}; A has {motors} motors, so give ({motors}, 4), ({motors}, 2), (4,) or (2,)"
         )
     if table.shape[1] == 2:
         rest = np.zeros(motors)
@@ -46,6 +44,7 @@ def thruster_limits(limits: ArrayLike, motors: int) -> NDArray[np.float64]:
             raise AllocationError(
                 f"motor {i + 1}: limits {row.tolist()} must be ordered F_max- <= F_DZ- <= 0 <= F_DZ+ <= F_max+"
             )
+    bounded("limits", table)
     # Adding zero turns -0.0 into 0.0, so that recorded forces never show a signed zero.
     return np.ascontiguousarray(table + 0.0)
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocator import electrical_power
-from cube_sim.allocation.arguments import pairs
-from cube_sim.allocation.geometry import actuation_matrix, lever_length, torque_rows, wrench_fibre
+from cube_sim.allocation.arguments import flag, numbers, pairs
+from cube_sim.allocation.geometry import actuation_matrix, error_size, lever_length, wrench_fibre
 from cube_sim.allocation.limits import thruster_limits
 from cube_sim.allocation.result import Allocation, Status
 from cube_sim.errors import AllocationError
@@ -28,7 +28,6 @@ class Judge:
     Attributes:
         A: (n, m).
         limits: (m, 4) [N].
-        pseudo_inverse: (m, n) the forces of least sum of squares for each wrench.
         kernel: (m, k) orthonormal basis of ker A.
     """
 
@@ -36,10 +35,10 @@ class Judge:
         self.A = actuation_matrix(A)
         m = self.A.shape[1]
         self.limits = thruster_limits(limits, m)
-        self.allow_off = bool(allow_off)
+        self.allow_off = flag("allow_off", allow_off)
         self.length_m = lever_length(self.A)
         fibre = wrench_fibre(self.A, np.ones(m), self.length_m)
-        self.pseudo_inverse, self.kernel = fibre.particular, fibre.kernel
+        self._pseudo_inverse, self.kernel = fibre.particular, fibre.kernel
         self.power_coefficients = (
             None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
         )
@@ -49,23 +48,24 @@ class Judge:
         """The demanded wrench (n,), zeros in place of one that is not finite, and whether it was finite.
 
         Raises:
-            AllocationError: the wrench does not have n entries.
+            AllocationError: the wrench is not n numbers.
         """
-        demand = np.array(wrench, dtype=np.float64)
+        demand = numbers("the wrench", wrench, "vector")
         if demand.shape != (len(self.A),):
             raise AllocationError(f"the wrench has shape {demand.shape}; A has {len(self.A)} rows")
         finite = bool(np.all(np.isfinite(demand)))
-        # Forces of a demand beyond all reach saturate; bounded here, their products stay finite.
-        return (np.clip(demand, -1e100, 1e100) if finite else np.zeros(len(demand))), finite
+        return (demand if finite else np.zeros(len(demand))), finite
+
+    def least(self, demand: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Forces (m,) of least sum of squares for a demand (n,), bounded by 1e100, so that squares are finite."""
+        return self._pseudo_inverse @ np.clip(demand, -1e100, 1e100)
 
     def judge(self, demand: NDArray[np.float64], finite: bool, force: NDArray[np.float64]) -> Allocation:
         """Say what forces (m,) are worth against a demand (n,)."""
         force = force + 0.0
         wrench = self.A @ force
         error = demand - wrench
-        scaled = error.copy()
-        scaled[torque_rows(len(error))] /= self.length_m
-        residual = float(np.linalg.norm(scaled))
+        residual = error_size(error, self.length_m)
         resting = np.abs(force) <= self._tolerance_N
         low, edge_low, edge_high, high = self.limits.T + self._tolerance_N * np.array([[-1], [1], [-1], [1]])
         moving = ((force >= low) & (force <= edge_low)) | ((force >= edge_high) & (force <= high))

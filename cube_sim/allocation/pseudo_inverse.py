@@ -47,7 +47,7 @@ class PseudoInverse:
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench (n,)."""
         demand, finite = self._judge.demand(wrench)
-        force = self._judge.pseudo_inverse @ demand
+        force = self._judge.least(demand)
         if self._clipped:
             low, edge_low, edge_high, high = self._judge.limits.T
             force = np.clip(force, low, high)

@@ -52,7 +52,7 @@ class Status(IntEnum):
 _MESSAGES = {
     Status.EXACT: "the demanded wrench is attainable again",
     Status.CLOSEST: "the demanded wrench is out of reach: the closest attainable one is made",
-    Status.INVALID_WRENCH: "the demanded wrench is not finite: the thrusters rest",
+    Status.INVALID_WRENCH: "the demanded wrench is not finite: it counts as zero",
     Status.MISSED: "the allocation misses the demanded wrench",
     Status.FORBIDDEN_FORCE: "the allocation asks a thruster for a force outside its allowed set",
     Status.UNPROVEN: "the demanded wrench is made, perhaps not at the least cost",
