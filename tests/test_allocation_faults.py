@@ -273,3 +273,87 @@ def test_a_mistake_is_named_and_changes_nothing(health, message):
     with pytest.raises(AllocationError, match=message):
         allocator.believe(health)
     assert np.array_equal(allocator.allocate(wrench).force, before)
+
+
+SQUARE = np.array([[1.0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
+NO_DEAD_ZONE = [-10.0, 10.0]
+
+
+@pytest.mark.parametrize("method", ["search+proxqp", "contraction"])
+@pytest.mark.parametrize("health", [Health.whole(4), Health.whole(4).with_thruster(0, stuck=5.0), lost(range(4), 4)])
+@pytest.mark.parametrize("nonsense", [np.nan, -np.inf])
+def test_a_demand_that_is_no_number_counts_as_zero_whatever_the_health(health, method, nonsense):
+    """Beside a motor stuck at 5 N its healthy twin holds against it."""
+    answers = []
+    for wrench in ([nonsense, 2, 3], np.zeros(3)):
+        allocator = tolerant(SQUARE, NO_DEAD_ZONE, method=method, power_coefficients=[1.0, 1.0])
+        allocator.believe(health)
+        answers.append(allocator.allocate(wrench, np.zeros(3)))
+    invalid, zero = answers
+    assert (invalid.status, zero.status) == (Status.INVALID_WRENCH, Status.EXACT)
+    np.testing.assert_allclose(invalid.force, zero.force, atol=1e-12)
+    np.testing.assert_allclose(invalid.wrench_error, np.zeros(3), atol=1e-9)
+    assert invalid.residual == pytest.approx(0.0, abs=1e-9)
+    assert tolerant(SQUARE, NO_DEAD_ZONE).allocate(np.zeros(3), [nonsense, 0, 0]).status == Status.INVALID_WRENCH
+
+
+def test_power_is_that_of_all_motors_or_not_told():
+    def build(A, limits, which):
+        return Allocator(A, limits, power_coefficients=np.array([[2.0, 1.0]] * 3 + [[5.0, 4.0]])[which])
+
+    whole = FaultTolerant(SQUARE, NO_DEAD_ZONE, build)
+    knowing = FaultTolerant(SQUARE, NO_DEAD_ZONE, build, [[2.0, 1.0]] * 3 + [[5.0, 4.0]])
+    wrench = np.array([6.0, 0, 9.0])
+    by_hand = 2 * 3**1.5 + 4 * 9**1.5
+    assert [allocator.allocate(wrench).power_W for allocator in (whole, knowing)] == pytest.approx([by_hand] * 2)
+    for allocator in (whole, knowing):
+        allocator.believe(Health.whole(4).with_thruster(0, 0.5).with_thruster(3, stuck=-4.0))
+    assert whole.allocate(wrench).power_W is None
+    assert knowing.allocate(wrench).power_W == pytest.approx(2 * 3**1.5 + 5 * 4**1.5)
+    knowing.believe(Health.whole(4)._replace(efficiency=np.zeros(4)))
+    assert knowing.allocate(wrench).power_W == 0.0
+
+
+def test_motors_that_together_make_no_wrench_rest():
+    """The motors left have columns of zeros; what was believed before is believed no more."""
+    A = np.array([[1.0, 0, 0], [0, 0, 0], [0, 0, 0]])
+    allocator = tolerant(A, NO_DEAD_ZONE)
+    assert allocator.allocate([4.0, 0, 0]).force.tolist() == [4.0, 0, 0]
+    allocator.believe(lost([0], 3))
+    answer = allocator.allocate([4.0, 0, 0])
+    assert (answer.force.tolist(), answer.status) == ([0.0, 0, 0], Status.CLOSEST)
+    np.testing.assert_allclose(answer.wrench_error, [4.0, 0, 0])
+    assert allocator.motor_force(answer.force).tolist() == [0.0, 0, 0]
+    allocator.believe(Health.whole(3))
+    assert allocator.allocate([4.0, 0, 0]).force.tolist() == [4.0, 0, 0]
+
+
+def test_what_is_asked_of_a_weak_motor_lies_in_the_set_of_a_whole_one():
+    """4,000 forces at the ends of weak motors' intervals, one rounding off when divided by the efficiency."""
+    allocator, rng = tolerant(limits=LIMITS), np.random.default_rng(4)
+    for _ in range(500):
+        efficiency = rng.uniform(0.01, 1.0, 8)
+        allocator.believe(Health(efficiency, np.full(8, np.nan)))
+        force = efficiency * rng.choice(LIMITS, 8)
+        asked = allocator.motor_force(force)
+        assert in_allowed_set(asked, np.tile(LIMITS, (8, 1)), True).all()
+        np.testing.assert_allclose(asked * efficiency, force, rtol=1e-15)
+    assert tolerant().motor_force(np.full(8, 1.5)).tolist() == [1.5] * 8  # of a method blind to the dead zone
+
+
+def test_health_may_be_lists():
+    allocator = tolerant(SQUARE, NO_DEAD_ZONE)
+    allocator.believe(Health([0.0, 1, 1, 1], [np.nan] * 4))
+    assert allocator.allocate([4.0, 0, 0]).force.tolist() == [0.0, 4, 0, 0]
+    with pytest.raises(AllocationError, match="efficiency is not a row of numbers"):
+        allocator.believe(Health(["weak"] * 4, [np.nan] * 4))
+
+
+@pytest.mark.parametrize("health", [WHOLE, lost(range(8))])
+def test_a_wrench_of_the_wrong_size_is_named(health):
+    allocator = tolerant()
+    allocator.believe(health)
+    with pytest.raises(AllocationError, match=r"the wrench has shape \(3,\); A has 6 rows"):
+        allocator.allocate([1.0, 2, 3])
+    with pytest.raises(AllocationError, match=r"the secondary part has shape \(2,\); A has 6 rows"):
+        allocator.allocate(np.zeros(6), [1.0, 2])

@@ -7,9 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation.allocator import Allocator
+from cube_sim.allocation.allocator import ROUNDING, Allocator, electrical_power
+from cube_sim.allocation.arguments import bounded, numbers, pairs
 from cube_sim.allocation.factory import WrenchAllocator
-from cube_sim.allocation.geometry import actuation_matrix, lever_length, torque_rows
+from cube_sim.allocation.geometry import actuation_matrix, error_size, lever_length
 from cube_sim.allocation.health import Health
 from cube_sim.allocation.limits import thruster_limits
 from cube_sim.allocation.result import Allocation, Status
@@ -24,13 +25,15 @@ class FaultTolerant:
     """One vehicle's allocation through the loss of motors.
 
     A dead motor's column is dropped; a weak one keeps its column with its limits scaled; a stuck one's wrench is taken
-    off every demand. The allocator built for the rest goes on from where the motors stand: what a reversal is, and
-    what a change is counted from, outlives the event.
+    off every demand. Motors that together make no wrench at all rest. The allocator built for the others goes on from
+    where they stand: what a reversal is, and what a change is counted from, outlives the event.
 
     Args:
         A: (n, m) actuation matrix, see `Allocator`.
         limits: (m, 4) of whole motors [N], see `Allocator`.
         build: makes the allocator for the motors that obey.
+        power_coefficients: (m, 2) or (2,) see `Allocator`; with them every answer says the power of all motors, stuck
+            ones included. Without, it says what the built allocator does, as long as no other motor draws power.
 
     Attributes:
         A: (n, m).
@@ -41,10 +44,14 @@ class FaultTolerant:
         AllocationError: an argument has the wrong shape or means nothing.
     """
 
-    def __init__(self, A: ArrayLike, limits: ArrayLike, build: Build) -> None:
+    def __init__(
+        self, A: ArrayLike, limits: ArrayLike, build: Build, power_coefficients: ArrayLike | None = None
+    ) -> None:
         self.A = actuation_matrix(A)
         m = self.A.shape[1]
         self.limits, self._build = thruster_limits(limits, m), build
+        self._power = None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
+        self._rounding_N = ROUNDING * float(np.max(np.abs(self.limits)))
         self._standing = Standing.at_rest(m)
         self.health = Health.whole(m)
         self.believe(self.health)
@@ -56,15 +63,19 @@ class FaultTolerant:
             AllocationError: it speaks of another number of motors, or of an efficiency outside 0 to 1.
         """
         m = self.A.shape[1]
-        for name, values in (("efficiency", health.efficiency), ("stuck", health.stuck)):
-            if np.shape(values) != (m,):
-                raise AllocationError(f"{name} has shape {np.shape(values)}; the vehicle has {m} motors")
+        health = Health(numbers("efficiency", health.efficiency, "row"), numbers("stuck", health.stuck, "row"))
+        for name, values in zip(health._fields, health, strict=True):
+            if values.shape != (m,):
+                raise AllocationError(f"{name} has shape {values.shape}; the vehicle has {m} motors")
         if not np.all((health.efficiency >= 0.0) & (health.efficiency <= 1.0)):
             raise AllocationError(f"efficiency is {health.efficiency.tolist()}; every entry must lie in 0 to 1")
         if np.any(np.isinf(health.stuck)):
             raise AllocationError(f"stuck is {health.stuck.tolist()}; a motor holds a finite force, or obeys (NaN)")
+        bounded("stuck", np.nan_to_num(health.stuck))
         standing, obedient = stand(self._standing, self.health, health), np.flatnonzero(health.obedient)
         allocator = None
+        if not self.A[:, obedient].any():
+            obedient = obedient[:0]
         if obedient.size:
             limits = self.limits[obedient] * health.efficiency[obedient, None]
             allocator = self._build(self.A[:, obedient], limits, obedient)
@@ -88,40 +99,75 @@ class FaultTolerant:
         """(n, k) columns of the motors that obey."""
         return self.A[:, self._obedient]
 
-    def allocate(self, wrench: NDArray[np.float64], secondary: NDArray[np.float64] | None = None) -> Allocation:
+    def allocate(self, wrench: ArrayLike, secondary: ArrayLike | None = None) -> Allocation:
         """Forces (m,) of all motors for a demand (n,): dead ones 0, stuck ones what they hold.
 
         Args:
-            wrench: all that is demanded [N, N m].
+            wrench: all that is demanded [N, N m]; one that is not finite counts as zero.
             secondary: the part (n,) of it that gives way to the rest, to an allocator that knows parts; None for none.
 
         Returns:
             An answer whose forces are what motors make, weak ones included; its cost counts those that obey.
+
+        Raises:
+            AllocationError: the wrench or its part is not n numbers.
         """
+        demand, yielding = self._checked("the wrench", wrench), None
+        valid = bool(np.isfinite(demand).all())
+        if secondary is not None:
+            yielding = self._checked("the secondary part", secondary)
+            valid = valid and bool(np.isfinite(yielding).all())
         held = self.A @ self._held
+        left = (demand if valid else np.zeros_like(demand)) - held
         if self._allocator is None:
-            part = self._nothing(wrench - held)
-        elif secondary is not None and secondary.any() and isinstance(self._allocator, Allocator):
-            part = self._allocator.allocate_by_priority(wrench - held - secondary, secondary)
+            part = forceless(left, 0, lever_length(self.A), self._rounding_N)
+        elif valid and yielding is not None and yielding.any() and isinstance(self._allocator, Allocator):
+            part = self._allocator.allocate_by_priority(left - yielding, yielding)
         else:
-            part = self._allocator.allocate(wrench - held)
+            part = self._allocator.allocate(left)
         force, subset = self._held.copy(), np.sign(self._held).astype(np.int8)
         force[self._obedient], subset[self._obedient] = part.force, part.subset
         self._standing = self._standing.then(force, subset)
-        return part._replace(force=force, wrench=part.wrench + held, subset=subset)
+        power = None if self._held.any() else part.power_W
+        return replace(
+            part,
+            force=force,
+            wrench=part.wrench + held,
+            subset=subset,
+            status=part.status if valid else Status.INVALID_WRENCH,
+            power_W=power if self._power is None else electrical_power(self._power, force),
+        )
 
-    def _nothing(self, error: NDArray[np.float64]) -> Allocation:
-        """The answer of no motors, `error` (n,) short of the demand."""
-        scaled = error.copy()
-        scaled[torque_rows(len(error))] /= lever_length(self.A)
-        residual = float(np.linalg.norm(scaled))
-        return Allocation(np.empty(0), np.zeros_like(error), error, residual, 0.0, np.empty(0, np.int8), Status.CLOSEST)
+    def _checked(self, name: str, wrench: ArrayLike) -> NDArray[np.float64]:
+        """A wrench (n,)."""
+        checked = numbers(name, wrench, "vector")
+        if checked.shape != (len(self.A),):
+            raise AllocationError(f"{name} has shape {checked.shape}; A has {len(self.A)} rows")
+        return checked
 
     def motor_force(self, force: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Forces (m,) to ask of the motors as if they were whole, so that weak ones make `force`; 0 of the others."""
-        asked = np.zeros_like(force)
+        """Forces (m,) to ask of the motors as if they were whole, so that weak ones make `force`; 0 of the others.
+
+        What is a rounding off a whole motor's interval is moved to its end.
+        """
+        asked, low, edge_low, edge_high, high = np.zeros_like(force), *self.limits.T
         asked[self._obedient] = force[self._obedient] / self.health.efficiency[self._obedient]
-        return asked
+        inside = np.where(asked < 0.0, np.clip(asked, low, edge_low), np.clip(asked, edge_high, high))
+        return np.where((asked != 0.0) & (np.abs(inside - asked) <= self._rounding_N), inside, asked)
+
+
+def forceless(demand: NDArray[np.float64], motors: int, length_m: float, rounding_N: float) -> Allocation:
+    """The answer of motors that make no force to a finite demand (n,), which counts as met up to a rounding."""
+    residual = error_size(demand, length_m)
+    return Allocation(
+        force=np.zeros(motors),
+        wrench=np.zeros_like(demand),
+        wrench_error=demand.copy(),
+        residual=residual,
+        cost=0.0,
+        subset=np.zeros(motors, np.int8),
+        status=Status.EXACT if residual <= rounding_N else Status.CLOSEST,
+    )
 
 
 def stand(standing: Standing, before: Health, now: Health) -> Standing:
