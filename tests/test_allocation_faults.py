@@ -357,3 +357,13 @@ def test_a_wrench_of_the_wrong_size_is_named(health):
         allocator.allocate([1.0, 2, 3])
     with pytest.raises(AllocationError, match=r"the secondary part has shape \(2,\); A has 6 rows"):
         allocator.allocate(np.zeros(6), [1.0, 2])
+
+
+def test_without_voltage_no_force_is_made_whatever_is_held():
+    allocator = tolerant()
+    allocator.believe(WHOLE.with_thruster(3, stuck=12.0))
+    for wrench, status in (([1.0, 0, 0, 0, 0, 0], Status.CLOSEST), (np.zeros(6), Status.EXACT)):
+        answer = allocator.without_force(wrench)
+        assert (answer.force.tolist(), answer.status) == ([0.0] * 8, status)
+        np.testing.assert_array_equal(answer.wrench_error, wrench)
+    assert allocator.without_force([np.nan] * 6).status == Status.INVALID_WRENCH

@@ -31,6 +31,7 @@ WITHOUT_UNIT = {
     "scale_error",
     "axis",
     "torque_weight",
+    "thruster_weights",
     "dead_zone_margin",
     "at_most",
     "at_least",

@@ -120,7 +120,7 @@ class FaultTolerant:
         held = self.A @ self._held
         left = (demand if valid else np.zeros_like(demand)) - held
         if self._allocator is None:
-            part = forceless(left, 0, lever_length(self.A), self._rounding_N)
+            part = self._forceless(left, 0)
         elif valid and yielding is not None and yielding.any() and isinstance(self._allocator, Allocator):
             part = self._allocator.allocate_by_priority(left - yielding, yielding)
         else:
@@ -136,6 +136,31 @@ class FaultTolerant:
             subset=subset,
             status=part.status if valid else Status.INVALID_WRENCH,
             power_W=power if self._power is None else electrical_power(self._power, force),
+        )
+
+    def without_force(self, wrench: ArrayLike) -> Allocation:
+        """The answer of m motors that make no force whatever they are told: without voltage. It is not remembered.
+
+        Args:
+            wrench: (n,) as for `allocate`.
+        """
+        demand = self._checked("the wrench", wrench)
+        if np.isfinite(demand).all():
+            return self._forceless(demand, self.count)
+        return replace(self._forceless(np.zeros_like(demand), self.count), status=Status.INVALID_WRENCH)
+
+    def _forceless(self, demand: NDArray[np.float64], motors: int) -> Allocation:
+        """The answer of so many motors without force to a finite demand (n,), which is met when it is a rounding."""
+        residual = error_size(demand, lever_length(self.A))
+        return Allocation(
+            force=np.zeros(motors),
+            wrench=np.zeros_like(demand),
+            wrench_error=demand.copy(),
+            residual=residual,
+            cost=0.0,
+            subset=np.zeros(motors, np.int8),
+            status=Status.EXACT if residual <= self._rounding_N else Status.CLOSEST,
+            power_W=None if self._power is None else 0.0,
         )
 
     def _checked(self, name: str, wrench: ArrayLike) -> NDArray[np.float64]:
@@ -154,20 +179,6 @@ class FaultTolerant:
         asked[self._obedient] = force[self._obedient] / self.health.efficiency[self._obedient]
         inside = np.where(asked < 0.0, np.clip(asked, low, edge_low), np.clip(asked, edge_high, high))
         return np.where((asked != 0.0) & (np.abs(inside - asked) <= self._rounding_N), inside, asked)
-
-
-def forceless(demand: NDArray[np.float64], motors: int, length_m: float, rounding_N: float) -> Allocation:
-    """The answer of motors that make no force to a finite demand (n,), which counts as met up to a rounding."""
-    residual = error_size(demand, length_m)
-    return Allocation(
-        force=np.zeros(motors),
-        wrench=np.zeros_like(demand),
-        wrench_error=demand.copy(),
-        residual=residual,
-        cost=0.0,
-        subset=np.zeros(motors, np.int8),
-        status=Status.EXACT if residual <= rounding_N else Status.CLOSEST,
-    )
 
 
 def stand(standing: Standing, before: Health, now: Health) -> Standing:

@@ -18,10 +18,7 @@ def actuators_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
     thrusters, block = vehicle.thrusters, scenario.allocation
 
     def build(A: NDArray[np.float64], limits: NDArray[np.float64], which: NDArray[np.int_]) -> WrenchAllocator:
-        options: dict[str, Any] = {
-            "allow_off": block.allow_off,
-            "power_coefficients": thrusters.power_coefficients[which],
-        }
+        options: dict[str, Any] = {"allow_off": block.allow_off}
         if is_exact(block.method):
             weights = np.ones(6)
             weights[3:] = block.torque_weight
@@ -33,12 +30,17 @@ def actuators_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
                 "switching_penalty": block.switching_penalty_N2,
                 "change_limit": block.change_limit_N,
             }
-        if block.objective.startswith("reactivity"):
-            options["reactivity"] = thrusters.reactivity[which]
+            if block.thruster_weights is not None:
+                options["weights"] = np.array(block.thruster_weights)[which]
+            if block.target_N is not None:
+                options["target"] = np.array(block.target_N)[which]
+            if block.objective.startswith("reactivity"):
+                options["reactivity"] = thrusters.reactivity[which]
         return make_allocator(block.method, A, limits, options)
 
     limits = clear_of_dead_zone(thrusters.limits, block.dead_zone_margin)
-    return FaultTolerant(scenario.knowledge.thrust * vehicle.actuation_matrix, limits, build)
+    A = scenario.knowledge.thrust * vehicle.actuation_matrix
+    return FaultTolerant(A, limits, build, thrusters.power_coefficients)
 
 
 def clear_of_dead_zone(limits: NDArray[np.float64], margin: float) -> NDArray[np.float64]:

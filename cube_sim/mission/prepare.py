@@ -18,7 +18,7 @@ from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
 from cube_sim.mission.navigation import OnEstimate, channels_of
 from cube_sim.mission.path import path_of
-from cube_sim.mission.refusals import require_possible_events, require_signals
+from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
 from cube_sim.mission.supply import supply_of
 from cube_sim.recording.channels import Channel, channel_table
 from cube_sim.scenario import Loaded, Scenario
@@ -84,6 +84,7 @@ def prepare(loaded: Loaded) -> Mission:
     ) + channels_of(scenario.navigation)
     require_signals(loaded, channels)
     require_possible_events(loaded, vehicle)
+    require_a_value_per_thruster(loaded, vehicle)
     return Mission(
         scenario=scenario,
         model=model,

@@ -35,6 +35,17 @@ def require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
         raise ScenarioError(mistakes)
 
 
+def require_a_value_per_thruster(loaded: Loaded, vehicle: Vehicle) -> None:
+    """Refuse lists of the allocation that do not have an entry for each thruster."""
+    block, names, mistakes = loaded.scenario.allocation, vehicle.thrusters.names, []
+    for key, values in (("target_N", block.target_N), ("thruster_weights", block.thruster_weights)):
+        if values is not None and len(values) != len(names):
+            text = f"{len(values)} numbers for {len(names)} thrusters; the model has {', '.join(names)}"
+            mistakes.append(loaded.mistake(f"allocation.{key}", text))
+    if mistakes:
+        raise ScenarioError(mistakes)
+
+
 def too_slow_period(loaded: Loaded, times: Mapping[str, float]) -> list[str]:
     """Mistakes, at most one: a control period longer than the shortest time by which its loops are given.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from cube_sim.allocation import Allocation, FaultTolerant, Status
+from cube_sim.allocation import Allocation, FaultTolerant
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.scenario import Loaded
 from cube_sim.spatial import Vector
@@ -49,17 +49,7 @@ def allocate_at(
         The allocation, and the forces (m,) [N] to ask of the motors as if they were whole and fed with V_n.
     """
     if thrust == 0.0:
-        still = np.zeros(actuators.count)
-        nothing = Allocation(
-            force=still,
-            wrench=np.zeros(6),
-            wrench_error=wrench.copy(),
-            residual=float(np.linalg.norm(wrench)),
-            cost=0.0,
-            subset=still.astype(np.int8),
-            status=Status.CLOSEST,
-        )
-        return nothing, still
+        return actuators.without_force(wrench), np.zeros(actuators.count)
     part = actuators.allocate(wrench / thrust, None if secondary is None else secondary / thrust)
     scaled = part._replace(
         force=part.force * thrust,

@@ -12,6 +12,7 @@ from pydantic import Field, field_validator
 from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
+from .allocation_block import Allocation
 from .attitude_blocks import AlongPath, Attitude
 from .battery_block import Battery
 from .check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
@@ -191,73 +192,6 @@ class Control(Block):
         " left of the torque; attitude: by allocation.torque_weight. Default: path for the modes free and look_at,"
         " attitude for the others.",
     )
-
-
-class Allocation(Block):
-    """How a wrench becomes thruster forces."""
-
-    method: Literal[
-        "search+proxqp",
-        "search",
-        "enumerate",
-        "enumerate_parallel",
-        "contraction",
-        "compensation",
-        "pseudo_inverse",
-        "clipped_pseudo_inverse",
-    ] = Field(
-        default="search+proxqp",
-        description="Exact: search+proxqp (a search picks the subset, one ProxQP solves it), search, enumerate (one "
-        "ProxQP per subset), enumerate_parallel. To compare with: contraction, compensation, pseudo_inverse, "
-        "clipped_pseudo_inverse; these know no objective, torque weight, penalty or change limit, and do not "
-        "know whether a wrench is attainable.",
-    )
-    allow_off: bool = Field(default=True, description="Whether a thruster may rest at 0 N, inside its dead zone.")
-    objective: Literal["energy", "reactivity", "reactivity_by_side"] = Field(
-        default="energy",
-        description="What decides among exact allocations. energy: |f|^2. reactivity: closeness to the steepest point "
-        "of the characteristic, all thrusters forward or all reverse. reactivity_by_side: each on its own side.",
-    )
-    torque_weight: float = Field(
-        default=30.0,
-        gt=0,
-        description="Weight of torque against force errors when the wrench is unattainable.",
-    )
-    unattainable: Literal["closest", "scaled"] = Field(
-        default="closest",
-        description="What is made of an unattainable wrench. closest: the closest attainable one. scaled: the largest "
-        "attainable part of it in its own direction; with dead zones that may be nothing.",
-    )
-    dead_zone_margin: float = Field(
-        default=0.1,
-        ge=0,
-        le=1,
-        description="Share of F_DZ by which allocated forces stay clear of the dead zone: a lagging motor commanded "
-        "onto its very edge would never start.",
-    )
-    reversal_penalty_N2: float = Field(  # noqa: N815 - N is the newton
-        default=0.0, ge=0, description="Cost of one thruster changing side [N^2]."
-    )
-    switching_penalty_N2: float = Field(  # noqa: N815 - N is the newton
-        default=0.0, ge=0, description="Cost of one thruster starting from rest or coming to rest [N^2]."
-    )
-    change_limit_N: float | None = Field(  # noqa: N815 - N is the newton
-        default=None,
-        gt=0,
-        description="Most a thruster's force may change in one control period, its dead zone not counted [N]. "
-        "Default: no limit.",
-    )
-
-    @field_validator("objective")
-    @classmethod
-    def _known_to_method(cls, objective: str, info: ValidationInfo) -> str:
-        method = info.data.get("method", "search")
-        if objective != "energy" and method in _SIMPLE_METHODS:
-            refuse(f"{method} knows no objective but energy")
-        return objective
-
-
-_SIMPLE_METHODS = ("contraction", "compensation", "pseudo_inverse", "clipped_pseudo_inverse")
 
 
 class Scenario(Block):
