@@ -53,7 +53,7 @@ def test_power_is_that_of_all_thrusters():
         ({"thruster_weights": [1.0] * 9}, "allocation.thruster_weights: 9 numbers for 8 thrusters"),
         ({"thruster_weights": [1.0] * 7 + [0.0]}, "allocation.thruster_weights.7: must be greater than 0"),
         ({"thruster_weights": [1e-6] * 7 + [1e7]}, r"spans 1e-06 to 1e\+07; at most 1 to 1e\+12 is solvable"),
-        ({"torque_weight": 1e8}, r"allocation.torque_weight: must be at most 1e\+?0?6|1000000"),
+        ({"torque_weight": 1e8}, r"allocation.torque_weight: must be at most 1e"),
         ({"torque_weight": 1e-8}, "allocation.torque_weight: must be at least"),
         ({"reversal_penalty_N2": 1e300}, "allocation.reversal_penalty_N2: must be at most"),
         ({"method": "contraction", "objective": "target", "target_N": TARGET}, "knows no objective but energy"),
