@@ -295,7 +295,7 @@ class Allocator:
         Raises:
             AllocationError: the demands are not n columns of numbers.
         """
-        demands = numbers("the wrenches", wrenches, "table")
+        demands = numbers("the array of wrenches", wrenches, "table")
         n, m = self.A.shape
         if demands.ndim != 2 or demands.shape[1] != n:
             raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")
