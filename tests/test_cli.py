@@ -149,11 +149,12 @@ def test_pass_fail_and_error_have_their_exit_codes(tmp_path, monkeypatch, capsys
 
 
 def test_a_failed_check_decides_whatever_could_not_be_judged(tmp_path, monkeypatch, capsys):
-    """No thruster makes no wrench: exactness is never judged, the limit of the error fails all the same."""
+    """One stuck thruster never makes the demand: exactness is not judged, the limit of the error fails all the same."""
     text = FLIGHT.replace("{kind: allowed_forces}", "{kind: exact_wrench}").replace("at_most: 0.05", "at_most: -1")
     path, out = write(tmp_path, text.replace("position_m: [0, 0, -5]", "position_m: [0, 90, -5]")), tmp_path / "out"
-    lost = "events=[{kind: thrusters, at_s: 0, thrusters: [T1, T2, T3, T4, T5, T6, T7, T8], state: dead}]"
-    settings = ["--set", lost, "--set", "control.faults=told"]
+    stuck = "{kind: thrusters, at_s: 0, thrusters: [T1], state: stuck, force_N: 5}"
+    lost = "{kind: thrusters, at_s: 0, thrusters: [T2, T3, T4, T5, T6, T7, T8], state: dead}"
+    settings = ["--set", f"events=[{stuck}, {lost}]", "--set", "control.faults=told"]
     assert call(monkeypatch, capsys, "run", path, "--out", out, "--quiet", *settings) == (1, "", "")
     content = json.loads((out / "verdict.json").read_text())
     assert [check["verdict"] for check in content["checks"]] == ["FAIL", "ERROR"]
