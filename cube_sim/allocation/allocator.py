@@ -251,7 +251,7 @@ class Allocator:
         """A checked demand as one row, (1, n)."""
         plain = isinstance(wrench, np.ndarray) and wrench.dtype == np.float64
         demand = np.ascontiguousarray(wrench) if plain else numbers("the wrench", wrench, "vector")
-        if demand.shape != (len(self.A),):
+        if demand.shape != self.wrench_weights.shape:
             raise AllocationError(f"the wrench has shape {demand.shape}; A has {len(self.A)} rows")
         return demand[None]
 

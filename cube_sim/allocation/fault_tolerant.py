@@ -129,8 +129,7 @@ class FaultTolerant:
         force[self._obedient], subset[self._obedient] = part.force, part.subset
         self._standing = self._standing.then(force, subset)
         power = None if self._held.any() else part.power_W
-        return replace(
-            part,
+        return part._replace(
             force=force,
             wrench=part.wrench + held,
             subset=subset,
@@ -147,7 +146,7 @@ class FaultTolerant:
         demand = self._checked("the wrench", wrench)
         if np.isfinite(demand).all():
             return self._forceless(demand, self.count)
-        return replace(self._forceless(np.zeros_like(demand), self.count), status=Status.INVALID_WRENCH)
+        return self._forceless(np.zeros_like(demand), self.count)._replace(status=Status.INVALID_WRENCH)
 
     def _forceless(self, demand: NDArray[np.float64], motors: int) -> Allocation:
         """The answer of so many motors without force to a finite demand (n,), which is met when it is a rounding."""
