@@ -61,6 +61,7 @@ def analyze(
     losses: int = 0,
     planar: bool = False,
     speed_m_s: float | None = None,
+    cost_limit: float | None = None,
     picture: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Report:
@@ -73,6 +74,7 @@ def analyze(
         losses: tabulate every loss of up to this many thrusters.
         planar: look at Fx, Fy and Mz only, for a vehicle kept at its depth.
         speed_m_s: at which path following is judged; default that of `Mission`.
+        cost_limit: drop the directions that cost more than this [N/N], and judge what is left.
         picture: PNG, SVG or PDF to write; it shows losses of up to three.
         progress: called with (cases done, all cases) while losses are tabulated.
 
@@ -95,10 +97,19 @@ def analyze(
     gone = tuple(name for part in lost.split(",") if (name := part.strip()))
     body = hull_of(vehicle)
     mission = Mission() if speed_m_s is None else Mission(speed_m_s=speed_m_s)
-    analysis = analyse(A, limits, names=names, lost=gone, hull=body, mission=mission)
+    analysis = analyse(A, limits, names=names, lost=gone, hull=body, mission=mission, cost_limit=cost_limit)
     most = MOST_LOSSES if picture is not None else losses
     table = (
-        survivability(A, limits, names=names, hull=body, mission=mission, most=most, progress=progress)
+        survivability(
+            A,
+            limits,
+            names=names,
+            hull=body,
+            mission=mission,
+            most=most,
+            cost_limit=cost_limit,
+            progress=progress,
+        )
         if most
         else None
     )
@@ -121,6 +132,8 @@ def to_dict(report: Report) -> dict[str, Any]:
         "torque_length_m": s.length_m,
         "singular_values": s.singular_values,
         "rank": a.rank,
+        "rank_tolerance": s.threshold.rank_tolerance,
+        "cost_limit": s.threshold.cost_limit,
         "redundancy": a.redundancy,
         "range_basis": s.range_basis,
         "kernel_basis": s.kernel_basis,
@@ -128,13 +141,13 @@ def to_dict(report: Report) -> dict[str, Any]:
         "pseudo_inverse": s.pseudo_inverse,
         "pure_forces": s.pure_forces.shape[1],
         "pure_torques": s.pure_torques.shape[1],
-        "unreachable": [{"coefficients": c.coefficients, "text": c.text} for c in a.unreachable],
+        "unreachable": [{"coefficients": c.coefficients, "gain": c.gain, "text": c.text} for c in a.unreachable],
         "costs": {
             "first_approach_gains": a.gains,
             "second_approach": dict(zip(s.axes.names, a.component_costs, strict=True)),
             "final_approach": [
-                {"wrench": wrench, "cost": cost, "kept": j < len(a.kept.gains)}
-                for j, (wrench, cost) in enumerate(zip(a.directions.wrenches.T, a.directions.costs, strict=True))
+                {"wrench": wrench, "cost": cost, "kept": not why, "dropped": why or None}
+                for wrench, cost, why in zip(a.directions.wrenches.T, a.directions.costs, a.dropped, strict=True)
             ],
         },
         "extents": [_extent(e) for e in a.extents or ()],

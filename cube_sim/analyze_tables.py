@@ -44,6 +44,8 @@ def print_report(report: Report) -> None:
         line(f"  on its own: {s.pure_forces.shape[1]} forces and {s.pure_torques.shape[1]} torques")
     console.print(_components(a))
     console.print(_directions(a))
+    for why in sorted(set(a.dropped) - {""}):
+        line(_reason(a, why))
     line(_indices(a))
     if report.table is not None:
         console.print(_losses(report.table))
@@ -80,11 +82,19 @@ def _directions(a: Analysis) -> Table:
     for name in names:
         table.add_column(name, justify="right")
     table.add_column("cost [N/N]", justify="right")
-    table.add_column("")
-    for j, (wrench, cost) in enumerate(zip(a.directions.wrenches.T, a.directions.costs, strict=True)):
-        kept = "" if j < len(a.kept.gains) else "dropped: too expensive"
-        table.add_row(f"v{j + 1}", *(_number(x) for x in wrench), _number(cost), kept)
+    if any(a.dropped):
+        table.add_column("dropped by")
+    for j, (wrench, cost, why) in enumerate(zip(a.directions.wrenches.T, a.directions.costs, a.dropped, strict=True)):
+        table.add_row(f"v{j + 1}", *(_number(x) for x in wrench), _number(cost), *([why] if any(a.dropped) else []))
     return table
+
+
+def _reason(a: Analysis, why: str) -> str:
+    threshold = a.subspaces.threshold
+    if why == "cost":
+        return f"dropped by cost: above {threshold.cost_limit:g} N/N"
+    times = 1.0 / threshold.rank_tolerance
+    return f"dropped by rank: more than {times:.4g} times as dear as the cheapest; --cost-limit decides instead"
 
 
 def _indices(a: Analysis) -> str:

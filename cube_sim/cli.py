@@ -168,6 +168,14 @@ def analyze(
     speed: Annotated[
         float | None, typer.Option(metavar="M_S", help="Speed [m/s] at which path following is judged; default 0.3.")
     ] = None,
+    cost_limit: Annotated[
+        float | None,
+        typer.Option(
+            metavar="N_PER_N",
+            help="Drop the directions that cost more thruster force than this per newton of wrench, and judge what is "
+            "left, as a scenario's control.cost_limit does. Default: those a hundred times as dear as the cheapest.",
+        ),
+    ] = None,
     picture: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Draw force and torque sets and all losses of up to 3: PNG, SVG or PDF."),
@@ -188,6 +196,7 @@ def analyze(
                 losses=losses,
                 planar=planar,
                 speed_m_s=speed,
+                cost_limit=cost_limit,
                 picture=picture,
                 progress=progress,
             )

@@ -183,7 +183,7 @@ def _take_note_of_faults(mission: Mission, recorder: Recorder, t: float) -> bool
     if health is actuators.health or health.equals(actuators.health):
         return False
     actuators.believe(health)
-    left = remaining(actuators.A, actuators.limits, health)
+    left = remaining(actuators.A, actuators.limits, health, mission.scenario.control.cost_limit)
     mission.controller.reconfigure(left)
     recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
     return True

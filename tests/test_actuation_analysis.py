@@ -85,10 +85,33 @@ def test_analysis_hands_on_the_cheap_directions():
     assert analysis.verdict.outcome is Outcome.STEERED
 
 
-def test_a_direction_below_the_rank_threshold_is_not_handed_on_however_cheap_the_limit_finds_it():
-    analysis = analyse([[1, 1, 1, 1], [1e-3, 0, 0, 0], [-1, 1, -1, 1]], cost_limit=1e6)
-    assert analysis.directions.vectors.shape[1] == 3
-    assert analysis.kept.vectors.shape[1] == analysis.rank == 2
+@pytest.mark.parametrize(
+    ("options", "dropped"),
+    [
+        ({}, ("", "", "rank")),
+        ({"cost_limit": 1000}, ("", "", "cost")),
+        ({"cost_limit": 2000}, ("", "", "")),
+        ({"cost_limit": 2000, "rank_tolerance": 0.01}, ("", "", "rank")),
+        ({"rank_tolerance": 0}, ("", "", "")),
+    ],
+)
+def test_a_direction_is_dropped_by_rank_or_by_the_cost_limit_in_its_place(options, dropped):
+    analysis = analyse([[1, 1, 1, 1], [1e-3, 0, 0, 0], [-1, 1, -1, 1]], [-40, 40], **options)
+    assert analysis.dropped == dropped
+    assert analysis.kept.vectors.shape[1] == analysis.rank == dropped.count("")
+    assert len(analysis.unreachable) == 3 - analysis.rank
+    assert np.allclose(analysis.kept.projector, analysis.subspaces.projector)
+
+
+def test_what_is_hardly_possible_is_not_called_impossible():
+    A = np.array([[1, 1, 1, 1], [1e-4, 0, 0, 0], [-1, 1, -1, 1]])
+    analysis = analyse(A, [-40, 40])
+    (sway,) = analysis.unreachable
+    assert sway.text == "can hardly push sideways: Fy = 0 nearly, 7.1e-05 N per N of thruster force"
+    assert sway.gain == pytest.approx(1 / 14142, rel=1e-4)
+    assert analysis.extents is not None
+    assert 0 < analysis.extents[1].alone[1] <= 40 * 2 * sway.gain
+    assert analyse(A * [[1], [0], [1]]).unreachable[0].text == "cannot push sideways: Fy = 0 always"
 
 
 def test_lost_and_malformed_thrusters_are_named():

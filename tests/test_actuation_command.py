@@ -40,6 +40,22 @@ def test_json_is_the_whole_analysis():
     assert content["losses"] is None
 
 
+def test_directions_are_dropped_by_rank_or_by_a_limit_on_their_cost_and_the_reason_is_given():
+    as_built = ["models/cube_as_built.xml", "--lost"]
+    by_rank = analyze(*as_built, "T1,T2")
+    assert "rank 5 of 6" in by_rank.output
+    assert "nearly only together" in by_rank.output
+    assert "always" not in by_rank.output
+    assert "dropped by rank: more than 100 times as dear as the cheapest" in by_rank.output
+    assert "rank 6 of 6" in analyze(*as_built, "T1,T2", "--cost-limit", "100").output
+    by_cost = analyze(*as_built, "T2,T3", "--cost-limit", "10")
+    assert "rank 5 of 6" in by_cost.output
+    assert "dropped by cost: above 10 N/N" in by_cost.output
+    last = json.loads(analyze(*as_built, "T2,T3", "--cost-limit", "10", "--json").output)["costs"]["final_approach"][-1]
+    assert last["dropped"] == "cost"
+    assert last["kept"] is False
+
+
 def test_losses_are_tabulated_and_counted():
     result = analyze(CUBE, "--losses", "1", "--json")
     losses = json.loads(result.output)["losses"]
@@ -63,6 +79,8 @@ def test_planar_vehicle_is_judged_in_its_plane():
     [
         ([CUBE, "--lost", "T9"], "no thruster 'T9'; there are T1, T2, T3, T4, T5, T6, T7, T8"),
         ([CUBE, "--losses", "4"], "between 0 and 3"),
+        ([CUBE, "--cost-limit", "0"], "the cost limit is 0.0; it must be positive"),
+        ([CUBE, "--cost-limit", "nan"], "the cost limit is nan; it must be positive"),
         ([CUBE, "--hull", "sub"], "sub"),
         ([CUBE, "--picture", "a.gif"], "one of .png, .svg, .pdf"),
         ([CUBE, "--lost", ",".join(f"T{i}" for i in range(1, 9))], "no thruster is left"),

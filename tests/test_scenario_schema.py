@@ -30,6 +30,7 @@ WITHOUT_UNIT = {
     "efficiency",
     "scale_error",
     "axis",
+    "cost_limit",
     "torque_weight",
     "thruster_weights",
     "dead_zone_margin",

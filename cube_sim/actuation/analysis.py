@@ -14,13 +14,10 @@ from cube_sim.actuation.criteria import Directions, final_approach, first_approa
 from cube_sim.actuation.extents import Extent, extents
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.indices import Indices, indices
-from cube_sim.actuation.subspaces import RANK_TOLERANCE, Subspaces, subspaces
+from cube_sim.actuation.subspaces import Subspaces, subspaces
 from cube_sim.actuation.verdict import Mission, Verdict, judge
 from cube_sim.actuation.wrench_axes import Matrix, Vector, actuation_matrix, lever_arm
 from cube_sim.errors import ActuationError
-
-COST_LIMIT = 100.0
-"""Directions that cost more thruster force per newton of wrench than this are not worth steering with (a choice)."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +31,8 @@ class Analysis:
         gains: (rank,) the report's first approach with singular vectors [N/N].
         component_costs: (n,) second approach: least thruster-force norm per scaled newton of each component alone.
         directions: final approach: eigen directions and their costs, cheapest first.
-        kept: those that count towards the rank and whose cost is within the limit, for a controller to work with.
+        kept: the `rank` cheapest of them, those that count, for a controller to work with.
+        dropped: (d,) why each of the directions is not among these: "rank", "cost", or "" for one that is.
         extents: attainable range of each component; None without limits.
         indices: figures of merit of the layout.
         verdict: whether a path can be followed, and why.
@@ -47,6 +45,7 @@ class Analysis:
     component_costs: Vector
     directions: Directions
     kept: Directions
+    dropped: tuple[str, ...]
     extents: tuple[Extent, ...] | None
     indices: Indices
     verdict: Verdict
@@ -58,7 +57,7 @@ class Analysis:
 
     @property
     def rank(self) -> int:
-        """Rank of W A by the relative threshold."""
+        """How many directions count: by the relative threshold, or by cost where a limit was given."""
         return self.subspaces.rank
 
     @property
@@ -68,7 +67,7 @@ class Analysis:
 
     @property
     def unreachable(self) -> tuple[Combination, ...]:
-        """Independent combinations of wrench components that stay zero, in numbers and words."""
+        """Independent combinations of wrench components that stay zero, or as good as zero, in numbers and words."""
         return self.subspaces.unreachable
 
 
@@ -81,8 +80,8 @@ def analyse(
     hull: Hull | None = None,
     mission: Mission | None = None,
     length_m: float | None = None,
-    rank_tolerance: float = RANK_TOLERANCE,
-    cost_limit: float = COST_LIMIT,
+    rank_tolerance: float | None = None,
+    cost_limit: float | None = None,
     rest: bool = True,
 ) -> Analysis:
     """Analyse an actuation matrix, with all its thrusters or without some.
@@ -95,8 +94,9 @@ def analyse(
         hull: the moving body for the verdict; without one, `Hull.neutral`.
         mission: what the verdict asks for.
         length_m: what torques are divided by [m]; default the rms lever arm of all thrusters, lost ones included.
-        rank_tolerance: relative to the largest singular value.
-        cost_limit: [N/N] above which a direction is not kept.
+        rank_tolerance: relative to the largest singular value; by default 1 %, and with a cost limit nothing but
+            rounding: cost then decides alone.
+        cost_limit: [N/N] above which a direction is dropped, as if the thrusters could not produce it; default none.
         rest: whether a thruster may stand still inside its dead zone.
 
     Raises:
@@ -115,7 +115,7 @@ def analyse(
         AllowedForces.from_limits(limits, m, dead_zones=True, rest=rest)
         table = np.broadcast_to(limits, (m, np.shape(limits)[-1]))[keep]
         allowed = AllowedForces.from_limits(table, len(keep), dead_zones=False)
-    spaces = subspaces(left, length_m=length, rank_tolerance=rank_tolerance)
+    spaces = subspaces(left, length_m=length, rank_tolerance=rank_tolerance, cost_limit=cost_limit)
     directions = final_approach(left, length_m=length)
     return Analysis(
         names=tuple(all_names[i] for i in keep),
@@ -124,9 +124,10 @@ def analyse(
         gains=first_approach(left, length_m=length),
         component_costs=second_approach(left, length_m=length),
         directions=directions,
-        kept=directions.cheapest(spaces.rank).keep(cost_limit),
+        kept=directions.cheapest(spaces.rank),
+        dropped=spaces.threshold.dropped(directions.gains),
         extents=None if table is None else extents(left, table, rest=rest),
-        indices=indices(spaces, allowed, rank_tolerance),
+        indices=indices(spaces, allowed),
         verdict=judge(spaces, hull, allowed, mission),
     )
 

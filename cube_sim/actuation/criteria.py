@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cube_sim.actuation.threshold import ZERO, Threshold
 from cube_sim.actuation.wrench_axes import (
     Matrix,
     Vector,
@@ -22,7 +23,6 @@ from cube_sim.actuation.wrench_axes import (
 )
 from cube_sim.errors import ActuationError
 
-_ZERO = 1e-12
 _EXACT = 1e-9
 
 
@@ -72,10 +72,7 @@ class Directions:
         Raises:
             ActuationError: the limit is not positive.
         """
-        if not cost_limit > 0.0:
-            raise ActuationError(f"the cost limit is {cost_limit}; it must be positive")
-        kept = self.costs <= cost_limit
-        return Directions(self.axes, self.length_m, self.vectors[:, kept], self.gains[kept])
+        return self.cheapest(Threshold.of(cost_limit=cost_limit).rank(self.gains))
 
 
 def first_approach(A: ArrayLike, P: ArrayLike | None = None, *, length_m: float | None = None) -> Vector:
@@ -171,4 +168,4 @@ def _scaled(A: ArrayLike, length_m: float | None) -> tuple[Matrix, WrenchAxes, f
 
 
 def _rank(sigma: Vector) -> int:
-    return int(np.count_nonzero(sigma > _ZERO * sigma[0]))
+    return int(np.count_nonzero(sigma > ZERO * sigma[0]))

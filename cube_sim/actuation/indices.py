@@ -14,7 +14,8 @@ from itertools import combinations
 import numpy as np
 
 from cube_sim.actuation.allowed import AllowedForces
-from cube_sim.actuation.subspaces import RANK_TOLERANCE, Subspaces
+from cube_sim.actuation.subspaces import Subspaces
+from cube_sim.actuation.threshold import Threshold
 from cube_sim.actuation.wrench_axes import Matrix, Vector
 from cube_sim.actuation.zonotope import inscribed_radius, volume
 
@@ -52,15 +53,12 @@ class Indices:
     volume: float | None
 
 
-def indices(
-    actuation: Subspaces, allowed: AllowedForces | None = None, rank_tolerance: float = RANK_TOLERANCE
-) -> Indices:
+def indices(actuation: Subspaces, allowed: AllowedForces | None = None) -> Indices:
     """Compute the figures.
 
     Args:
         actuation: the layout.
         allowed: its thrusters' forces.
-        rank_tolerance: below this share of the largest singular value a direction is lost.
     """
     n, m = actuation.matrix.shape
     scaled = actuation.axes.scale(actuation.length_m)[:, None] * actuation.matrix
@@ -73,7 +71,7 @@ def indices(
         energy, worst = float(np.mean(1.0 / sigma**2)), float(1.0 / sigma[-1] ** 2)
         reactivity = float(np.max(np.linalg.norm(inverse, axis=1)))
         left = [_singular_values(np.delete(scaled, i, axis=1)) for i in range(m)]
-        robustness = min(float(s[-1] / sigma[-1]) if _complete(s, rank_tolerance) else 0.0 for s in left)
+        robustness = min(float(s[-1] / sigma[-1]) if _complete(s, actuation.threshold) else 0.0 for s in left)
     weakest = volume_ = None
     if allowed is not None:
         low, high = allowed.minimum, allowed.maximum
@@ -86,23 +84,23 @@ def indices(
         worst_energy=worst,
         reactivity=reactivity,
         robustness=robustness,
-        tolerated_losses=_tolerated_losses(scaled, rank_tolerance) if complete else 0,
+        tolerated_losses=_tolerated_losses(scaled, actuation.threshold) if complete else 0,
         weakest=weakest,
         volume=volume_,
     )
 
 
-def _tolerated_losses(scaled: Matrix, rank_tolerance: float) -> int:
+def _tolerated_losses(scaled: Matrix, threshold: Threshold) -> int:
     n, m = scaled.shape
     for lost in range(1, m - n + 1):
         for left in combinations(range(m), m - lost):
-            if not _complete(_singular_values(scaled[:, left]), rank_tolerance):
+            if not _complete(_singular_values(scaled[:, left]), threshold):
                 return lost - 1
     return m - n
 
 
-def _complete(sigma: Vector, rank_tolerance: float) -> bool:
-    return bool(sigma[-1] > max(rank_tolerance, 1e-12) * sigma[0])
+def _complete(sigma: Vector, threshold: Threshold) -> bool:
+    return threshold.rank(sigma) == len(sigma)
 
 
 def _singular_values(scaled: Matrix) -> Vector:

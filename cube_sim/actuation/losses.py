@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from cube_sim.actuation.allowed import AllowedForces
 from cube_sim.actuation.extents import Extent, extents, force_corners, torque_corners
 from cube_sim.actuation.hull import Hull
-from cube_sim.actuation.subspaces import RANK_TOLERANCE, subspaces
+from cube_sim.actuation.subspaces import subspaces
 from cube_sim.actuation.verdict import Mission, Verdict, judge
 from cube_sim.actuation.wrench_axes import actuation_matrix, lever_arm
 from cube_sim.errors import ActuationError
@@ -87,7 +87,8 @@ def survivability(
     mission: Mission | None = None,
     most: int = 3,
     length_m: float | None = None,
-    rank_tolerance: float = RANK_TOLERANCE,
+    rank_tolerance: float | None = None,
+    cost_limit: float | None = None,
     rest: bool = True,
     progress: Callable[[int, int], None] | None = None,
 ) -> Survivability:
@@ -102,6 +103,7 @@ def survivability(
         most: thrusters lost together at most; one is always left.
         length_m: default the rms lever arm of the intact vehicle, for all cases.
         rank_tolerance: relative to the largest singular value of each case.
+        cost_limit: [N/N], in each case.
         rest: whether a thruster may stand still inside its dead zone.
         progress: called with (cases done, all cases).
 
@@ -123,7 +125,7 @@ def survivability(
         for lost in combinations(range(m), losses):
             keep = [i for i in range(m) if i not in lost]
             left, left_limits = matrix[:, keep], table[keep]
-            spaces = subspaces(left, length_m=length, rank_tolerance=rank_tolerance)
+            spaces = subspaces(left, length_m=length, rank_tolerance=rank_tolerance, cost_limit=cost_limit)
             allowed = AllowedForces.from_limits(left_limits, len(keep), dead_zones=False)
             cases.append(
                 LossCase(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.actuation.combination import Combination, combinations
+from cube_sim.actuation.threshold import Threshold
 from cube_sim.actuation.wrench_axes import (
     Matrix,
     Vector,
@@ -18,8 +19,6 @@ from cube_sim.actuation.wrench_axes import (
 )
 from cube_sim.errors import ActuationError
 
-RANK_TOLERANCE = 1e-2
-"""Smaller relative singular values count as lost: as built, a lost direction is nearly, never exactly, out of reach."""
 _EXACT = 1e-6
 
 
@@ -51,12 +50,13 @@ class Subspaces:
         axes: what the rows are.
         length_m: L, the length torques are divided by [m].
         singular_values: (min(n,m),) of W A, descending [1].
-        rank: how many of them exceed the tolerance times the largest.
+        threshold: which of them count.
+        rank: how many do; range, kernel, projector and the rest speak of these.
         range_basis: (n,rank) wrenches [N, N m] spanning range(A); orthonormal after scaling by W.
-        kernel_basis: (m,m-rank) orthonormal thruster forces [1] without effect, up to the rank tolerance.
+        kernel_basis: (m,m-rank) orthonormal thruster forces [1] without effect, or with one that does not count.
         pseudo_inverse: (m,n) (W A)^+ W with A cut to its rank: the least-norm forces of a wrench.
         projector: (n,n) W^-1 (W A)(W A)^+ W onto range(A).
-        unreachable: n - rank independent combinations of F_B that are zero for every F_m.
+        unreachable: n - rank independent combinations of F_B that are zero, or as good as zero, for every F_m.
         pure_forces: (forces,p) orthonormal directions of the forces producible with zero torque [1].
         pure_torques: (n-forces,q) orthonormal directions of the torques producible with zero force [1].
         alone: (n,) which components can be produced with all others zero.
@@ -66,6 +66,7 @@ class Subspaces:
     axes: WrenchAxes
     length_m: float
     singular_values: Vector
+    threshold: Threshold
     rank: int
     range_basis: Matrix
     kernel_basis: Matrix
@@ -103,24 +104,32 @@ class Subspaces:
         return F
 
 
-def subspaces(A: ArrayLike, *, length_m: float | None = None, rank_tolerance: float = RANK_TOLERANCE) -> Subspaces:
+def subspaces(
+    A: ArrayLike,
+    *,
+    length_m: float | None = None,
+    rank_tolerance: float | None = None,
+    cost_limit: float | None = None,
+) -> Subspaces:
     """Split wrench space and thruster space by an actuation matrix.
 
     Args:
         A: (6,m) or (3,m), F_B = A F_m.
         length_m: L that torques are divided by before anything is compared [m]; default the rms lever arm.
-        rank_tolerance: singular values of W A at or below this share of the largest count as zero.
+        rank_tolerance: singular values of W A at or below this share of the largest count as zero; by default 1 %,
+            and with a cost limit nothing but rounding.
+        cost_limit: directions that cost more than this [N/N] count as lost; default none.
 
     Raises:
-        ActuationError: A is malformed, the length is not positive, or the tolerance is not in [0, 1).
+        ActuationError: A is malformed, the length or the limit is not positive, or the tolerance is not in [0, 1).
     """
     matrix, axes = actuation_matrix(A)
-    if not 0.0 <= rank_tolerance < 1.0:
-        raise ActuationError(f"the rank tolerance is {rank_tolerance}; it must be in [0, 1)")
+    threshold = Threshold.of(rank_tolerance, cost_limit)
     L = lever_arm(matrix, axes) if length_m is None else positive_length(length_m)
     W = axes.scale(L)
-    U, sigma, Vt = np.linalg.svd(W[:, None] * matrix)
-    rank = int(np.count_nonzero(sigma > max(rank_tolerance, _round_off(matrix)) * sigma[0]))
+    scaled = W[:, None] * matrix
+    U, sigma, Vt = np.linalg.svd(scaled)
+    rank = threshold.rank(sigma)
     U_r, V_r = U[:, :rank], Vt[:rank].T
     f = axes.forces
     return Subspaces(
@@ -128,20 +137,17 @@ def subspaces(A: ArrayLike, *, length_m: float | None = None, rank_tolerance: fl
         axes=axes,
         length_m=L,
         singular_values=sigma,
+        threshold=threshold,
         rank=rank,
         range_basis=U_r / W[:, None],
         kernel_basis=Vt[rank:].T,
         pseudo_inverse=(V_r / sigma[:rank]) @ U_r.T * W,
         projector=U_r @ U_r.T * W / W[:, None],
-        unreachable=combinations(U[:, rank:].T, axes, L),
+        unreachable=combinations(U[:, rank:].T, scaled, axes, L),
         pure_forces=_intersection(U_r, f, keep=slice(0, f)),
         pure_torques=_intersection(U_r, f, keep=slice(f, None)),
         alone=tuple(bool(np.linalg.norm(row) <= _EXACT) for row in U[:, rank:]),
     )
-
-
-def _round_off(matrix: Matrix) -> float:
-    return max(matrix.shape) * float(np.finfo(float).eps)
 
 
 def _intersection(U_r: Matrix, forces: int, keep: slice) -> Matrix:

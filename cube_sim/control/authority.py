@@ -11,11 +11,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import NamedTuple
+from typing import NamedTuple, TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cube_sim.actuation.subspaces import subspaces
+from cube_sim.actuation.subspaces import Subspaces, subspaces
+from cube_sim.actuation.wrench_axes import PLANAR, SPATIAL, WrenchAxes, lever_arm
 from cube_sim.allocation.health import Health
 from cube_sim.control.effort import effort_matrix
 from cube_sim.spatial import Matrix, Vector
@@ -58,6 +60,7 @@ class Capability:
         lost_torques: N_t (3, 6 - rank) of the combinations N_f' F + N_t' M = b that hold for all the thrusters can do.
         effort: Q (6,6) [1, 1/m, 1/m^2], of `effort_matrix`.
         held: (6,) [N, N m] the wrench of thrusters that are stuck; it comes on top of whatever the others do.
+        cheap: (6,6) projector onto the wrenches that are not too dear; None where a cost limit takes nothing away.
     """
 
     authority: Authority
@@ -67,6 +70,7 @@ class Capability:
     lost_torques: Matrix
     effort: Matrix
     held: Vector
+    cheap: Matrix | None = None
 
     @property
     def constants(self) -> Vector:
@@ -87,18 +91,19 @@ class Capability:
         """The wrench (6,) in the range of A, displaced by the held one, that keeps all torques and changes force least.
 
         All that can be produced has N_f' F + N_t' M = b; F moves by -N_f (N_f' N_f)^-1 (N_f' F + N_t' M - b). Where no
-        path can be followed, everything is left to the allocation, which comes as close as it can.
+        path can be followed, everything is left to the allocation, which comes as close as it can; what is too dear
+        is not asked of it there either.
         """
         if self.level:
             wrench = np.where(OUT_OF_PLANE, self.held, wrench)
         if not self.steers_by_attitude:
-            return wrench
+            return wrench if self.cheap is None else self.held + self.cheap @ (wrench - self.held)
         missing = self.lost_forces.T @ wrench[:3] + self.lost_torques.T @ wrench[3:] - self.constants
         step = self.lost_forces @ np.linalg.solve(self.lost_forces.T @ self.lost_forces, missing)
         return np.concatenate([wrench[:3] - step, wrench[3:]])
 
 
-def remaining(A: Matrix, limits: Matrix, health: Health) -> Capability:
+def remaining(A: Matrix, limits: Matrix, health: Health, cost_limit: float | None = None) -> Capability:
     """Judge thrusters in the state they are in.
 
     Dead and stuck ones do not count, nor do those whose largest force is below `LEAST_SHARE` of a whole one's, or no
@@ -108,27 +113,41 @@ def remaining(A: Matrix, limits: Matrix, health: Health) -> Capability:
         A: (6,m) of all thrusters.
         limits: (m,4) of whole ones [F_max-, F_DZ-, F_DZ+, F_max+] [N].
         health: what is believed of them.
+        cost_limit: see `capability`.
     """
     passes_dead_zone = (limits[:, 0] < limits[:, 1]) | (limits[:, 3] > limits[:, 2])
     counts = health.obedient & (health.efficiency >= LEAST_SHARE) & passes_dead_zone
-    return capability(A[:, counts], A @ np.nan_to_num(health.stuck))
+    return capability(A[:, counts], A @ np.nan_to_num(health.stuck), cost_limit=cost_limit, whole=A)
 
 
-def capability(A: Matrix, held: Vector | None = None) -> Capability:
-    """Judge the columns (6,m) of the thrusters that still work, beside the wrench (6,) [N, N m] others hold."""
+def capability(
+    A: Matrix, held: Vector | None = None, *, cost_limit: float | None = None, whole: Matrix | None = None
+) -> Capability:
+    """Judge thrusters that work.
+
+    Args:
+        A: (6,m) their columns.
+        held: (6,) [N, N m] the wrench others hold beside them.
+        cost_limit: directions of the wrench that cost more thruster force than this [N/N] count as lost, as those do
+            for which thrusters are missing. By default those that cost a hundred times the cheapest one's.
+        whole: (6,k) columns of all thrusters, whose rms lever arm makes torques and forces comparable for the limit.
+    """
     constant = np.zeros(6) if held is None else held
+    everything = A if whole is None else whole
     if A.shape[1] > 0 and not np.any(np.abs(A[OUT_OF_PLANE]) > 1e-9):
-        found = _in_plane(A[~OUT_OF_PLANE], constant[~OUT_OF_PLANE])
+        rows = ~OUT_OF_PLANE
+        found = _in_plane(A[rows], constant[rows], _cut(cost_limit, everything[rows], PLANAR))
     else:
-        found = _in_space(A, constant)
+        found = _in_space(A, constant, _cut(cost_limit, everything, SPATIAL))
     return Capability(
         authority=found.authority,
         pure_forces=found.pure_forces,
         reason=found.reason,
         lost_forces=found.lost[:3],
         lost_torques=found.lost[3:],
-        effort=effort_matrix(A),
+        effort=effort_matrix(A, cost_limit),
         held=constant,
+        cheap=found.cheap,
     )
 
 
@@ -139,26 +158,49 @@ class _Finding(NamedTuple):
     pure_forces: Matrix
     lost: Matrix
     reason: str
+    cheap: Matrix | None = None
 
 
-def _in_space(A: Matrix, held: Vector) -> _Finding:
+class _Cut(TypedDict, total=False):
+    """Arguments of `subspaces`."""
+
+    cost_limit: float
+    length_m: float
+
+
+def _cut(cost_limit: float | None, whole: Matrix, axes: WrenchAxes) -> _Cut:
+    return {} if cost_limit is None else {"cost_limit": cost_limit, "length_m": lever_arm(whole, axes)}
+
+
+def _cheap(space: Subspaces, rows: NDArray[np.bool_]) -> Matrix | None:
+    """The projector (6,6) onto what is not too dear of these rows of a wrench, None when nothing is."""
+    if "cost" not in space.threshold.dropped(space.singular_values):
+        return None
+    projector = np.zeros((6, 6))
+    projector[np.ix_(rows, rows)] = space.projector
+    return projector
+
+
+def _in_space(A: Matrix, held: Vector, cut: _Cut) -> _Finding:
     if A.shape[1] == 0:
         return _Finding(Authority.SAFE, np.zeros((3, 0)), np.eye(6), "no thruster is left")
-    space = subspaces(A)
+    space = subspaces(A, **cut)
+    cheap = _cheap(space, np.ones(6, dtype=bool))
     lost = np.array([combination.coefficients for combination in space.unreachable]).reshape(-1, 6).T
     if space.rank == 6:
         return _Finding(Authority.HOLONOMIC, np.eye(3), lost, "all six components of the wrench are there")
     words = "; ".join(combination.beside(held) for combination in space.unreachable)
     p = space.pure_forces.shape[1]
     if p == 0 or not _steerable(lost):
-        return _Finding(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed")
+        return _Finding(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed", cheap)
     authority = Authority.PLANE if p == 2 else Authority.LINE
-    return _Finding(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust")
+    return _Finding(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust", cheap)
 
 
-def _in_plane(A: Matrix, held: Vector) -> _Finding:
+def _in_plane(A: Matrix, held: Vector, cut: _Cut) -> _Finding:
     """The same for surge, sway and yaw (3,m); to stay upright is the hull's own business."""
-    space = subspaces(A)
+    space = subspaces(A, **cut)
+    cheap = _cheap(space, ~OUT_OF_PLANE)
     lost = np.zeros((6, len(space.unreachable)))
     for column, combination in zip(lost.T, space.unreachable, strict=True):
         column[~OUT_OF_PLANE] = combination.coefficients
@@ -168,8 +210,8 @@ def _in_plane(A: Matrix, held: Vector) -> _Finding:
         return _Finding(Authority.LEVEL, pure_forces, lost, "it moves in a level plane")
     words = "; ".join(combination.beside(held) for combination in space.unreachable)
     if space.rank == 2 and _steerable(lost):
-        return _Finding(Authority.UNICYCLE, pure_forces, lost, f"{words}: the heading now points the thrust")
-    return _Finding(Authority.SAFE, pure_forces, lost, f"{words}: the path cannot be followed")
+        return _Finding(Authority.UNICYCLE, pure_forces, lost, f"{words}: the heading now points the thrust", cheap)
+    return _Finding(Authority.SAFE, pure_forces, lost, f"{words}: the path cannot be followed", cheap)
 
 
 def _steerable(lost: Matrix) -> bool:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from cube_sim.actuation.threshold import ZERO
 from cube_sim.spatial import Matrix
 
 
-def effort_matrix(A: Matrix) -> Matrix:
+def effort_matrix(A: Matrix, cost_limit: float | None = None) -> Matrix:
     """Q = (A A')^+ (6,6): w' Q w is the least |f|^2 with A f = w, for w in the range of A, dead zones and limits apart.
 
-    Directions that cost a hundred times the cheapest one's force count as lost, and cost nothing.
+    Directions that cost a hundred times the cheapest one's force count as lost, and cost nothing. Under a cost limit
+    that limit says what is lost, and everything costs what it costs.
 
     Args:
         A: (6,k) actuation matrix.
+        cost_limit: of the directions the controller works with [N/N]; default none.
     """
-    root = np.linalg.pinv(A, rcond=1e-2)
+    root = np.linalg.pinv(A, rcond=1e-2 if cost_limit is None else ZERO)
     return root.T @ root

@@ -118,8 +118,11 @@ class PathFollower:
         return self.attitude if self._refuge is None else self._refuge.attitude
 
     def _secondary(self, wrench: Vector) -> Vector:
-        """The part (6,) of a wrench that gives way to the path: none where the attitude has to point the thrust."""
-        if not self.path_first or self._balanced is not None:
+        """The part (6,) of a wrench that gives way to the path: none where the attitude has to point the thrust.
+
+        Nor where something is too dear: with only a share of the other part, the wrench would ask for that again.
+        """
+        if not self.path_first or self._balanced is not None or self.capability.cheap is not None:
             return np.zeros(6)
         dynamics = self.loops.dynamics
         return path_first(wrench, dynamics.mass_matrix + dynamics.added_mass).secondary

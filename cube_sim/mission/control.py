@@ -6,7 +6,8 @@ from math import inf
 
 import numpy as np
 
-from cube_sim.control.authority import Authority, capability
+from cube_sim.actuation.criteria import final_approach
+from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability, capability
 from cube_sim.control.controller import Controller
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.diagnosis import Diagnosis
@@ -24,6 +25,7 @@ from cube_sim.mission.path import is_level
 from cube_sim.mission.planar import planar_follower
 from cube_sim.mission.refusals import too_slow_period, wrong_depth
 from cube_sim.scenario import Loaded, Scenario, schema
+from cube_sim.spatial import Matrix
 from cube_sim.vehicle.vehicle import Vehicle
 
 
@@ -41,6 +43,13 @@ def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
     if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
         return planar_follower(loaded, believed, path)
     mistakes = too_slow_period(loaded, _loop_times(scenario))
+    if control.cost_limit is not None:
+        A = scenario.knowledge.thrust * believed.vehicle.actuation_matrix
+        cheap = capability(A, cost_limit=control.cost_limit)
+        if cheap.authority is Authority.SAFE and whole.authority is not Authority.SAFE:
+            text = f"what is left of this vehicle at {control.cost_limit:g} N/N follows no path; " + _costs(A, whole)
+            mistakes.append(loaded.mistake("control.cost_limit", text))
+        whole = cheap
     if whole.level:
         if not is_level(path):
             text = "this path climbs or sinks, and the vehicle has thrusters for a level plane only"
@@ -61,6 +70,12 @@ def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
         capability=whole,
         path_first=is_path_first(control),
     )
+
+
+def _costs(A: Matrix, whole: Capability) -> str:
+    """What the directions cost that a whole vehicle has, in words."""
+    costs = final_approach(A[~OUT_OF_PLANE] if whole.level else A).costs
+    return f"its directions cost {', '.join(f'{cost:.3g}' for cost in costs)} N/N"
 
 
 def _loop_times(scenario: Scenario) -> dict[str, float]:

@@ -28,6 +28,7 @@ UNUSED = (
     "rate_time_s",
     "disturbance_time_s",
     "current_time_s",
+    "cost_limit",
     "attitude",
     "priority",
 )

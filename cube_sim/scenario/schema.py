@@ -184,6 +184,13 @@ class Control(Block):
         default="diagnosed",
         description="How the controller learns of thruster faults: from commands and responses, at once, or never.",
     )
+    cost_limit: float | None = Field(
+        default=None,
+        gt=0,
+        description="Directions of the wrench that cost more thruster force than this are given up, as if thrusters "
+        "were missing: N per N, torques divided by the thrusters' rms lever arm, as `cube-sim analyze` lists them. "
+        "Default: those that cost a hundred times the cheapest one's.",
+    )
     safe_mode: SafeMode = SafeMode()
     attitude: Attitude = Field(default=AlongPath(mode="along_path"), description="Which attitude the vehicle takes.")
     priority: Literal["path", "attitude"] | None = Field(
