@@ -64,7 +64,7 @@ def _components(a: Analysis) -> Table:
         if e is None:
             table.add_row(name, "", "", "", _number(cost))
             continue
-        finest = "" if e.finest is None else " / ".join(_number(value) for value in e.finest)
+        finest = "not computed" if e.finest is None else " / ".join(_number(value) for value in e.finest)
         table.add_row(
             f"{name} [[{unit}]]".replace("[[", "\\[").replace("]]", "]"),
             f"{_number(e.alone[0])} .. {_number(e.alone[1])}",

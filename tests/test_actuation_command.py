@@ -56,6 +56,13 @@ def test_directions_are_dropped_by_rank_or_by_a_limit_on_their_cost_and_the_reas
     assert last["kept"] is False
 
 
+@pytest.mark.parametrize("model", ["models/bluerov2_heavy.xml", CUBE])
+def test_the_least_forces_are_there_for_idle_thrusters_too(model):
+    extents = json.loads(analyze(model, "--planar", "--json").output)["extents"]
+    assert [e["component"] for e in extents] == ["Fx", "Fy", "Mz"]
+    assert [e["finest"] for e in extents] == [[0, 0]] * 3
+
+
 def test_losses_are_tabulated_and_counted():
     result = analyze(CUBE, "--losses", "1", "--json")
     losses = json.loads(result.output)["losses"]

@@ -1,13 +1,15 @@
-"""Attainable forces and torques: closed forms, linear programs and a brute-force search over dead-zone cells."""
+"""Attainable forces and torques: closed forms, linear and mixed-integer programs, a brute-force search."""
 
+import itertools
 from itertools import combinations, product
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
+from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 from scipy.spatial import ConvexHull
 
 from cube_sim import Vehicle, load_model
+from cube_sim.actuation import wrench_line
 from cube_sim.actuation.extents import extent, extents, force_corners, torque_corners
 from cube_sim.actuation.zonotope import inscribed_radius, support, volume
 from cube_sim.errors import ActuationError
@@ -63,7 +65,7 @@ def test_cube_surge_alone_is_what_its_symmetry_gives():
     cube = Vehicle.from_model(load_model("models/cube.xml")).actuation_matrix
     row = cube[0]
     symmetric = extents(cube, [-40.0, 40.0])[0]
-    assert symmetric.alone[1] >= 40 / np.max(np.abs(row)) / (3 / 8)
+    assert symmetric.alone[1] >= 40 / np.max(np.abs(row)) / (3 / 8) - 1e-9
     assert symmetric.alone[0] == pytest.approx(-symmetric.alone[1])
     assert symmetric.at_most[1] == pytest.approx(40 * np.sum(np.abs(row)))
 
@@ -128,9 +130,83 @@ def test_without_rest_a_wrench_set_can_be_empty():
     assert e.alone_with_dead_zones.shape == (0, 2)
 
 
-def test_dead_zones_are_left_open_when_there_are_too_many_thrusters():
-    rng = np.random.default_rng(0)
-    e = extent(rng.normal(size=(3, 12)), T200, [1, 0, 0])
+def milp_end(A, limits, d, sign, least=-np.inf):
+    """Largest sign * t, t >= least, with t d = A F and F on allowed sides or at rest, by HiGHS; nan when infeasible."""
+    n, m = A.shape
+    F, sides, t = slice(0, m), slice(m, 3 * m), 3 * m  # F, then one switch per thruster and side, then t
+    wrench, low, high = np.zeros((n, 3 * m + 1)), np.zeros((m, 3 * m + 1)), np.zeros((m, 3 * m + 1))
+    wrench[:, F], wrench[:, t] = A, -d
+    low[:, F] = high[:, F] = np.eye(m)
+    low[:, sides] = -np.hstack([np.diag(limits[:, 0]), np.diag(limits[:, 2])])
+    high[:, sides] = -np.hstack([np.diag(limits[:, 1]), np.diag(limits[:, 3])])
+    one_side = np.zeros((m, 3 * m + 1))
+    one_side[:, sides] = np.hstack([np.eye(m), np.eye(m)])
+    cost = np.zeros(3 * m + 1)
+    cost[t] = -sign
+    free = np.full(3 * m + 1, np.inf)
+    bottom = -free
+    bottom[sides], free[sides], bottom[t] = 0, 1, least
+    result = milp(
+        cost,
+        constraints=[
+            LinearConstraint(wrench, 0, 0),
+            LinearConstraint(low, 0, np.inf),
+            LinearConstraint(high, -np.inf, 0),
+            LinearConstraint(one_side, 0, 1),
+        ],
+        integrality=np.r_[np.zeros(m), np.ones(2 * m), 0],
+        bounds=Bounds(bottom, free),
+    )
+    return result.x[t] if result.status == 0 else np.nan
+
+
+@pytest.mark.parametrize(("n", "m", "dead"), [(3, 12, 15.0), (6, 8, 20.0), (6, 8, 30.0), (6, 12, 20.0)])
+def test_dead_zone_intervals_agree_with_a_mixed_integer_program(n, m, dead):
+    rng = np.random.default_rng((n, m))
+    A, limits = rng.normal(size=(n, m)), np.tile([-40.0, -dead, dead, 50.0], (m, 1))
+    for d in np.eye(n)[:3]:
+        intervals = extent(A, limits, d).alone_with_dead_zones
+        assert intervals is not None
+        assert intervals[0, 0] == pytest.approx(milp_end(A, limits, d, -1), abs=1e-4)
+        assert intervals[-1, 1] == pytest.approx(milp_end(A, limits, d, 1), abs=1e-4)
+        for (_, gap), (end, _) in itertools.pairwise(intervals[:4]):
+            if end - gap > 0.01:
+                assert end == pytest.approx(milp_end(A, limits, d, -1, least=gap + 0.005), abs=1e-4)
+
+
+def test_thrusters_without_effect_change_nothing():
+    idle = np.hstack([JACK, np.zeros((3, 8))])
+    for d in np.eye(3):
+        few, many = (extent(A, [-40, -2, 2, 40], d).alone_with_dead_zones for A in (JACK[:, :3], idle[:, 1:]))
+        whole = extent(JACK[:, 1:], [-40, -2, 2, 40], d).alone_with_dead_zones
+        assert few is not None
+        assert many is not None
+        assert whole is not None
+        assert np.allclose(many, whole)
+        assert len(few) == 3
+
+
+def test_one_thruster_attains_what_its_characteristic_does():
+    rng = np.random.default_rng(3)
+    for n in (3, 6):
+        column = rng.normal(size=(n, 1))
+        e = extent(column, T200, 2.0 * column[:, 0])
+        assert e.alone == pytest.approx((T200[0] / 2, T200[3] / 2))
+        assert e.alone_with_dead_zones == pytest.approx(np.array([[-39.91, -0.356], [0, 0], [0.4, 51.44]]) / 2)
+        assert extent(column, T200, np.eye(n)[0]).alone == (0.0, 0.0)
+
+
+def test_the_search_is_the_same_compiled_and_not_and_gives_up_when_it_takes_too_long(monkeypatch):
+    rng = np.random.default_rng(6)
+    A, limits, d = rng.normal(size=(6, 8)), [-40, -30, 30, 50], np.eye(6)[1]
+    compiled = extent(A, limits, d).alone_with_dead_zones
+    monkeypatch.setattr(wrench_line, "attained", wrench_line.attained.py_func)
+    plain = extent(A, limits, d).alone_with_dead_zones
+    assert compiled is not None
+    assert plain is not None
+    assert np.allclose(compiled, plain, rtol=0, atol=1e-12)
+    monkeypatch.setattr(wrench_line, "MOST_WORK", 100)
+    e = extent(A, limits, d)
     assert e.alone_with_dead_zones is None
     assert e.finest is None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cube_sim.actuation.wrench_axes import Matrix, Vector
 from cube_sim.errors import ActuationError
@@ -57,27 +57,6 @@ class AllowedForces:
     def maximum(self) -> Vector:
         """(m,) most positive force [N]."""
         return np.nanmax(self.high, axis=1)
-
-    def breakpoints(self, thruster: int) -> Vector:
-        """The distinct ends of one thruster's intervals [N], ascending."""
-        ends = np.concatenate([self.low[thruster], self.high[thruster]])
-        return np.unique(ends[~np.isnan(ends)])
-
-    def interval(self, forces: Matrix, tolerance: float) -> NDArray[np.int_]:
-        """Which interval holds each force.
-
-        Args:
-            forces: (p,m) [N].
-            tolerance: how far outside an interval still counts as on its end [N].
-
-        Returns:
-            (p,m) index of the interval, -1 in a dead zone or beyond the maxima.
-        """
-        held = np.full(forces.shape, -1)
-        for place in range(self.low.shape[1]):
-            inside = (forces >= self.low[:, place] - tolerance) & (forces <= self.high[:, place] + tolerance)
-            held[inside] = place
-        return held
 
 
 def _table(limits: ArrayLike, thrusters: int) -> Matrix:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cube_sim.actuation.allowed import AllowedForces
-from cube_sim.actuation.basic_points import MOST_POINTS, BasicPoints, basic_points, candidates
+from cube_sim.actuation.basic_points import basic_points
 from cube_sim.actuation.wrench_axes import Matrix, Vector, WrenchAxes, actuation_matrix
+from cube_sim.actuation.wrench_line import WrenchSet
 from cube_sim.actuation.zonotope import support
 from cube_sim.errors import ActuationError
 
@@ -25,7 +26,7 @@ class Extent:
         at_most: (lowest, highest) [N or N m] whatever the other components then are, dead zones left out.
         alone: (lowest, highest) with every other component exactly zero, dead zones left out.
         alone_with_dead_zones: (i,2) disjoint intervals of the values attainable with every other component exactly
-            zero, ascending; rest is the interval [0, 0]. None with too many thrusters to enumerate.
+            zero, ascending; rest is the interval [0, 0]. None where that takes too long (`wrench_line.MOST_WORK`).
     """
 
     name: str
@@ -38,7 +39,7 @@ class Extent:
         """(reverse, forward) least attainable magnitudes apart from rest, alone and with dead zones [N or N m].
 
         0 where arbitrarily small values are attainable because thrusters run against each other outside their dead
-        zones; infinite where nothing but rest is attainable; None when not enumerated.
+        zones; infinite where nothing but rest is attainable; None when not computed.
         """
         if self.alone_with_dead_zones is None:
             return None
@@ -60,9 +61,9 @@ def extents(A: ArrayLike, limits: ArrayLike, *, rest: bool = True) -> tuple[Exte
         ActuationError: A or the limits are malformed.
     """
     matrix, axes = actuation_matrix(A)
+    attainable = _Attainable(matrix, limits, rest)
     return tuple(
-        extent(matrix, limits, direction, name=name, rest=rest)
-        for name, direction in zip(axes.names, np.eye(len(matrix)), strict=True)
+        attainable.extent(direction, name) for name, direction in zip(axes.names, np.eye(len(matrix)), strict=True)
     )
 
 
@@ -83,19 +84,30 @@ def extent(A: ArrayLike, limits: ArrayLike, direction: ArrayLike, *, name: str =
     d = np.asarray(direction, dtype=float)
     if d.shape != (len(matrix),) or not np.all(np.isfinite(d)) or not np.any(d):
         raise ActuationError(f"the direction {d.tolist()} must be {len(matrix)} finite numbers, not all zero")
-    d = d / (d @ d)
-    conditions = np.linalg.svd(d[None, :])[2][1:] @ matrix
-    box = AllowedForces.from_limits(limits, matrix.shape[1], dead_zones=False)
-    real = AllowedForces.from_limits(limits, matrix.shape[1], dead_zones=True, rest=rest)
-    most = support(matrix, box.minimum, box.maximum, np.array([d, -d]))
-    values = basic_points(conditions, box).forces @ (d @ matrix)
-    round_off = _ROUNDING * max(1.0, float(np.max(most)))
-    return Extent(
-        name=name,
-        at_most=(float(-most[1]), float(most[0])),
-        alone=_clean(float(np.min(values)), float(np.max(values)), round_off),
-        alone_with_dead_zones=_attainable(conditions, d @ matrix, real, round_off),
-    )
+    return _Attainable(matrix, limits, rest).extent(d, name)
+
+
+class _Attainable:
+    """What extents along different directions have in common."""
+
+    def __init__(self, A: Matrix, limits: ArrayLike, rest: bool) -> None:
+        self._A, self._set = A, WrenchSet.of(A)
+        self._box = AllowedForces.from_limits(limits, A.shape[1], dead_zones=False)
+        self._real = AllowedForces.from_limits(limits, A.shape[1], dead_zones=True, rest=rest)
+
+    def extent(self, d: Vector, name: str) -> Extent:
+        """See `extent`."""
+        unit = d / (d @ d)
+        most = support(self._A, self._box.minimum, self._box.maximum, np.array([unit, -unit]))
+        round_off = _ROUNDING * max(1.0, float(np.max(most)))
+        line = self._set.line(d)
+        found = line.intervals(self._real, round_off)
+        return Extent(
+            name=name,
+            at_most=(float(-most[1]), float(most[0])),
+            alone=_clean(*line.box(self._box), round_off),
+            alone_with_dead_zones=None if found is None else _all_clean(found, round_off),
+        )
 
 
 def force_corners(A: ArrayLike, limits: ArrayLike) -> Matrix:
@@ -112,42 +124,17 @@ def torque_corners(A: ArrayLike, limits: ArrayLike) -> Matrix:
 
 def _corners(wanted: Matrix, zero: Matrix, limits: ArrayLike, axes: WrenchAxes) -> Matrix:
     box = AllowedForces.from_limits(limits, wanted.shape[1], dead_zones=False)
-    points = basic_points(zero, box).forces @ wanted.T
+    points = basic_points(zero, box.minimum, box.maximum) @ wanted.T
     scale = float(np.max(np.abs(points), initial=0.0))
     return np.unique(np.round(points, 9 - int(np.ceil(np.log10(max(scale, 1.0))))) + 0.0, axis=0)
 
 
-def _attainable(conditions: Matrix, values: Vector, allowed: AllowedForces, round_off: float) -> Matrix | None:
-    """Union of the intervals that values . F_m covers, one per cell, as disjoint intervals."""
-    if candidates(conditions, allowed) > MOST_POINTS:
-        return None
-    points = basic_points(conditions, allowed)
-    low, high = _per_cell(points, points.forces @ values)
-    order = np.argsort(low, kind="stable")
-    joined: list[tuple[float, float]] = []
-    for a, b in zip(low[order].tolist(), high[order].tolist(), strict=True):
-        if joined and a <= joined[-1][1] + round_off:
-            joined[-1] = (joined[-1][0], max(joined[-1][1], b))
-        else:
-            joined.append((a, b))
-    return np.array([_clean(a, b, round_off) for a, b in joined]).reshape(-1, 2)
-
-
-def _per_cell(points: BasicPoints, t: Vector) -> tuple[Vector, Vector]:
-    """Smallest and largest t over the corners of each cell."""
-    if not len(t):
-        return t, t
-    places = points.cells.max() + 1
-    codes: NDArray[np.int_] = points.cells @ places ** np.arange(points.cells.shape[1])
-    _, cell = np.unique(codes, return_inverse=True)
-    low, high = np.full(cell.max() + 1, np.inf), np.full(cell.max() + 1, -np.inf)
-    np.minimum.at(low, cell, t)
-    np.maximum.at(high, cell, t)
-    return low, high
-
-
 def _clean(low: float, high: float, round_off: float) -> tuple[float, float]:
     return (0.0 if abs(low) <= round_off else low, 0.0 if abs(high) <= round_off else high)
+
+
+def _all_clean(intervals: Matrix, round_off: float) -> Matrix:
+    return np.array([_clean(low, high, round_off) for low, high in intervals.tolist()]).reshape(-1, 2)
 
 
 def _least(intervals: Matrix) -> float:
