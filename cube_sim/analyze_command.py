@@ -28,12 +28,15 @@ class Report:
 
     Attributes:
         model: path of the model.
+        title: what to call the vehicle: the model, and its hull when that was asked for by name.
         vehicle: the hull that was analysed.
         analysis: of the thrusters that are left.
-        table: every loss of up to the number asked for; None when that was 0 and no picture was wanted.
+        table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
+            was wanted.
     """
 
     model: Path
+    title: str
     vehicle: Vehicle
     analysis: Analysis
     table: Survivability | None
@@ -71,7 +74,7 @@ def analyze(
         model: an MJCF file with a hull in water.
         hull: its name, needed when there are several.
         lost: comma-separated names of dead thrusters.
-        losses: tabulate every loss of up to this many thrusters.
+        losses: tabulate every loss of up to this many thrusters, on top of the lost ones.
         planar: look at Fx, Fy and Mz only, for a vehicle kept at its depth.
         speed_m_s: at which path following is judged; default that of `Mission`.
         cost_limit: drop the directions that cost more than this [N/N], and judge what is left.
@@ -94,7 +97,8 @@ def analyze(
         raise ActuationError(f"{model}: {vehicle.name} has no thrusters")
     if planar:
         A = A[PLANAR_ROWS]
-    gone = tuple(name for part in lost.split(",") if (name := part.strip()))
+    title = model.stem if hull is None else f"{model.stem}, {vehicle.name}"
+    gone = _names(lost)
     body = hull_of(vehicle)
     mission = Mission() if speed_m_s is None else Mission(speed_m_s=speed_m_s)
     analysis = analyse(A, limits, names=names, lost=gone, hull=body, mission=mission, cost_limit=cost_limit)
@@ -104,6 +108,7 @@ def analyze(
             A,
             limits,
             names=names,
+            lost=gone,
             hull=body,
             mission=mission,
             most=most,
@@ -114,8 +119,16 @@ def analyze(
         else None
     )
     if picture is not None and table is not None:
-        save_picture(picture, A, limits, table, lost=analysis.lost, title=f"{model.name}: {vehicle.name}")
-    return Report(model, vehicle, analysis, table)
+        save_picture(picture, A, limits, table, names=names, title=title)
+    return Report(model, title, vehicle, analysis, table)
+
+
+def _names(listed: str) -> tuple[str, ...]:
+    """The names in a comma-separated list; none in an empty one."""
+    names = tuple(part.strip() for part in listed.split(",")) if listed else ()
+    if not all(names) or len(set(names)) < len(names):
+        raise ActuationError(f"--lost {listed}: give each thruster once, with one comma between two, as in T1,T4")
+    return names
 
 
 def to_dict(report: Report) -> dict[str, Any]:

@@ -26,9 +26,15 @@ def progress(*, hidden: bool) -> Iterator[Callable[[int, int], None] | None]:
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
+FILE_WIDTH = 160
+"""Columns a table may take where nobody folds lines: in a file or a pipe."""
+
+
 def print_report(report: Report) -> None:
     """Print everything a designer asks first, the verdict last."""
     console = Console()
+    if not console.is_terminal:
+        console.width = max(console.width, FILE_WIDTH)
     a = report.analysis
     s = a.subspaces
 
@@ -36,7 +42,7 @@ def print_report(report: Report) -> None:
         console.print(text, markup=False, highlight=False, soft_wrap=True)
 
     lost = f", without {', '.join(a.lost)}" if a.lost else ""
-    line(f"{report.vehicle.name}: {len(a.names)} thrusters{lost}; torques divided by {s.length_m:.3g} m")
+    line(f"{report.title}: {len(a.names)} thrusters{lost}; torques divided by {s.length_m:.3g} m")
     line(f"rank {a.rank} of {len(s.axes.names)}, {a.redundancy} redundant")
     for combination in a.unreachable:
         line(f"  {combination}")
@@ -105,14 +111,27 @@ def _indices(a: Analysis) -> str:
     return (
         f"manipulability {_number(i.manipulability)}, isotropy {_number(i.isotropy)}, energy {_number(i.energy)}, "
         f"reactivity {_number(i.reactivity)}, robustness {_number(i.robustness)}, "
-        f"keeps its rank after any {i.tolerated_losses} losses{weakest}"
+        f"{_tolerated(a)}{weakest}"
     )
 
 
+def _tolerated(a: Analysis) -> str:
+    names = " ".join(a.subspaces.axes.names)
+    match a.indices.tolerated_losses:
+        case 0:
+            return f"some single loss costs one of {names}"
+        case 1:
+            return f"keeps {names} after any single loss"
+        case losses:
+            return f"keeps {names} after any {losses} losses"
+
+
 def _losses(survived: Survivability) -> Table:
+    more = "lost too" if survived.already else "lost"
     table = Table(box=None, pad_edge=False, header_style="dim")
-    for header in ("lost", "rank", "pure forces/torques", "force [N]", "torque [N m]", "side step [m]", "follows"):
-        table.add_column(header.replace("[", "\\["), justify="left" if header in ("lost", "follows") else "right")
+    for header in (more, "rank", "pure F/M", "force [N]", "torque [N m]", "side step [m]", "follows"):
+        text = header in (more, "follows")
+        table.add_column(header.replace("[", "\\["), justify="left" if text else "right", no_wrap=text)
     for case in survived.cases:
         steps = [steered.side_step_m for steered in case.verdict.courses]
         table.add_row(
@@ -132,7 +151,7 @@ def _count(survived: Survivability, losses: int) -> str:
     ranks = Counter(case.rank for case in cases)
     split = ", ".join(f"{count} keep rank {rank}" for rank, count in sorted(ranks.items(), reverse=True))
     follows = sum(case.verdict.follows for case in cases)
-    return f"{losses} lost: {follows} of {len(cases)} can follow a path; {split}"
+    return f"{losses} {'more ' if survived.already else ''}lost: {follows} of {len(cases)} can follow a path; {split}"
 
 
 def _number(value: float) -> str:

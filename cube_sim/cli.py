@@ -160,7 +160,9 @@ def _fly(scenario: Path, settings: list[str], out: Path | None, *, hidden: bool)
 def analyze(
     model: Annotated[Path, typer.Argument(help="MJCF file of a vehicle, for example models/cube.xml.")],
     lost: Annotated[str, typer.Option(metavar="NAMES", help="Dead thrusters, for example T1,T4.")] = "",
-    losses: Annotated[int, typer.Option(metavar="N", help="Tabulate every loss of up to N thrusters, at most 3.")] = 0,
+    losses: Annotated[
+        int, typer.Option(metavar="N", help="Tabulate every loss of up to N thrusters, at most 3, on top of --lost.")
+    ] = 0,
     hull: Annotated[str | None, typer.Option(help="Which hull, when the model has several.")] = None,
     planar: Annotated[
         bool, typer.Option("--planar", help="Look at Fx, Fy and Mz only, for a vehicle kept at its depth.")
@@ -307,3 +309,7 @@ def _print_table(name: str, duration_s: float, result: Run) -> None:
         f"look at it: rerun {shlex.quote(str(result.directory / 'run.rrd'))}",
     ):
         console.print(line, soft_wrap=True, markup=False, highlight=False)
+
+
+if __name__ == "__main__":
+    main()

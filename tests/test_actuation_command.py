@@ -1,6 +1,8 @@
 """``cube-sim analyze``: what it prints, its JSON, its exit codes."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -18,8 +20,9 @@ def analyze(*arguments):
 def test_text_says_what_is_lost_and_what_remains():
     result = analyze(CUBE, "--lost", "T1,T2", "--losses", "1")
     assert result.exit_code == 0
-    assert "1 lost: 8 of 8 can follow a path; 8 keep rank 6" in result.output
-    assert "6 thrusters, without T1, T2" in result.output
+    assert "1 more lost: 6 of 6 can follow a path; 4 keep rank 5, 2 keep rank 4" in result.output
+    assert "cube: 6 thrusters, without T1, T2" in result.output
+    assert "…" not in result.output
     assert "rank 5 of 6, 1 redundant" in result.output
     assert "only together" in result.output
     assert "path following: yes (steered)" in result.output
@@ -56,6 +59,21 @@ def test_directions_are_dropped_by_rank_or_by_a_limit_on_their_cost_and_the_reas
     assert last["kept"] is False
 
 
+def test_losses_come_on_top_of_those_named():
+    further = json.loads(analyze(CUBE, "--lost", "T1,T2", "--losses", "1", "--json").output)["losses"]
+    named = json.loads(analyze(CUBE, "--lost", "T1,T2,T3", "--json").output)
+    assert [case["lost"] for case in further] == [[], *([f"T{i}"] for i in range(3, 9))]
+    assert (further[1]["rank"], further[1]["verdict"]) == (named["rank"], named["verdict"])
+    assert further[1]["extents"] == named["extents"]
+
+
+def test_the_module_of_the_command_line_is_one_too():
+    said = subprocess.run(
+        [sys.executable, "-m", "cube_sim.cli", "--version"], capture_output=True, text=True, check=True
+    )
+    assert said.stdout.strip()
+
+
 @pytest.mark.parametrize("model", ["models/bluerov2_heavy.xml", CUBE])
 def test_the_least_forces_are_there_for_idle_thrusters_too(model):
     extents = json.loads(analyze(model, "--planar", "--json").output)["extents"]
@@ -85,6 +103,8 @@ def test_planar_vehicle_is_judged_in_its_plane():
     ("arguments", "message"),
     [
         ([CUBE, "--lost", "T9"], "no thruster 'T9'; there are T1, T2, T3, T4, T5, T6, T7, T8"),
+        ([CUBE, "--lost", "T1,T1"], "--lost T1,T1: give each thruster once"),
+        ([CUBE, "--lost", ","], "--lost ,: give each thruster once"),
         ([CUBE, "--losses", "4"], "between 0 and 3"),
         ([CUBE, "--cost-limit", "0"], "the cost limit is 0.0; it must be positive"),
         ([CUBE, "--cost-limit", "nan"], "the cost limit is nan; it must be positive"),

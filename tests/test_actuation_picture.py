@@ -49,13 +49,24 @@ def test_the_same_numbers_give_the_same_file(tmp_path, suffix):
 
 def test_picture_shows_intact_and_damaged_sets_and_marks_what_cannot_follow(tmp_path):
     file = tmp_path / "jack.png"
-    save_picture(file, JACK, LIMITS, survivability(JACK, LIMITS, most=3), lost=("T2",))
+    names = ["T1", "T2", "T3", "T4"]
+    save_picture(file, JACK, LIMITS, survivability(JACK, LIMITS, most=3, lost=["T2"]), names=names)
     image = Image.open(file).convert("RGB")
     assert colour_share(image, [0x4A, 0x6F, 0xA5]) > 0.001
     assert colour_share(image, [0xD9, 0x82, 0x2B]) > 0.001
-    assert colour_share(image, [0xC0, 0x39, 0x2B]) > 0.0002
-    save_picture(file, JACK, LIMITS, survivability(JACK, LIMITS, most=1), lost=("T2",))
+    assert colour_share(image, [0xC0, 0x39, 0x2B]) > 2e-5
+    save_picture(file, JACK, LIMITS, survivability(JACK, LIMITS, most=1))
     assert colour_share(Image.open(file).convert("RGB"), [0xC0, 0x39, 0x2B]) == 0
+
+
+def test_a_lost_torque_is_still_a_point_in_the_picture(tmp_path):
+    # T1 and T3 lost: no torque comes without force, and the set of torques is the origin alone.
+    file, table = tmp_path / "jack.png", survivability(JACK, LIMITS, most=0, lost=["T1", "T3"])
+    save_picture(file, JACK, LIMITS, table, names=["T1", "T2", "T3", "T4"])
+    image = Image.open(file).convert("RGB")
+    width, height = image.size
+    torques = image.crop((int(0.38 * width), int(0.3 * height), int(0.64 * width), int(0.7 * height)))
+    assert colour_share(torques, [0xD9, 0x82, 0x2B]) > 1e-4
 
 
 def test_unwritable_pictures_are_refused(tmp_path):
@@ -64,3 +75,5 @@ def test_unwritable_pictures_are_refused(tmp_path):
         save_picture(tmp_path / "a.bmp", JACK, LIMITS, table)
     with pytest.raises(ActuationError, match="there is no folder"):
         save_picture(tmp_path / "none" / "a.png", JACK, LIMITS, table)
+    with pytest.raises(ActuationError, match="3 names for 4 thrusters"):
+        save_picture(tmp_path / "a.png", JACK, LIMITS, survivability(JACK, LIMITS, most=1, lost=["T2"]))

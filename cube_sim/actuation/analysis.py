@@ -15,9 +15,9 @@ from cube_sim.actuation.extents import Extent, extents
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.indices import Indices, indices
 from cube_sim.actuation.subspaces import Subspaces, subspaces
+from cube_sim.actuation.thruster_names import left_after, thruster_names
 from cube_sim.actuation.verdict import Mission, Verdict, judge
 from cube_sim.actuation.wrench_axes import Matrix, Vector, actuation_matrix, lever_arm
-from cube_sim.errors import ActuationError
 
 
 @dataclass(frozen=True)
@@ -104,10 +104,8 @@ def analyse(
     """
     matrix, axes = actuation_matrix(A)
     m = matrix.shape[1]
-    all_names = tuple(f"T{i + 1}" for i in range(m)) if names is None else tuple(names)
-    if len(set(all_names)) != m:
-        raise ActuationError(f"the names {', '.join(all_names)} are not {m} different ones")
-    keep = _left(all_names, lost)
+    all_names = thruster_names(names, m)
+    keep = left_after(all_names, lost)
     length = lever_arm(matrix, axes) if length_m is None else length_m
     left = matrix[:, keep]
     table, allowed = None, None
@@ -130,13 +128,3 @@ def analyse(
         indices=indices(spaces, allowed),
         verdict=judge(spaces, hull, allowed, mission),
     )
-
-
-def _left(names: tuple[str, ...], lost: Sequence[str]) -> list[int]:
-    for name in lost:
-        if name not in names:
-            raise ActuationError(f"no thruster {name!r}; there are {', '.join(names)}")
-    keep = [i for i, name in enumerate(names) if name not in set(lost)]
-    if not keep:
-        raise ActuationError(f"no thruster is left: all of {', '.join(names)} are lost")
-    return keep

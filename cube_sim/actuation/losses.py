@@ -14,6 +14,7 @@ from cube_sim.actuation.allowed import AllowedForces
 from cube_sim.actuation.extents import Extent, extents, force_corners, torque_corners
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.subspaces import subspaces
+from cube_sim.actuation.thruster_names import left_after, thruster_names
 from cube_sim.actuation.verdict import Mission, Verdict, judge
 from cube_sim.actuation.wrench_axes import actuation_matrix, lever_arm
 from cube_sim.errors import ActuationError
@@ -24,7 +25,7 @@ class LossCase:
     """A vehicle without some of its thrusters.
 
     Attributes:
-        lost: their names; empty for the intact vehicle.
+        lost: their names, beside those of `Survivability.already`; empty for the vehicle as it is.
         rank: of what is left.
         pure_forces: number of independent forces producible with zero torque.
         pure_torques: number of independent torques producible with zero force.
@@ -48,15 +49,17 @@ class LossCase:
 
 @dataclass(frozen=True)
 class Survivability:
-    """The intact vehicle and every loss of up to `most` of its thrusters.
+    """A vehicle as it is and every loss of up to `most` more of its thrusters.
 
     Attributes:
-        names: (m,) all thrusters.
+        names: (m,) the thrusters it has.
+        already: names of those it has lost before.
         most: largest number of thrusters lost together.
-        cases: by number of losses, then in the order of the thrusters; the intact vehicle first.
+        cases: by number of losses, then in the order of the thrusters; no further loss first.
     """
 
     names: tuple[str, ...]
+    already: tuple[str, ...]
     most: int
     cases: tuple[LossCase, ...]
 
@@ -83,6 +86,7 @@ def survivability(
     limits: ArrayLike,
     *,
     names: Sequence[str] | None = None,
+    lost: Sequence[str] = (),
     hull: Hull | None = None,
     mission: Mission | None = None,
     most: int = 3,
@@ -92,12 +96,15 @@ def survivability(
     rest: bool = True,
     progress: Callable[[int, int], None] | None = None,
 ) -> Survivability:
-    """Judge every loss of up to `most` thrusters; arguments as in `cube_sim.actuation.analyse`.
+    """Judge every loss of up to `most` thrusters on top of those already lost.
+
+    Arguments as in `cube_sim.actuation.analyse`.
 
     Args:
         A: (6,m) or (3,m).
         limits: (m,4), (m,2) or one row [N].
         names: of the thrusters, default T1..Tm.
+        lost: names of thrusters that are dead already.
         hull: the moving body.
         mission: what the verdict asks for.
         most: thrusters lost together at most; one is always left.
@@ -111,25 +118,26 @@ def survivability(
         ActuationError: the matrix, the limits or `most` are malformed.
     """
     matrix, axes = actuation_matrix(A)
-    m = matrix.shape[1]
-    all_names = tuple(f"T{i + 1}" for i in range(m)) if names is None else tuple(names)
+    everyone = thruster_names(names, matrix.shape[1])
     if most < 0:
         raise ActuationError(f"{most} thrusters cannot be lost")
-    AllowedForces.from_limits(limits, m, dead_zones=True, rest=rest)
-    table = np.broadcast_to(limits, (m, np.shape(limits)[-1]))
+    AllowedForces.from_limits(limits, len(everyone), dead_zones=True, rest=rest)
+    present = left_after(everyone, lost)
+    table = np.broadcast_to(limits, (len(everyone), np.shape(limits)[-1]))[present]
     length = lever_arm(matrix, axes) if length_m is None else length_m
+    matrix, all_names, m = matrix[:, present], tuple(everyone[i] for i in present), len(present)
     deepest = min(most, m - 1)
     total = sum(comb(m, k) for k in range(deepest + 1))
     cases: list[LossCase] = []
     for losses in range(deepest + 1):
-        for lost in combinations(range(m), losses):
-            keep = [i for i in range(m) if i not in lost]
+        for more in combinations(range(m), losses):
+            keep = [i for i in range(m) if i not in more]
             left, left_limits = matrix[:, keep], table[keep]
             spaces = subspaces(left, length_m=length, rank_tolerance=rank_tolerance, cost_limit=cost_limit)
             allowed = AllowedForces.from_limits(left_limits, len(keep), dead_zones=False)
             cases.append(
                 LossCase(
-                    lost=tuple(all_names[i] for i in lost),
+                    lost=tuple(all_names[i] for i in more),
                     rank=spaces.rank,
                     pure_forces=spaces.pure_forces.shape[1],
                     pure_torques=spaces.pure_torques.shape[1],
@@ -142,4 +150,5 @@ def survivability(
             )
             if progress is not None:
                 progress(len(cases), total)
-    return Survivability(all_names, deepest, tuple(cases))
+    already = tuple(name for name in everyone if name not in all_names)
+    return Survivability(all_names, already, deepest, tuple(cases))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,7 @@ def check_path(path: Path) -> None:
 
 
 def save_picture(
-    path: Path, A: ArrayLike, limits: ArrayLike, table: Survivability, *, lost: tuple[str, ...] = (), title: str = ""
+    path: Path, A: ArrayLike, limits: ArrayLike, table: Survivability, *, names: Sequence[str] = (), title: str = ""
 ) -> None:
     """Draw the picture of a vehicle; the same numbers give the same file.
 
@@ -40,12 +41,13 @@ def save_picture(
         path: PNG, SVG or PDF by its suffix.
         A: (6,m) or (3,m) of the intact vehicle.
         limits: as in `cube_sim.actuation.analyse`.
-        table: its survivability.
-        lost: thrusters whose loss is drawn over the intact sets; by default the single loss that leaves least force.
+        table: its survivability. What it has lost already is drawn over the intact sets, or else the single loss that
+            leaves least force.
+        names: (m,) of all thrusters, needed where some are lost already.
         title: of the picture.
 
     Raises:
-        ActuationError: the suffix is none of `FORMATS`, or the file cannot be written.
+        ActuationError: the suffix is none of `FORMATS`, the file cannot be written, or names are missing.
     """
     check_path(path)
     from matplotlib import rc_context
@@ -54,8 +56,11 @@ def save_picture(
     matrix, axes = actuation_matrix(A)
     m = matrix.shape[1]
     rows = np.broadcast_to(limits, (m, np.shape(limits)[-1]))
-    shown = lost or _worst_single(table)
-    keep = [i for i, name in enumerate(table.names) if name not in shown]
+    everyone = tuple(names) or table.names
+    if len(everyone) != m:
+        raise ActuationError(f"{len(everyone)} names for {m} thrusters: the picture needs those of lost ones, too")
+    shown = table.already or _worst_single(table)
+    keep = [i for i, name in enumerate(everyone) if name not in shown]
     with rc_context({"svg.hashsalt": "cube-sim", "font.size": 9}):
         figure = Figure(figsize=(16, 5.8))
         grid = figure.add_gridspec(1, 3, left=0.05, right=0.96, top=0.86, bottom=0.1, wspace=0.22)
@@ -98,6 +103,8 @@ def _draw(ax: Any, corners: Matrix, colour: str) -> None:
     if dimensions == 1:
         ends = corners[:, 0]
         ax.plot([ends.min(), ends.max()], [0.0, 0.0], color=colour, linewidth=12, solid_capstyle="butt")
+        if shape.dimension == 0:
+            ax.plot(ends[:1], [0.0], ".", color=colour, markersize=14, zorder=3)
         return
     faces, lines = (Poly3DCollection, Line3DCollection) if dimensions == 3 else (PolyCollection, LineCollection)
     add = ax.add_collection3d if dimensions == 3 else ax.add_collection
@@ -148,7 +155,8 @@ def _failure_matrix(figure: Any, ax: Any, table: Survivability) -> None:
     figure.colorbar(image, ax=ax, shrink=0.8, pad=0.07, label=f"strongest pure force left, of {intact:.0f} N")
     ax.set_xticks(range(m), table.names)
     ax.set_yticks(range(m), table.names)
-    ax.set_title("Lost: one (diagonal), two (above), worst third (below)", fontsize=10)
+    lost = f"Lost besides {', '.join(table.already)}:\n" if table.already else "Lost: "
+    ax.set_title(f"{lost}one (diagonal), two (above), worst third (below)", fontsize=10)
     ax.set_xlabel("number: rank left; k/n: third losses after which it follows a path; x: it cannot", fontsize=8)
 
 
