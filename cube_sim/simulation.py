@@ -263,6 +263,12 @@ def _describe(mission: Mission, recorder: Recorder) -> None:
     recorder.append("path", 0.0, points.ravel())
     length = mission.path.length
     recorder.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
+    actuators, limit = mission.actuators, mission.scenario.control.cost_limit
+    left = remaining(actuators.A, actuators.limits, actuators.health, limit)
+    if left.cheap is not None:
+        recorder.log(
+            0.0, "INFO", f"what costs more than {limit:g} N/N is left alone; {left.authority.name}: {left.reason}"
+        )
 
 
 def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:

@@ -13,6 +13,7 @@ from cube_sim.control.authority import Authority, capability, remaining
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import ScenarioError
 from cube_sim.mission import prepare
+from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
 
 LOST = [1, 2]
@@ -106,6 +107,16 @@ def test_with_the_limit_the_vehicle_turns_and_pushes_less(tmp_path):
     effort, less = (np.mean(np.sum(after(run, "thrusters.force") ** 2, axis=1)) for run in (free, limited))
     assert less < 0.5 * effort
     assert np.max(after(limited, "path_error.cross_track")) < 0.1 < np.max(after(free, "path_error.cross_track"))
+
+
+def test_a_whole_vehicle_does_without_what_is_too_dear_from_the_start(tmp_path):
+    # Jack's sway costs 1.93 N/N, surge and yaw half a newton.
+    changes = {"duration_s": 20.0, "events": [], "checks": [{"kind": "allowed_forces"}], "control.cost_limit": 1.0}
+    run = cube_sim.run(REPO / "scenarios" / "jack_lose_two.yaml", changes, out=tmp_path)
+    assert set(run.signals["health.authority"][:, 1]) == {Authority.UNICYCLE}
+    assert np.max(np.abs(run.signals["wrench.demanded"][:, 2])) < 1e-9
+    log = [line.text for line in read_recording(tmp_path / "run.mcap").log]
+    assert any(text.startswith("what costs more than 1 N/N is left alone; UNICYCLE: can hardly push") for text in log)
 
 
 def test_the_default_is_no_limit():
