@@ -9,7 +9,7 @@ length: another length ranks layouts differently, so it belongs to the figures.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, islice
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from cube_sim.actuation.subspaces import Subspaces
 from cube_sim.actuation.threshold import Threshold
 from cube_sim.actuation.wrench_axes import Matrix, Vector
 from cube_sim.actuation.zonotope import inscribed_radius, volume
+
+_AT_ONCE = 10_000
 
 
 @dataclass(frozen=True)
@@ -70,8 +72,8 @@ def indices(actuation: Subspaces, allowed: AllowedForces | None = None) -> Indic
         inverse = np.linalg.pinv(scaled)
         energy, worst = float(np.mean(1.0 / sigma**2)), float(1.0 / sigma[-1] ** 2)
         reactivity = float(np.max(np.linalg.norm(inverse, axis=1)))
-        left = [_singular_values(np.delete(scaled, i, axis=1)) for i in range(m)]
-        robustness = min(float(s[-1] / sigma[-1]) if _complete(s, actuation.threshold) else 0.0 for s in left)
+        left = _singular_values(np.stack([np.delete(scaled, i, axis=1) for i in range(m)]))
+        robustness = float(np.min(np.where(actuation.threshold.all_count(left), left[:, -1] / sigma[-1], 0.0)))
     weakest = volume_ = None
     if allowed is not None:
         low, high = allowed.minimum, allowed.maximum
@@ -93,18 +95,15 @@ def indices(actuation: Subspaces, allowed: AllowedForces | None = None) -> Indic
 def _tolerated_losses(scaled: Matrix, threshold: Threshold) -> int:
     n, m = scaled.shape
     for lost in range(1, m - n + 1):
-        for left in combinations(range(m), m - lost):
-            if not _complete(_singular_values(scaled[:, left]), threshold):
+        choices = combinations(range(m), m - lost)
+        while len(left := np.array(list(islice(choices, _AT_ONCE)))):
+            if not np.all(threshold.all_count(_singular_values(np.transpose(scaled[:, left], (1, 0, 2))))):
                 return lost - 1
     return m - n
 
 
-def _complete(sigma: Vector, threshold: Threshold) -> bool:
-    return threshold.rank(sigma) == len(sigma)
-
-
 def _singular_values(scaled: Matrix) -> Vector:
-    """(n,) singular values, zeros included when there are fewer columns than rows."""
-    n, m = scaled.shape
+    """(.., n) singular values of matrices (.., n, m), zeros included when there are fewer columns than rows."""
+    n, m = scaled.shape[-2:]
     sigma = np.linalg.svd(scaled, compute_uv=False)
-    return np.concatenate([sigma, np.zeros(max(0, n - m))]).astype(np.float64)
+    return np.concatenate([sigma, np.zeros((*sigma.shape[:-1], max(0, n - m)))], axis=-1).astype(np.float64)

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from cube_sim.actuation.wrench_axes import Vector
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.actuation.wrench_axes import Matrix, Vector
 from cube_sim.errors import ActuationError
 
 RANK_TOLERANCE = 1e-2
@@ -49,7 +52,13 @@ class Threshold:
         """How many of the directions count; gains (d,) descending."""
         return self.dropped(gains).count("")
 
+    def all_count(self, gains: Matrix) -> NDArray[np.bool_]:
+        """(k,) of which rows of gains (k,d), each descending, every direction counts."""
+        least, largest = gains[:, -1], gains[:, 0]
+        reached = least > max(self.rank_tolerance, ZERO) * largest
+        return reached & (1.0 / np.where(reached, least, 1.0) <= self.cost_limit)
+
     def _reason(self, gain: float, largest: float) -> str:
         if gain <= max(self.rank_tolerance, ZERO) * largest:
             return "rank"
-        return "cost" if gain * self.cost_limit < 1.0 else ""
+        return "cost" if 1.0 / gain > self.cost_limit else ""
