@@ -176,3 +176,16 @@ def test_any_matrix_of_finite_numbers_is_analysed(n, m):
         assert analysis.directions.gains.shape == (rank,)
         assert analysis.verdict.reason
         assert analysis.verdict.follows <= (rank >= 2)
+
+
+def test_losses_are_judged_within_the_cost_limit_and_on_top_of_what_is_lost():
+    A = cube().actuation_matrix + 0.01 * np.random.default_rng(1).normal(size=(6, 8))
+    free, cheap = (survivability(A, T200, most=1, lost=["T1"], cost_limit=limit) for limit in (1e6, 5.0))
+    assert free.already == cheap.already == ("T1",)
+    assert free.names == tuple(f"T{i}" for i in range(2, 9))
+    assert {case.rank for case in free.cases} == {6}
+    assert [case.lost[0] for case in cheap.of(1) if case.rank == 5] == ["T2", "T3", "T4"]
+    with pytest.raises(ActuationError, match="no case"):
+        free.case("T1", "T2")
+    with pytest.raises(ActuationError, match="no thruster 'T9'"):
+        survivability(A, T200, lost=["T9"])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cube_sim.actuation.criteria import final_approach, first_approach, motor_space, second_approach
+from cube_sim.actuation.threshold import Threshold
 from cube_sim.errors import ActuationError
 
 REPORT_422 = np.array([[1, 1, 1, 1], [1e-4, 0, 0, 0], [-1, 1, -1, 1]])
@@ -125,3 +126,21 @@ def test_directions_of_equal_cost_lie_along_the_axes_and_stay_eigenvectors():
         assert np.allclose(A @ A.T @ directions.vectors, directions.vectors * directions.gains**2)
     skewed = final_approach(rng.normal(size=(6, 8)))
     assert np.allclose(skewed.vectors.T @ skewed.vectors, np.eye(6))
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"cost_limit": 3.0}, {"rank_tolerance": 0.1, "cost_limit": 8.0}, {"rank_tolerance": 0}]
+)
+def test_one_row_of_gains_is_judged_as_many_are(options):
+    threshold = Threshold.of(**options)
+    gains = np.sort(np.random.default_rng(0).choice([0.0, 0.01, 0.1, 0.2, 0.5, 2.0, 20.0], size=(300, 3)), axis=1)[
+        :, ::-1
+    ]
+    assert threshold.all_count(gains).tolist() == [threshold.rank(row) == 3 for row in gains]
+    assert set(threshold.all_count(gains)) == {True, False}
+
+
+def test_a_direction_at_the_limit_is_kept():
+    directions = final_approach(np.random.default_rng(2).normal(size=(6, 8)))
+    for count, cost in enumerate(directions.costs, start=1):
+        assert len(directions.keep(cost).gains) == count
