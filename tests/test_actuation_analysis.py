@@ -103,11 +103,11 @@ def test_a_direction_is_dropped_by_rank_or_by_the_cost_limit_in_its_place(option
     assert np.allclose(analysis.kept.projector, analysis.subspaces.projector)
 
 
-def test_what_is_hardly_possible_is_not_called_impossible():
+def test_what_is_possible_but_dear_is_not_called_impossible():
     A = np.array([[1, 1, 1, 1], [1e-4, 0, 0, 0], [-1, 1, -1, 1]])
     analysis = analyse(A, [-40, 40])
     (sway,) = analysis.unreachable
-    assert sway.text == "can hardly push sideways: Fy = 0 nearly, 7.1e-05 N per N of thruster force"
+    assert sway.text == "too dear to push sideways: Fy = 0, but for 7.1e-05 N per N of thruster force"
     assert sway.gain == pytest.approx(1 / 14142, rel=1e-4)
     assert analysis.extents is not None
     assert 0 < analysis.extents[1].alone[1] <= 40 * 2 * sway.gain

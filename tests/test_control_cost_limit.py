@@ -52,7 +52,7 @@ def test_a_dear_direction_is_lost_as_one_without_thrusters_is(vehicle):
     with_limit = damaged(vehicle, 10.0)
     assert with_limit.authority is Authority.PLANE
     assert with_limit.pure_forces.shape == (3, 2)
-    assert "nearly only together" in with_limit.reason
+    assert "too dear but together" in with_limit.reason
     rng = np.random.default_rng(0)
     for demand in rng.normal(size=(20, 6)) * [20, 20, 20, 5, 5, 5]:
         asked = with_limit.attainable(demand)
@@ -116,7 +116,7 @@ def test_a_whole_vehicle_does_without_what_is_too_dear_from_the_start(tmp_path):
     assert set(run.signals["health.authority"][:, 1]) == {Authority.UNICYCLE}
     assert np.max(np.abs(run.signals["wrench.demanded"][:, 2])) < 1e-9
     log = [line.text for line in read_recording(tmp_path / "run.mcap").log]
-    assert any(text.startswith("what costs more than 1 N/N is left alone; UNICYCLE: can hardly push") for text in log)
+    assert any(text.startswith("what costs more than 1 N/N is left alone; UNICYCLE: too dear to push") for text in log)
 
 
 def test_the_default_is_no_limit():

@@ -12,14 +12,14 @@ from cube_sim.actuation.wrench_axes import Matrix, Vector, WrenchAxes
 _SPOKEN = 0.02
 _ROUNDING = 1e-9
 _SILENT = 1e-6
-_ZERO = "= 0 "
+_ZERO = "= 0"
 
 
 @dataclass(frozen=True)
 class Combination:
     """One independent condition on every wrench worth producing: coefficients . F_B = 0.
 
-    Where rank or cost was cut by a threshold, the thrusters can break it, but hardly: by `gain` for every newton of
+    Where rank or cost was cut by a threshold, the thrusters can break it, but dearly: by `gain` for every newton of
     thruster force.
 
     Attributes:
@@ -43,7 +43,7 @@ class Combination:
     def beside(self, constant: Vector) -> str:
         """The words where a constant wrench (n,) [N, N m] comes on top of all the thrusters produce."""
         value = float(self.leading @ constant)
-        return self.text if abs(value) < _SILENT else self.text.replace(_ZERO, f"= {value:.3g} {self.unit} ")
+        return self.text if abs(value) < _SILENT else self.text.replace(_ZERO, f"= {value:.3g} {self.unit}")
 
 
 def combinations(null_rows: Matrix, scaled: Matrix, axes: WrenchAxes, length_m: float) -> tuple[Combination, ...]:
@@ -74,7 +74,7 @@ def _combination(row: Vector, gain: float, axes: WrenchAxes, length_m: float) ->
     leading = coefficients / (coefficients[first] if alone else row[first])
     unit = "N m" if alone and first >= axes.forces else "N"
     share = gain / (coefficients[first] if alone else row[first])
-    ending = f"{_ZERO}nearly, {abs(share):.2g} {unit} per N of thruster force" if gain else f"{_ZERO}always"
+    ending = f"{_ZERO}, but for {abs(share):.2g} {unit} per N of thruster force" if gain else f"{_ZERO} always"
     return Combination(coefficients, gain, f"{_words(row, axes, length_m, gain)} {ending}", leading, unit)
 
 
@@ -104,12 +104,12 @@ def _words(row: Vector, axes: WrenchAxes, length_m: float, gain: float) -> str:
     spoken = np.flatnonzero(_spoken(row))
     if len(spoken) == 1:
         ability = axes.abilities[spoken[0]]
-        return f"{f'can hardly {ability}' if gain else f'cannot {ability}'}: {axes.names[spoken[0]]}"
+        return f"{'too dear to' if gain else 'cannot'} {ability}: {axes.names[spoken[0]]}"
     leading = row[spoken[0]]
     terms = [_term(row[j] / leading, axes, int(j), length_m) for j in spoken]
     formula = " ".join(terms).removeprefix("+ ")
     tied = [axes.names[j] for j in spoken]
-    return f"{', '.join(tied[:-1])} and {tied[-1]} {'nearly ' if gain else ''}only together: {formula}"
+    return f"{', '.join(tied[:-1])} and {tied[-1]}{', too dear but' if gain else ' only'} together: {formula}"
 
 
 def _term(scaled: float, axes: WrenchAxes, j: int, length_m: float) -> str:
