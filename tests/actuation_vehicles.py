@@ -9,12 +9,16 @@ from cube_sim import Vehicle, load_model
 from cube_sim.actuation.hull import Hull
 from cube_sim.analyze_command import hull_of
 
-__all__ = ["cube", "hull_of", "random_hull"]
+__all__ = ["cube", "hull_of", "random_hull", "vehicle"]
 
 
 @cache
+def vehicle(name: str) -> Vehicle:
+    return Vehicle.from_model(load_model(Path(__file__).parents[1] / "models" / f"{name}.xml"))
+
+
 def cube() -> Vehicle:
-    return Vehicle.from_model(load_model(Path(__file__).parents[1] / "models" / "cube.xml"))
+    return vehicle("cube")
 
 
 def random_hull(rng) -> Hull:

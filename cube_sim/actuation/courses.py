@@ -26,12 +26,14 @@ class Course:
         inclination_rad: angle of the course above the horizontal.
         velocity: (3,) [m/s], body axes.
         up: (3,) world up in body axes.
-        forces: (m,) least-norm thruster forces that keep it [N].
+        wrench: (n,) that keeps it [N, N m].
+        forces: (m,) least-norm thruster forces that make it, limits not looked at [N].
     """
 
     inclination_rad: float
     velocity: Vector
     up: Vector
+    wrench: Vector
     forces: Vector
 
     @property
@@ -40,7 +42,9 @@ class Course:
         return float(np.arctan2(np.hypot(self.up[0], self.up[1]), self.up[2]))
 
 
-def courses(hull: Hull, actuation: Subspaces, speed_m_s: float, inclination_rad: float) -> tuple[Course, ...]:
+def courses(
+    hull: Hull, actuation: Subspaces, speed_m_s: float, inclination_rad: float, *, inclined: bool = False
+) -> tuple[Course, ...]:
     """Attitudes in which the steady wrench of a course is within reach, nearest to level for each heading tried.
 
     Unknown is the attitude; the conditions are the unreachable combinations of the steady wrench. Newton steps of
@@ -52,7 +56,9 @@ def courses(hull: Hull, actuation: Subspaces, speed_m_s: float, inclination_rad:
         actuation: of the thrusters that are left.
         speed_m_s: speed over the course.
         inclination_rad: angle of the course above the horizontal.
+        inclined: start with the body's deck along the course, not level.
     """
+    pitch = _rotation(np.array([0.0, -inclination_rad if inclined else 0.0, 0.0]))
     course_W = speed_m_s * np.array([np.cos(inclination_rad), 0.0, np.sin(inclination_rad)])
     planar = len(actuation.matrix) == 3
     rows = [0, 1, 5] if planar else list(range(6))
@@ -66,11 +72,13 @@ def courses(hull: Hull, actuation: Subspaces, speed_m_s: float, inclination_rad:
     scale = max(1.0, float(np.linalg.norm(demand(np.eye(3)))), hull.buoyancy * _offset(hull))
     found = []
     for heading in 2.0 * np.pi * np.arange(_HEADINGS) / _HEADINGS:
-        R = _rotation(np.array([0.0, 0.0, heading]))
+        R = pitch @ _rotation(np.array([0.0, 0.0, heading]))
         for _ in range(_STEPS):
             error = conditions @ demand(R)
             if np.linalg.norm(error) <= _BALANCED * scale:
-                found.append(Course(inclination_rad, R.T @ course_W, R.T[:, 2], actuation.pseudo_inverse @ demand(R)))
+                wrench = demand(R)
+                forces = actuation.pseudo_inverse @ wrench
+                found.append(Course(inclination_rad, R.T @ course_W, R.T[:, 2], wrench, forces))
                 break
             slope = np.column_stack(
                 [(conditions @ demand(R @ _rotation(_DIFFERENCE * turn)) - error) / _DIFFERENCE for turn in turns.T]

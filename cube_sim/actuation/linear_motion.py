@@ -1,4 +1,4 @@
-"""Small motions about a steady straight course: what the thrusters steer, what the water damps, how fast it goes.
+"""Small motions about a steady straight course: what the thrusters steer and what the water damps.
 
 The state is x = [e, theta, delta nu]: position off the course, small rotation and velocity change, all in the axes
 the body has on the course. With v_0 the course velocity
@@ -15,13 +15,12 @@ import numpy as np
 
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.wrench_axes import Matrix, Vector
-from cube_sim.spatial import skew
+from cube_sim.actuation.zonotope import facet_normals, support
+from cube_sim.spatial import cross, skew
 
-_SAMPLES = 40
-_SIDES = 12
 _NEUTRAL = 1e-6
 _STEERED = 1e-6
-_MADE_GOOD = 1e-6
+_VERTICAL = 1e-6
 
 
 @dataclass(frozen=True)
@@ -47,66 +46,89 @@ class LinearMotion:
             time_s: unit of time the test is made in.
             length_m: unit of length.
         """
-        unit = np.array([length_m if name in _LENGTHS else 1.0 for name in self.names])
-        rate = np.array([time_s if name in _RATES else 1.0 for name in self.names])
-        T = rate / unit
-        drift = time_s * T[:, None] * self.drift / T
-        steer = T[:, None] * self.steer
-        steer = steer / max(float(np.linalg.norm(steer, 2)), np.finfo(float).tiny)
+        drift, steer = self._scaled(time_s, length_m)
         found: set[str] = set()
-        for eigenvalue in np.linalg.eigvals(drift):
-            if eigenvalue.real < -_NEUTRAL:
-                continue
-            # A defective eigenvalue comes out of eigvals spread by the root of round-off: neutral ones are zero.
-            at = 0.0 if abs(eigenvalue) < 1e-3 else eigenvalue
+        for at in _lasting(drift):
             pencil = np.hstack([at * np.eye(len(drift)) - drift, steer])
             U, sigma, _ = np.linalg.svd(pencil)
             for w in np.abs(U[:, sigma < _STEERED * max(sigma[0], 1.0)]).T:
-                found.update(self.names[i] for i in np.flatnonzero(w > 0.3 * np.max(w)))
-        motions = (name.split()[0] for name in self.names if name in found)
-        return tuple(dict.fromkeys(motions))
+                found.update(self._moving_in(w))
+        return self._motions(found)
 
-    def side_step(self, margins: Vector, horizon_s: float, most_turn_rad: float) -> float:
-        """Largest displacement [m] that can be made good in a time, in the worst direction across the course.
+    def one_way(self, low: Vector, high: Vector, time_s: float, length_m: float) -> tuple[str, ...]:
+        """Motions that do not decay and that the thrusters, within their limits, push in one direction only.
 
-        From the course to a parallel one, back in attitude and velocity at the end, by the thruster forces of least
-        sum (delta F_i / margin_i)^2 over the time (the controllability Gramian's solution, forces held over each
-        sample). It ends where a thruster has used its margin or the body has turned further than allowed, beyond
-        which small motions say nothing. 0 when no forces make it.
+        Along a left eigenvector w of an eigenvalue that is real and not negative, w . x obeys the forces alone; it can
+        be brought back from both sides only if w . steer delta F takes both signs (Brammer, SIAM J. Control 10, 1972).
 
         Args:
-            margins: (m,) force each thruster has left about the course, in both directions [N].
-            horizon_s: the time.
-            most_turn_rad: largest rotation on the way.
+            low: (m,) what each force may change by downwards [N].
+            high: (m,) and upwards [N].
+            time_s: unit of time the test is made in.
+            length_m: unit of length.
         """
-        forward, push = self._sampled(self.steer * margins, horizon_s / _SAMPLES)
-        blocks = [push]
-        for _ in range(_SAMPLES - 1):
-            blocks.append(forward @ blocks[-1])
-        transfer = np.hstack(blocks[::-1])
-        aim = self.off_course.T
-        used = np.linalg.lstsq(transfer, aim, rcond=1e-10)[0]
-        if np.max(np.abs(transfer @ used - aim)) > _MADE_GOOD:
-            return 0.0
-        used = used.reshape(_SAMPLES, -1, aim.shape[1])
-        turning = np.flatnonzero([name in _ANGLES for name in self.names])
-        turned = np.empty((_SAMPLES, len(turning), aim.shape[1]))
-        x = np.zeros_like(aim)
-        for sample in range(_SAMPLES):
-            x = forward @ x + push @ used[sample]
-            turned[sample] = x[turning]
-        directions = _half_circle(aim.shape[1]).T
-        force = np.max(np.abs(used @ directions), axis=(0, 1))
-        turn = np.max(np.linalg.norm(turned @ directions, axis=1), axis=0)
-        return float(np.min(1.0 / np.maximum(force, turn / most_turn_rad)))
+        drift, steer = self._scaled(time_s, length_m)
+        found: set[str] = set()
+        for at in _lasting(drift):
+            if np.iscomplex(at):
+                continue
+            U, sigma, _ = np.linalg.svd(at.real * np.eye(len(drift)) - drift)
+            W = U[:, sigma < _STEERED * max(sigma[0], 1.0)]
+            pushes = W.T @ steer
+            if W.shape[1] == 0 or np.linalg.matrix_rank(pushes, _STEERED) < W.shape[1]:
+                continue
+            normals = facet_normals(pushes)
+            normals = np.concatenate([normals, -normals])
+            reach = support(pushes, low, high, normals)
+            for w in np.abs(normals[reach <= _STEERED * np.max(reach)] @ W.T):
+                found.update(self._moving_in(w))
+        return self._motions(found)
 
-    def _sampled(self, steer: Matrix, step_s: float) -> tuple[Matrix, Matrix]:
-        """x_k+1 = forward x_k + push u_k for inputs held over a step."""
-        k, m = steer.shape
+    def sampled(self, step_s: float) -> tuple[Matrix, Matrix]:
+        """x_j+1 = forward x_j + push u_j for forces held over a step."""
+        from scipy.linalg import expm
+
+        k, m = self.steer.shape
         together = np.zeros((k + m, k + m))
-        together[:k, :k], together[:k, k:] = self.drift * step_s, steer * step_s
-        whole = _exponential(together)
+        together[:k, :k], together[:k, k:] = self.drift, self.steer
+        whole = np.asarray(expm(together * step_s), dtype=np.float64)
         return whole[:k, :k], whole[:k, k:]
+
+    @property
+    def angles(self) -> list[int]:
+        """Which states are small rotations [rad]."""
+        return [i for i, name in enumerate(self.names) if name in _ANGLES]
+
+    @property
+    def speeds(self) -> list[int]:
+        """Which states are changes of the velocity [m/s]."""
+        return [i for i, name in enumerate(self.names) if name in _VELOCITIES[:3]]
+
+    @property
+    def rates(self) -> list[int]:
+        """Which states are angular velocities [rad/s]."""
+        return [i for i, name in enumerate(self.names) if name in _VELOCITIES[3:]]
+
+    def _scaled(self, time_s: float, length_m: float) -> tuple[Matrix, Matrix]:
+        """Drift and steer in units of the body and its course, or of its fastest motion where that is faster."""
+        time_s = 1.0 / max(1.0 / time_s, float(np.max(np.abs(np.linalg.eigvals(self.drift)))))
+        unit = np.array([length_m if name in _LENGTHS else 1.0 for name in self.names])
+        rate = np.array([time_s if name in _RATES else 1.0 for name in self.names])
+        T = rate / unit
+        steer = T[:, None] * self.steer
+        return time_s * T[:, None] * self.drift / T, steer / max(float(np.linalg.norm(steer, 2)), np.finfo(float).tiny)
+
+    def _moving_in(self, w: Vector) -> list[str]:
+        return [self.names[i] for i in np.flatnonzero(w > 0.3 * np.max(w))]
+
+    def _motions(self, found: set[str]) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(name.split()[0] for name in self.names if name in found))
+
+
+def _lasting(drift: Matrix) -> list[complex]:
+    """Eigenvalues that do not decay. A defective one comes out spread by the root of round-off: neutral ones are 0."""
+    lasting = [value for value in np.linalg.eigvals(drift) if value.real >= -_NEUTRAL]
+    return list(dict.fromkeys(0j if abs(value) < 1e-3 else complex(value) for value in lasting))
 
 
 _LENGTHS = {"sway off course", "heave off course", "surge speed", "sway speed", "heave speed"}
@@ -128,7 +150,7 @@ def linearise(hull: Hull, A: Matrix, velocity: Vector, up: Vector, swing: Vector
     planar = len(A) == 3
     moving = [0, 1, 5] if planar else list(range(6))
     turning = [2] if planar else [0, 1, 2]
-    across = _across(velocity, planar)
+    across = _across(velocity, up, planar)
     c, r, k = len(across), len(turning), len(moving)
     M = hull.mass[np.ix_(moving, moving)]
     damping = hull.steady_wrench_slope(np.concatenate([velocity, np.zeros(3)]), swing)[np.ix_(moving, moving)]
@@ -154,29 +176,10 @@ def linearise(hull: Hull, A: Matrix, velocity: Vector, up: Vector, swing: Vector
     )
 
 
-def _across(velocity: Vector, planar: bool) -> Matrix:
-    """(c,3) orthonormal directions across the course; in the plane the one that is horizontal."""
-    if planar:
-        return np.array([[-velocity[1], velocity[0], 0.0]]) / np.hypot(velocity[0], velocity[1])
-    return np.linalg.svd(velocity[None, :])[2][1:]
-
-
-def _half_circle(dimensions: int) -> Matrix:
-    """(p,dimensions) unit vectors over all directions up to sign."""
-    if dimensions == 1:
-        return np.ones((1, 1))
-    angles = np.pi * np.arange(_SIDES) / _SIDES
-    return np.column_stack([np.cos(angles), np.sin(angles)])
-
-
-def _exponential(X: Matrix) -> Matrix:
-    """exp(X) by its Taylor series after halving X until it is small, then squaring back."""
-    halvings = max(0, int(np.ceil(np.log2(max(float(np.linalg.norm(X, 1)), 1e-9)))) + 2)
-    Y = X / 2.0**halvings
-    term = total = np.eye(len(X))
-    for order in range(1, 13):
-        term = term @ Y / order
-        total = total + term
-    for _ in range(halvings):
-        total = total @ total
-    return total
+def _across(velocity: Vector, up: Vector, planar: bool) -> Matrix:
+    """(c,3) orthonormal directions across the course: to the side and, in 3-D, upwards."""
+    side = cross(np.array([0.0, 0.0, 1.0]) if planar else up, velocity)
+    if np.linalg.norm(side) <= _VERTICAL * np.linalg.norm(velocity):
+        return np.linalg.svd(velocity[None, :])[2][1:]
+    across = np.array([side, cross(velocity, side)])[: 1 if planar else 2]
+    return across / np.linalg.norm(across, axis=1, keepdims=True)

@@ -49,6 +49,7 @@ class Subspaces:
         matrix: A (n,m).
         axes: what the rows are.
         length_m: L, the length torques are divided by [m].
+        rank_tolerance: share of the largest singular value up to which one counts as zero [1].
         singular_values: (min(n,m),) of W A, descending [1].
         threshold: which of them count.
         rank: how many do; range, kernel, projector and the rest speak of these.
@@ -65,6 +66,7 @@ class Subspaces:
     matrix: Matrix
     axes: WrenchAxes
     length_m: float
+    rank_tolerance: float
     singular_values: Vector
     threshold: Threshold
     rank: int
@@ -136,6 +138,7 @@ def subspaces(
         matrix=matrix,
         axes=axes,
         length_m=L,
+        rank_tolerance=rank_tolerance,
         singular_values=sigma,
         threshold=threshold,
         rank=rank,
