@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cube_sim.actuation import Analysis, Hull, Mission, Survivability, analyse, survivability
+from cube_sim.actuation.allowed import AllowedForces
+from cube_sim.actuation.asked import SPEEDS_M_S
 from cube_sim.actuation.extents import Extent
 from cube_sim.actuation.losses import LossCase
-from cube_sim.actuation.verdict import Verdict
+from cube_sim.actuation.subspaces import subspaces
+from cube_sim.actuation.verdict import Verdict, judge
+from cube_sim.actuation.wrench_axes import Matrix
 from cube_sim.errors import ActuationError
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle
@@ -89,6 +93,8 @@ def analyze(
 
     if not 0 <= losses <= MOST_LOSSES:
         raise ActuationError(f"--losses {losses}: between 0 and {MOST_LOSSES}")
+    if speed_m_s is not None and not SPEEDS_M_S[0] <= speed_m_s <= SPEEDS_M_S[1]:
+        raise ActuationError(f"--speed {speed_m_s:g}: between {SPEEDS_M_S[0]:g} and {SPEEDS_M_S[1]:g} m/s")
     if picture is not None:
         check_path(picture)
     vehicle = Vehicle.from_model(load_model(str(model)), hull)
@@ -102,6 +108,8 @@ def analyze(
     body = hull_of(vehicle)
     mission = Mission() if speed_m_s is None else Mission(speed_m_s=speed_m_s)
     analysis = analyse(A, limits, names=names, lost=gone, hull=body, mission=mission, cost_limit=cost_limit)
+    if not planar and not analysis.verdict.follows:
+        analysis = replace(analysis, verdict=_with_hint(analysis, limits, names, body, mission))
     most = MOST_LOSSES if picture is not None else losses
     table = (
         survivability(
@@ -129,6 +137,18 @@ def _names(listed: str) -> tuple[str, ...]:
     if not all(names) or len(set(names)) < len(names):
         raise ActuationError(f"--lost {listed}: give each thruster once, with one comma between two, as in T1,T4")
     return names
+
+
+def _with_hint(analysis: Analysis, limits: Matrix, names: tuple[str, ...], hull: Hull, mission: Mission) -> Verdict:
+    """The verdict in space, with a word on the plane when a path can be followed there."""
+    s = analysis.subspaces
+    in_plane = subspaces(s.matrix[PLANAR_ROWS], length_m=s.length_m)
+    left = limits[[names.index(name) for name in analysis.names]]
+    allowed = AllowedForces.from_limits(left, len(left), dead_zones=False)
+    if not judge(in_plane, hull, allowed, mission).follows:
+        return analysis.verdict
+    hint = "kept at its depth by other means it follows planar paths (--planar)"
+    return replace(analysis.verdict, reason=f"{analysis.verdict.reason}; {hint}")
 
 
 def to_dict(report: Report) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from cube_sim.actuation import Analysis, Survivability
+from cube_sim.actuation.wrench_axes import PLANAR
 from cube_sim.analyze_command import Report
 
 
@@ -44,6 +45,8 @@ def print_report(report: Report) -> None:
     lost = f", without {', '.join(a.lost)}" if a.lost else ""
     line(f"{report.title}: {len(a.names)} thrusters{lost}; torques divided by {s.length_m:.3g} m")
     line(f"rank {a.rank} of {len(s.axes.names)}, {a.redundancy} redundant")
+    if s.axes is PLANAR:
+        line("  looked at are Fx, Fy and Mz only: depth, roll and pitch are taken to be kept by other means")
     for combination in a.unreachable:
         line(f"  {combination}")
     if a.unreachable:

@@ -99,6 +99,24 @@ def test_planar_vehicle_is_judged_in_its_plane():
     assert [c["text"] for c in swimming["unreachable"]] == ["cannot push sideways: Fy = 0 always"]
 
 
+@pytest.mark.parametrize("model", ["models/infante.xml", "models/jack.xml"])
+def test_a_vehicle_kept_at_its_depth_is_pointed_to_its_plane(model):
+    assert "by other means it follows planar paths (--planar)" in analyze(model).output
+    planar = analyze(model, "--planar")
+    assert "looked at are Fx, Fy and Mz only" in planar.output
+    assert "path following: yes" in planar.output
+    assert "--planar" not in analyze(CUBE, "--speed", "5").output
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("speed", ["1e300", "0", "nan", "inf", "-1", "1e-9"])
+def test_a_speed_out_of_range_is_one_line(speed):
+    result = analyze(CUBE, "--speed", speed)
+    assert result.exit_code == 2
+    assert result.stderr.strip().endswith(f"--speed {float(speed):g}: between 0.001 and 100 m/s")
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
