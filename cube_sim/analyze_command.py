@@ -212,6 +212,7 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
                 "velocity": steered.course.velocity,
                 "up": steered.course.up,
                 "forces": steered.course.forces,
+                "share": steered.share,
                 "within_limits": steered.within_limits,
                 "loose": steered.loose,
                 "side_step_m": steered.side_step_m,

@@ -11,7 +11,8 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from cube_sim.actuation import Analysis, Survivability
+from cube_sim.actuation import Analysis, Mission, Survivability
+from cube_sim.actuation.steered import FURTHEST
 from cube_sim.actuation.wrench_axes import PLANAR
 from cube_sim.analyze_command import Report
 
@@ -143,7 +144,7 @@ def _losses(survived: Survivability) -> Table:
             f"{case.pure_forces}/{case.pure_torques}",
             f"{case.strongest_force:.0f}",
             f"{case.strongest_torque:.1f}",
-            _number(min(steps)) if steps else "",
+            _step(min(steps)) if steps else "",
             ("yes, " if case.verdict.follows else "no, ") + case.verdict.outcome.value,
         )
     return table
@@ -155,6 +156,12 @@ def _count(survived: Survivability, losses: int) -> str:
     split = ", ".join(f"{count} keep rank {rank}" for rank, count in sorted(ranks.items(), reverse=True))
     follows = sum(case.verdict.follows for case in cases)
     return f"{losses} {'more ' if survived.already else ''}lost: {follows} of {len(cases)} can follow a path; {split}"
+
+
+def _step(metres: float) -> str:
+    """A side step; the command judges by the default mission, and further than this none is looked for."""
+    furthest = FURTHEST * Mission().side_step_m
+    return f">= {furthest:g}" if metres >= furthest else _number(metres)
 
 
 def _number(value: float) -> str:

@@ -26,6 +26,7 @@ def test_text_says_what_is_lost_and_what_remains():
     assert "rank 5 of 6, 1 redundant" in result.output
     assert "only together" in result.output
     assert "path following: yes (steered)" in result.output
+    assert result.output.count(">= 1 ") == 9
 
 
 def test_json_is_the_whole_analysis():
@@ -39,6 +40,7 @@ def test_json_is_the_whole_analysis():
     assert np.allclose(P, np.eye(6))
     assert np.allclose(A @ np.array(content["pseudo_inverse"]), np.eye(6))
     assert content["verdict"]["follows"] is True
+    assert all(course["share"] > 1 and course["within_limits"] for course in content["verdict"]["courses"])
     assert [e["component"] for e in content["extents"]] == ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
     assert content["losses"] is None
 
