@@ -14,7 +14,7 @@ from cube_sim.actuation.courses import Course, courses
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.linear_motion import linearise
 from cube_sim.actuation.side_step import Bounds, side_step
-from cube_sim.actuation.subspaces import Subspaces, subspaces
+from cube_sim.actuation.subspaces import Subspaces
 from cube_sim.actuation.wrench_axes import SPATIAL
 
 _SWING = 0.1
@@ -101,9 +101,7 @@ def _attempts(hull: Hull, actuation: Subspaces, asked: Mission, inclination_rad:
     if inclination_rad != 0.0:
         yield courses(hull, actuation, asked.speed_m_s, inclination_rad, inclined=True)
     for used in 1.0 - np.eye(actuation.matrix.shape[1]):
-        length, tolerance = actuation.length_m, actuation.rank_tolerance
-        spared = subspaces(actuation.matrix * used, length_m=length, rank_tolerance=tolerance)
-        yield courses(hull, spared, asked.speed_m_s, inclination_rad)
+        yield courses(hull, actuation.with_only(used), asked.speed_m_s, inclination_rad)
 
 
 def _steered(

@@ -49,7 +49,6 @@ class Subspaces:
         matrix: A (n,m).
         axes: what the rows are.
         length_m: L, the length torques are divided by [m].
-        rank_tolerance: share of the largest singular value up to which one counts as zero [1].
         singular_values: (min(n,m),) of W A, descending [1].
         threshold: which of them count.
         rank: how many do; range, kernel, projector and the rest speak of these.
@@ -66,7 +65,6 @@ class Subspaces:
     matrix: Matrix
     axes: WrenchAxes
     length_m: float
-    rank_tolerance: float
     singular_values: Vector
     threshold: Threshold
     rank: int
@@ -105,6 +103,16 @@ class Subspaces:
             raise ActuationError(f"the wrench {F.tolist()} is not {len(self.axes.names)} finite numbers")
         return F
 
+    def with_only(self, used: Vector) -> Subspaces:
+        """The same by the same threshold, as if thrusters where `used` (m,) is 0 or False did nothing."""
+        least = self.threshold
+        return subspaces(
+            self.matrix * used,
+            length_m=self.length_m,
+            rank_tolerance=least.rank_tolerance,
+            cost_limit=least.cost_limit,
+        )
+
 
 def subspaces(
     A: ArrayLike,
@@ -138,7 +146,6 @@ def subspaces(
         matrix=matrix,
         axes=axes,
         length_m=L,
-        rank_tolerance=rank_tolerance,
         singular_values=sigma,
         threshold=threshold,
         rank=rank,

@@ -20,7 +20,7 @@ from cube_sim.actuation.asked import Mission
 from cube_sim.actuation.attainable import attainable
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.steered import FURTHEST, SteeredCourse, steered_course
-from cube_sim.actuation.subspaces import Subspaces, subspaces
+from cube_sim.actuation.subspaces import Subspaces
 
 
 class Outcome(Enum):
@@ -97,10 +97,7 @@ def judge(
 def _able(actuation: Subspaces, allowed: AllowedForces) -> Subspaces:
     """The same without what thrusters do whose limits leave them no force."""
     moving = allowed.maximum > allowed.minimum
-    if np.all(moving):
-        return actuation
-    length, tolerance = actuation.length_m, actuation.rank_tolerance
-    return subspaces(actuation.matrix * moving, length_m=length, rank_tolerance=tolerance)
+    return actuation if np.all(moving) else actuation.with_only(moving)
 
 
 def _verdict(actuation: Subspaces, best: tuple[SteeredCourse, ...], asked: Mission, missing: str | None) -> Verdict:
