@@ -26,7 +26,7 @@ def test_text_says_what_is_lost_and_what_remains():
     assert "rank 5 of 6, 1 redundant" in result.output
     assert "only together" in result.output
     assert "path following: yes (steered)" in result.output
-    assert result.output.count(">= 1 ") == 9
+    assert result.output.count(">= 1 ") == 7
 
 
 def test_json_is_the_whole_analysis():

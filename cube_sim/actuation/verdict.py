@@ -97,7 +97,7 @@ def judge(
 def _able(actuation: Subspaces, allowed: AllowedForces) -> Subspaces:
     """The same without what thrusters do whose limits leave them no force."""
     moving = allowed.maximum > allowed.minimum
-    return actuation if np.all(moving) else actuation.with_only(moving)
+    return actuation if np.all(moving) else actuation.with_only(moving.astype(float))
 
 
 def _verdict(actuation: Subspaces, best: tuple[SteeredCourse, ...], asked: Mission, missing: str | None) -> Verdict:
