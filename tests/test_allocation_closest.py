@@ -201,3 +201,11 @@ def test_wrench_weights_as_different_as_is_allowed(span, torques_first):
         forces, farther = closest_forces(A, limits, False, wrench, weights)
         assert np.abs(forces @ A.T - answer.wrench).max(axis=1)[np.argmin(farther)] < 1e-6
         assert answer.status == Status.CLOSEST
+
+
+def test_a_far_demand_whose_direction_is_bent_to_be_computed_is_not_called_proven():
+    """A component beyond 1e7 times the reach is shortened, a small one beside it kept."""
+    allocator = Allocator(np.array([[1, 0, 0.02], [0, 1, 0], [0, 0.2, 1]]), [-40, -4, 4, 40], method="search")
+    assert allocator.allocate([1e10, 0.0, -3e4]).status == Status.UNPROVEN_CLOSEST
+    assert allocator.allocate([1e10, 0.0, 0.0]).status == Status.CLOSEST
+    assert allocator.allocate([1e8, 0.0, -3e4]).status == Status.CLOSEST

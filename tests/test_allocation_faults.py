@@ -367,3 +367,17 @@ def test_without_voltage_no_force_is_made_whatever_is_held():
         assert (answer.force.tolist(), answer.status) == ([0.0] * 8, status)
         np.testing.assert_array_equal(answer.wrench_error, wrench)
     assert allocator.without_force([np.nan] * 6).status == Status.INVALID_WRENCH
+
+
+def test_a_motor_with_next_to_no_force_counts_as_dead():
+    """Its share of what it was told before would overflow, and with it where changes are counted from."""
+    A = np.random.default_rng(0).normal(size=(6, 8))
+    actuators = FaultTolerant(
+        A, np.array([-40, -4, 4, 40.0]), lambda a, table, _: Allocator(a, table, change_limit=3.0)
+    )
+    for _ in range(5):
+        actuators.allocate(A @ np.full(8, 10.0))
+    actuators.believe(Health.whole(8).with_thruster(0, efficiency=1e-310))
+    assert actuators.allocate(A @ np.full(8, 10.0)).force[0] == 0.0
+    actuators.believe(Health.whole(8))
+    assert np.all(np.abs(actuators.allocate(A @ np.full(8, 20.0)).force) <= 40.0)

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation.arguments import flag, numbers, one_of, pairs, row, scalar, spread
+from cube_sim.allocation.arguments import comparable, flag, numbers, one_of, pairs, row, scalar
 from cube_sim.allocation.decide import allocate_each, blank_answers
 from cube_sim.allocation.enumeration import Enumeration
 from cube_sim.allocation.geometry import actuation_matrix, lever_length, torque_rows, wrench_distance, wrench_fibre
@@ -31,8 +31,12 @@ same spread over the processor's cores."""
 AGREEMENT = 1e-4
 """Largest difference between the search's and ProxQP's forces that counts as agreement, part of the largest limit."""
 
-WEIGHTS_SPAN, WRENCH_WEIGHTS_SPAN = 1e12, 1e6
-"""Largest ratio of two weights of motors, and of two of a wrench's components: what double precision tells apart."""
+WEIGHTS_SPAN = 1e6
+"""Largest ratio of two weights, and their distance from 1: beyond it, what light ones cost is lost in the rounding of
+heavy ones."""
+
+FARTHEST_TARGET = 1e6
+"""Most a preferred force may exceed the largest limit: its square is what the forces' differences are seen beside."""
 
 ROUNDING = 1e-10
 """Least force that may count as rounding, part of the largest limit."""
@@ -71,7 +75,8 @@ class Allocator:
     ``unattainable="scaled"``, by the largest attainable ``scale F`` with 0 <= scale < 1. What no forces of any size
     can make is left out of F first. With dead zones the attainable scales have gaps, and none may be left but 0.
 
-    An allocator remembers its last answer: ties prefer its subset, the reversal penalty and the change limit count
+    An allocator remembers its last answer: ties prefer its subset (but where sides touch at no force, the sign of a
+    rounding decides), the reversal penalty and the change limit count
     from it. `reset` forgets it, `resume` replaces it. Nothing else carries over from call to call.
 
     Args:
@@ -81,9 +86,9 @@ class Allocator:
         objective: see `Objective`.
         target: (m,) F_opt [N], required by, and only for, ``target``.
         reactivity: (m, 2) or (2,) F_react-, F_react+ [N], required by, and only for, the reactivity objectives.
-        weights: (m,) positive w of the motors, in a ratio of 1e12 at most; 1 unless told.
-        wrench_weights: (n,) positive diagonal of W, [1] for forces and [1/m] for torques, in a ratio of 1e6 at most; 1
-            and 30 unless told: a vehicle that keeps its attitude keeps its path, one that saves its forces loses both.
+        weights: (m,) positive w of the motors, 1e-6 to 1e6 in a ratio of 1e6 at most; 1 unless told.
+        wrench_weights: (n,) positive diagonal of W, [1] for forces and [1/m] for torques, likewise; 1 and 30 unless
+            told: a vehicle that keeps its attitude keeps its path, one that saves its forces loses both.
         unattainable: see `Unattainable`.
         reversal_penalty: cost of pushing against the side a motor last pushed to [N^2].
         switching_penalty: cost of a motor starting from rest or coming to rest [N^2].
@@ -127,13 +132,13 @@ class Allocator:
         self.objective = objective
         targets = side_targets(objective, target, reactivity, m)
         self.weights = row("weights", 1.0 if weights is None else weights, m, positive=True)
-        spread("weights", self.weights, WEIGHTS_SPAN)
+        comparable("weights", self.weights, WEIGHTS_SPAN)
         attitude_first = np.ones(n)
         attitude_first[torque_rows(n)] = 30.0
         self.wrench_weights = row(
             "wrench_weights", attitude_first if wrench_weights is None else wrench_weights, n, positive=True
         )
-        spread("wrench_weights", self.wrench_weights, WRENCH_WEIGHTS_SPAN)
+        comparable("wrench_weights", self.wrench_weights, WEIGHTS_SPAN)
         self.unattainable = one_of("unattainable", unattainable, get_args(Unattainable))
         self.reversal_penalty = scalar("reversal_penalty", reversal_penalty)
         self.switching_penalty = scalar("switching_penalty", switching_penalty)
@@ -145,6 +150,11 @@ class Allocator:
         if self.tolerance_N < ROUNDING * largest:
             raise AllocationError(
                 f"tolerance_N is {self.tolerance_N:g}; forces of {largest:g} N need {ROUNDING * largest:g} at least"
+            )
+        if targets.size and np.max(np.abs(targets)) > FARTHEST_TARGET * max(largest, 1e-30):
+            raise AllocationError(
+                f"forces of {np.max(np.abs(targets)):g} N are preferred; beyond {FARTHEST_TARGET:g} times the largest "
+                f"limit, {largest:g} N, nothing is seen beside them"
             )
         self.power_coefficients = (
             None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)

@@ -49,15 +49,17 @@ def flag(name: str, value: bool) -> bool:
     return bool(value)
 
 
-def spread(name: str, values: NDArray[np.float64], most: float) -> None:
-    """Refuse positive weights so different that double precision loses the smaller ones.
+def comparable(name: str, weights: NDArray[np.float64], most: float) -> None:
+    """Refuse positive weights that double precision cannot hold beside each other, or beside penalties and roundings.
 
     Raises:
-        AllocationError: the largest is more than ``most`` times the smallest.
+        AllocationError: one is not within ``1 / most`` to ``most``, or two are in a larger ratio than that.
     """
-    if np.max(values) > most * np.min(values):
+    least, largest = float(np.min(weights)), float(np.max(weights))
+    if largest > most * min(least, 1.0) or least < 1.0 / most:
         raise AllocationError(
-            f"{name} spans {np.min(values):g} to {np.max(values):g}; at most 1 to {most:g} is solvable"
+            f"{name} spans {least:g} to {largest:g}; give weights within {1.0 / most:g} to {most:g}, "
+            f"in a ratio of {most:g} at most"
         )
 
 

@@ -20,9 +20,9 @@ FAR = 1e3
 
 FARTHEST = 1e7
 """Components of a demand up to this many times the reach count as they are. Beyond, those longer than `FAR` times the
-reach are shortened in one ratio, though not below that, and the others count as they are. The closest wrench stays the
-same as long as no motor makes both a long and a short component in a ratio below 1e-4: what a direction rounded to
-double precision makes across itself is then not taken for authority there."""
+reach are shortened in one ratio, though not below that, and the others count as they are: what a direction rounded to
+double precision makes across itself is then not taken for authority there. The closest wrench stays the same where no
+motor makes both a long and a short component, and elsewhere nearly always; the answer then counts as not proven."""
 
 
 @compiled
@@ -136,7 +136,7 @@ def nearest_origins(
     """
     n, m = A.shape
     wanted, span, pull, committed = np.empty(n), np.empty((m, 2)), np.empty(m), np.empty(m, np.bool_)
-    bring_near(reach, demand, wanted)
+    straight = bring_near(reach, demand, wanted)
     sides, goal = sides_of(tick, 0), reachable(distance, wanted, 1.0)
     if commit(A, distance, sides, wanted, span, pull, committed) > 0:
         felt(distance.gain, span, pull, committed, goal)
@@ -146,20 +146,26 @@ def nearest_origins(
         for i in range(m):
             for a in range(n):
                 candidates[0, i] += fibre.particular[i, a] * wanted[a]
-    return candidates, nodes, proven
+    return candidates, nodes, proven and straight
 
 
 @compiled
-def bring_near(reach: float, demand: NDArray[np.float64], wanted: NDArray[np.float64]) -> None:
-    """Write a demand (n,) whose components may have any size into ``wanted`` (n,), as `FARTHEST` says."""
-    size = 0.0
+def bring_near(reach: float, demand: NDArray[np.float64], wanted: NDArray[np.float64]) -> bool:
+    """Write a demand (n,) whose components may have any size into ``wanted`` (n,), as `FARTHEST` says.
+
+    Returns:
+        Whether it still has the direction it had.
+    """
+    size, straight = 0.0, True
     for a in range(demand.shape[0]):
         size = max(size, abs(demand[a]))
     most, kept = FARTHEST * max(reach, 1e-12), FAR * max(reach, 1e-12)
     scale = most / size if size > most else 1.0
     for a in range(demand.shape[0]):
         length = max(abs(demand[a]) * scale, min(abs(demand[a]), kept))
+        straight = straight and length == abs(demand[a]) * scale
         wanted[a] = math.copysign(length, demand[a])
+    return straight
 
 
 @compiled

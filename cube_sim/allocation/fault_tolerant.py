@@ -20,6 +20,9 @@ from cube_sim.errors import AllocationError
 Build = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int_]], WrenchAllocator]
 """(A (n, k), limits (k, 4) [N], which motors (k,), from 0) -> an allocator for k motors."""
 
+LEAST_EFFICIENCY = 1e-6
+"""A motor with less of its force counts as dead: what it was told would be a millionfold of what it makes."""
+
 
 class FaultTolerant:
     """One vehicle's allocation through the loss of motors.
@@ -72,6 +75,8 @@ class FaultTolerant:
         if np.any(np.isinf(health.stuck)):
             raise AllocationError(f"stuck is {health.stuck.tolist()}; a motor holds a finite force, or obeys (NaN)")
         bounded("stuck", np.nan_to_num(health.stuck))
+        weakest = health.efficiency < LEAST_EFFICIENCY
+        health = health._replace(efficiency=np.where(weakest, 0.0, health.efficiency))
         standing, obedient = stand(self._standing, self.health, health), np.flatnonzero(health.obedient)
         allocator = None
         if not self.A[:, obedient].any():

@@ -12,11 +12,11 @@ from .values import Block, refuse
 
 _SIMPLE_METHODS = ("contraction", "compensation", "pseudo_inverse", "clipped_pseudo_inverse")
 
-WEIGHTS_SPAN = 1e12
+WEIGHTS_SPAN = 1e6
 """Largest ratio of two thruster weights: that of the allocator."""
 
 Force = Annotated[float, Field(ge=-1e6, le=1e6)]
-Weight = Annotated[float, Field(gt=0, le=1e12)]
+Weight = Annotated[float, Field(ge=1 / WEIGHTS_SPAN, le=WEIGHTS_SPAN)]
 Price = Annotated[float, Field(ge=0, le=1e12)]
 
 
@@ -108,5 +108,5 @@ class Allocation(Block):
     @classmethod
     def _can_be_told_apart(cls, weights: tuple[float, ...] | None) -> object:
         if weights and max(weights) > WEIGHTS_SPAN * min(weights):
-            refuse(f"spans {min(weights):g} to {max(weights):g}; at most 1 to {WEIGHTS_SPAN:g} is solvable")
+            refuse(f"spans {min(weights):g} to {max(weights):g}; a ratio of {WEIGHTS_SPAN:g} at most is solvable")
         return weights
