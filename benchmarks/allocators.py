@@ -21,6 +21,7 @@ from cube_sim.allocation.geometry import lever_length
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import NullFormatter
 
 REVERSAL, SWITCHING = "allocation.reversal_penalty_N2", "allocation.switching_penalty_N2"
 FREE = {REVERSAL: 0.0, SWITCHING: 0.0}
@@ -84,6 +85,8 @@ def draw(results: dict[str, dict[str, float]], file: Path) -> None:
         axis.set_title(column, fontsize=10)
         if values.min() > 0.0 and values.max() / values.min() > 20.0:
             axis.set_xscale("log")
+            axis.set_xlim(left=10.0 ** np.floor(np.log10(values.min())))
+            axis.xaxis.set_minor_formatter(NullFormatter())
         axis.grid(axis="x", alpha=0.3)
         axis.tick_params(labelsize=8)
     axes[0].invert_yaxis()
