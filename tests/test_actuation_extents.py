@@ -130,6 +130,15 @@ def test_without_rest_a_wrench_set_can_be_empty():
     assert e.alone_with_dead_zones.shape == (0, 2)
 
 
+def test_thrusters_at_round_angles_keep_the_intervals_that_rounding_makes_thin():
+    # T2 = T4 = F, the others at rest, makes Mz = 0.3 F: to rounding, for the cosines of the angles are.
+    angles, levers = np.radians([225.0, 180.0, 195.0, 0.0]), np.array([-0.2, 0.1, 0.2, 0.2])
+    A = np.array([np.cos(angles), np.sin(angles), levers])
+    yaw = extents(A, [0, 0, 3, 40])[2]
+    assert yaw.alone_with_dead_zones == pytest.approx(np.array([[0, 0], [0.9, 12]]), abs=1e-9)
+    assert yaw.finest[1] == pytest.approx(0.9)
+
+
 def milp_end(A, limits, d, sign, least=-np.inf):
     """Largest sign * t, t >= least, with t d = A F and F on allowed sides or at rest, by HiGHS; nan when infeasible."""
     n, m = A.shape

@@ -271,10 +271,7 @@ def attained(
             continue
         shift(lower, upper, gain, low, high, count, depth, child[depth, at])
         if depth == m - 1:
-            exact_first, exact_last = span(along, lower[m], upper[m], reach, 0.0)
-            if exact_first > exact_last:  # a point, up to rounding
-                exact_first = exact_last = 0.5 * (first + last)
-            union, size = united(union, size, exact_first, exact_last, join)
+            union, size = united(union, size, first, last, join)
             continue
         depth += 1
         entered = True
