@@ -11,12 +11,10 @@ from typing import Any
 import numpy as np
 
 from cube_sim.actuation import Analysis, Hull, Mission, Survivability, analyse, survivability
-from cube_sim.actuation.allowed import AllowedForces
 from cube_sim.actuation.asked import SPEEDS_M_S
 from cube_sim.actuation.extents import Extent
 from cube_sim.actuation.losses import LossCase
-from cube_sim.actuation.subspaces import subspaces
-from cube_sim.actuation.verdict import Verdict, judge
+from cube_sim.actuation.verdict import Verdict
 from cube_sim.actuation.wrench_axes import Matrix
 from cube_sim.errors import ActuationError
 from cube_sim.vehicle.loading import load_model
@@ -107,9 +105,13 @@ def analyze(
     gone = _names(lost)
     body = hull_of(vehicle)
     mission = Mission() if speed_m_s is None else Mission(speed_m_s=speed_m_s)
-    analysis = analyse(A, limits, names=names, lost=gone, hull=body, mission=mission, cost_limit=cost_limit)
-    if not planar and not analysis.verdict.follows:
-        analysis = replace(analysis, verdict=_with_hint(analysis, limits, names, body, mission))
+
+    def analysis_of(matrix: Matrix) -> Analysis:
+        return analyse(matrix, limits, names=names, lost=gone, hull=body, mission=mission, cost_limit=cost_limit)
+
+    analysis = analysis_of(A)
+    if not planar and not analysis.verdict.follows and analysis_of(A[PLANAR_ROWS]).verdict.follows:
+        analysis = replace(analysis, verdict=_with_hint(analysis.verdict))
     most = MOST_LOSSES if picture is not None else losses
     table = (
         survivability(
@@ -139,16 +141,10 @@ def _names(listed: str) -> tuple[str, ...]:
     return names
 
 
-def _with_hint(analysis: Analysis, limits: Matrix, names: tuple[str, ...], hull: Hull, mission: Mission) -> Verdict:
-    """The verdict in space, with a word on the plane when a path can be followed there."""
-    s = analysis.subspaces
-    in_plane = subspaces(s.matrix[PLANAR_ROWS], length_m=s.length_m)
-    left = limits[[names.index(name) for name in analysis.names]]
-    allowed = AllowedForces.from_limits(left, len(left), dead_zones=False)
-    if not judge(in_plane, hull, allowed, mission).follows:
-        return analysis.verdict
+def _with_hint(verdict: Verdict) -> Verdict:
+    """The verdict in space, with a word on the plane, where a path can be followed."""
     hint = "kept at its depth by other means it follows planar paths (--planar)"
-    return replace(analysis.verdict, reason=f"{analysis.verdict.reason}; {hint}")
+    return replace(verdict, reason=f"{verdict.reason}; {hint}")
 
 
 def to_dict(report: Report) -> dict[str, Any]:

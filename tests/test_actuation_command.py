@@ -110,6 +110,14 @@ def test_a_vehicle_kept_at_its_depth_is_pointed_to_its_plane(model):
     assert "--planar" not in analyze(CUBE, "--speed", "5").output
 
 
+@pytest.mark.parametrize("limit", ["0.1", "1", "2"])
+@pytest.mark.parametrize("model", ["models/infante.xml", "models/jack.xml"])
+def test_the_plane_is_pointed_to_where_a_path_can_be_followed_there_at_the_same_cost(model, limit):
+    said, planar = (analyze(model, "--cost-limit", limit, *more).output for more in ([], ["--planar"]))
+    assert "path following: no" in said
+    assert ("(--planar)" in said) == ("path following: yes" in planar)
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("speed", ["1e300", "0", "nan", "inf", "-1", "1e-9"])
 def test_a_speed_out_of_range_is_one_line(speed):
