@@ -10,9 +10,12 @@ from actuation_vehicles import cube, hull_of, random_hull, vehicle
 from scipy.optimize import linprog
 
 from cube_sim.actuation.allowed import AllowedForces
+from cube_sim.actuation.attainable import attainable
+from cube_sim.actuation.best_attitude import best_attitudes
 from cube_sim.actuation.courses import courses
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.linear_motion import linearise
+from cube_sim.actuation.percent import percent
 from cube_sim.actuation.subspaces import subspaces
 from cube_sim.actuation.verdict import Mission, Outcome, judge
 from cube_sim.errors import ActuationError
@@ -39,6 +42,14 @@ def test_steady_wrench_is_what_the_equations_of_motion_ask_for():
         R, nu = random_rotation(rng), rng.normal(size=6)
         wanted = vehicle.dynamics.wrench(R, nu, np.zeros(6), np.zeros(3))
         assert np.allclose(hull.steady_wrench(nu, R.T[:, 2]), wanted, atol=1e-9)
+
+
+def test_many_steady_wrenches_at_once_are_those_one_by_one():
+    rng = np.random.default_rng(12)
+    hull, v, R = random_hull(rng), rng.normal(size=(5, 3)), [random_rotation(rng) for _ in range(5)]
+    ups = np.array([r[2] for r in R])
+    one_by_one = [hull.steady_wrench(np.r_[a, 0, 0, 0], up) for a, up in zip(v, ups, strict=True)]
+    assert np.allclose(hull.steady_wrenches(v, ups), one_by_one)
 
 
 def test_slopes_are_derivatives():
@@ -260,7 +271,7 @@ def test_a_course_no_forces_hold_says_how_much_of_it_they_hold():
     verdict = judge_of("cube", level)
     assert verdict.outcome is Outcome.STUCK
     (steered,) = verdict.courses
-    assert f"they hold {100 * steered.share:.2g} % of it" in verdict.reason
+    assert f"they hold {int(100 * steered.share)} % of it in the best attitude" in verdict.reason
     A, T, wrench = v.actuation_matrix, v.thrusters.limits, steered.course.wrench
     assert held_by_programme(A, T, 0.999 * steered.share * wrench)
     assert not held_by_programme(A, T, 1.001 * steered.share * wrench)
@@ -330,3 +341,72 @@ def test_what_follows_with_a_thruster_fewer_follows():
     assert judge_of("jack", fast, lost=(0, 3)).follows
     assert judge_of("jack", fast, lost=(0,)).follows
     assert judge_of("jack", fast).follows
+
+
+def shares_of(R, hull, reach, course_W):
+    return reach.share(np.array([hull.steady_wrench(np.r_[r.T @ course_W, 0, 0, 0], r[2]) for r in R]))
+
+
+@pytest.mark.parametrize(
+    ("name", "lost", "speed", "ballast_N", "least"),
+    [
+        ("bluerov2_heavy", (), 1.0, 0.0, 1.55),
+        ("bluerov2_heavy", (0,), 1.0, 0.0, 1.44),
+        ("cube_as_built", (0, 5), 1.0, 0.0, 1.54),
+        ("cube", (3,), 0.3, 140.0, 1.1),
+        ("cube", (), 1.6, 0.0, 0.81),
+    ],
+)
+def test_the_best_attitude_beats_all_random_ones(name, lost, speed, ballast_N, least):
+    v, rng = vehicle(name), np.random.default_rng(11)
+    hull = replace(hull_of(v), weight=hull_of(v).weight + ballast_N)
+    A, T = (np.delete(x, lost, axis=k) for x, k in ((v.actuation_matrix, 1), (v.thrusters.limits, 0)))
+    allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
+    actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
+    reach, tilt = attainable(actuation, allowed), -np.radians(15) if name == "bluerov2_heavy" else 0.0
+    best = best_attitudes(hull, actuation, reach, speed, tilt)[0]
+    course_W = speed * np.array([np.cos(tilt), 0, np.sin(tilt)])
+    assert best.velocity @ best.up == pytest.approx(course_W[2])
+    assert np.allclose(best.wrench, hull.steady_wrench(np.r_[best.velocity, 0, 0, 0], best.up))
+    share = reach.share(best.wrench[None])[0]
+    assert share > least
+    assert share > np.max(shares_of([random_rotation(rng) for _ in range(3000)], hull, reach, course_W))
+    assert judge(actuation, hull, allowed, Mission(speed_m_s=speed)).follows == (share > 1)
+
+
+def test_in_the_plane_the_best_heading_is_found():
+    v, speed = vehicle("jack"), 2.0
+    A = v.actuation_matrix[[0, 1, 5]]
+    actuation, hull = subspaces(A), hull_of(v)
+    reach = attainable(actuation, AllowedForces.from_limits(v.thrusters.limits, 4, dead_zones=False))
+    best = best_attitudes(hull, actuation, reach, speed, 0.0)[0]
+    assert best.up == pytest.approx(UP)
+    headings = np.linspace(0, 2 * np.pi, 2000)
+    moving = np.column_stack([np.cos(headings), -np.sin(headings), 0 * headings]) * speed
+    shares = reach.share(hull.steady_wrenches(moving, np.tile(UP, (2000, 1)))[:, [0, 1, 5]])
+    assert reach.share(best.wrench[None])[0] >= np.max(shares) - 1e-9
+
+
+def test_a_vehicle_follows_where_it_does_with_a_thruster_fewer():
+    fast = Mission(speed_m_s=1.0, inclinations_rad=(-np.radians(15),))
+    assert all(judge_of("bluerov2_heavy", fast, lost=lost).follows for lost in ((), (4,), (4, 0)))
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (0.9999999, "99 %"),
+        (0.0999, "9.9 %"),
+        (0.10, "10 %"),
+        (0.00356, "0.35 %"),
+        (1e-7, "less than 0.01 %"),
+        (0, "0 %"),
+    ],
+)
+def test_a_share_is_rounded_down_in_plain_digits(share, text):
+    assert percent(share) == text
+
+
+def test_a_share_just_short_of_all_is_not_all():
+    reason = judge_of("cube_as_built", Mission(speed_m_s=0.7)).reason
+    assert "it holds 99 % in the worst attitude" in reason

@@ -8,6 +8,7 @@ import numpy as np
 
 from cube_sim.actuation.attainable import Attainable
 from cube_sim.actuation.hull import Hull
+from cube_sim.actuation.percent import percent
 from cube_sim.actuation.wrench_axes import Matrix, Vector
 
 _GRID = np.linspace(-1.0, 1.0, 7)
@@ -33,9 +34,7 @@ def shortfall(hull: Hull, reach: Attainable, speed_m_s: float) -> str | None:
     shares = reach.share(moving)
     worst = int(np.argmin(shares))
     if shares[worst] < 1.0:
-        return (
-            f"of the drag at {speed_m_s:g} m/s along {_words(directions[worst])} it holds {100.0 * shares[worst]:.2g} %"
-        )
+        return f"of the drag at {speed_m_s:g} m/s along {_words(directions[worst])} it holds {percent(shares[worst])}"
     if planar:
         return None
     floating = np.column_stack([hull.steady_wrench(np.zeros(6), e) for e in np.eye(3)])
@@ -47,7 +46,7 @@ def shortfall(hull: Hull, reach: Attainable, speed_m_s: float) -> str | None:
     share = float(np.min(reach.reach[asked] / both[asked], initial=np.inf))
     if share < 1.0:
         together = f"of drag at {speed_m_s:g} m/s, weight and lift together"
-        return f"{together} it holds {100.0 * share:.2g} % in the worst attitude"
+        return f"{together} it holds {percent(share)} in the worst attitude"
     return None
 
 

@@ -59,7 +59,7 @@ def courses(
         inclined: start with the body's deck along the course, not level.
     """
     pitch = _rotation(np.array([0.0, -inclination_rad if inclined else 0.0, 0.0]))
-    course_W = speed_m_s * np.array([np.cos(inclination_rad), 0.0, np.sin(inclination_rad)])
+    course_W = course_velocity(speed_m_s, inclination_rad)
     planar = len(actuation.matrix) == 3
     rows = [0, 1, 5] if planar else list(range(6))
     conditions = np.array([c.coefficients for c in actuation.unreachable]).reshape(-1, len(rows))
@@ -87,6 +87,11 @@ def courses(
             length = float(np.linalg.norm(step))
             R = R @ _rotation(turns @ step * min(1.0, 0.5 / max(length, 1e-12)))
     return tuple(found)
+
+
+def course_velocity(speed_m_s: float, inclination_rad: float) -> Vector:
+    """(3,) [m/s], world axes: forwards and up."""
+    return speed_m_s * np.array([np.cos(inclination_rad), 0.0, np.sin(inclination_rad)])
 
 
 def _offset(hull: Hull) -> float:

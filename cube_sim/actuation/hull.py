@@ -52,6 +52,14 @@ class Hull:
         drag = self.linear_damping @ nu + self.quadratic_damping @ (np.abs(nu) * nu)
         return self._coriolis(nu) + drag - self._hydrostatic(up)
 
+    def steady_wrenches(self, velocities: Matrix, ups: Matrix) -> Matrix:
+        """`steady_wrench` (q,6) of many states at once that do not turn: velocities (q,3) [m/s], ups (q,3)."""
+        floating = np.column_stack([self._hydrostatic(e) for e in np.eye(3)])
+        v, D, D_q = velocities, self.linear_damping[:, :3], self.quadratic_damping[:, :3]
+        moving = v @ D.T + (np.abs(v) * v) @ D_q.T
+        moving[:, 3:] += np.cross(v, v @ self.mass[:3, :3].T)
+        return moving - ups @ floating.T
+
     def steady_wrench_slope(self, nu: Vector, swing: Vector | None = None) -> Matrix:
         """(6,6) derivative of `steady_wrench` by nu.
 

@@ -10,6 +10,7 @@ import numpy as np
 from cube_sim.actuation.allowed import AllowedForces
 from cube_sim.actuation.asked import Mission
 from cube_sim.actuation.attainable import Attainable, holding_forces
+from cube_sim.actuation.best_attitude import best_attitudes
 from cube_sim.actuation.courses import Course, courses
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.linear_motion import linearise
@@ -72,10 +73,11 @@ def steered_course(
         inclination_rad: of the course.
 
     Returns:
-        None when no attitude is found in which the wrench is in range(A).
+        None when no attitude is found in which the wrench is in range(A). Where all components are left, the share of
+        one that exceeds the limits is the largest of all attitudes.
     """
     found: list[SteeredCourse] = []
-    for attempt in _attempts(hull, actuation, asked, inclination_rad):
+    for attempt in _attempts(hull, actuation, reach, asked, inclination_rad):
         for course in attempt:
             share = float("inf") if reach is None else float(reach.share(course.wrench[None, :])[0])
             found.append(SteeredCourse(course, share, (), 0.0))
@@ -95,13 +97,20 @@ def steered_course(
     return best
 
 
-def _attempts(hull: Hull, actuation: Subspaces, asked: Mission, inclination_rad: float) -> Iterator[tuple[Course, ...]]:
-    """Attitudes to try: near level, with the deck along the course, and those in which one thruster is not needed."""
+def _attempts(
+    hull: Hull, actuation: Subspaces, reach: Attainable | None, asked: Mission, inclination_rad: float
+) -> Iterator[tuple[Course, ...]]:
+    """Attitudes to try: near level, with the deck along the course, then those in which one thruster is not needed.
+
+    Where all components are left nothing but the limits restricts the attitude, so that the best of all comes last.
+    """
     yield courses(hull, actuation, asked.speed_m_s, inclination_rad)
     if inclination_rad != 0.0:
         yield courses(hull, actuation, asked.speed_m_s, inclination_rad, inclined=True)
     for used in 1.0 - np.eye(actuation.matrix.shape[1]):
         yield courses(hull, actuation.with_only(used), asked.speed_m_s, inclination_rad)
+    if reach is not None and actuation.rank == len(actuation.matrix):
+        yield best_attitudes(hull, actuation, reach, asked.speed_m_s, inclination_rad)
 
 
 def _steered(

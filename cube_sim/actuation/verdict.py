@@ -19,6 +19,7 @@ from cube_sim.actuation.any_attitude import shortfall
 from cube_sim.actuation.asked import Mission
 from cube_sim.actuation.attainable import attainable
 from cube_sim.actuation.hull import Hull
+from cube_sim.actuation.percent import percent
 from cube_sim.actuation.steered import FURTHEST, SteeredCourse, steered_course
 from cube_sim.actuation.subspaces import Subspaces
 
@@ -35,7 +36,7 @@ class Outcome(Enum):
     WEAK = "weak"
     """Courses can be kept and steered, but too slowly to follow a path."""
     STUCK = "stuck"
-    """Some course cannot be kept at all in any attitude tried."""
+    """Some course cannot be kept: in any attitude, or in any tried where components are missing."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ def judge(
         best.append(found)
         if not found.within_limits:
             text = f"{_course(inclination)} at {asked.speed_m_s:g} m/s needs more force than the thrusters have"
-            text = f"{text}: they hold {100.0 * found.share:.2g} % of it"
+            text = f"{text}: they hold {percent(found.share)} of it {_where(able)}"
             return Verdict(Outcome.STUCK, f"{_left(able)}; {text}", tuple(best))
     missing = None
     if reach is not None and able.rank == len(able.matrix):
@@ -132,6 +133,14 @@ def _left(actuation: Subspaces) -> str:
         return f"all {n} components are produced"
     forces, torques = actuation.pure_forces.shape[1], actuation.pure_torques.shape[1]
     return f"{actuation.rank} of {n} components are left: {forces} pure force, {torques} pure torque"
+
+
+def _where(actuation: Subspaces) -> str:
+    """In which attitude the share of a course is the largest."""
+    n = len(actuation.matrix)
+    if actuation.rank < n:
+        return "in the best of the attitudes tried"
+    return "in the best attitude" if n == 6 else "at the best heading"
 
 
 def _course(inclination_rad: float) -> str:
