@@ -88,7 +88,8 @@ def main() -> None:
                 costs[name] = exact_cost(timed(name, i, allocator.allocate, wrench))
             for name, cost in costs.items():
                 wrong[name] += not np.isclose(cost, costs["search"], rtol=1e-5, atol=1e-6)
-            if i % block == 0:
+            spinning = turn == 0 and i < options.enumerated  # threads of the enumeration, for a while
+            if i % block == 0 and not spinning:
                 part = wrenches[i : i + block]
                 answers = timed("batch", i, batch.allocate_many, part, len(part))
                 there = np.where(answers.status == Status.EXACT, answers.cost, np.inf)
