@@ -9,9 +9,9 @@ from types import CodeType
 from typing import Any
 
 import numba
-from numba.core import cgutils
+from numba.core import cgutils, types
 from numba.extending import intrinsic
-from numba.np.arrayobj import make_array
+from numba.np.arrayobj import make_array, populate_array
 
 
 @intrinsic
@@ -28,6 +28,39 @@ def borrowed(typingctx: Any, array: Any) -> Any:
         return view._getvalue()
 
     return array(array), codegen
+
+
+@intrinsic
+def cut(typingctx: Any, array: Any, at: Any, shape: Any, dtype: Any) -> Any:
+    """Entries of a flat array from ``at`` on as an array of a shape (tuple of int), without a share in its memory.
+
+    ``dtype`` is np.float64 or np.int64, whose eight bytes are read as they are. Nothing is checked, and who holds the
+    flat array must hold it as long as the piece is used.
+    """
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        flat = make_array(signature.args[0])(context, builder, args[0])
+        result = make_array(signature.return_type)(context, builder)
+        eight = context.get_constant(types.intp, 8)
+        sizes, strides = cgutils.unpack_tuple(builder, args[2]), [eight]
+        for extent in reversed(sizes[1:]):
+            strides.insert(0, builder.mul(strides[0], extent))
+        start = builder.bitcast(builder.gep(flat.data, [args[1]]), result.data.type)
+        populate_array(result, start, sizes, strides, eight, None)
+        return result._getvalue()
+
+    whole = types.UniTuple(types.intp, len(shape))
+    return types.Array(dtype.dtype, len(shape), "C")(array, types.intp, whole, dtype), codegen
+
+
+@intrinsic
+def bits(typingctx: Any, number: Any) -> Any:
+    """The eight bytes of a float as an int: those of positive floats are in the same order."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.bitcast(args[0], context.get_value_type(types.int64))
+
+    return types.int64(types.float64), codegen
 
 
 def compiled(function: Callable[..., Any]) -> Any:

@@ -11,16 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.arguments import comparable, flag, numbers, one_of, pairs, row, scalar
-from cube_sim.allocation.decide import allocate_each, blank_answers
+from cube_sim.allocation.decide import allocate_each, answer_size
 from cube_sim.allocation.enumeration import Enumeration
 from cube_sim.allocation.geometry import actuation_matrix, lever_length, torque_rows, wrench_distance, wrench_fibre
 from cube_sim.allocation.limits import side_table, thruster_limits
 from cube_sim.allocation.memory import blank_memory
 from cube_sim.allocation.objectives import Objective, side_targets
+from cube_sim.allocation.packed import memory_rows, pack
 from cube_sim.allocation.proxqp import Confirmer
 from cube_sim.allocation.result import Allocation, Allocations, Status
 from cube_sim.allocation.standing import Standing
-from cube_sim.allocation.tables import beyond, make_tables, pack
+from cube_sim.allocation.tables import beyond, make_tables
 from cube_sim.errors import AllocationError
 
 Method = Literal["search+proxqp", "search", "enumerate", "enumerate_parallel"]
@@ -44,6 +45,8 @@ ROUNDING = 1e-10
 Unattainable = Literal["closest", "scaled"]
 """``closest``: the closest attainable wrench in the weighted norm. ``scaled``: the largest attainable part of the
 demand in its own direction."""
+
+FLOAT, SIDE = np.dtype(np.float64), np.dtype(np.int8)
 
 _STATUS = tuple(Status)
 
@@ -176,15 +179,14 @@ class Allocator:
             scaled=self.unattainable == "scaled",
         )
         self._far = beyond(wrench_distance(self.A, self.wrench_weights), facets=self._tables.scaled)
-        self._packed = pack(self._tables, self._far)
-        self._memory, self._nothing = blank_memory(m), np.empty((0, n))
-        self._room, self._ends = blank_answers(1, n, m).shape, (m, m + n, m + 2 * n, 2 * m + 2 * n)
+        self._memory = blank_memory(m)
+        self._pack()
+        self._size, self._ends = answer_size(n, m), (m, m + n, m + 2 * n, 2 * m + 2 * n)
         self._confirmer = (
             Confirmer(self._tables, self._packed, AGREEMENT, max(largest, 1e-6))
             if self.method == "search+proxqp"
             else None
         )
-        self._enumeration = self._enumerate()
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles are built anew and told what to remember: ProxQP's memory cannot be copied."""
@@ -198,10 +200,14 @@ class Allocator:
         """Go on from a copy's memory (3, m) and effort."""
         self._memory[:], self.effort = state
 
-    def _enumerate(self) -> Enumeration | None:
-        if not self.method.startswith("enumerate"):
-            return None
-        return Enumeration(self._tables, self._far, self.method == "enumerate_parallel")
+    def _pack(self) -> None:
+        """Prepare what answers demands; the memory lies in it."""
+        self._packed = pack(self._tables, self._far, self._memory)
+        self._memory = memory_rows(self._packed, len(self.limits))
+        parallel = self.method == "enumerate_parallel"
+        self._enumeration = (
+            Enumeration(self._tables, self._far, parallel) if self.method.startswith("enumerate") else None
+        )
 
     def reset(self) -> None:
         """Forget the previous answer, as at the start of a run."""
@@ -229,7 +235,7 @@ class Allocator:
             AllocationError: the wrench is not n numbers.
         """
         demand = self._demand(wrench)
-        return self._answer(demand, demand, self._nothing)
+        return self._answer(demand, demand)
 
     def allocate_by_priority(self, primary: ArrayLike, secondary: ArrayLike) -> Allocation:
         """Find the forces for a demand ``primary + secondary`` whose secondary part gives way.
@@ -253,46 +259,36 @@ class Allocator:
         first, second = self._demand(primary), self._demand(secondary)
         if not len(self._far.facets):
             self._far = beyond(self._far.distance, facets=True)
-            self._packed = pack(self._tables, self._far)
-            self._enumeration = self._enumerate()
-        return self._answer(first + second, first, second)
+            self._pack()
+        return self._answer(first + second, np.concatenate((first, second)))
 
     def _demand(self, wrench: ArrayLike) -> NDArray[np.float64]:
-        """A checked demand as one row, (1, n)."""
-        plain = isinstance(wrench, np.ndarray) and wrench.dtype == np.float64
+        """A checked demand (n,)."""
+        plain = isinstance(wrench, np.ndarray) and wrench.dtype is FLOAT
         demand = np.ascontiguousarray(wrench) if plain else numbers("the wrench", wrench, "vector")
         if demand.shape != self.wrench_weights.shape:
             raise AllocationError(f"the wrench has shape {demand.shape}; A has {len(self.A)} rows")
-        return demand[None]
+        return demand
 
-    def _answer(
-        self, demand: NDArray[np.float64], primary: NDArray[np.float64], secondary: NDArray[np.float64]
-    ) -> Allocation:
-        """Answer one demand, in one row, whose parts are ``primary`` and ``secondary``, which may have no row."""
-        answers = np.zeros(self._room)
+    def _answer(self, demand: NDArray[np.float64], demands: NDArray[np.float64]) -> Allocation:
+        """Answer one demand (n,) given as it is, or as its two parts (2 n,)."""
+        row, effort = np.zeros(self._size), self.effort
         if self._enumeration is None:
-            allocate_each(*self._packed, self._memory, primary, secondary, answers)
+            residual, cost, status, nodes, doubts = allocate_each(self._packed, demands, row)
+            effort.nodes += nodes
+            effort.unproven += doubts
         else:
-            self.effort.qps += self._enumeration.allocate(self._memory, primary, secondary, answers)
-        row, effort = answers[0], self.effort
-        residual, cost, number, _, nodes, unproven = row[-6:].tolist()
-        effort.nodes += int(nodes)
-        effort.unproven += int(unproven)
+            effort.qps += self._enumeration.allocate(self._memory, demands, row)
+            residual, cost, status, _ = row[-4:].tolist()
         if self._confirmer is not None:
             effort.qps += 1
-            if not self._confirmer.confirms(answers, demand[0]):
+            if not self._confirmer.confirms(row, demand):
                 effort.disagreements += 1
         m, a, b, c = self._ends
-        return Allocation(
-            row[:m],
-            row[m:a],
-            row[a:b],
-            residual,
-            cost,
-            row[b:c].astype(np.int8),
-            _STATUS[int(number)],
-            None if self.power_coefficients is None else electrical_power(self.power_coefficients, row[:m]),
-        )
+        force, subset, status = row[:m], row[b:c].astype(SIDE), _STATUS[int(status)]
+        power = None if self.power_coefficients is None else electrical_power(self.power_coefficients, force)
+        # A named tuple's own constructor takes longer than the arrays it is given.
+        return tuple.__new__(Allocation, (force, row[m:a], row[a:b], residual, cost, subset, status, power))
 
     def allocate_many(self, wrenches: ArrayLike) -> Allocations:
         """Find the forces for N demanded wrenches in order, in one compiled call.
@@ -309,19 +305,19 @@ class Allocator:
         n, m = self.A.shape
         if demands.ndim != 2 or demands.shape[1] != n:
             raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")
-        answers = blank_answers(len(demands), n, m)
-        allocate_each(*self._packed, self._memory, demands, self._nothing, answers)
+        answers = np.zeros((len(demands), self._size))
+        *_, nodes, doubts = allocate_each(self._packed, demands.ravel(), answers.ravel())
+        self.effort.nodes += nodes
+        self.effort.unproven += doubts
         _, a, b, c = self._ends
-        rest = answers[:, -6:]
-        self.effort.nodes += int(rest[:, 4].sum())
-        self.effort.unproven += int(rest[:, 5].sum())
+        rest = answers[:, -4:]
         return Allocations(
             answers[:, :m].copy(),
             answers[:, m:a].copy(),
             answers[:, a:b].copy(),
             rest[:, 0].copy(),
             rest[:, 1].copy(),
-            answers[:, b:c].astype(np.int8),
+            answers[:, b:c].astype(SIDE),
             rest[:, 2].astype(np.int8),
         )
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cube_sim.allocation.geometry import WrenchFibre
 from cube_sim.allocation.lines import line_search
 from cube_sim.allocation.memory import Tick, price_of, sides_of
+from cube_sim.allocation.room import Room
 from cube_sim.allocation.search import FOUND, GAVE_UP, search
 from cube_sim.allocation.ties import changed, preferred
 from cube_sim.compiled import compiled, inlined
@@ -23,6 +24,7 @@ def cheapest(
     tick: Tick,
     previous: NDArray[np.float64],
     origin: NDArray[np.float64],
+    room: Room,
     spare: NDArray[np.float64],
     force: NDArray[np.float64],
     subset: NDArray[np.float64],
@@ -37,7 +39,8 @@ def cheapest(
         tick: sides and prices of this call.
         previous: (m,) subset that ties prefer.
         origin: (m,) [N].
-        spare: (3, m) room to work in.
+        room: to work in.
+        spare: (3, m) the part of it that is used here.
         force: (m,) out [N], clipped to its sides.
         subset: (m,) out.
         multiplier: (m,) out.
@@ -51,7 +54,9 @@ def cheapest(
     for a in range(tick.targets.shape[0]):
         sides, price = sides_of(tick, a), price_of(tick, a)
         if planar:
-            there, cost, looked = line_search(origin, plane, sides, price, previous, tick.tolerance, trial, chosen, mu)
+            there, cost, looked = line_search(
+                origin, plane, sides, price, previous, tick.tolerance, room, trial, chosen, mu
+            )
         else:
             outcome, cost, looked = search(
                 origin, fibre.kernel, sides, price, previous, tick.tolerance, trial, chosen, mu

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.cheapest import cheapest, cost_on, snap
 from cube_sim.allocation.demand import attainable_origin, nearest_origins, share_origin
-from cube_sim.allocation.memory import memory_of, remember, this_tick
-from cube_sim.allocation.tables import unpack, unpack_beyond
+from cube_sim.allocation.memory import remember, this_tick
+from cube_sim.allocation.packed import unpack, unpack_beyond, unpack_memory, unpack_room
 from cube_sim.allocation.ties import changed, preferred
-from cube_sim.compiled import borrowed, compiled
+from cube_sim.compiled import borrowed, compiled, cut
 
 EXACT, CLOSEST, INVALID_WRENCH, UNPROVEN, UNPROVEN_CLOSEST, SCALED, YIELDED = 0, 1, 2, 5, 6, 7, 8
 """The numbers of `Status`."""
@@ -33,8 +33,7 @@ class Answer(NamedTuple):
         multiplier: (m,) of the interval ends at the solution of the subset's problem.
         low: (m,) lower end of the side each motor is on [N].
         high: (m,) upper end of it [N].
-        rest: (6,) residual [N], cost [N^2], status, winning alternative of the objective, nodes looked at, and 1
-            where the answer is not proven.
+        rest: (4,) residual [N], cost [N^2], status, winning alternative of the objective.
     """
 
     force: NDArray[np.float64]
@@ -47,14 +46,15 @@ class Answer(NamedTuple):
     rest: NDArray[np.float64]
 
 
-def blank_answers(count: int, rows: int, motors: int) -> NDArray[np.float64]:
-    """(count, 5 m + 2 n + 6) room for answers, one row each; `answer_of` says what is where."""
-    return np.zeros((count, 5 * motors + 2 * rows + 6))
+@compiled
+def answer_size(rows: int, motors: int) -> int:
+    """Numbers in one answer; `answer_of` says what is where."""
+    return 5 * motors + 2 * rows + 4
 
 
 @compiled
 def answer_of(row: NDArray[np.float64], n: int, m: int) -> Answer:
-    """Name the parts of one row of answers."""
+    """Name the parts of one answer."""
     a, b = m + n, m + 2 * n
     return Answer(
         row[:m], row[m:a], row[a:b], row[b : b + m], row[b + m : b + 2 * m], row[b + 2 * m : b + 3 * m],
@@ -83,45 +83,44 @@ def complete(
 
 @compiled
 def allocate_each(
-    numbers: NDArray[np.float64],
-    integers: NDArray[np.int64],
-    memory: NDArray[np.float64],
-    primary: NDArray[np.float64],
-    secondary: NDArray[np.float64],
-    answers: NDArray[np.float64],
-) -> None:
-    """Allocate N demands ``primary + secondary`` in order, each remembering the one before.
+    packed: NDArray[np.float64], demands: NDArray[np.float64], answers: NDArray[np.float64]
+) -> tuple[float, float, int, int, int]:
+    """Allocate N demands in order, each remembering the one before.
 
-    A demand that holds a NaN or an infinity counts as zero. A demand that is not attainable yields its secondary part
-    first: the largest share of it is made that is attainable together with the primary part. Scaling a demand is the
-    same with a primary part of zero.
+    A demand that holds a NaN or an infinity counts as zero. One of two parts, ``primary + secondary``, that is not
+    attainable yields its secondary part first: the largest share of it is made that is attainable together with the
+    primary part. Scaling a demand is the same with a primary part of zero.
 
     Args:
-        numbers: see `Packed`.
-        integers: see `Packed`.
-        memory: (3, m) see `Memory`; changed in place.
-        primary: (N, n) [N], [N m].
-        secondary: (N, n), or (0, n) for demands that have no such part.
-        answers: (N, ...) from `blank_answers`.
+        packed: see `pack`; the memory in it is changed.
+        demands: (N n,) one after the other [N], [N m]; or (N 2 n,), each primary part followed by its secondary one.
+        answers: (N `answer_size`,) out. What is handed over is flat because each view costs a caller time.
+
+    Returns:
+        Residual [N], cost [N^2] and status of the last answer; of all, nodes looked at and answers not proven.
     """
-    answers, primary, secondary = borrowed(answers), borrowed(primary), borrowed(secondary)
-    numbers, integers = borrowed(numbers), borrowed(integers)
-    t, known = unpack(numbers, integers), memory_of(borrowed(memory))
+    packed, demands, answers = borrowed(packed), borrowed(demands), borrowed(answers)
+    t, known, room = unpack(packed), unpack_memory(packed), unpack_room(packed)
+    residual, final_cost, final, nodes_of_all, doubts = 0.0, 0.0, 0, 0, 0
     n, m = t.A.shape
-    wrenches, motors = np.zeros((4, n)), np.empty((7, m))  # two pieces of memory cost less time than eleven
-    demand, base, direction, part = wrenches[0], wrenches[1], wrenches[2], wrenches[3]
-    origin, trial, sides, mu, spare = motors[:1], motors[1], motors[2], motors[3], motors[4:]
-    two_parts = secondary.shape[0] > 0
-    for at in range(primary.shape[0]):
-        answer = answer_of(answers[at], n, m)
+    size = answer_size(n, m)
+    calls = answers.shape[0] // size
+    two_parts = demands.shape[0] > calls * n
+    width = 2 * n if two_parts else n
+    demand, base, direction, part = room.wrenches[0], room.wrenches[1], room.wrenches[2], room.wrenches[3]
+    origin, trial, sides, mu, spare = room.motors[:1], room.motors[1], room.motors[2], room.motors[3], room.motors[4:]
+    for at in range(calls):
+        answer = answer_of(cut(answers, at * size, (size,), np.float64), n, m)
+        first = at * width
+        second = first + width - n
         status, valid = EXACT, True
         for a in range(n):
-            demand[a] = primary[at, a] + secondary[at, a] if two_parts else primary[at, a]
+            demand[a] = demands[first + a] + demands[second + a] if two_parts else demands[first + a]
             valid = valid and math.isfinite(demand[a])
         for a in range(n):
             demand[a] = demand[a] if valid else 0.0
-            base[a] = primary[at, a] if two_parts and valid else 0.0
-            direction[a] = secondary[at, a] if two_parts and valid else demand[a]
+            base[a] = demands[first + a] if two_parts and valid else 0.0
+            direction[a] = demands[second + a] if two_parts and valid else demand[a]
             part[a] = base[a] if two_parts else demand[a]
         tick = this_tick(t, known)
         found, best, winner, changes_best, nodes, proven = False, math.inf, 0, 0, 0, True
@@ -132,20 +131,20 @@ def allocate_each(
             elif stage == 1:
                 status = CLOSEST
                 if valid and (two_parts or t.scaled):
-                    far = unpack_beyond(numbers, integers)
+                    far = unpack_beyond(packed)
                     share, looked, sure = share_origin(far, t.reach, tick, base, direction, origin[0], part)
                     count = int(share >= 0.0 or not two_parts)
                     status = YIELDED if two_parts else SCALED
             else:
                 status = CLOSEST if status == YIELDED else status
-                far = unpack_beyond(numbers, integers)
+                far = unpack_beyond(packed)
                 origins, looked, sure = nearest_origins(t.A, far.distance, t.fibre, t.reach, tick, part)
                 count = origins.shape[0]
             nodes += looked
             proven = proven and sure
             for c in range(count):
                 there, cost, alternative, looked, sure = cheapest(
-                    t.fibre, t.plane, t.planar, tick, known.subset, origins[c], spare, trial, sides, mu
+                    t.fibre, t.plane, t.planar, tick, known.subset, origins[c], room, spare, trial, sides, mu
                 )
                 nodes += looked
                 proven = proven and sure
@@ -169,8 +168,11 @@ def allocate_each(
         elif not proven:
             status = UNPROVEN if status == EXACT else UNPROVEN_CLOSEST
         answer.rest[1] = cost_on(tick, winner, answer.force, answer.subset)
-        answer.rest[2], answer.rest[3], answer.rest[4], answer.rest[5] = status, winner, nodes, 0.0 if proven else 1.0
+        answer.rest[2], answer.rest[3] = status, winner
         for i in range(m):
             s = int(answer.subset[i]) + 1
             answer.low[i], answer.high[i] = tick.low[i, s], tick.high[i, s]
         remember(t.edge, known, answer.force, answer.subset)
+        residual, final_cost, final = answer.rest[0], answer.rest[1], status
+        nodes_of_all, doubts = nodes_of_all + nodes, doubts + int(not proven)
+    return residual, final_cost, final, nodes_of_all, doubts

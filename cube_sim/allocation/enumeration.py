@@ -21,7 +21,7 @@ from cube_sim.allocation.decide import (
     complete,
 )
 from cube_sim.allocation.demand import attainable_origin, nearest_origins, share_origin
-from cube_sim.allocation.memory import Tick, memory_of, remember, this_tick
+from cube_sim.allocation.memory import Memory, Tick, remember, this_tick
 from cube_sim.allocation.proxqp import SubsetSolver, new_qp, settle
 from cube_sim.allocation.qp import SubsetQP, subset_qp
 from cube_sim.allocation.tables import Beyond, Tables
@@ -58,33 +58,32 @@ class Enumeration:
     def allocate(
         self,
         memory: NDArray[np.float64],
-        primary: NDArray[np.float64],
-        secondary: NDArray[np.float64],
-        answers: NDArray[np.float64],
+        demands: NDArray[np.float64],
+        row: NDArray[np.float64],
     ) -> int:
-        """Answer one demand into the first row of ``answers``; returns the number of ProxQPs solved.
+        """Answer one demand into ``row``, see `answer_of`; returns the number of ProxQPs solved.
 
         Args:
             memory: (3, m), changed in place.
-            primary: (1, n).
-            secondary: (1, n), or (0, n) for a demand without such a part.
-            answers: (1, ...) from `blank_answers`.
+            demands: (n,), or (2 n,) for one of two parts.
+            row: (`answer_size`,) out.
         """
-        t, known = self._tables, memory_of.py_func(memory)
+        t, known = self._tables, Memory(*memory)
         n, m = t.A.shape
+        primary, secondary = demands[:n], demands[n:]
         two_parts = len(secondary) > 0
-        demand = primary[0] + secondary[0] if two_parts else primary[0]
+        demand = primary + secondary if two_parts else primary
         valid = bool(np.all(np.isfinite(demand)))
         demand = demand if valid else np.zeros(n)
         tick = this_tick(t, known)
-        origin, part = np.empty(m), (primary[0] if two_parts and valid else demand).copy()
+        origin, part = np.empty(m), (primary if two_parts and valid else demand).copy()
         status, found, solved, proven = EXACT, None, 0, True
         if attainable_origin(t.fibre, t.reach, t.tolerance, demand, origin):
             found, solved = self._cheapest(tick, origin)
         if found is None:
             status = CLOSEST
         if found is None and valid and (two_parts or t.scaled):
-            base, direction = (primary[0], secondary[0]) if two_parts else (np.zeros(n), demand)
+            base, direction = (primary, secondary) if two_parts else (np.zeros(n), demand)
             share, _, proven = share_origin(self._far, t.reach, tick, base, direction, origin, part)
             if share >= 0.0 or not two_parts:
                 found, more = self._cheapest(tick, origin)
@@ -108,7 +107,7 @@ class Enumeration:
         elif not proven:
             status = UNPROVEN_CLOSEST
         cost, force, subset, alternative = found
-        answer = answer_of.py_func(answers[0], n, m)
+        answer = answer_of.py_func(row, n, m)
         answer.force[:], answer.subset[:] = force + 0.0, subset
         complete(t.A, t.error_scale, demand, answer)
         answer.rest[1:4] = cost, status, alternative

@@ -7,9 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.allocation.room import Room
 from cube_sim.allocation.sides import Price, Sides
 from cube_sim.allocation.ties import slack_of
-from cube_sim.compiled import compiled
+from cube_sim.compiled import bits, compiled
 
 PARALLEL, CROSSING = 1e-12, 1e-6
 """Two motors' lines in the plane count as parallel below the first sine and must cross above the second."""
@@ -38,6 +39,7 @@ def line_search(
     price: Price,
     previous: NDArray[np.float64],
     tolerance: float,
+    room: Room,
     force: NDArray[np.float64],
     subset: NDArray[np.float64],
     multiplier: NDArray[np.float64],
@@ -57,6 +59,7 @@ def line_search(
         price: of them, with one preferred force for all sides of a motor.
         previous: (m,) subset that ties prefer.
         tolerance: force that counts as rounding [N].
+        room: to work in.
         force: (m,) out [N].
         subset: (m,) out: -1, 0, +1.
         multiplier: (m,) out: multipliers of the interval ends.
@@ -68,12 +71,13 @@ def line_search(
     low, high, masks = sides.low, sides.high, sides.masks
     weight, target, penalty = price.weight, price.target, price.penalty
     slip = 2.0 * tolerance
-    lined, motors, numbers = np.empty((5, 6 * m)), np.empty((10, m)), np.empty((3, 6 * m), np.int64)
+    lined, motors, numbers = room.lines, room.planes, room.counts
     away, end, due = lined[0], lined[1], lined[2]  # lines: signed distance, force, penalty
     n0, n1 = lined[3], lined[4]  # unit normals
     near, length, p0, p1 = motors[0], motors[1], motors[2], motors[3]  # nearest forces, allowed or not; normals
     low0, low1, low2, high0, high1, high2 = motors[4], motors[5], motors[6], motors[7], motors[8], motors[9]
-    motor, press, chosen = numbers[0], numbers[1], numbers[2, :m]
+    motor, press, keys = numbers[0], numbers[1], numbers[2]
+    chosen = np.empty(m, np.int64)
     z0, z1 = 0.0, 0.0
     for i in range(m):
         p0[i], p1[i] = plane[i, 0], plane[i, 1]
@@ -105,6 +109,7 @@ def line_search(
                     motor[lines], end[lines], press[lines] = i, side_end, 1 - 2 * upper
                     due[lines] = penalty[i, s]
                     away[lines] = (side_end - near[i]) / length[i]
+                    keys[lines] = (bits(abs(away[lines])) & -256) | lines
                     lines += 1
 
     best, value = math.inf, math.inf
@@ -113,10 +118,12 @@ def line_search(
     for p in range(-1, lines):
         i, d, toll = -1, 0.0, 0.0
         if p >= 0:  # the nearest line is the next one
-            nearest, gap = p, abs(away[p])
-            for other in range(p + 1, lines):
-                if abs(away[other]) < gap:
-                    nearest, gap = other, abs(away[other])
+            rest = keys[p:lines]
+            lowest = rest[0]
+            for other in range(rest.shape[0]):
+                lowest = min(lowest, rest[other])
+            nearest = lowest & 255
+            keys[nearest] = (keys[p] & -256) | nearest
             away[p], away[nearest] = away[nearest], away[p]
             end[p], end[nearest] = end[nearest], end[p]
             due[p], due[nearest] = due[nearest], due[p]
@@ -139,10 +146,10 @@ def line_search(
                 off = away[q] - cosine * d
                 rounding = -1e-9 * (abs(d) + abs(away[q]))
                 if (
-                    abs(sine) <= SINE
-                    or off * off > (room - due[q]) * sine * sine
-                    or press[q] * off < rounding
-                    or press[p] * (d - cosine * away[q]) < rounding
+                    (abs(sine) <= SINE)
+                    | (off * off > (room - due[q]) * sine * sine)
+                    | (press[q] * off < rounding)
+                    | (press[p] * (d - cosine * away[q]) < rounding)
                 ):
                     continue
                 off /= sine

@@ -54,14 +54,8 @@ class Tick(NamedTuple):
 
 
 def blank_memory(motors: int) -> NDArray[np.float64]:
-    """(3, motors) for `memory_of`, as at the start of a run: all motors at rest."""
+    """(3, motors) rows of a `Memory` as at the start of a run: all motors at rest."""
     return np.zeros((3, motors))
-
-
-@compiled
-def memory_of(rows: NDArray[np.float64]) -> Memory:
-    """Name the rows of a memory."""
-    return Memory(rows[0], rows[1], rows[2])
 
 
 @inlined

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from proxsuite import proxqp
 
 from cube_sim.allocation.decide import EXACT, INVALID_WRENCH, UNPROVEN, answer_of
+from cube_sim.allocation.packed import unpack
 from cube_sim.allocation.qp import SubsetQP
-from cube_sim.allocation.tables import Packed, Tables, unpack
+from cube_sim.allocation.tables import Tables
 from cube_sim.compiled import borrowed, compiled
 
 BORDER = 1e-6
@@ -175,7 +176,7 @@ class Confirmer:
         scale: largest force there is [N].
     """
 
-    def __init__(self, tables: Tables, packed: Packed, agreement: float, scale: float) -> None:
+    def __init__(self, tables: Tables, packed: NDArray[np.float64], agreement: float, scale: float) -> None:
         rows, motors = tables.fibre.equations.shape
         self._packed, self._agreement_N, self._scale = packed, agreement * scale, scale
         self._solver = SubsetSolver(tables.weights, tables.fibre.equations)
@@ -183,14 +184,14 @@ class Confirmer:
         self._vectors = tuple(self._problem[i, :size] for i, size in enumerate([motors, rows, motors, motors, motors]))
         self._duals, self._multiplier = self._problem[5, :rows], np.zeros(motors)
 
-    def confirms(self, answers: NDArray[np.float64], wrench: NDArray[np.float64]) -> bool:
+    def confirms(self, row: NDArray[np.float64], wrench: NDArray[np.float64]) -> bool:
         """Whether ProxQP solves the subset of the one answer and finds the same forces.
 
         Args:
-            answers: holding one answer.
+            row: one answer, see `answer_of`.
             wrench: (n,) demand it answers.
         """
-        subset_problem(*self._packed, answers, wrench, self._problem, self._multiplier)
+        subset_problem(self._packed, row, wrench, self._problem, self._multiplier)
         linear, demand, low, high, force = self._vectors
         solved, x = self._solver.refine(
             (linear, demand, low, high), (force, self._duals, self._multiplier), self._scale
@@ -200,9 +201,8 @@ class Confirmer:
 
 @compiled
 def subset_problem(
-    numbers: NDArray[np.float64],
-    integers: NDArray[np.int64],
-    answers: NDArray[np.float64],
+    packed: NDArray[np.float64],
+    row: NDArray[np.float64],
     wrench: NDArray[np.float64],
     problem: NDArray[np.float64],
     multiplier: NDArray[np.float64],
@@ -210,18 +210,17 @@ def subset_problem(
     """Write the chosen subset's problem and its solution.
 
     Args:
-        numbers: see `Packed`.
-        integers: see `Packed`.
-        answers: holding one answer.
+        packed: see `pack`.
+        row: one answer, see `answer_of`.
         wrench: (n,) the demand.
         problem: (6, max(r, m)) out, one row each, filled from the left: linear cost (m,), demand (r,), lower ends (m,),
             upper ends (m,), forces (m,), multipliers of the equations (r,).
         multiplier: (m,) out: of the intervals.
     """
-    t = unpack(borrowed(numbers), borrowed(integers))
+    t = unpack(borrowed(packed))
     equations, particular = t.fibre.equations, t.fibre.particular
     rows, motors = equations.shape
-    answer = answer_of(borrowed(answers)[0], t.A.shape[0], motors)
+    answer = answer_of(borrowed(row), t.A.shape[0], motors)
     made = np.empty(motors)
     status = int(answer.rest[2])
     met = status == EXACT or status == UNPROVEN or status == INVALID_WRENCH  # a tuple compiles slower

@@ -1,4 +1,4 @@
-"""Everything about one vehicle's allocation that stays from call to call, in the form compiled code takes."""
+"""Everything about one vehicle's allocation that stays from call to call."""
 
 from __future__ import annotations
 
@@ -11,20 +11,6 @@ from cube_sim.allocation.facets import facet_normals
 from cube_sim.allocation.geometry import WrenchDistance, WrenchFibre, torque_rows
 from cube_sim.allocation.lines import suits_lines
 from cube_sim.allocation.relaxation import relax
-from cube_sim.compiled import compiled
-
-
-class Packed(NamedTuple):
-    """`Tables` and `Beyond` in two arrays: what a compiled call is handed costs time by the piece.
-
-    Attributes:
-        numbers: every float of both.
-        integers: n, m, k, rank A, number of alternatives, planar, scaled, h, rank W A, where `Beyond` begins, then the
-            masks of the m motors.
-    """
-
-    numbers: NDArray[np.float64]
-    integers: NDArray[np.int64]
 
 
 class Tables(NamedTuple):
@@ -142,60 +128,3 @@ def make_tables(
 def beyond(distance: WrenchDistance, *, facets: bool) -> Beyond:
     """Tabulate; with the facets that scaling and yielding go by, or without."""
     return Beyond(distance, facet_normals(distance.gain) if facets else np.zeros((0, len(distance.gain))))
-
-
-def pack(t: Tables, far: Beyond) -> Packed:
-    """Put tables into two pieces, in the order `unpack` and `unpack_beyond` take them out."""
-    fibre, distance = t.fibre, far.distance
-    rows = t.error_scale, t.weights
-    numbers = t.reversal_penalty, t.switching_penalty, t.change_limit, t.tolerance, t.reach
-    matrices = t.A, fibre.particular, fibre.kernel, fibre.equations, fibre.unreachable, t.plane
-    sides = t.low, t.high, t.penalty, t.edge, t.targets, t.relaxed
-    last = distance.spread, distance.kernel, distance.basis, distance.gain, far.facets, distance.weights
-    near = np.concatenate([np.ravel(part) for part in (*numbers, *rows, *matrices, *sides)])
-    integers = (
-        *t.A.shape, fibre.kernel.shape[1], fibre.rank, len(t.targets), t.planar, t.scaled, len(far.facets),
-        len(distance.gain), len(near), *t.masks,
-    )  # fmt: skip
-    return Packed(np.concatenate([near, *map(np.ravel, last)]), np.array(integers, np.int64))
-
-
-@compiled
-def unpack(numbers: NDArray[np.float64], integers: NDArray[np.int64]) -> Tables:
-    """Tables whose arrays are views of the packed numbers."""
-    n, m, k, rank, alternatives = integers[0], integers[1], integers[2], integers[3], integers[4]
-    at = 5 + n + m
-    A, at = _take(numbers, at, n, m)
-    particular, at = _take(numbers, at, m, n)
-    kernel, at = _take(numbers, at, m, k)
-    equations, at = _take(numbers, at, rank, m)
-    unreachable, at = _take(numbers, at, n, n)
-    plane, at = _take(numbers, at, m, 2)
-    tables, at = _take(numbers, at, 4 * m, 3)
-    targets = numbers[at : at + alternatives * m * 3].reshape(alternatives, m, 3)
-    at += alternatives * m * 3
-    relaxed = numbers[at : at + alternatives * m * 32].reshape(alternatives, m, 8, 4)
-    return Tables(
-        A, numbers[5 : 5 + n], WrenchFibre(particular, kernel, equations, unreachable, rank), plane, integers[5] != 0,
-        integers[6] != 0, numbers[5 + n : 5 + n + m], tables[:m], tables[m : 2 * m], integers[10:], targets,
-        tables[2 * m : 3 * m], relaxed, tables[3 * m :], float(numbers[0]), float(numbers[1]), float(numbers[2]),
-        float(numbers[3]), float(numbers[4]),
-    )  # fmt: skip
-
-
-@compiled
-def unpack_beyond(numbers: NDArray[np.float64], integers: NDArray[np.int64]) -> Beyond:
-    """The rest of the packed numbers, as views."""
-    n, m, h, r, at = integers[0], integers[1], integers[7], integers[8], integers[9]
-    spread, at = _take(numbers, at, m, r)
-    kernel, at = _take(numbers, at, m, m - r)
-    basis, at = _take(numbers, at, n, r)
-    gain, at = _take(numbers, at, r, m)
-    facets, at = _take(numbers, at, h, r)
-    return Beyond(WrenchDistance(spread, kernel, basis, gain, numbers[at : at + n]), facets)
-
-
-@compiled
-def _take(numbers: NDArray[np.float64], at: int, rows: int, columns: int) -> tuple[NDArray[np.float64], int]:
-    end = at + rows * columns
-    return numbers[at:end].reshape(rows, columns), end
