@@ -18,6 +18,10 @@ PARALLEL, CROSSING = 1e-12, 1e-6
 SINE = math.sqrt(PARALLEL * CROSSING)
 """Tells the two apart."""
 
+WHICH = 255
+"""Bits of a line's key that say which line it is. The others are its distance's, up to a part of 1e-13; in a plane
+there are 48 lines at most, six for each of eight motors."""
+
 
 def suits_lines(plane: NDArray[np.float64]) -> bool:
     """Whether every two lines are clearly parallel or clearly crossing, so that no intersection is rounding.
@@ -76,8 +80,7 @@ def line_search(
     n0, n1 = lined[3], lined[4]  # unit normals
     near, length, p0, p1 = motors[0], motors[1], motors[2], motors[3]  # nearest forces, allowed or not; normals
     low0, low1, low2, high0, high1, high2 = motors[4], motors[5], motors[6], motors[7], motors[8], motors[9]
-    motor, press, keys = numbers[0], numbers[1], numbers[2]
-    chosen = np.empty(m, np.int64)
+    motor, press, keys, chosen = numbers[0], numbers[1], numbers[2], numbers[3]
     z0, z1 = 0.0, 0.0
     for i in range(m):
         p0[i], p1[i] = plane[i, 0], plane[i, 1]
@@ -109,7 +112,7 @@ def line_search(
                     motor[lines], end[lines], press[lines] = i, side_end, 1 - 2 * upper
                     due[lines] = penalty[i, s]
                     away[lines] = (side_end - near[i]) / length[i]
-                    keys[lines] = (bits(abs(away[lines])) & -256) | lines
+                    keys[lines] = bits(abs(away[lines])) & ~WHICH | lines
                     lines += 1
 
     best, value = math.inf, math.inf
@@ -117,13 +120,13 @@ def line_search(
     # Candidate (p, q): both -1 the point closest to the target, q = -1 the foot on line p, else an intersection.
     for p in range(-1, lines):
         i, d, toll = -1, 0.0, 0.0
-        if p >= 0:  # the nearest line is the next one
+        if p >= 0:  # the nearest line is the next one; the least key is found without a branch
             rest = keys[p:lines]
             lowest = rest[0]
             for other in range(rest.shape[0]):
                 lowest = min(lowest, rest[other])
-            nearest = lowest & 255
-            keys[nearest] = (keys[p] & -256) | nearest
+            nearest = lowest & WHICH
+            keys[nearest] = keys[p] & ~WHICH | nearest
             away[p], away[nearest] = away[nearest], away[p]
             end[p], end[nearest] = end[nearest], end[p]
             due[p], due[nearest] = due[nearest], due[p]
@@ -138,7 +141,7 @@ def line_search(
             continue
         for q in range(-1, max(p, 0)):
             j, off, y0, y1, sine = -1, 0.0, 0.0, 0.0, 1.0
-            room = best + slack_of(best) - bound - toll
+            left = best + slack_of(best) - bound - toll
             if q >= 0:
                 j = motor[q]
                 sine = n0[p] * n1[q] - n1[p] * n0[q]
@@ -147,7 +150,7 @@ def line_search(
                 rounding = -1e-9 * (abs(d) + abs(away[q]))
                 if (
                     (abs(sine) <= SINE)
-                    | (off * off > (room - due[q]) * sine * sine)
+                    | (off * off > (left - due[q]) * sine * sine)
                     | (press[q] * off < rounding)
                     | (press[p] * (d - cosine * away[q]) < rounding)
                 ):

@@ -18,7 +18,7 @@ class Room(NamedTuple):
         motors: (7, m).
         planes: (10, m) for `line_search`.
         lines: (5, 6 m) for `line_search`: two ends of three sides of each motor.
-        counts: (3, 6 m) for `line_search`.
+        counts: (4, 6 m) for `line_search`.
     """
 
     wrenches: NDArray[np.float64]
@@ -30,7 +30,7 @@ class Room(NamedTuple):
 
 def room_size(n: int, m: int) -> int:
     """Numbers in the room of an (n, m) vehicle."""
-    return 4 * n + (7 + 10 + 5 * 6 + 3 * 6) * m
+    return 4 * n + (7 + 10 + 5 * 6 + 4 * 6) * m
 
 
 @compiled
@@ -43,5 +43,5 @@ def room_at(packed: NDArray[np.float64], at: int, n: int, m: int) -> Room:
         cut(packed, motors, (7, m), np.float64),
         cut(packed, planes, (10, m), np.float64),
         cut(packed, lines, (5, 6 * m), np.float64),
-        cut(packed, counts, (3, 6 * m), np.int64),
+        cut(packed, counts, (4, 6 * m), np.int64),
     )
