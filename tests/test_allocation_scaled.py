@@ -8,8 +8,8 @@ import pytest
 from allocation_reference import cube, in_allowed_set, jack, largest_share, least_cost, least_distance
 
 from cube_sim.allocation import Allocator, FaultTolerant, Health, Status
-from cube_sim.allocation.facets import facet_normals
 from cube_sim.errors import AllocationError
+from cube_sim.facets import facet_normals
 
 LIMITS = np.array([-20.0, -3.0, 4.0, 25.0])
 

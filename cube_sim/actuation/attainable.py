@@ -9,7 +9,8 @@ import numpy as np
 from cube_sim.actuation.allowed import AllowedForces
 from cube_sim.actuation.subspaces import Subspaces
 from cube_sim.actuation.wrench_axes import Matrix, Vector
-from cube_sim.actuation.zonotope import facet_normals, support
+from cube_sim.actuation.zonotope import support
+from cube_sim.facets import facet_normals
 
 _IN_RANGE = 1e-9
 _NO_DEMAND = 1e-12

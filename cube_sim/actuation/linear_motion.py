@@ -15,7 +15,8 @@ import numpy as np
 
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.wrench_axes import Matrix, Vector
-from cube_sim.actuation.zonotope import facet_normals, support
+from cube_sim.actuation.zonotope import support
+from cube_sim.facets import facet_normals
 from cube_sim.spatial import cross, skew
 
 _NEUTRAL = 1e-6

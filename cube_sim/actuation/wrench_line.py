@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from cube_sim.actuation.allowed import AllowedForces
 from cube_sim.actuation.wrench_axes import Matrix, Vector
-from cube_sim.actuation.zonotope import facet_normals
 from cube_sim.compiled import compiled
+from cube_sim.facets import facet_normals
 
 MOST_WORK = 3e9
 """Boxes times facets after which a question is left unanswered: some seconds. Twelve thrusters take a thousandth."""

@@ -11,8 +11,7 @@ from itertools import combinations
 import numpy as np
 
 from cube_sim.actuation.wrench_axes import Matrix, Vector
-
-_PARALLEL = 1e-9
+from cube_sim.facets import facet_normals
 
 
 def support(generators: Matrix, low: Vector, high: Vector, directions: Matrix) -> Vector:
@@ -29,18 +28,6 @@ def support(generators: Matrix, low: Vector, high: Vector, directions: Matrix) -
     """
     per_newton = directions @ generators
     return np.sum(np.maximum(per_newton * low, per_newton * high), axis=1)
-
-
-def facet_normals(generators: Matrix) -> Matrix:
-    """(p,r) unit normals, of one sign, of all facets of the zonotope: orthogonal to r - 1 independent generators."""
-    r, m = generators.shape
-    if r == 1:
-        return np.ones((1, 1))
-    choices = np.array(list(combinations(range(m), r - 1)), dtype=int).reshape(-1, r - 1)
-    columns = np.transpose(generators[:, choices], (1, 0, 2))
-    U, sigma, _ = np.linalg.svd(columns)
-    independent = sigma[:, -1] > _PARALLEL * np.max(sigma, initial=0.0)
-    return U[independent, :, -1]
 
 
 def inscribed_radius(generators: Matrix, low: Vector, high: Vector) -> float:

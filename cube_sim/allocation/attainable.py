@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.arguments import numbers
 from cube_sim.allocation.enumeration import every_subset
-from cube_sim.allocation.facets import facet_normals
 from cube_sim.allocation.geometry import actuation_matrix, lever_length, wrench_fibre
 from cube_sim.allocation.limits import side_table, thruster_limits
 from cube_sim.compiled import compiled
 from cube_sim.errors import AllocationError
+from cube_sim.facets import facet_normals
 
 
 class HalfSpaces(NamedTuple):

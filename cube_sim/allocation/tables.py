@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.facets import facet_normals
 from cube_sim.allocation.geometry import WrenchDistance, WrenchFibre, torque_rows
 from cube_sim.allocation.lines import suits_lines
 from cube_sim.allocation.relaxation import relax
+from cube_sim.facets import facet_normals
 
 
 class Tables(NamedTuple):

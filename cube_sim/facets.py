@@ -1,4 +1,7 @@
-"""Directions across which the wrenches of any box of forces are bounded: they depend on the vehicle alone."""
+"""Directions across which the wrenches of any box of forces are bounded: they depend on the vehicle alone.
+
+The set of these wrenches is a zonotope: G. M. Ziegler, Lectures on Polytopes (1995), chapter 7.
+"""
 
 from __future__ import annotations
 
