@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.actuation.subspaces import Subspaces, subspaces
+from cube_sim.actuation.threshold import RANK_TOLERANCE
 from cube_sim.actuation.wrench_axes import PLANAR, SPATIAL, WrenchAxes, lever_arm
 from cube_sim.allocation.health import Health
 from cube_sim.control.effort import effort_matrix
@@ -217,4 +218,4 @@ def _in_plane(A: Matrix, held: Vector, cut: _Cut) -> _Finding:
 def _steerable(lost: Matrix) -> bool:
     """Whether every torque comes with some force: exactly when the lost combinations differ in their force parts."""
     singular = np.linalg.svd(lost[:3], compute_uv=False)
-    return len(singular) == lost.shape[1] and bool(singular[-1] > 1e-2)
+    return len(singular) == lost.shape[1] and bool(singular[-1] > RANK_TOLERANCE)
