@@ -1,6 +1,7 @@
 """What an allocator does with history, nonsense and mistakes."""
 
 import copy
+import inspect
 import itertools
 import pickle
 
@@ -276,6 +277,11 @@ def test_a_copy_goes_on_as_its_original_does(method, duplicate):
         assert answer.force.tobytes() == expected.force.tobytes()
         assert (answer.cost, answer.status) == (expected.cost, expected.status)
     assert twin.effort == original.effort
+
+
+def test_a_copy_is_given_every_option():
+    rebuild, _, _ = Allocator(jack(), LIMITS).__reduce__()
+    assert {"A", "limits", *rebuild.keywords} == set(inspect.signature(Allocator).parameters)
 
 
 def test_a_copied_fault_tolerant_allocator_goes_on_too():
