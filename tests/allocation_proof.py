@@ -6,7 +6,8 @@ import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
-from allocation_reference import cube, in_allowed_set, jack, least_distance
+from allocation_reference import cube, in_allowed_set, jack
+from closest_reference import LESS, MORE, USUAL, ClosestOfEverySubset, closest_subsets
 from every_subset import EverySubset
 
 from cube_sim.allocation import Allocator, Status
@@ -25,8 +26,11 @@ class Tally:
         pinned: compared with every way of pinning motors to interval ends.
         solved: compared with NNLS on every subset whose half-spaces (by Qhull) hold the wrench: half of those that are
             compared with pinning, and all others.
-        distances: unattainable ones compared with bounded least squares on every subset.
+        closest: unattainable ones compared with bounded least squares on every subset: the distance, the wrench and
+            the least cost.
+        several: of them those with several forces as close as any.
         borderline: of a reference that differs, those between the optima of slightly wider and narrower intervals.
+        borderline_closest: the same among the least costs of closest wrenches.
         unconfirmed: answers ProxQP did not confirm within its own accuracy.
         largest_gap_N: largest difference of the forces among those [N].
         disagreements: what differed.
@@ -36,8 +40,10 @@ class Tally:
     exact: int = 0
     pinned: int = 0
     solved: int = 0
-    distances: int = 0
+    closest: int = 0
+    several: int = 0
     borderline: int = 0
+    borderline_closest: int = 0
     unconfirmed: int = 0
     largest_gap_N: float = 0.0  # noqa: N815 - N is the newton
     disagreements: list[str] = field(default_factory=list)
@@ -110,11 +116,52 @@ def same(cost, other):
     return cost == other or abs(cost - other) <= 1e-5 * (1.0 + abs(other))
 
 
+def between(cost, loose, tight):
+    """Whether a cost lies between two others but for rounding."""
+    return (cost >= loose or same(cost, loose)) and (cost <= tight or same(cost, tight))
+
+
+def compare_closest(reference, wrench, answer, targets, price, tally, where):
+    """Count an unattainable wrench, and where its distance, the closest wrench or the least cost of that is another."""
+    found = reference.find(wrench)
+    made, least = reference.M @ answer.force, found.distance.min()
+    distance = np.linalg.norm(made - reference.inside @ wrench)
+    tally.closest += 1
+    if abs(distance - least) > 1e-6 + 1e-9 * least:
+        tally.disagreements.append(f"{where}: distance {distance!r} against {least!r}")
+    wrenches = found.force[closest_subsets(found, MORE.equal)] @ reference.M.T
+    if np.abs(wrenches - made).max(axis=1).min() > 1e-3:
+        tally.disagreements.append(f"{where}: not the closest wrench")
+    costs, several = zip(*[reference.cheapest(found, target, price, USUAL) for target in targets], strict=True)
+    tally.several += any(several)
+    if same(answer.cost, min(costs)):
+        return
+    loose, tight = (
+        min(reference.cheapest(found, target, price, rounding)[0] for target in targets) for rounding in (MORE, LESS)
+    )
+    if between(answer.cost, loose, tight):
+        tally.borderline_closest += 1
+    else:
+        tally.disagreements.append(f"{where}: closest at {answer.cost!r} against {min(costs)!r}")
+
+
 def compare(
-    A, limits, *, allow_off, objective, count, seed, weights=None, penalty=0.0, switching=0.0, solver_share=1.0, method
+    A,
+    limits,
+    *,
+    allow_off,
+    objective,
+    count,
+    seed,
+    weights=None,
+    wrench_weights=None,
+    penalty=0.0,
+    switching=0.0,
+    solver_share=1.0,
+    method,
 ):
     """Allocate wrenches of every kind, and count where the references find another optimum."""
-    n, m = A.shape
+    m = A.shape[1]
     rng = np.random.default_rng(seed)
     limits = np.tile(limits, (m, 1)) if np.ndim(limits) == 1 else limits
     weights = np.ones(m) if weights is None else weights
@@ -125,8 +172,8 @@ def compare(
         "reactivity_by_side": {"reactivity": REACTIVITY},
     }[objective]
     allocator = Allocator(
-        A, limits, allow_off=allow_off, objective=objective, weights=weights, reversal_penalty=penalty,
-        switching_penalty=switching, method=method, **options,
+        A, limits, allow_off=allow_off, objective=objective, weights=weights, wrench_weights=wrench_weights,
+        reversal_penalty=penalty, switching_penalty=switching, method=method, **options,
     )  # fmt: skip
     tables = allocator._tables
     wrenches = wrenches_of_every_kind(A, limits, allow_off, count, seed)
@@ -138,6 +185,7 @@ def compare(
         )
         tally.pinned = len(wrenches)
     every = EverySubset(A, limits, allow_off, weights)
+    closest = ClosestOfEverySubset(every, allocator.wrench_weights)
     for i, wrench in enumerate(wrenches):
         price = np.zeros((m, 3))
         side, push, _ = allocator._memory
@@ -173,18 +221,14 @@ def compare(
                 min(every.cheapest(wrench, target, price, tolerance) for target in tables.targets)
                 for tolerance in (2e-6, -2e-6)
             )
-            if (found >= loose or same(found, loose)) and (found <= tight or same(found, tight)):
+            if between(found, loose, tight):
                 tally.borderline += 1
             else:
                 tally.disagreements.append(f"{where} {name}: {answer.status.name} {answer.cost!r} against {cost!r}")
         if exact and answer.residual > 1e-6:
             tally.disagreements.append(f"{where}: residual {answer.residual}")
-        if not exact and tally.distances < count // 100 and rng.random() < 0.05 and n * m < 60 and not allow_off:
-            tally.distances += 1
-            distance = np.linalg.norm(allocator.wrench_weights * answer.wrench_error)
-            reference = least_distance(A, limits, allow_off, wrench, allocator.wrench_weights)
-            if distance > reference * (1 + 1e-6) + 1e-5:
-                tally.disagreements.append(f"{where}: distance {distance} against {reference}")
+        if not exact:
+            compare_closest(closest, wrench, answer, tables.targets, price, tally, where)
     if allocator.effort.unproven:
         tally.disagreements.append(f"seed {seed}: {allocator.effort}")
     return tally
@@ -210,6 +254,8 @@ def campaign(count, solver_share=1.0, method="search+proxqp"):
                         extra["switching"] = 150.0
                     if seed % 4 == 0:
                         extra["solver_share"] = solver_share
+                    if seed % 11 == 0:
+                        extra["wrench_weights"] = np.ones(len(A))
                     label = f"{name}, {lost} lost, {'off' if allow_off else 'strict'}, {objective}, {sorted(extra)}"
                     zone = limits * ([1, 1, 1, 1] if seed % 2 else [1, 2.5, 2.5, 1])
                     extra.setdefault("solver_share", solver_share)
