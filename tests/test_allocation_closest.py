@@ -149,6 +149,15 @@ def bluerov2_heavy():
     return A
 
 
+def test_what_can_be_made_is_made_to_rounding_beside_what_cannot():
+    """A dead zone keeps the torque 120 away in the norm, beside which a force off by 1e-4 N shows as 1e-10 only."""
+    allocator = Allocator(np.eye(3)[:, [0, 1, 1, 2]], [-40, -4, 5, 50], allow_off=False, method="search")
+    for sway in np.linspace(-7.0, -6.0, 40):
+        answer = allocator.allocate([0.0, sway, 0.0])
+        assert answer.status == Status.CLOSEST
+        np.testing.assert_allclose(answer.wrench, [-4.0, sway, -4.0], atol=1e-6)
+
+
 @pytest.mark.parametrize("size", [1e2, 1e4, 1e6, 1e8])
 @pytest.mark.parametrize(
     ("A", "allow_off"),

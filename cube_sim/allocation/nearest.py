@@ -40,7 +40,8 @@ def nearest(
 
     Branch and bound as in `search`, on another distance. In the coordinates (s, z) of `WrenchDistance` a node is
     again a projection; z costs nothing, so it is held by a proximal term that is moved to the last answer until
-    the node is solved. What discards a node is not that answer but the plane it defines: with g the unit vector
+    the node is solved, and once more: a distance D right to x may leave the wrench sqrt(2 D x) off across it, the
+    last step does not. What discards a node is not that answer but the plane it defines: with g the unit vector
     from the made to the wanted wrench, no force of the node comes closer than ``g.goal - max g.gain f``, which
     is a sum over motors and holds whatever the rounding.
 
@@ -99,7 +100,7 @@ def nearest(
         for a in range(d):
             start[a] = goal[a] if a < r else 0.0
         soft = 0.1 * size  # weight of the proximal term against the wrench
-        lower, distance = bound[depth], math.inf
+        lower, distance, settled = bound[depth], math.inf, False
         for _ in range(50):
             for i in range(m):
                 for b in range(k):
@@ -131,8 +132,9 @@ def nearest(
                         reach += g[a] * gain[a, i]
                     plane -= max(reach * bottom[i], reach * top[i])
                 lower = max(lower, plane / distance)
-            if distance - lower <= near + 1e-12 * distance or lower > best + near:
+            if lower > best + near or settled:
                 break
+            settled = distance - lower <= near + 1e-12 * distance
             # A weaker term lets z travel further next time, which a short distance to the goal needs.
             shrink = 0.1 if soft > 1e-5 * size else 1.0
             for a in range(r, d):
