@@ -48,7 +48,7 @@ class Rounding(NamedTuple):
     push: float
 
 
-USUAL, MORE, LESS = Rounding(1e-7, 1e-9, 1e-9), Rounding(2e-6, 1e-7, 2e-8), Rounding(-2e-6, 1e-12, 1e-11)
+USUAL, MORE, LESS = Rounding(1e-7, 1e-9, 1e-9), Rounding(2e-6, 1e-7, 2e-8), Rounding(-2e-6, 1e-14, 1e-11)
 
 
 class ClosestOfEverySubset:
@@ -72,15 +72,15 @@ class ClosestOfEverySubset:
         """Bounded least squares on every subset that may hold a wrench as close as any."""
         low, high = self.every.low, self.every.high
         goal = self.inside @ wrench
+        size = np.linalg.norm(self.M, axis=0)
+        noise = 1e-14 * size * (np.linalg.norm(goal) + np.abs(self.every.limits).max(axis=1) @ size)
         value = self.normals @ goal
         bound = np.maximum(self.least - value, value - self.most).max(axis=1)
         distance, force, push = np.full(len(low), np.inf), np.zeros(low.shape), np.zeros(low.shape)
-        solve_each(self.M, goal, low, high, bound, np.argsort(bound), MORE.equal, distance, force, push)
+        solve_each(self.M, goal, low, high, bound, np.argsort(bound), MORE.equal, noise, distance, force, push)
         assert not np.any(np.isnan(distance)), "no end to the motors that are freed"
         solved = np.isfinite(distance)
         low, high, f, g = low[solved], high[solved], force[solved], push[solved]
-        size = np.linalg.norm(self.M, axis=0)
-        noise = 1e-14 * size * (np.linalg.norm(goal) + np.abs(self.every.limits).max(axis=1) @ size)
         # No other forces f' of the box come closer than by sum(push * (f' - f)) in half the squared distance.
         assert np.all((low <= f) & (f <= high))
         assert np.all(np.maximum(g * (low - f), g * (high - f)) <= noise * (high - low)), "not the closest wrench"
@@ -134,41 +134,39 @@ def closest_subsets(closest: Closest, equal):
 
 
 @numba.njit(cache=True)
-def solve_each(M, goal, low, high, bound, order, slack, distance, force, push):
+def solve_each(M, goal, low, high, bound, order, slack, noise, distance, force, push):
     """Bounded least squares on subset after subset, until the bounds (s,) say that those left are farther."""
     best = np.inf
     for s in order:
         if bound[s] > best + slack * (1.0 + best):
             break
-        distance[s] = bounded_least_squares(M, goal, low[s], high[s], force[s], push[s])
+        distance[s] = bounded_least_squares(M, goal, low[s], high[s], noise, force[s], push[s])
         best = min(best, distance[s])
 
 
 @numba.njit(cache=True)
-def bounded_least_squares(M, goal, low, high, f, push):
+def bounded_least_squares(M, goal, low, high, noise, f, push):
     """Least ``|goal - M f|`` over ``low <= f <= high`` (Stark & Parker 1995); writes f and its push, M' (goal - M f).
 
     All motors start at an end. The one pushed most from its end is freed, and the free ones go to their least-squares
-    solution; those that meet an end on the way stay there. Nothing is pushed from its end at the solution.
+    solution; those that meet an end on the way stay there. None is pushed from its end by more than noise in the end.
     """
     r, m = M.shape
-    free, refused = np.zeros(m, np.bool_), np.zeros(m, np.bool_)
-    rest, z = np.empty(r), np.empty(m)
+    free, rest, z = np.zeros(m, np.bool_), np.empty(r), np.empty(m)
     f[:] = low
     for _ in range(1000):
         left_over(M, goal, f, free, False, rest)
-        chosen, most = -1, 0.0
+        chosen, most = -1, 1.0
         for i in range(m):
             push[i] = 0.0
             for a in range(r):
                 push[i] += M[a, i] * rest[a]
             inwards = push[i] if f[i] == low[i] else -push[i]
-            if inwards > most and low[i] < high[i] and not free[i] and not refused[i]:
-                chosen, most = i, inwards
+            if low[i] < high[i] and not free[i] and inwards > most * noise[i]:
+                chosen, most = i, inwards / noise[i]
         if chosen < 0:
             break
-        end, free[chosen] = f[chosen], True
-        met = chosen
+        free[chosen], met = True, chosen
         while met >= 0:
             left_over(M, goal, f, free, True, rest)
             least_squares(M, free, rest, z)
@@ -184,10 +182,6 @@ def bounded_least_squares(M, goal, low, high, f, push):
             if met >= 0:
                 f[met] = low[met] if z[met] < low[met] else high[met]
                 free[met] = False
-        if f[chosen] == end:  # pushed by rounding only
-            refused[chosen] = True
-        else:
-            refused[:] = False
     else:
         return np.nan
     square = 0.0
