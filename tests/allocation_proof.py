@@ -1,4 +1,4 @@
-"""Two solvers that share no code with the product, and the wrenches of every kind they are compared on."""
+"""The product against solvers that share no code with it, on wrenches of every kind."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
-from allocation_reference import cube, in_allowed_set, jack
+from allocation_reference import bluerov2_heavy, cube, in_allowed_set, jack
 from closest_reference import LESS, MORE, USUAL, ClosestOfEverySubset, closest_subsets
 from every_subset import EverySubset
 
@@ -235,11 +235,14 @@ def compare(
 
 
 def campaign(count, solver_share=1.0, method="search+proxqp"):
-    """Tallies over ideal and as-built vehicles, 0 to 4 losses, both sets, all objectives, weights and penalties."""
+    """Tallies over four vehicles, ideal, as built, in the plane, and with thrusters in two planes; 0 to 4 losses, both
+    sets, all objectives, weights and penalties.
+    """
     limits = np.array([-40.0, -3.2, 4.0, 50.0])
     seed = 0
-    for name, vehicle in (("ideal", cube()), ("as built", BUILT), ("planar", jack())):
-        for lost in range(5 if vehicle.shape[1] == 8 else 2):
+    vehicles = ("ideal", cube(), 4), ("as built", BUILT, 4), ("planar", jack(), 1), ("two planes", bluerov2_heavy(), 2)
+    for name, vehicle, most_lost in vehicles:
+        for lost in range(most_lost + 1):
             rng = np.random.default_rng(lost)
             A = np.delete(vehicle, rng.choice(vehicle.shape[1], lost, replace=False), axis=1)
             for allow_off in (True, False):

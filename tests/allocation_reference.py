@@ -31,6 +31,15 @@ def jack() -> np.ndarray:
     return np.array([[0.966, 0.966, -0.966, -0.966], [-0.259, 0.259, -0.259, 0.259], [-0.245, 0.245, 0.245, -0.245]])
 
 
+def bluerov2_heavy() -> np.ndarray:
+    """(6, 8) four horizontal thrusters at 45 degrees, which make surge, sway and yaw, and four vertical ones."""
+    c, x, y = np.sqrt(0.5), np.array([1.0, 1, -1, -1]), np.array([1.0, -1, 1, -1])
+    A = np.zeros((6, 8))
+    A[[0, 1, 5], :4] = c * np.ones(4), c * x * y, 0.18 * y
+    A[[2, 3, 4], 4:] = np.ones(4), 0.218 * y, -0.12 * x
+    return A
+
+
 def in_allowed_set(force: np.ndarray, limits: np.ndarray, allow_off: bool, tolerance: float = 0.0) -> np.ndarray:
     """(..., m) whether each force lies on one of its motor's sides."""
     negative = (force >= limits[:, 0] - tolerance) & (force <= limits[:, 1] + tolerance)

@@ -48,7 +48,7 @@ class Rounding(NamedTuple):
     push: float
 
 
-USUAL, MORE, LESS = Rounding(1e-7, 1e-9, 1e-9), Rounding(2e-6, 1e-7, 2e-8), Rounding(-2e-6, 1e-14, 1e-11)
+USUAL, MORE, LESS = Rounding(1e-7, 1e-9, 1e-9), Rounding(2e-6, 1e-6, 2e-8), Rounding(-2e-6, 1e-14, 1e-11)
 
 
 class ClosestOfEverySubset:

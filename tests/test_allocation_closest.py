@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from allocation_reference import closest_forces, cube, in_allowed_set, jack, least_cost, least_distance
+from allocation_reference import bluerov2_heavy, closest_forces, cube, in_allowed_set, jack, least_cost, least_distance
 
 from cube_sim.allocation import Allocator, Status
 from cube_sim.allocation import nearest as nearest_module
@@ -138,15 +138,6 @@ def test_more_equally_close_wrenches_than_there_is_room_for_are_no_proof(monkeyp
         monkeypatch.setattr(nearest_module, "CANDIDATES", room)
         forces, sure, _ = nearest_module.nearest.py_func(np.zeros(6), space, sides, span, 1e-8)
         assert (len(forces), sure) == (room, proven)
-
-
-def bluerov2_heavy():
-    """(6, 8) four horizontal thrusters at 45 degrees, which make surge, sway and yaw, and four vertical ones."""
-    c, x, y = np.sqrt(0.5), np.array([1.0, 1, -1, -1]), np.array([1.0, -1, 1, -1])
-    A = np.zeros((6, 8))
-    A[[0, 1, 5], :4] = c * np.ones(4), c * x * y, 0.18 * y
-    A[[2, 3, 4], 4:] = np.ones(4), 0.218 * y, -0.12 * x
-    return A
 
 
 def test_what_can_be_made_is_made_to_rounding_beside_what_cannot():

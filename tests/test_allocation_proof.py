@@ -1,4 +1,4 @@
-"""The optimum against two independent solvers: a seeded part always, the whole with ``pytest -m campaign``."""
+"""The optimum against independent solvers: a seeded part always, the whole with ``pytest -m campaign``."""
 
 import numpy as np
 import pytest
