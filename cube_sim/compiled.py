@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import pickle
 from collections.abc import Callable
+from pathlib import Path
 from types import CodeType
 from typing import Any
 
 import numba
 from numba.core import cgutils, types
+from numba.core.extending import _Intrinsic
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
@@ -69,8 +72,8 @@ def compiled(function: Callable[..., Any]) -> Any:
     No fast-math: results are the same bits on every run, and equal to the reference's up to rounding.
 
     numba's cache looks at the file a function is written in only, and would go on using the old machine code of
-    what the function calls from other files. Here its stamp also covers those functions, to any depth, and the
-    constants they use; functions must therefore be defined before those that call them.
+    what the function calls from other files. Here its stamp also covers those functions, to any depth, the constants
+    they use and the files of the intrinsics; functions must therefore be defined before those that call them.
     """
     return _compile(function)
 
@@ -107,13 +110,15 @@ def _forgiving(load: Callable[[], dict[Any, Any]]) -> Callable[[], dict[Any, Any
 
 
 def _fingerprint(function: Callable[..., Any]) -> str:
-    """Digest of what a function takes from outside: stamps of compiled functions, values of constants."""
+    """Digest of what a function takes from outside: stamps of functions, files of intrinsics, values of constants."""
     told = []
     for name in sorted(_names(function.__code__)):
         value = function.__globals__.get(name)
         if isinstance(value, numba.core.registry.CPUDispatcher):
             file = getattr(getattr(value, "_cache", None), "_cache_file", None)
             told.append((name, repr(getattr(file, "_source_stamp", None))))
+        elif isinstance(value, _Intrinsic):  # what it does is said in a function inside it
+            told.append((name, Path(inspect.getfile(value._defn)).read_bytes()))
         elif isinstance(value, bool | int | float | complex | str | bytes | tuple):
             told.append((name, repr(value)))
         elif isinstance(value, type) and issubclass(value, tuple):

@@ -5,14 +5,26 @@ import subprocess
 import sys
 from pathlib import Path
 
+INTRINSIC = """
+from numba.core import types
+from numba.extending import intrinsic
+
+@intrinsic
+def offset(typingctx):
+    def codegen(context, builder, signature, args):
+        return context.get_constant(types.float64, {offset})
+
+    return types.float64(), codegen
+"""
 CALLEE = """
 from cube_sim.compiled import compiled
+from offset import offset
 
 FACTOR = {factor}
 
 @compiled
 def inner(x):
-    return {inner}
+    return {inner} + offset()
 """
 MIDDLE = """
 from callee import FACTOR, inner
@@ -45,8 +57,9 @@ def outer(folder):
     return float(value), int(hits)
 
 
-def test_cached_code_follows_functions_and_constants_of_other_files(tmp_path):
-    callee = tmp_path / "callee.py"
+def test_cached_code_follows_functions_constants_and_intrinsics_of_other_files(tmp_path):
+    callee, offset = tmp_path / "callee.py", tmp_path / "offset.py"
+    offset.write_text(INTRINSIC.format(offset=0.0))
     (tmp_path / "middle.py").write_text(MIDDLE)
     (tmp_path / "caller.py").write_text(CALLER)
     callee.write_text(CALLEE.format(factor=2.0, inner="x + 3.0"))
@@ -56,3 +69,5 @@ def test_cached_code_follows_functions_and_constants_of_other_files(tmp_path):
     assert outer(tmp_path) == (11.0, 0)
     callee.write_text(CALLEE.format(factor=5.0, inner="x + 4.00"))
     assert outer(tmp_path) == (26.0, 0)
+    offset.write_text(INTRINSIC.format(offset=1.0))
+    assert outer(tmp_path) == (31.0, 0)
