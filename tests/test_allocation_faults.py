@@ -328,6 +328,16 @@ def test_motors_that_together_make_no_wrench_rest():
     assert allocator.allocate([4.0, 0, 0]).force.tolist() == [4.0, 0, 0]
 
 
+def test_motors_without_force_rest_when_the_others_are_lost():
+    """No limit is left that a preferred force could be compared with."""
+    limits = np.array([[-40.0, -4.0, 4.0, 40.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]])
+    options = {"objective": "reactivity", "reactivity": [-20.0, 20.0]}
+    allocator = tolerant(np.eye(3), limits, **options)
+    allocator.believe(lost([0], 3))
+    answer = allocator.allocate([4.0, 0.0, 0.0])
+    assert (answer.force.tolist(), answer.status) == ([0.0, 0.0, 0.0], Status.CLOSEST)
+
+
 def test_what_is_asked_of_a_weak_motor_lies_in_the_set_of_a_whole_one():
     """4,000 forces at the ends of weak motors' intervals, one rounding off when divided by the efficiency."""
     allocator, rng = tolerant(limits=LIMITS), np.random.default_rng(4)

@@ -79,7 +79,7 @@ class FaultTolerant:
         health = health._replace(efficiency=np.where(weakest, 0.0, health.efficiency))
         standing, obedient = stand(self._standing, self.health, health), np.flatnonzero(health.obedient)
         allocator = None
-        if not self.A[:, obedient].any():
+        if not (self.A[:, obedient].any() and self.limits[obedient].any()):
             obedient = obedient[:0]
         if obedient.size:
             limits = self.limits[obedient] * health.efficiency[obedient, None]
