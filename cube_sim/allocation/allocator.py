@@ -265,8 +265,10 @@ class Allocator:
     def _demand(self, wrench: ArrayLike) -> NDArray[np.float64]:
         """A checked demand (n,)."""
         # Anything else, a read-only array for one, would be compiled for anew, which takes half a minute.
-        plain = isinstance(wrench, np.ndarray) and wrench.dtype is FLOAT and wrench.flags.carray
-        demand = np.asarray(wrench) if plain else numbers("the wrench", wrench, "vector")
+        if type(wrench) is np.ndarray and wrench.dtype is FLOAT and wrench.flags.carray:
+            demand = wrench
+        else:
+            demand = numbers("the wrench", wrench, "vector")
         if demand.shape != self.wrench_weights.shape:
             raise AllocationError(f"the wrench has shape {demand.shape}; A has {len(self.A)} rows")
         return demand
