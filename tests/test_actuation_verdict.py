@@ -7,7 +7,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 from actuation_vehicles import cube, hull_of, random_hull, vehicle
-from scipy.optimize import linprog
+from scipy.optimize import least_squares, linprog
+from scipy.spatial.transform import Rotation
 
 from cube_sim.actuation.allowed import AllowedForces
 from cube_sim.actuation.attainable import attainable
@@ -372,6 +373,48 @@ def test_the_best_attitude_beats_all_random_ones(name, lost, speed, ballast_N, l
     assert share > least
     assert share > np.max(shares_of([random_rotation(rng) for _ in range(3000)], hull, reach, course_W))
     assert judge(actuation, hull, allowed, Mission(speed_m_s=speed)).follows == (share > 1)
+
+
+def producible(R, hull, actuation, course_W):
+    """The attitudes next to R in which the thrusters make the wrench, by somebody else's least squares."""
+    missing = np.eye(6) - actuation.projector
+
+    def wrench(R):
+        return hull.steady_wrench(np.r_[R.T @ course_W, 0, 0, 0], R[2])
+
+    found = [
+        least_squares(lambda x, r=r: missing @ wrench(r @ Rotation.from_rotvec(x).as_matrix()), 0.01 * UP) for r in R
+    ]
+    return [r @ Rotation.from_rotvec(f.x).as_matrix() for r, f in zip(R, found, strict=True) if f.cost < 1e-12]
+
+
+@pytest.mark.parametrize(
+    ("name", "lost", "speed", "ballast_N", "rank", "least"),
+    [
+        ("cube", (0, 3), 2.0, 0.0, 5, 0.465),
+        ("cube", (4, 5, 6), 0.3, 60.0, 4, 1.214),
+        ("cube_as_built", (0, 5, 7), 1.05, 0.0, 5, 1.05),
+        ("bluerov2_heavy", (0, 1, 7), 1.2, 0.0, 5, 0.55),
+    ],
+)
+def test_the_best_attitude_without_some_components_beats_all_random_ones(name, lost, speed, ballast_N, rank, least):
+    v, rng = vehicle(name), np.random.default_rng(12)
+    hull = replace(hull_of(v), weight=hull_of(v).weight + ballast_N)
+    A, T = np.delete(v.actuation_matrix, lost, axis=1), np.delete(v.thrusters.limits, lost, axis=0)
+    allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
+    actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
+    assert actuation.rank == rank
+    reach, course_W = attainable(actuation, allowed), np.array([speed, 0, 0])
+    best = best_attitudes(hull, actuation, reach, speed, 0.0)[0]
+    assert actuation.reachable(best.wrench, 1e-6)
+    share = reach.share(best.wrench[None])[0]
+    others = producible([random_rotation(rng) for _ in range(60)], hull, actuation, course_W)
+    assert len(others) > 30
+    assert share > least
+    assert share > 0.999 * np.max(shares_of(others, hull, reach, course_W))
+    verdict = judge(actuation, hull, allowed, Mission(speed_m_s=speed, inclinations_rad=(0.0,)))
+    assert verdict.follows == (share > 1)
+    assert verdict.follows or f"they hold {int(100 * share)} % of it in the best attitude" in verdict.reason
 
 
 def test_in_the_plane_the_best_heading_is_found():

@@ -13,7 +13,8 @@ from cube_sim.actuation.zonotope import support
 from cube_sim.facets import facet_normals
 
 _IN_RANGE = 1e-9
-_NO_DEMAND = 1e-12
+_NO_WRENCH = 1e-12
+_NO_DEMAND = 1e-9
 _NO_REACH = 1e-12
 
 
@@ -39,7 +40,8 @@ class Attainable:
             (q,) the largest t with t F_B attainable: 1 and more can be held, 0 not at all; infinite for no wrench.
         """
         demand = wrenches @ self.normals.T
-        asked = demand > _NO_DEMAND * np.maximum(1.0, np.max(np.abs(demand), initial=0.0))
+        largest = np.max(np.abs(demand), axis=1, initial=0.0, keepdims=True)
+        asked = demand > np.maximum(_NO_WRENCH, _NO_DEMAND * largest)
         return np.min(
             np.divide(self.reach, demand, out=np.full(demand.shape, np.inf), where=asked), axis=1, initial=np.inf
         )

@@ -73,8 +73,8 @@ def steered_course(
         inclination_rad: of the course.
 
     Returns:
-        None when no attitude is found in which the wrench is in range(A). Where all components are left, the share of
-        one that exceeds the limits is the largest of all attitudes.
+        None when no attitude is found in which the wrench is in range(A). The share of a course that exceeds the
+        limits is the largest of all attitudes.
     """
     found: list[SteeredCourse] = []
     for attempt in _attempts(hull, actuation, reach, asked, inclination_rad):
@@ -100,16 +100,13 @@ def steered_course(
 def _attempts(
     hull: Hull, actuation: Subspaces, reach: Attainable | None, asked: Mission, inclination_rad: float
 ) -> Iterator[tuple[Course, ...]]:
-    """Attitudes to try: near level, with the deck along the course, then those in which one thruster is not needed.
-
-    Where all components are left nothing but the limits restricts the attitude, so that the best of all comes last.
-    """
+    """Attitudes to try: near level, deck along the course, one thruster not needed; last the best of all."""
     yield courses(hull, actuation, asked.speed_m_s, inclination_rad)
     if inclination_rad != 0.0:
         yield courses(hull, actuation, asked.speed_m_s, inclination_rad, inclined=True)
     for used in 1.0 - np.eye(actuation.matrix.shape[1]):
         yield courses(hull, actuation.with_only(used), asked.speed_m_s, inclination_rad)
-    if reach is not None and actuation.rank == len(actuation.matrix):
+    if reach is not None:
         yield best_attitudes(hull, actuation, reach, asked.speed_m_s, inclination_rad)
 
 

@@ -36,7 +36,7 @@ class Outcome(Enum):
     WEAK = "weak"
     """Courses can be kept and steered, but too slowly to follow a path."""
     STUCK = "stuck"
-    """Some course cannot be kept: in any attitude, or in any tried where components are missing."""
+    """Some course cannot be kept in any attitude."""
 
 
 @dataclass(frozen=True)
@@ -137,10 +137,7 @@ def _left(actuation: Subspaces) -> str:
 
 def _where(actuation: Subspaces) -> str:
     """In which attitude the share of a course is the largest."""
-    n = len(actuation.matrix)
-    if actuation.rank < n:
-        return "in the best of the attitudes tried"
-    return "in the best attitude" if n == 6 else "at the best heading"
+    return "in the best attitude" if len(actuation.matrix) == 6 else "at the best heading"
 
 
 def _course(inclination_rad: float) -> str:
