@@ -22,6 +22,7 @@ from cube_sim.vehicle.vehicle import Vehicle
 
 MOST_LOSSES = 3
 PLANAR_ROWS = [0, 1, 5]
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ def analyze(
     if not names:
         raise ActuationError(f"{model}: {vehicle.name} has no thrusters")
     if planar:
-        A = A[PLANAR_ROWS]
+        A = _in_plane(A)
     title = model.stem if hull is None else f"{model.stem}, {vehicle.name}"
     gone = _names(lost)
     body = hull_of(vehicle)
@@ -110,7 +111,7 @@ def analyze(
         return analyse(matrix, limits, names=names, lost=gone, hull=body, mission=mission, cost_limit=cost_limit)
 
     analysis = analysis_of(A)
-    if not planar and not analysis.verdict.follows and analysis_of(A[PLANAR_ROWS]).verdict.follows:
+    if not planar and not analysis.verdict.follows and analysis_of(_in_plane(A)).verdict.follows:
         analysis = replace(analysis, verdict=_with_hint(analysis.verdict))
     most = MOST_LOSSES if picture is not None else losses
     table = (
@@ -131,6 +132,12 @@ def analyze(
     if picture is not None and table is not None:
         save_picture(picture, A, limits, table, names=names, title=title)
     return Report(model, title, vehicle, analysis, table)
+
+
+def _in_plane(A: Matrix) -> Matrix:
+    """(3,m) what thrusters A (6,m) do in the plane: nothing where it is but rounding of one that stands across it."""
+    rows = A[PLANAR_ROWS]
+    return np.where(np.abs(rows) > ROUNDING * np.max(np.abs(A), axis=0), rows, 0.0)
 
 
 def _names(listed: str) -> tuple[str, ...]:

@@ -119,6 +119,18 @@ def test_the_plane_is_pointed_to_where_a_path_can_be_followed_there_at_the_same_
 
 
 @pytest.mark.filterwarnings("error")
+def test_thrusters_across_the_plane_do_nothing_in_it():
+    upright = ["models/bluerov2_heavy.xml", "--planar", "--lost", "T1,T2,T3,T4", "--losses", "1"]
+    content = json.loads(analyze(*upright, "--json").output)
+    assert (content["rank"], content["verdict"]["outcome"], len(content["losses"])) == (0, "stuck", 5)
+    assert np.array_equal(content["actuation_matrix"], np.zeros((3, 4)))
+    said = analyze(*upright)
+    assert said.exit_code == 0
+    assert "cannot push sideways: Fy = 0 always" in said.output
+    assert "can be kept in no attitude tried" in said.output
+
+
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("speed", ["1e300", "0", "nan", "inf", "-1", "1e-9"])
 def test_a_speed_out_of_range_is_one_line(speed):
     result = analyze(CUBE, "--speed", speed)

@@ -7,6 +7,7 @@ Eight thrusters under three conditions have at most C(8,3) 2^5 = 1792 such point
 from __future__ import annotations
 
 from itertools import combinations
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +34,7 @@ def basic_points(conditions: Matrix, low: Vector, high: Vector) -> Matrix:
     C = _independent(conditions)
     rank, m = C.shape
     tolerance = _TOLERANCE * max(1.0, float(np.max(np.abs([low, high]))))
-    solved = np.array(list(combinations(range(m), rank)), dtype=int).reshape(-1, rank)
+    solved = np.array(list(combinations(range(m), rank)), dtype=int).reshape(comb(m, rank), rank)
     if rank:
         solved = solved[np.linalg.cond(_columns(C, solved)) <= 1.0 / _INDEPENDENT]
     at_top = ((np.arange(2 ** (m - rank))[:, None] >> np.arange(m - rank)) % 2).astype(float)
@@ -62,7 +63,7 @@ def _corners(
     follow = -np.linalg.solve(_columns(C, solved), _columns(C, fixed))  # (q, rank, m - rank)
     start = (follow @ low[fixed][:, :, None])[:, :, 0]
     slope = follow * (high - low)[fixed][:, None, :]
-    F = (at_top @ slope.reshape(q * rank, -1).T).reshape(-1, q, rank) + start
+    F = (at_top @ slope.reshape(q * rank, m - rank).T).reshape(len(at_top), q, rank) + start
     inside = np.all(np.abs(F - 0.5 * (low + high)[solved]) <= 0.5 * (high - low)[solved] + tolerance, axis=2)
     end, choice = np.nonzero(inside)
     found = np.empty((len(end), m))
