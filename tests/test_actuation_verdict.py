@@ -417,6 +417,30 @@ def test_the_best_attitude_without_some_components_beats_all_random_ones(name, l
     assert verdict.follows or f"they hold {int(100 * share)} % of it in the best attitude" in verdict.reason
 
 
+@pytest.mark.parametrize(
+    ("name", "lost", "speed", "ballast_N", "weaker", "one_way", "least"),
+    [
+        ("cube_as_built", (), 0.205, -81.3, 18.0, False, 0.1244),  # a ridge, on which steps at random stop at 0.122
+        ("bluerov2_heavy", (2, 1), 1.158, 0.0, 22.6, True, 0.0150),  # in most attitudes 0: some force must reverse
+    ],
+)
+def test_the_best_attitude_is_found_on_ridges_and_where_most_are_worth_nothing(
+    name, lost, speed, ballast_N, weaker, one_way, least
+):
+    v = vehicle(name)
+    hull = replace(hull_of(v), weight=hull_of(v).weight + ballast_N)
+    A, T = np.delete(v.actuation_matrix, lost, axis=1), np.delete(v.thrusters.limits, lost, axis=0) / weaker
+    if one_way:
+        T[:, :2] = 0.0
+    allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
+    actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
+    reach = attainable(actuation, allowed)
+    tilt = -np.radians(15) if not lost else 0.0
+    best = best_attitudes(hull, actuation, reach, speed, tilt)[0]
+    assert reach.share(best.wrench[None])[0] > least
+    assert held_by_programme(A, T, 0.999 * least * actuation.projector @ best.wrench)
+
+
 def test_in_the_plane_the_best_heading_is_found():
     v, speed = vehicle("jack"), 2.0
     A = v.actuation_matrix[[0, 1, 5]]
