@@ -57,6 +57,22 @@ def test_cube_against_linear_programmes_on_all_256_subsets():
         assert check(allocator, False, torque, force) == Status.YIELDED
 
 
+@pytest.mark.parametrize("method", ["search", "enumerate"])
+def test_a_share_at_the_border_of_what_is_attainable_is_yielding_too(method):
+    """Motor 2 makes next to nothing: a rounding of the share is many of its force, which is at its limit."""
+    A = np.array(
+        [
+            [0.66410098, 0.01682453, -0.7233043, -0.93748738],
+            [-0.47435391, 0.00994989, -1.46572931, -0.19872034],
+            [-0.38060022, 0.05150709, -0.64723481, -1.94291853],
+        ]
+    )
+    limits = [[-44.7, -3.1, 3.7, 64.3], [-32.8, -4.4, 3.7, 50.3], [-56.3, 0, 0, 32.6], [-46.0, -2.6, 6.6, 51.8]]
+    primary = np.array([3.33599253, 1.73881024, 0.99478183])
+    secondary = np.array([13.86028701, -81.82159915, 39.23969439])
+    assert check(Allocator(A, limits, method=method), True, primary, secondary) == Status.YIELDED
+
+
 def test_what_is_attainable_whole_is_allocated_as_ever():
     one, other = Allocator(BUILT, LIMITS, reversal_penalty=50.0), Allocator(BUILT, LIMITS, reversal_penalty=50.0)
     rng = np.random.default_rng(8)

@@ -134,9 +134,9 @@ def allocate_each(
                     far = unpack_beyond(packed)
                     share, looked, sure = share_origin(far, t.reach, tick, base, direction, origin[0], part)
                     count = int(share >= 0.0 or not two_parts)
-                    status = YIELDED if two_parts else SCALED
-            else:
-                status = CLOSEST if status == YIELDED else status
+                    if count > 0:
+                        status = YIELDED if two_parts else SCALED
+            else:  # a share at the border of what is attainable may leave a rounding too little for stage 1
                 far = unpack_beyond(packed)
                 origins, looked, sure = nearest_origins(t.A, far.distance, t.fibre, t.reach, tick, part)
                 count = origins.shape[0]

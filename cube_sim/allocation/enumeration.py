@@ -88,7 +88,7 @@ class Enumeration:
             if share >= 0.0 or not two_parts:
                 found, more = self._cheapest(tick, origin)
                 solved += more
-            status = SCALED if not two_parts else YIELDED if found is not None else CLOSEST
+                status = YIELDED if two_parts else SCALED
         if found is None:
             candidates, _, sure = nearest_origins(t.A, self._far.distance, t.fibre, t.reach, tick, part)
             proven = proven and sure
