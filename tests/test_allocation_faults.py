@@ -236,6 +236,50 @@ def test_a_change_limit_holds_across_a_fault(health):
         assert min(steps) < 1e-6  # it settles
 
 
+@pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
+@pytest.mark.parametrize(
+    "A", [jack(), [[1, 0.5, -0.8, 0.3], [0, 0, 0, 0], [-0.2, 0.3, 0.1, -0.4]]], ids=["jack", "flat"]
+)
+def test_within_a_change_limit_the_cheapest_of_all_subsets_is_found_at_every_price(A, allow_off):
+    """What is in reach of the last answer on each side, its own preferred force there, weights, reversals, starts and
+    stops: least cost of every subset, before and after a motor has grown weak."""
+    A, rng, signs = np.array(A), np.random.default_rng(11), (-1, 0, 1) if allow_off else (-1, 1)
+    limits, most, reversal, switching = np.tile(LIMITS, (4, 1)), 9.0, 80.0, 30.0
+    weights, points = rng.uniform(0.5, 2.0, 4), rng.uniform(5.0, 30.0, (4, 2)) * [-1.0, 1.0]
+    targets = np.column_stack([points[:, 0], np.zeros(4), points[:, 1]])
+    options = {"objective": "reactivity_by_side", "reactivity": points, "weights": weights, "change_limit": most}
+    options |= {"allow_off": allow_off, "reversal_penalty": reversal, "switching_penalty": switching}
+    allocator, exact = tolerant(A, limits, **options), 0
+    force, side, push = np.zeros(4), np.zeros(4), np.zeros(4)
+    for tick in range(30):
+        if tick == 15:
+            allocator.believe(Health.whole(4).with_thruster(0, 0.6))
+            limits, force = limits * np.array([[0.6], [1], [1], [1]]), force * [0.6, 1, 1, 1]
+        walk, best = walked(force, limits), np.inf
+        wrench = A @ np.clip(force + rng.uniform(-9.0, 9.0, 4), limits[:, 0], limits[:, 3])
+        answer = allocator.allocate(wrench)
+        for choice in itertools.product(signs, repeat=4):
+            sides = np.array(choice)
+            edge = np.select([sides < 0, sides > 0], [limits[:, 1], limits[:, 2]], 0.0)
+            end = np.select([sides < 0, sides > 0], [limits[:, 0], limits[:, 3]], 0.0)
+            low = np.maximum(np.minimum(edge, end), edge + walk - most)
+            high = np.minimum(np.maximum(edge, end), edge + walk + most)
+            if np.any(low > high):
+                continue
+            target = targets[np.arange(4), sides + 1]
+            cell = np.column_stack([low, high, low, high])
+            solved = least_cost(A, cell, False, wrench, target=target, weights=weights)
+            if solved is not None:
+                price = reversal * np.sum(sides * push < 0) + switching * np.sum((sides == 0) != (side == 0))
+                best = min(best, solved[0] + price)
+        assert answer.status == (Status.EXACT if best < np.inf else Status.CLOSEST)
+        if answer.status == Status.EXACT:
+            assert answer.cost == pytest.approx(best, rel=1e-6, abs=1e-5)
+            exact += 1
+        force, side, push = answer.force, answer.subset, np.where(answer.subset != 0, answer.subset, push)
+    assert exact >= 10
+
+
 def test_a_mended_motor_starts_from_where_it_was_held():
     """A change limit of 2 N on one axis: from rest once dead, from the force it held once stuck, saturated at most."""
     demand = np.array([100.0, 0, 0])
