@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from allocation_reference import cube, in_allowed_set, jack, largest_share, least_cost, least_distance
 
-from cube_sim.allocation import Allocator, Status
+from cube_sim.allocation import Allocator, FaultTolerant, Status
 from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-20.0, -3.0, 4.0, 25.0])
@@ -130,6 +130,19 @@ def test_a_part_that_is_no_number_makes_no_wrench(part):
     answer = Allocator(BUILT, LIMITS).allocate_by_priority(*parts)
     assert answer.status == Status.INVALID_WRENCH
     assert not answer.force.any()
+
+
+@pytest.mark.parametrize("parts", [(np.inf, -np.inf), (1e308, 1e308), (-1e308, -1e308)])
+def test_parts_whose_sum_is_no_number_make_no_wrench(parts):
+    """Without a warning, too."""
+    answer = Allocator(jack(), LIMITS).allocate_by_priority(*(np.array([part, 0.0, 0.0]) for part in parts))
+    assert (answer.status, answer.force.any()) == (Status.INVALID_WRENCH, False)
+
+
+def test_a_part_too_large_to_be_taken_off_a_demand_makes_no_wrench():
+    allocator = FaultTolerant(jack(), LIMITS, lambda A, limits, _: Allocator(A, limits))
+    answer = allocator.allocate([-1.7e308, 0.0, 0.0], [1.7e308, 0.0, 0.0])
+    assert (answer.status, answer.force.any()) == (Status.INVALID_WRENCH, False)
 
 
 def test_a_part_of_the_wrong_size_is_named():

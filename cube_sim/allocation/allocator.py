@@ -260,7 +260,9 @@ class Allocator:
         if not len(self._far.facets):
             self._far = beyond(self._far.distance, facets=True)
             self._pack()
-        return self._answer(first + second, np.concatenate((first, second)))
+        with np.errstate(over="ignore", invalid="ignore"):  # a sum that is no number is answered as such
+            whole = first + second
+        return self._answer(whole, np.concatenate((first, second)))
 
     def _demand(self, wrench: ArrayLike) -> NDArray[np.float64]:
         """A checked demand (n,)."""

@@ -127,7 +127,9 @@ class FaultTolerant:
         if self._allocator is None:
             part = self._forceless(left, 0)
         elif valid and yielding is not None and yielding.any() and isinstance(self._allocator, Allocator):
-            part = self._allocator.allocate_by_priority(left - yielding, yielding)
+            with np.errstate(over="ignore"):
+                primary = left - yielding
+            part = self._allocator.allocate_by_priority(primary, yielding)
         else:
             part = self._allocator.allocate(left)
         force, subset = self._held.copy(), np.sign(self._held).astype(np.int8)
