@@ -18,6 +18,8 @@ import numpy as np
 
 import cube_sim
 from cube_sim.allocation.geometry import lever_length
+from cube_sim.errors import CubeSimError
+from cube_sim.scenario.loading import load
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -102,7 +104,11 @@ def main() -> None:
     parser.add_argument("--plot", type=Path, default=here / "docs" / "allocators.png")
     options = parser.parse_args()
 
-    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(str(here / "models" / "cube.xml")))
+    try:
+        model = load(options.scenario, {"duration_s": options.duration}).scenario.model
+    except CubeSimError as error:
+        parser.exit(2, f"{error}\n")
+    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(str(model)))
     results: dict[str, dict[str, float]] = {}
     with tempfile.TemporaryDirectory() as scratch:
         for number, (name, changes) in enumerate(VARIANTS.items()):
