@@ -51,6 +51,10 @@ def main() -> None:
     parser.add_argument("--off", action="store_true", help="motors may rest: 3^m subsets in place of the report's 2^m")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
+    if min(options.wrenches, options.rounds) < 1:
+        parser.error("--wrenches and --rounds must be 1 at least")
+    if not 0.0 <= options.dead_zone <= 1.0:
+        parser.error(f"--dead-zone {options.dead_zone:g}: must lie in 0 to 1, it is a part of the maximum force")
 
     A = built_cube(options.seed)
     limits = np.array([-40.0, -40.0 * options.dead_zone, 50.0 * options.dead_zone, 50.0])

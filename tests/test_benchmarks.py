@@ -1,0 +1,47 @@
+"""Benchmarks take what they are given, and say in one line what they cannot take."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parents[1]
+
+
+def script(name):
+    spec = importlib.util.spec_from_file_location(name, HERE / "benchmarks" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_allocators_are_compared_on_the_vehicle_of_the_scenario(monkeypatch, tmp_path, capsys):
+    """Jack has four thrusters, the CUBE has eight."""
+    variants = {"contraction": {"allocation.method": "contraction"}, "search": {"allocation.method": "search"}}
+    jack, plot = HERE / "scenarios" / "jack_exact.yaml", tmp_path / "all.png"
+    monkeypatch.setattr(sys, "argv", ["", "--scenario", str(jack), "--duration", "31", "--plot", str(plot)])
+    benchmark = script("allocators")
+    monkeypatch.setattr(benchmark, "VARIANTS", variants)
+    benchmark.main()
+    head, *rows = capsys.readouterr().out.splitlines()
+    assert "energy [kJ]" in head
+    assert [row.split()[0] for row in rows] == ["contraction", "search", "plot:"]
+    assert plot.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "message"),
+    [
+        ("allocators", "--duration 6", "the window starts at 40 s, the run ends at 6 s"),
+        ("allocation", "--wrenches 0", "--wrenches and --rounds must be 1 at least"),
+        ("allocation", "--rounds 0", "--wrenches and --rounds must be 1 at least"),
+        ("allocation", "--dead-zone 2", "--dead-zone 2: must lie in 0 to 1"),
+    ],
+)
+def test_a_mistake_is_one_line(name, arguments, message, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", [name, *arguments.split()])
+    with pytest.raises(SystemExit) as end:
+        script(name).main()
+    assert end.value.code == 2
+    assert message in capsys.readouterr().err
