@@ -80,7 +80,8 @@ class Allocator:
 
     An allocator remembers its last answer: ties prefer its subset (but where sides touch at no force, the sign of a
     rounding decides), the reversal penalty and the change limit count
-    from it. `reset` forgets it, `resume` replaces it. Nothing else carries over from call to call.
+    from it. `reset` forgets it, `resume` replaces it. Nothing else carries over from call to call. One allocator is for
+    one thread at a time; several allocators do not disturb each other.
 
     Args:
         A: (3, m) rows ``[Fx Fy Mz]`` or (6, m) rows ``[Fx Fy Fz Mx My Mz]`` [1], [m].
