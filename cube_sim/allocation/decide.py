@@ -69,10 +69,10 @@ def complete(
     """Write the wrench of the answer's forces, its error against the demand (n,), and the residual."""
     largest = 0.0
     for a in range(demand.shape[0]):
-        answer.wrench[a] = 0.0
+        made = 0.0
         for i in range(A.shape[1]):
-            answer.wrench[a] += A[a, i] * answer.force[i]
-        answer.error[a] = demand[a] - answer.wrench[a]
+            made += A[a, i] * answer.force[i]
+        answer.wrench[a], answer.error[a] = made, demand[a] - made
         largest = max(largest, min(abs(answer.error[a] * error_scale[a]), HUGE))
     square = 0.0
     if largest > 0.0:

@@ -49,9 +49,10 @@ def attainable_origin(
         if abs(outside) > tolerance:
             return False
     for i in range(m):
-        origin[i] = 0.0
+        force = 0.0
         for a in range(n):
-            origin[i] += fibre.particular[i, a] * demand[a]
+            force += fibre.particular[i, a] * demand[a]
+        origin[i] = force
     return True
 
 

@@ -229,16 +229,18 @@ def subset_problem(
         problem[0, i] = -t.weights[i] * target
         problem[2, i], problem[3, i] = answer.low[i], answer.high[i]
         problem[4, i], multiplier[i] = answer.force[i], answer.multiplier[i]
-        made[i] = answer.force[i]
+        force = answer.force[i]
         if met:
-            made[i] = 0.0
+            force = 0.0
             for a in range(wrench.shape[0] if status != INVALID_WRENCH else 0):
-                made[i] += particular[i, a] * wrench[a]
+                force += particular[i, a] * wrench[a]
+        made[i] = force
     for b in range(rows):
-        problem[1, b], problem[5, b] = 0.0, 0.0
+        demand, dual = 0.0, 0.0
         for i in range(motors):
-            problem[1, b] += equations[b, i] * made[i]
-            problem[5, b] -= equations[b, i] * (t.weights[i] * answer.force[i] + problem[0, i] + multiplier[i])
+            demand += equations[b, i] * made[i]
+            dual -= equations[b, i] * (t.weights[i] * answer.force[i] + problem[0, i] + multiplier[i])
+        problem[1, b], problem[5, b] = demand, dual
 
 
 @compiled
