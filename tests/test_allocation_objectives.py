@@ -73,7 +73,7 @@ def test_lines_and_branch_and_bound_are_the_same_optimum(objective, allow_off):
         wrenches = np.vstack([np.zeros(n), rng.normal(size=(300, n)) * reach, np.diag(reach), -0.1 * np.diag(reach)])
         fast = allocator.allocate_many(wrenches)
         answers = np.zeros((len(wrenches), answer_size(n, m)))
-        allocate_each(other, wrenches.ravel(), answers.ravel())
+        allocate_each(other, wrenches.ravel(), answers.ravel(), np.empty(len(wrenches) * m, np.int8))
         assert np.array_equal(fast.status, answers[:, -2])
         assert np.allclose(fast.cost, answers[:, -3], rtol=1e-7, atol=1e-6)
 

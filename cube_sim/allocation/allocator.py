@@ -182,7 +182,7 @@ class Allocator:
         self._far = beyond(wrench_distance(self.A, self.wrench_weights), facets=self._tables.scaled)
         self._memory = blank_memory(m)
         self._pack()
-        self._size, self._ends = answer_size(n, m), (m, m + n, m + 2 * n, 2 * m + 2 * n)
+        self._size, self._ends = answer_size(n, m), (m, m + n, m + 2 * n)
         self._confirmer = (
             Confirmer(self._tables, self._packed, AGREEMENT, max(largest, 1e-6))
             if self.method == "search+proxqp"
@@ -267,31 +267,32 @@ class Allocator:
 
     def _demand(self, wrench: ArrayLike) -> NDArray[np.float64]:
         """A checked demand (n,)."""
+        shape = self.wrench_weights.shape
         # Anything else, a read-only array for one, would be compiled for anew, which takes half a minute.
-        if type(wrench) is np.ndarray and wrench.dtype is FLOAT and wrench.flags.carray:
-            demand = wrench
-        else:
-            demand = numbers("the wrench", wrench, "vector")
-        if demand.shape != self.wrench_weights.shape:
+        if type(wrench) is np.ndarray and wrench.dtype is FLOAT and wrench.flags.carray and wrench.shape == shape:
+            return wrench
+        demand = numbers("the wrench", wrench, "vector")
+        if demand.shape != shape:
             raise AllocationError(f"the wrench has shape {demand.shape}; A has {len(self.A)} rows")
         return demand
 
     def _answer(self, demand: NDArray[np.float64], demands: NDArray[np.float64]) -> Allocation:
         """Answer one demand (n,) given as it is, or as its two parts (2 n,)."""
-        row, effort = np.zeros(self._size), self.effort
+        m, a, b = self._ends
+        row, subset, effort = np.zeros(self._size), np.empty(m, SIDE), self.effort
         if self._enumeration is None:
-            residual, cost, status, nodes, doubts = allocate_each(self._packed, demands, row)
+            residual, cost, status, nodes, doubts = allocate_each(self._packed, demands, row, subset)
             effort.nodes += nodes
             effort.unproven += doubts
         else:
             effort.qps += self._enumeration.allocate(self._memory, demands, row)
             residual, cost, status, _ = row[-4:].tolist()
+            subset[:] = row[b : b + m]
         if self._confirmer is not None:
             effort.qps += 1
             if not self._confirmer.confirms(row, demand):
                 effort.disagreements += 1
-        m, a, b, c = self._ends
-        force, subset, status = row[:m], row[b:c].astype(SIDE), _STATUS[int(status)]
+        force, status = row[:m], _STATUS[int(status)]
         power = None if self.power_coefficients is None else electrical_power(self.power_coefficients, force)
         # A named tuple's own constructor takes longer than the arrays it is given.
         return tuple.__new__(Allocation, (force, row[m:a], row[a:b], residual, cost, subset, status, power))
@@ -311,11 +312,11 @@ class Allocator:
         n, m = self.A.shape
         if demands.ndim != 2 or demands.shape[1] != n:
             raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")
-        answers = np.zeros((len(demands), self._size))
-        *_, nodes, doubts = allocate_each(self._packed, demands.ravel(), answers.ravel())
+        answers, subsets = np.zeros((len(demands), self._size)), np.empty((len(demands), m), SIDE)
+        *_, nodes, doubts = allocate_each(self._packed, demands.ravel(), answers.ravel(), subsets.ravel())
         self.effort.nodes += nodes
         self.effort.unproven += doubts
-        _, a, b, c = self._ends
+        _, a, b = self._ends
         rest = answers[:, -4:]
         return Allocations(
             answers[:, :m].copy(),
@@ -323,7 +324,7 @@ class Allocator:
             answers[:, a:b].copy(),
             rest[:, 0].copy(),
             rest[:, 1].copy(),
-            answers[:, b:c].astype(SIDE),
+            subsets,
             rest[:, 2].astype(np.int8),
         )
 

@@ -83,7 +83,10 @@ def complete(
 
 @compiled
 def allocate_each(
-    packed: NDArray[np.float64], demands: NDArray[np.float64], answers: NDArray[np.float64]
+    packed: NDArray[np.float64],
+    demands: NDArray[np.float64],
+    answers: NDArray[np.float64],
+    subsets: NDArray[np.int8],
 ) -> tuple[float, float, int, int, int]:
     """Allocate N demands in order, each remembering the one before.
 
@@ -95,11 +98,13 @@ def allocate_each(
         packed: see `pack`; the memory in it is changed.
         demands: (N n,) one after the other [N], [N m]; or (N 2 n,), each primary part followed by its secondary one.
         answers: (N `answer_size`,) out. What is handed over is flat because each view costs a caller time.
+        subsets: (N m,) out: the answers' subsets once more, as a caller wants them.
 
     Returns:
         Residual [N], cost [N^2] and status of the last answer; of all, nodes looked at and answers not proven.
     """
     packed, demands, answers = borrowed(packed), borrowed(demands), borrowed(answers)
+    subsets = borrowed(subsets)
     t, known, room = unpack(packed), unpack_memory(packed), unpack_room(packed)
     residual, final_cost, final, nodes_of_all, doubts = 0.0, 0.0, 0, 0, 0
     n, m = t.A.shape
@@ -171,7 +176,7 @@ def allocate_each(
         answer.rest[2], answer.rest[3] = status, winner
         for i in range(m):
             s = int(answer.subset[i]) + 1
-            answer.low[i], answer.high[i] = tick.low[i, s], tick.high[i, s]
+            answer.low[i], answer.high[i], subsets[at * m + i] = tick.low[i, s], tick.high[i, s], s - 1
         remember(t.edge, known, answer.force, answer.subset)
         residual, final_cost, final = answer.rest[0], answer.rest[1], status
         nodes_of_all, doubts = nodes_of_all + nodes, doubts + int(not proven)
