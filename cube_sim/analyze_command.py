@@ -15,13 +15,12 @@ from cube_sim.actuation.asked import SPEEDS_M_S
 from cube_sim.actuation.extents import Extent
 from cube_sim.actuation.losses import LossCase
 from cube_sim.actuation.verdict import Verdict
-from cube_sim.actuation.wrench_axes import Matrix
+from cube_sim.actuation.wrench_axes import PLANAR, Matrix
 from cube_sim.errors import ActuationError
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle
 
 MOST_LOSSES = 3
-PLANAR_ROWS = [0, 1, 5]
 ROUNDING = 1e-12
 
 
@@ -136,7 +135,7 @@ def analyze(
 
 def _in_plane(A: Matrix) -> Matrix:
     """(3,m) what thrusters A (6,m) do in the plane: nothing where it is but rounding of one that stands across it."""
-    rows = A[PLANAR_ROWS]
+    rows = A[list(PLANAR.rows)]
     return np.where(np.abs(rows) > ROUNDING * np.max(np.abs(A), axis=0), rows, 0.0)
 
 

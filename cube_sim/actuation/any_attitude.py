@@ -9,7 +9,7 @@ import numpy as np
 from cube_sim.actuation.attainable import Attainable
 from cube_sim.actuation.hull import Hull
 from cube_sim.actuation.percent import percent
-from cube_sim.actuation.wrench_axes import Matrix, Vector
+from cube_sim.actuation.wrench_axes import PLANAR, SPATIAL, Matrix, Vector
 
 _GRID = np.linspace(-1.0, 1.0, 7)
 _TURNS = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
@@ -28,16 +28,16 @@ def shortfall(hull: Hull, reach: Attainable, speed_m_s: float) -> str | None:
         speed_m_s: over the course.
     """
     planar = reach.normals.shape[1] == 3
-    rows = [0, 1, 5] if planar else list(range(6))
     directions = _horizontal() if planar else _everywhere()
-    moving = np.array([hull.steady_wrench(np.r_[speed_m_s * d, np.zeros(3)], np.zeros(3))[rows] for d in directions])
+    rows = (PLANAR if planar else SPATIAL).rows
+    moving = hull.steady_wrenches(speed_m_s * directions, np.zeros_like(directions))[:, rows]
     shares = reach.share(moving)
     worst = int(np.argmin(shares))
     if shares[worst] < 1.0:
         return f"of the drag at {speed_m_s:g} m/s along {_words(directions[worst])} it holds {percent(shares[worst])}"
     if planar:
         return None
-    floating = np.column_stack([hull.steady_wrench(np.zeros(6), e) for e in np.eye(3)])
+    floating = hull.steady_wrenches(np.zeros((3, 3)), np.eye(3)).T
     held = _largest_tilt(floating, reach)
     if held is not None:
         return f"weight and lift are held up to {held:.0f} deg of tilt"

@@ -9,8 +9,7 @@ import numpy as np
 from cube_sim.actuation.allowed import AllowedForces
 from cube_sim.actuation.subspaces import Subspaces
 from cube_sim.actuation.wrench_axes import Matrix, Vector
-from cube_sim.actuation.zonotope import support
-from cube_sim.facets import facet_normals
+from cube_sim.actuation.zonotope import facets
 
 _IN_RANGE = 1e-9
 _NO_WRENCH = 1e-12
@@ -60,9 +59,7 @@ def attainable(actuation: Subspaces, allowed: AllowedForces) -> Attainable:
     if U_r.shape[1] == 0:
         return Attainable(np.zeros((0, len(W))), np.zeros(0))
     generators = U_r.T @ (W[:, None] * actuation.matrix)
-    normals = facet_normals(generators)
-    normals = np.concatenate([normals, -normals])
-    reach = support(generators, allowed.minimum, allowed.maximum, normals)
+    normals, reach = facets(generators, allowed.minimum, allowed.maximum)
     reach[reach <= _NO_REACH * np.max(reach)] = 0.0
     return Attainable(normals @ U_r.T * W, reach)
 

@@ -33,7 +33,7 @@ class Attitudes:
 
     hull: Hull
     velocity: Vector
-    rows: list[int]
+    rows: tuple[int, ...]
     turns: Matrix
     conditions: Matrix
     rounding: float
@@ -42,7 +42,7 @@ class Attitudes:
     def on(hull: Hull, actuation: Subspaces, speed_m_s: float, inclination_rad: float) -> Attitudes:
         """Those on a course at this speed and angle above the horizontal; 3 components are motion in the plane."""
         planar = len(actuation.matrix) == 3
-        rows = [0, 1, 5] if planar else list(range(6))
+        rows = actuation.axes.rows
         velocity = speed_m_s * np.array([np.cos(inclination_rad), 0.0, np.sin(inclination_rad)])
         level = float(np.linalg.norm(hull.steady_wrenches(velocity[None], np.eye(3)[2:])[:, rows]))
         offset = float(np.linalg.norm(hull.centre_of_buoyancy - hull.centre_of_mass))

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cube_sim.actuation.hull import Hull
-from cube_sim.actuation.wrench_axes import Matrix, Vector
-from cube_sim.actuation.zonotope import support
-from cube_sim.facets import facet_normals
+from cube_sim.actuation.wrench_axes import PLANAR, SPATIAL, Matrix, Vector
+from cube_sim.actuation.zonotope import facets
 from cube_sim.spatial import cross, skew
 
 _NEUTRAL = 1e-6
@@ -78,9 +77,7 @@ class LinearMotion:
             pushes = W.T @ steer
             if W.shape[1] == 0 or np.linalg.matrix_rank(pushes, _STEERED) < W.shape[1]:
                 continue
-            normals = facet_normals(pushes)
-            normals = np.concatenate([normals, -normals])
-            reach = support(pushes, low, high, normals)
+            normals, reach = facets(pushes, low, high)
             for w in np.abs(normals[reach <= _STEERED * np.max(reach)] @ W.T):
                 found.update(self._moving_in(w))
         return self._motions(found)
@@ -149,7 +146,7 @@ def linearise(hull: Hull, A: Matrix, velocity: Vector, up: Vector, swing: Vector
         swing: (6,) amplitude [m/s, rad/s] at which quadratic drag is taken to damp; default none.
     """
     planar = len(A) == 3
-    moving = [0, 1, 5] if planar else list(range(6))
+    moving = (PLANAR if planar else SPATIAL).rows
     turning = [2] if planar else [0, 1, 2]
     across = _across(velocity, up, planar)
     c, r, k = len(across), len(turning), len(moving)

@@ -21,11 +21,13 @@ class WrenchAxes:
         names: (n,) component names.
         abilities: (n,) what a vehicle does with each of them, as the words after "can" or "cannot".
         forces: number of leading components that are forces [N]; the others are torques [N m].
+        rows: (n,) which of the six components they are.
     """
 
     names: tuple[str, ...]
     abilities: tuple[str, ...]
     forces: int
+    rows: tuple[int, ...]
 
     def scale(self, length_m: float) -> Vector:
         """(n,) diagonal of W: W F_B has every component in newtons."""
@@ -36,11 +38,13 @@ PLANAR = WrenchAxes(
     names=("Fx", "Fy", "Mz"),
     abilities=("push forwards or back", "push sideways", "turn (yaw)"),
     forces=2,
+    rows=(0, 1, 5),
 )
 SPATIAL = WrenchAxes(
     names=("Fx", "Fy", "Fz", "Mx", "My", "Mz"),
     abilities=("push forwards or back", "push sideways", "push up or down", "roll", "pitch", "turn (yaw)"),
     forces=3,
+    rows=(0, 1, 2, 3, 4, 5),
 )
 
 

@@ -30,13 +30,20 @@ def support(generators: Matrix, low: Vector, high: Vector, directions: Matrix) -
     return np.sum(np.maximum(per_newton * low, per_newton * high), axis=1)
 
 
+def facets(generators: Matrix, low: Vector, high: Vector) -> tuple[Matrix, Vector]:
+    """The zonotope as {w : normals w <= reach}: unit normals (p,r) in both signs, and (p,) how far it reaches."""
+    normals = facet_normals(generators)
+    normals = np.concatenate([normals, -normals])
+    return normals, support(generators, low, high, normals)
+
+
 def inscribed_radius(generators: Matrix, low: Vector, high: Vector) -> float:
     """Radius of the largest ball round zero inside the zonotope; 0 when zero is on its boundary or outside.
 
-    The ball touches a facet, and the zonotope's facets are the `facet_normals` in both signs: exact.
+    The ball touches a facet: exact.
     """
-    normals = facet_normals(generators)
-    return max(0.0, float(np.min(support(generators, low, high, np.concatenate([normals, -normals])), initial=np.inf)))
+    _, reach = facets(generators, low, high)
+    return max(0.0, float(np.min(reach, initial=np.inf)))
 
 
 def volume(generators: Matrix, low: Vector, high: Vector) -> float:

@@ -99,8 +99,9 @@ def lever_length(A: NDArray[np.float64]) -> float:
 
 def error_size(error: NDArray[np.float64], length_m: float) -> float:
     """Norm of a wrench error (n,) [N], torques divided by a length; entries beyond 1e300 count as that, and no more."""
+    scaled = error.copy()
     with np.errstate(over="ignore"):
-        scaled = error / np.where(np.isin(np.arange(len(error)), np.r_[torque_rows(len(error))]), length_m, 1.0)
+        scaled[torque_rows(len(error))] /= length_m
     scaled = np.clip(scaled, -1e300, 1e300)
     largest = float(np.max(np.abs(scaled)))
     return largest * float(np.linalg.norm(scaled / largest)) if largest > 0.0 else 0.0
