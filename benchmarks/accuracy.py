@@ -19,7 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from water_bodies import Body, flown, fossen, get_state, random_body, reference, set_state, tumbling
+from support.water_bodies import Body, flown, fossen, get_state, random_body, reference, set_state, tumbling
 
 DURATION_S = 3.0
 STEPS_S = (0.02, 0.01, 0.005, 0.0025, 0.00125, 0.000625)
@@ -104,7 +104,7 @@ def kirchhoff_drift(timestep: float) -> dict[str, float]:
     """Relative drift of energy, |p| and p.h over 20 s of tumbling in an ideal fluid."""
     from dataclasses import replace
 
-    from water_bodies import DENSITY
+    from support.water_bodies import DENSITY
 
     rng = np.random.default_rng(0)
     body = random_body(rng, 3.0)

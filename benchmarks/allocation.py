@@ -17,7 +17,7 @@ import time
 import numpy as np
 
 from cube_sim.allocation import Allocator, Status
-from cube_sim.allocation.attainable import attainable_map
+from cube_sim.allocation.attainable_map import attainable_map
 
 
 def built_cube(seed: int) -> np.ndarray:

@@ -18,7 +18,7 @@ import matplotlib as mpl
 import numpy as np
 
 import cube_sim
-from cube_sim.allocation.geometry import lever_length
+from cube_sim.allocation.exact.solutions import lever_length
 from cube_sim.errors import CubeSimError
 from cube_sim.scenario.loading import load
 

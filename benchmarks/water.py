@@ -30,7 +30,7 @@ import numpy as np
 from mujoco import batch, rollout
 
 import cube_sim
-from cube_sim.vehicle import hook, packing
+from cube_sim.vehicle.plugin import hook, packing
 
 CUBE = Path(__file__).parents[1] / "models" / "cube.xml"
 INTEGRATORS = {"Euler": (mujoco.mjtIntegrator.mjINT_EULER, 0.002), "RK4": (mujoco.mjtIntegrator.mjINT_RK4, 0.01)}

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cube_sim.simulation import Run, run
-    from cube_sim.vehicle.hook import install
     from cube_sim.vehicle.loading import load_model
+    from cube_sim.vehicle.plugin.hook import install
     from cube_sim.vehicle.vehicle import Vehicle
 
 __all__ = ["Run", "Vehicle", "install", "load_model", "run"]
@@ -20,7 +20,7 @@ __all__ = ["Run", "Vehicle", "install", "load_model", "run"]
 _HOME = {
     "Run": "cube_sim.simulation",
     "Vehicle": "cube_sim.vehicle.vehicle",
-    "install": "cube_sim.vehicle.hook",
+    "install": "cube_sim.vehicle.plugin.hook",
     "load_model": "cube_sim.vehicle.loading",
     "run": "cube_sim.simulation",
 }

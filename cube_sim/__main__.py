@@ -1,6 +1,6 @@
 """``python -m cube_sim`` is ``cube-sim``."""
 
-from .cli import main
+from cube_sim.commands.cli import main
 
 if __name__ == "__main__":
     main()

@@ -13,14 +13,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .scenario.check_blocks import (
+from cube_sim.scenario.check_blocks import (
     AllowedForcesCheck,
     Check,
     ExactWrenchCheck,
     PathEndCheck,
     SignalCheck,
 )
-from .verdict import CheckResult
+from cube_sim.verdict import CheckResult
 
 Array = NDArray[np.float64]
 Signals = Mapping[str, Array]

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from .errors import DirectoryError
+from cube_sim.errors import DirectoryError
 
 try:
     import fcntl

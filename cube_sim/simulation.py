@@ -21,15 +21,15 @@ from cube_sim.checks import evaluate
 from cube_sim.control.authority import remaining
 from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.mission import PATH_POINTS, Mission, prepare
+from cube_sim.mission.run_header import header, versions
 from cube_sim.mission.supply import allocate_at
-from cube_sim.provenance import header, versions
-from cube_sim.reach_log import ReachLog
+from cube_sim.mission.unattainable_log import ReachLog
 from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import check, claim
 from cube_sim.scenario import Loaded, load
 from cube_sim.spatial import State, angle_between, quaternion_from_rotation
 from cube_sim.vehicle.flow import water_velocity
-from cube_sim.vehicle.warnings import collect_warnings
+from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, Verdict, overall, to_json
 
 DIVERGED = 1e6

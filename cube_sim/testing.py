@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from .errors import CubeSimError
+from cube_sim.errors import CubeSimError
 
 
 class ScenarioFailedError(Exception):
@@ -40,12 +40,12 @@ class ScenarioItem(pytest.Item):
 
     def runtest(self) -> None:
         """Run the scenario, recording into pytest's temporary folder."""
-        from .result_table import as_text, result_table
-        from .scenario import load
+        from cube_sim.commands.result_table import as_text, result_table
+        from cube_sim.scenario import load
 
         # A file that is wrong says so before MuJoCo is even loaded.
         load(self.path)
-        from .simulation import run
+        from cube_sim.simulation import run
 
         # The factory behind pytest's tmp_path, which only function tests can ask for.
         temporary: pytest.TempPathFactory = self.config._tmp_path_factory  # type: ignore[attr-defined]

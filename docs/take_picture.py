@@ -11,7 +11,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from cube_sim.recording.screenshot import screenshot
+from cube_sim.recording.rerun.screenshot import screenshot
 
 
 def main() -> int:

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cube_sim.actuation.allowed import AllowedForces
-from cube_sim.actuation.combination import Combination
-from cube_sim.actuation.criteria import Directions, final_approach, first_approach, second_approach
-from cube_sim.actuation.extents import Extent, extents
-from cube_sim.actuation.hull import Hull
-from cube_sim.actuation.indices import Indices, indices
-from cube_sim.actuation.subspaces import Subspaces, subspaces
-from cube_sim.actuation.thruster_names import left_after, thruster_names
-from cube_sim.actuation.verdict import Mission, Verdict, judge
-from cube_sim.actuation.wrench_axes import Matrix, Vector, actuation_matrix, lever_arm
+from cube_sim.actuation.attainable.extents import Extent, extents
+from cube_sim.actuation.directions.design_indices import Indices, indices
+from cube_sim.actuation.directions.lost_combinations import Combination
+from cube_sim.actuation.directions.selection_criteria import Directions, final_approach, first_approach, second_approach
+from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
+from cube_sim.actuation.path_following.hull import Hull
+from cube_sim.actuation.path_following.verdict import Mission, Verdict, judge
+from cube_sim.wrench.allowed_forces import AllowedForces
+from cube_sim.wrench.axes import Matrix, Vector, actuation_matrix, lever_arm
+from cube_sim.wrench.names import left_after, thruster_names
 
 
 @dataclass(frozen=True)

@@ -10,19 +10,25 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation.arguments import comparable, flag, numbers, one_of, pairs, row, scalar
-from cube_sim.allocation.decide import allocate_each, answer_size
-from cube_sim.allocation.enumeration import Enumeration
-from cube_sim.allocation.geometry import actuation_matrix, lever_length, torque_rows, wrench_distance, wrench_fibre
-from cube_sim.allocation.limits import side_table, thruster_limits
-from cube_sim.allocation.memory import blank_memory
+from cube_sim.allocation.allocation import Allocation, Allocations, Status
+from cube_sim.allocation.exact.packing import memory_rows, pack
+from cube_sim.allocation.exact.problem import beyond, make_tables
+from cube_sim.allocation.exact.solutions import (
+    actuation_matrix,
+    lever_length,
+    torque_rows,
+    wrench_distance,
+    wrench_fibre,
+)
+from cube_sim.allocation.exact.solve import allocate_each, answer_size
+from cube_sim.allocation.exact.step import blank_memory
 from cube_sim.allocation.objectives import Objective, side_targets
-from cube_sim.allocation.packed import memory_rows, pack
-from cube_sim.allocation.proxqp import Confirmer
-from cube_sim.allocation.result import Allocation, Allocations, Status
-from cube_sim.allocation.standing import Standing
-from cube_sim.allocation.tables import beyond, make_tables
+from cube_sim.allocation.previous import Standing
+from cube_sim.allocation.subset_qp.enumeration import Enumeration
+from cube_sim.allocation.subset_qp.solver import Confirmer
 from cube_sim.errors import AllocationError
+from cube_sim.wrench.arguments import comparable, flag, numbers, one_of, pairs, row, scalar
+from cube_sim.wrench.limits import side_table, thruster_limits
 
 Method = Literal["search+proxqp", "search", "enumerate", "enumerate_parallel"]
 """``search+proxqp``: the exact search decides the subset, ProxQP solves it and must agree. ``search``: without ProxQP.

@@ -7,15 +7,15 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cube_sim.allocation.allocation import Allocation, Status
 from cube_sim.allocation.allocator import ROUNDING, Allocator, electrical_power
-from cube_sim.allocation.arguments import bounded, numbers, pairs
-from cube_sim.allocation.factory import WrenchAllocator
-from cube_sim.allocation.geometry import actuation_matrix, error_size, lever_length
-from cube_sim.allocation.health import Health
-from cube_sim.allocation.limits import thruster_limits
-from cube_sim.allocation.result import Allocation, Status
-from cube_sim.allocation.standing import Standing
+from cube_sim.allocation.exact.solutions import actuation_matrix, error_size, lever_length
+from cube_sim.allocation.methods import WrenchAllocator
+from cube_sim.allocation.previous import Standing
 from cube_sim.errors import AllocationError
+from cube_sim.wrench.arguments import bounded, numbers, pairs
+from cube_sim.wrench.health import Health
+from cube_sim.wrench.limits import thruster_limits
 
 Build = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int_]], WrenchAllocator]
 """(A (n, k), limits (k, 4) [N], which motors (k,), from 0) -> an allocator for k motors."""

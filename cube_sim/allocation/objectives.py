@@ -7,8 +7,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation.arguments import one_of, pairs, row
 from cube_sim.errors import AllocationError
+from cube_sim.wrench.arguments import one_of, pairs, row
 
 Objective = Literal["energy", "target", "reactivity", "reactivity_by_side"]
 """``energy``: least ``sum w f^2``, equation (7) of the report.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.actuation.threshold import RANK_TOLERANCE, ZERO
+from cube_sim.actuation.directions.threshold import RANK_TOLERANCE, ZERO
 from cube_sim.spatial import Matrix
 
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.allocation.health import Health
 from cube_sim.spatial import Vector
+from cube_sim.wrench.health import Health
 
 
 class Probes:

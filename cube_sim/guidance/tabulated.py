@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.compiled import compiled
 from cube_sim.guidance.path import PathPoint
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix
 
 Table = NDArray[np.float64]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation import FaultTolerant
-from cube_sim.allocation.factory import WrenchAllocator, is_exact, make_allocator
+from cube_sim.allocation.methods import WrenchAllocator, is_exact, make_allocator
 from cube_sim.scenario import Scenario
 from cube_sim.vehicle.vehicle import Vehicle
 

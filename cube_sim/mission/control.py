@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from cube_sim.actuation.criteria import final_approach
+from cube_sim.actuation.directions.selection_criteria import final_approach
 from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability, capability
 from cube_sim.control.controller import Controller
 from cube_sim.control.current import CurrentObserver

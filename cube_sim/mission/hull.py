@@ -11,7 +11,7 @@ from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.loading import load_model
-from cube_sim.vehicle.time_step import require_time_step
+from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
 

@@ -10,11 +10,11 @@ from cube_sim.allocation import FaultTolerant, Status
 from cube_sim.control.authority import Authority
 from cube_sim.control.controller import Controller
 from cube_sim.control.diagnosis import Diagnosis
-from cube_sim.events import Events
 from cube_sim.guidance.path import Path
 from cube_sim.mission.allocation import actuators_of
 from cube_sim.mission.control import controller_of, diagnosis_of
 from cube_sim.mission.drop_weight import DropWeight
+from cube_sim.mission.events import Events
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
 from cube_sim.mission.navigation import OnEstimate, channels_of
 from cube_sim.mission.path import path_of
@@ -22,7 +22,7 @@ from cube_sim.mission.refusals import require_a_value_per_thruster, require_poss
 from cube_sim.mission.supply import supply_of
 from cube_sim.recording.channels import Channel, channel_table
 from cube_sim.scenario import Loaded, Scenario
-from cube_sim.vehicle.supply import Supply
+from cube_sim.vehicle.power_supply import Supply
 from cube_sim.vehicle.vehicle import Vehicle
 
 PATH_POINTS = 400

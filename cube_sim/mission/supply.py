@@ -10,7 +10,7 @@ from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.scenario import Loaded
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.battery import Battery
-from cube_sim.vehicle.supply import Supply
+from cube_sim.vehicle.power_supply import Supply
 from cube_sim.vehicle.vehicle import Vehicle
 
 

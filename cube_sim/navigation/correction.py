@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.compiled import compiled
+from cube_sim.native.compiled import compiled
 from cube_sim.navigation.strapdown import turned
 
 

@@ -11,7 +11,7 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
-from cube_sim.compiled import compiled
+from cube_sim.native.compiled import compiled
 
 POSITION, VELOCITY, ATTITUDE = slice(0, 3), slice(3, 6), slice(6, 9)
 GYRO_BIAS, ACCELEROMETER_BIAS = slice(9, 12), slice(12, 15)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.block import Rows
+from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import Channel
 
 _FIRST_CAPACITY = 64  # rows; a simulated second at 50 Hz fits

@@ -7,9 +7,9 @@ from pathlib import Path
 import mujoco
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.block import split_blocks
+from cube_sim.recording.batch import split_blocks
 from cube_sim.recording.reading import read_recording
-from cube_sim.recording.rerun_sink import rerun_sink
+from cube_sim.recording.rerun.sink import rerun_sink
 
 
 def rrd_from_mcap(mcap: Path, rrd: Path) -> None:

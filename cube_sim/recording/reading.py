@@ -17,12 +17,13 @@ from mcap.records import Channel as McapChannel
 from numpy.typing import NDArray
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.block import LogLine, Rows, signals
+from cube_sim.recording.batch import LogLine, Rows, signals
 from cube_sim.recording.channels import Channel, Field
-from cube_sim.recording.fixed_width import Layout, channel_layout
 from cube_sim.recording.header import RunHeader
-from cube_sim.recording.mcap_reader import McapContents, read_contents
-from cube_sim.recording.mcap_sink import (
+from cube_sim.recording.mcap.fixed_width import Layout, channel_layout
+from cube_sim.recording.mcap.reader import McapContents, read_contents
+from cube_sim.recording.mcap.schemas import LOG, LOG_LEVELS, log_schema
+from cube_sim.recording.mcap.sink import (
     ASSETS,
     CHANNEL_METADATA,
     EPOCH_NS,
@@ -33,8 +34,7 @@ from cube_sim.recording.mcap_sink import (
     SCENARIO,
     VERSIONS_METADATA,
 )
-from cube_sim.recording.mcap_writer import MESSAGE_HEADER
-from cube_sim.recording.schemas import LOG, LOG_LEVELS, log_schema
+from cube_sim.recording.mcap.writer import MESSAGE_HEADER
 
 _SAME = 11  # bytes of opcode, length and channel id: messages alike in these can be read as one array
 

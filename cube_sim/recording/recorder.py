@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.block import Block, LogLine, Rows, Sink, block_number, signals
+from cube_sim.recording.batch import Block, LogLine, Rows, Sink, block_number, signals
 from cube_sim.recording.buffer import ChannelBuffer
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
 from cube_sim.recording.header import RunHeader
-from cube_sim.recording.mcap_sink import McapSink
-from cube_sim.recording.schemas import LOG_LEVELS
+from cube_sim.recording.mcap.schemas import LOG_LEVELS
+from cube_sim.recording.mcap.sink import McapSink
 
 MCAP_NAME = "run.mcap"
 RRD_NAME = "run.rrd"
@@ -65,7 +65,7 @@ class Recorder:
         self._sinks: list[Sink] = [McapSink(self.mcap, header, self._channels, vehicle or vehicle_name(model))]
         if view:
             # Only a run that wants the view pays for its import.
-            from cube_sim.recording.rerun_sink import rerun_sink
+            from cube_sim.recording.rerun.sink import rerun_sink
 
             self._sinks.append(rerun_sink(self.rrd, header, self._channels, model, vehicle))
 

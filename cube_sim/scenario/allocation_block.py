@@ -8,7 +8,7 @@ from pydantic import Field, field_validator
 from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
-from .values import Block, refuse
+from cube_sim.scenario.values import Block, refuse
 
 _SIMPLE_METHODS = ("contraction", "compensation", "pseudo_inverse", "clipped_pseudo_inverse")
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from .values import Block, Vector3, refuse
+from cube_sim.scenario.values import Block, Vector3, refuse
 
 
 class AlongPath(Block):

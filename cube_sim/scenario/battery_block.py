@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field, field_validator
 
-from .values import Block, Pair, refuse
+from cube_sim.scenario.values import Block, Pair, refuse
 
 
 class Battery(Block):

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints, model_validator
 
-from .values import Block, Title, refuse
+from cube_sim.scenario.values import Block, Title, refuse
 
 Statistic = Literal["rms", "mean", "max", "min", "max_abs", "final"]
 SignalName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+\.[a-z0-9_]+$")]

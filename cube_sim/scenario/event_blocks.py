@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 from pydantic.types import Strict
 
-from .values import Block, Vector3, refuse
+from cube_sim.scenario.values import Block, Vector3, refuse
 
 State = Literal["dead", "weak", "stuck", "recovered"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from .schema import Scenario
+from cube_sim.scenario.schema import Scenario
 
 
 def json_schema() -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field, field_validator
 from pydantic_core.core_schema import ValidationInfo
 
-from .values import Block, existing_model
+from cube_sim.scenario.values import Block, existing_model
 
 
 class Knowledge(Block):

@@ -10,12 +10,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..errors import ScenarioError
-from .document import Document, Location, Mistake, Position, parse
-from .explain import Refusal, explain
-from .overrides import Override, apply
-from .resolved import seen_from, to_yaml
-from .schema import Scenario
+from cube_sim.errors import ScenarioError
+from cube_sim.scenario.document import Document, Location, Mistake, Position, parse
+from cube_sim.scenario.explain import Refusal, explain
+from cube_sim.scenario.overrides import Override, apply
+from cube_sim.scenario.resolved import seen_from, to_yaml
+from cube_sim.scenario.schema import Scenario
 
 # Far above any scenario; a recording or a table given by mistake is not parsed for minutes.
 _LARGEST_BYTES = 1_000_000

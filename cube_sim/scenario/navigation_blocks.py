@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from .values import Block, Vector3, refuse
+from cube_sim.scenario.values import Block, Vector3, refuse
 
 LONGEST_DELAY_S = 10.0
 

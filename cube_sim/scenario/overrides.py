@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .document import Location
+from cube_sim.scenario.document import Location
 
 _INDEX = re.compile(r"0|[1-9][0-9]*")
 

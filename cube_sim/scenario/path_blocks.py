@@ -11,8 +11,8 @@ from pydantic import Field, field_validator, model_validator
 from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
-from ..errors import PathError
-from .values import Block, Extent, Place, Vector3, refuse
+from cube_sim.errors import PathError
+from cube_sim.scenario.values import Block, Extent, Place, Vector3, refuse
 
 Waypoints = Annotated[tuple[Place, ...], Strict(False)]
 LAPS = "How many times round; default: again and again until the run ends. Only for a closed path."
@@ -73,7 +73,7 @@ class Arc(Block):
 
     @model_validator(mode="after")
     def _curved(self) -> Arc:
-        from ..guidance.arc import arc_through
+        from cube_sim.guidance.arc import arc_through
 
         arc = accept(lambda: arc_through(self.start_m, self.through_m, self.end_m))
         _require_length(arc.length)
@@ -175,8 +175,8 @@ class Polyline(Closable):
 
     @model_validator(mode="after")
     def _fits(self) -> Polyline:
-        from ..guidance.corner import round_corners
-        from ..guidance.waypoints import as_waypoints
+        from cube_sim.guidance.corner import round_corners
+        from cube_sim.guidance.waypoints import as_waypoints
 
         points = accept(lambda: as_waypoints(self.points_m, self.closed), "points_m")
         accept(lambda: round_corners(points, self.corner_radius_m, self.closed), "points_m")
@@ -191,8 +191,8 @@ class Spline(Closable):
 
     @model_validator(mode="after")
     def _distinct(self) -> Spline:
-        from ..guidance.corner import require_no_reversal
-        from ..guidance.waypoints import as_waypoints
+        from cube_sim.guidance.corner import require_no_reversal
+        from cube_sim.guidance.waypoints import as_waypoints
 
         points = accept(lambda: as_waypoints(self.points_m, self.closed), "points_m")
         accept(lambda: require_no_reversal(points, self.closed), "points_m")
@@ -216,9 +216,9 @@ class Csv(Closable):
 
     @model_validator(mode="after")
     def _readable(self) -> Csv:
-        from ..guidance.corner import require_no_reversal, round_corners
-        from ..guidance.waypoints import as_waypoints
-        from ..guidance.waypoints_csv import read_waypoints
+        from cube_sim.guidance.corner import require_no_reversal, round_corners
+        from cube_sim.guidance.waypoints import as_waypoints
+        from cube_sim.guidance.waypoints_csv import read_waypoints
 
         if (self.shape == "polyline") != (self.corner_radius_m is not None):
             refuse("a polyline needs corner_radius_m, a spline has no corners", "corner_radius_m")

@@ -11,8 +11,8 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.representer import RoundTripRepresenter
 
-from .path_blocks import Csv
-from .schema import Scenario
+from cube_sim.scenario.path_blocks import Csv
+from cube_sim.scenario.schema import Scenario
 
 
 class _Representer(RoundTripRepresenter):

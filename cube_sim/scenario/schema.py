@@ -12,15 +12,15 @@ from pydantic import Field, field_validator
 from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
-from .allocation_block import Allocation
-from .attitude_blocks import AlongPath, Attitude
-from .battery_block import Battery
-from .check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
-from .event_blocks import Event
-from .knowledge_block import Knowledge
-from .navigation_blocks import Navigation, require_slower_than
-from .path_blocks import Path
-from .values import Block, Name, Pair, Place, Vector3, existing_model, refuse
+from cube_sim.scenario.allocation_block import Allocation
+from cube_sim.scenario.attitude_blocks import AlongPath, Attitude
+from cube_sim.scenario.battery_block import Battery
+from cube_sim.scenario.check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
+from cube_sim.scenario.event_blocks import Event
+from cube_sim.scenario.knowledge_block import Knowledge
+from cube_sim.scenario.navigation_blocks import Navigation, require_slower_than
+from cube_sim.scenario.path_blocks import Path
+from cube_sim.scenario.values import Block, Name, Pair, Place, Vector3, existing_model, refuse
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cube_sim.compiled import compiled
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Vector
-from cube_sim.vehicle.hydrodynamics import coriolis, cross, times, to_body, water_wrench
+from cube_sim.vehicle.laws.hydrodynamics import coriolis, cross, times, to_body, water_wrench
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Dynamics:
 def inverse_dynamics(M_RB, M_A, D, D_q, displaced_mass, r_CG, r_CB, gravity, R_WB, nu, nu_dot, v_c_W):
     """tau = M_RB nu' + C_RB nu + M_A a - (everything else the water does) - weight, as a 6-tuple.
 
-    Arguments as in `Dynamics`; a = [v' + w x v; w'] as in `cube_sim.vehicle.hydrodynamics.water_wrench`.
+    Arguments as in `Dynamics`; a = [v' + w x v; w'] as in `cube_sim.vehicle.laws.hydrodynamics.water_wrench`.
     """
     velocity = (nu[0], nu[1], nu[2], nu[3], nu[4], nu[5])
     rate = (nu_dot[0], nu_dot[1], nu_dot[2], nu_dot[3], nu_dot[4], nu_dot[5])

@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.vehicle import packing
-from cube_sim.vehicle.current import velocity_at
+from cube_sim.vehicle.laws.current import velocity_at
+from cube_sim.vehicle.plugin import packing
 
 
 def water_velocity(model: mujoco.MjModel, time: float, height: float) -> NDArray[np.float64]:

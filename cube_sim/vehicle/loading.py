@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle import hook, packing, structs, user_forces
-from cube_sim.vehicle.inverse_weights import set_inverse_weights
-from cube_sim.vehicle.numeric_names import force_owner, require_parameter
-from cube_sim.vehicle.parameters import read_parameters
-from cube_sim.vehicle.thruster_elements import limit_commands, thruster_elements
-from cube_sim.vehicle.time_step import require_time_step
-from cube_sim.vehicle.user_forces import UserForce
-from cube_sim.vehicle.warnings import collect_warnings
+from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
+from cube_sim.vehicle.mjcf.parameters import read_parameters
+from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, thruster_elements
+from cube_sim.vehicle.mjcf.time_step import require_time_step
+from cube_sim.vehicle.plugin import hook, packing, structs, user_forces
+from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
+from cube_sim.vehicle.plugin.user_forces import UserForce
+from cube_sim.vehicle.plugin.warnings import collect_warnings
 
 
 def load_model(
@@ -35,8 +35,8 @@ def load_model(
     Args:
         path: an MJCF file, or a spec built in memory (left as it is).
         parameters: values that take the place of the MJCF's custom numerics of the same name, e.g.
-            ``{"hull:thruster_dead_zone": (-2.0, 2.0)}``; see `cube_sim.vehicle.parameters` for the names.
-        forces: hull -> a force of your own, see `cube_sim.vehicle.user_forces`. The MJCF can name one too:
+            ``{"hull:thruster_dead_zone": (-2.0, 2.0)}``; see `cube_sim.vehicle.mjcf.parameters` for the names.
+        forces: hull -> a force of your own, see `cube_sim.vehicle.plugin.user_forces`. The MJCF can name one too:
             ``<text name="hull:force" data="package.module:function"/>``.
 
     MuJoCo's own warnings about the file become Python's, instead of a MUJOCO_LOG.TXT in the working directory.

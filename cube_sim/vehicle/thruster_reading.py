@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.vehicle import packing
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.plugin import packing
 from cube_sim.vehicle.pulse import PulseRange
 from cube_sim.vehicle.thrusters import Thrusters
 

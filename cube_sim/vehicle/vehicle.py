@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.spatial import skew
-from cube_sim.vehicle import packing
+from cube_sim.vehicle.plugin import packing
 from cube_sim.vehicle.thruster_reading import thrusters_of
 from cube_sim.vehicle.thrusters import Thrusters
 

@@ -1,0 +1,1 @@
+"""Which wrenches the thrusters attain within their limits."""

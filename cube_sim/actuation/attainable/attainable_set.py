@@ -1,0 +1,90 @@
+"""Which wrenches the thrusters make within their maxima: the facets of the set, so that every use of ker A counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cube_sim.actuation.directions.subspaces import Subspaces
+from cube_sim.wrench.allowed_forces import AllowedForces
+from cube_sim.wrench.axes import Matrix, Vector
+from cube_sim.wrench.zonotope import facets
+
+_IN_RANGE = 1e-9
+_NO_WRENCH = 1e-12
+_NO_DEMAND = 1e-9
+_NO_REACH = 1e-12
+
+
+@dataclass(frozen=True)
+class Attainable:
+    """The set {A F_m : F_min <= F_m <= F_max} = {F_B in range(A) : normals F_B <= reach}, dead zones left out.
+
+    Attributes:
+        normals: (p,n) of the facets, per newton and newton metre of F_B.
+        reach: (p,) [N], never negative: rest is allowed.
+    """
+
+    normals: Matrix
+    reach: Vector
+
+    def share(self, wrenches: Matrix) -> Vector:
+        """How often each wrench of range(A) fits into the set.
+
+        Args:
+            wrenches: F_B (q,n) [N, N m].
+
+        Returns:
+            (q,) the largest t with t F_B attainable: 1 and more can be held, 0 not at all; infinite for no wrench.
+        """
+        demand = wrenches @ self.normals.T
+        largest = np.max(np.abs(demand), axis=1, initial=0.0, keepdims=True)
+        asked = demand > np.maximum(_NO_WRENCH, _NO_DEMAND * largest)
+        return np.min(
+            np.divide(self.reach, demand, out=np.full(demand.shape, np.inf), where=asked), axis=1, initial=np.inf
+        )
+
+
+def attainable(actuation: Subspaces, allowed: AllowedForces) -> Attainable:
+    """The facets of what is attainable.
+
+    Args:
+        actuation: A, m thrusters; nothing is cut from it, however small its singular value.
+        allowed: their forces; only the maxima are looked at.
+    """
+    W = actuation.axes.scale(actuation.length_m)
+    U, sigma, _ = np.linalg.svd(W[:, None] * actuation.matrix)
+    U_r = U[:, : np.count_nonzero(sigma > _IN_RANGE * max(sigma[0], np.finfo(float).tiny))]
+    if U_r.shape[1] == 0:
+        return Attainable(np.zeros((0, len(W))), np.zeros(0))
+    generators = U_r.T @ (W[:, None] * actuation.matrix)
+    normals, reach = facets(generators, allowed.minimum, allowed.maximum)
+    reach[reach <= _NO_REACH * np.max(reach)] = 0.0
+    return Attainable(normals @ U_r.T * W, reach)
+
+
+def holding_forces(A: Matrix, allowed: AllowedForces, wrench: Vector) -> Vector:
+    """(m,) forces [N] with A F_m = F_B that use the least share of the thrusters' maxima.
+
+    The largest t with A F_m = t F_B within the maxima, found as a linear programme; F_m / t is returned. Rest is
+    allowed, so that it lies within the maxima whenever t >= 1.
+
+    Args:
+        A: (n,m).
+        allowed: forces of the thrusters.
+        wrench: F_B (n,) [N, N m], attainable and not zero.
+    """
+    from scipy.optimize import linprog
+
+    U, sigma, Vt = np.linalg.svd(A, full_matrices=False)
+    rank = np.count_nonzero(sigma > _IN_RANGE * sigma[0])
+    scale = float(np.max(np.abs([allowed.minimum, allowed.maximum])))
+    rows = np.column_stack([Vt[:rank], -(U[:, :rank].T @ wrench) / sigma[:rank] / scale])
+    found = linprog(
+        -np.eye(1, rows.shape[1], rows.shape[1] - 1)[0],
+        A_eq=rows,
+        b_eq=np.zeros(rank),
+        bounds=[*zip(allowed.minimum / scale, allowed.maximum / scale, strict=True), (0.0, None)],
+    )
+    return found.x[:-1] * scale / found.x[-1]

@@ -1,0 +1,1 @@
+"""The allocators people compare with, none of which proves its answer."""

@@ -1,0 +1,118 @@
+"""The exact search along a line of wrenches: the largest share of the way that allowed forces can make."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation.exact.branch_and_bound import MOST_NODES
+from cube_sim.allocation.exact.sides import Sides
+from cube_sim.native.compiled import compiled
+
+
+@compiled
+def largest_share(
+    base: NDArray[np.float64],
+    across: NDArray[np.float64],
+    gain: NDArray[np.float64],
+    sides: Sides,
+    tolerance: float,
+) -> tuple[float, bool, int]:
+    """The largest share in [0, 1] at which ``primary + share * secondary`` is attainable, over all subsets.
+
+    The wrenches of a box of forces are ``lower <= normals @ w <= upper``, so the shares at which a box attains the
+    demand are an interval, known in closed form. With dead zones the union of these intervals has gaps. Depth first
+    over the motors: where a motor's side is open its box spans all open sides, which only widens the interval, and
+    a node is discarded when the end of its interval does not exceed the best share found.
+
+    Args:
+        base: (h,) the primary wrench along each facet normal.
+        across: (h,) the secondary wrench along each.
+        gain: (h, m) what one newton of each motor makes along it.
+        sides: open to the motors; of ``relaxed`` only the interval ends are used.
+        tolerance: along a normal, that counts as rounding.
+
+    Returns:
+        The share, negative when none is attainable, not even 0; whether that is proven; nodes looked at.
+    """
+    m = gain.shape[1]
+    relaxed = sides.relaxed
+    stack = np.empty((3 * m + 1, m), np.int64)
+    bound = np.empty(3 * m + 1)
+    mask, child = np.empty(m, np.int64), np.empty(m, np.int64)
+    order, ends = np.empty(3, np.int64), np.empty(3)
+    for i in range(m):
+        stack[0, i] = child[i] = sides.masks[i]
+    best, depth, looked = -1.0, 1, 1
+    bound[0] = interval_end(base, across, gain, relaxed, child, tolerance)
+    while depth > 0:
+        depth -= 1
+        if bound[depth] <= best:
+            continue
+        if looked >= MOST_NODES:
+            return best, False, looked
+        motor, widest = -1, -1.0
+        for i in range(m):
+            mask[i] = child[i] = stack[depth, i]
+            if mask[i] & (mask[i] - 1):  # the longest stretch of forbidden force decides first
+                gap = relaxed[i, mask[i], 1] - relaxed[i, mask[i], 0]
+                for s in range(3):
+                    if mask[i] >> s & 1:
+                        gap -= sides.high[i, s] - sides.low[i, s]
+                if gap > widest:
+                    motor, widest = i, gap
+        if motor < 0:
+            best = bound[depth]
+            if best >= 1.0:
+                break
+            continue
+        count = 0
+        for s in range(3):
+            if mask[motor] >> s & 1:
+                child[motor] = 1 << s
+                end = interval_end(base, across, gain, relaxed, child, tolerance)
+                looked += 1
+                if end > best:
+                    at = count
+                    while at > 0 and ends[at - 1] > end:
+                        ends[at], order[at] = ends[at - 1], order[at - 1]
+                        at -= 1
+                    ends[at], order[at] = end, child[motor]
+                    count += 1
+        for c in range(count):  # the most promising last, to be looked at next
+            for i in range(m):
+                stack[depth, i] = mask[i]
+            stack[depth, motor] = order[c]
+            bound[depth] = ends[c]
+            depth += 1
+    return best, True, looked
+
+
+@compiled
+def interval_end(
+    base: NDArray[np.float64],
+    across: NDArray[np.float64],
+    gain: NDArray[np.float64],
+    relaxed: NDArray[np.float64],
+    mask: NDArray[np.int64],
+    tolerance: float,
+) -> float:
+    """Upper end of the shares in [0, 1] at which the box of each motor's open sides attains the demand; -1 for none."""
+    first, last = 0.0, 1.0
+    for a in range(gain.shape[0]):
+        lower, upper = -tolerance, tolerance
+        for i in range(gain.shape[1]):
+            bottom, top = gain[a, i] * relaxed[i, mask[i], 0], gain[a, i] * relaxed[i, mask[i], 1]
+            lower += min(bottom, top)
+            upper += max(bottom, top)
+        lower, upper = lower - base[a], upper - base[a]
+        if abs(across[a]) <= 1e-300:
+            if lower > 0.0 or upper < 0.0:
+                return -1.0
+        elif across[a] > 0.0:
+            first, last = max(first, lower / across[a]), min(last, upper / across[a])
+        else:
+            first, last = max(first, upper / across[a]), min(last, lower / across[a])
+        if not first <= last:
+            return -1.0
+    return last

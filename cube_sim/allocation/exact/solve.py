@@ -1,0 +1,183 @@
+"""One allocation after the other, compiled whole: exact, else a share, else closest; then wrench, error and memory."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation.exact.minimum_cost import cheapest, cost_on, snap
+from cube_sim.allocation.exact.origins import attainable_origin, nearest_origins, share_origin
+from cube_sim.allocation.exact.packing import unpack, unpack_beyond, unpack_memory, unpack_room
+from cube_sim.allocation.exact.step import remember, this_tick
+from cube_sim.allocation.exact.ties import changed, preferred
+from cube_sim.native.compiled import borrowed, compiled, cut
+
+EXACT, CLOSEST, INVALID_WRENCH, UNPROVEN, UNPROVEN_CLOSEST, SCALED, YIELDED = 0, 1, 2, 5, 6, 7, 8
+"""The numbers of `Status`."""
+
+HUGE = 1e300
+"""Errors beyond this are all the same [N]; it keeps the residual of the largest demands a number."""
+
+
+class Answer(NamedTuple):
+    """One row of answers, by name.
+
+    Attributes:
+        force: (m,) [N].
+        wrench: (n,) A f.
+        error: (n,) demanded minus achieved.
+        subset: (m,) side each motor is on, -1, 0, +1.
+        multiplier: (m,) of the interval ends at the solution of the subset's problem.
+        low: (m,) lower end of the side each motor is on [N].
+        high: (m,) upper end of it [N].
+        rest: (4,) residual [N], cost [N^2], status, winning alternative of the objective.
+    """
+
+    force: NDArray[np.float64]
+    wrench: NDArray[np.float64]
+    error: NDArray[np.float64]
+    subset: NDArray[np.float64]
+    multiplier: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    rest: NDArray[np.float64]
+
+
+@compiled
+def answer_size(rows: int, motors: int) -> int:
+    """Numbers in one answer; `answer_of` says what is where."""
+    return 5 * motors + 2 * rows + 4
+
+
+@compiled
+def answer_of(row: NDArray[np.float64], n: int, m: int) -> Answer:
+    """Name the parts of one answer."""
+    a, b = m + n, m + 2 * n
+    return Answer(
+        row[:m], row[m:a], row[a:b], row[b : b + m], row[b + m : b + 2 * m], row[b + 2 * m : b + 3 * m],
+        row[b + 3 * m : b + 4 * m], row[b + 4 * m :],
+    )  # fmt: skip
+
+
+@compiled
+def complete(
+    A: NDArray[np.float64], error_scale: NDArray[np.float64], demand: NDArray[np.float64], answer: Answer
+) -> None:
+    """Write the wrench of the answer's forces, its error against the demand (n,), and the residual."""
+    largest = 0.0
+    for a in range(demand.shape[0]):
+        made = 0.0
+        for i in range(A.shape[1]):
+            made += A[a, i] * answer.force[i]
+        answer.wrench[a], answer.error[a] = made, demand[a] - made
+        largest = max(largest, min(abs(answer.error[a] * error_scale[a]), HUGE))
+    square = 0.0
+    if largest > 0.0:
+        for a in range(demand.shape[0]):
+            square += (min(abs(answer.error[a] * error_scale[a]), HUGE) / largest) ** 2
+    answer.rest[0] = largest * math.sqrt(square)
+
+
+@compiled
+def allocate_each(
+    packed: NDArray[np.float64],
+    demands: NDArray[np.float64],
+    answers: NDArray[np.float64],
+    subsets: NDArray[np.int8],
+) -> tuple[float, float, int, int, int]:
+    """Allocate N demands in order, each remembering the one before.
+
+    A demand that holds a NaN or an infinity counts as zero. One of two parts, ``primary + secondary``, that is not
+    attainable yields its secondary part first: the largest share of it is made that is attainable together with the
+    primary part. Scaling a demand is the same with a primary part of zero.
+
+    Args:
+        packed: see `pack`; the memory in it is changed.
+        demands: (N n,) one after the other [N], [N m]; or (N 2 n,), each primary part followed by its secondary one.
+        answers: (N `answer_size`,) out. What is handed over is flat because each view costs a caller time.
+        subsets: (N m,) out: the answers' subsets once more, as a caller wants them.
+
+    Returns:
+        Residual [N], cost [N^2] and status of the last answer; of all, nodes looked at and answers not proven.
+    """
+    packed, demands, answers = borrowed(packed), borrowed(demands), borrowed(answers)
+    subsets = borrowed(subsets)
+    t, known, room = unpack(packed), unpack_memory(packed), unpack_room(packed)
+    residual, final_cost, final, nodes_of_all, doubts = 0.0, 0.0, 0, 0, 0
+    n, m = t.A.shape
+    size = answer_size(n, m)
+    calls = answers.shape[0] // size
+    two_parts = demands.shape[0] > calls * n
+    width = 2 * n if two_parts else n
+    demand, base, direction, part = room.wrenches[0], room.wrenches[1], room.wrenches[2], room.wrenches[3]
+    origin, trial, sides, mu, spare = room.motors[:1], room.motors[1], room.motors[2], room.motors[3], room.motors[4:]
+    for at in range(calls):
+        answer = answer_of(cut(answers, at * size, (size,), np.float64), n, m)
+        first = at * width
+        second = first + width - n
+        status, valid = EXACT, True
+        for a in range(n):
+            demand[a] = demands[first + a] + demands[second + a] if two_parts else demands[first + a]
+            valid = valid and math.isfinite(demand[a])
+        for a in range(n):
+            demand[a] = demand[a] if valid else 0.0
+            base[a] = demands[first + a] if two_parts and valid else 0.0
+            direction[a] = demands[second + a] if two_parts and valid else demand[a]
+            part[a] = base[a] if two_parts else demand[a]
+        tick = this_tick(t, known)
+        found, best, winner, changes_best, nodes, proven = False, math.inf, 0, 0, 0, True
+        for stage in range(3):
+            origins, count, looked, sure = origin, 0, 0, True
+            if stage == 0:
+                count = int(attainable_origin(t.fibre, t.reach, t.tolerance, demand, origin[0]))
+            elif stage == 1:
+                status = CLOSEST
+                if valid and (two_parts or t.scaled):
+                    far = unpack_beyond(packed)
+                    share, looked, sure = share_origin(far, t.reach, tick, base, direction, origin[0], part)
+                    count = int(share >= 0.0 or not two_parts)
+                    if count > 0:
+                        status = YIELDED if two_parts else SCALED
+            else:  # a share at the border of what is attainable may leave a rounding too little for stage 1
+                far = unpack_beyond(packed)
+                origins, looked, sure = nearest_origins(t.A, far.distance, t.fibre, t.reach, tick, part)
+                count = origins.shape[0]
+            nodes += looked
+            proven = proven and sure
+            for c in range(count):
+                there, cost, alternative, looked, sure = cheapest(
+                    t.fibre, t.plane, t.planar, tick, known.subset, origins[c], room, spare, trial, sides, mu
+                )
+                nodes += looked
+                proven = proven and sure
+                if not there:
+                    if stage < 2:
+                        continue
+                    cost, alternative = snap(tick, origins[c], trial, sides)
+                    for i in range(m):
+                        mu[i] = 0.0
+                changes = changed(sides, known.subset)
+                if found and not preferred(cost, best, sides, answer.subset, changes, changes_best):
+                    continue
+                found, best, winner, changes_best = True, cost, alternative, changes
+                for i in range(m):
+                    answer.force[i], answer.subset[i], answer.multiplier[i] = trial[i], sides[i], mu[i]
+            if found:
+                break
+        complete(t.A, t.error_scale, demand, answer)
+        if not valid:
+            status = INVALID_WRENCH
+        elif not proven:
+            status = UNPROVEN if status == EXACT else UNPROVEN_CLOSEST
+        answer.rest[1] = cost_on(tick, winner, answer.force, answer.subset)
+        answer.rest[2], answer.rest[3] = status, winner
+        for i in range(m):
+            s = int(answer.subset[i]) + 1
+            answer.low[i], answer.high[i], subsets[at * m + i] = tick.low[i, s], tick.high[i, s], s - 1
+        remember(t.edge, known, answer.force, answer.subset)
+        residual, final_cost, final = answer.rest[0], answer.rest[1], status
+        nodes_of_all, doubts = nodes_of_all + nodes, doubts + int(not proven)
+    return residual, final_cost, final, nodes_of_all, doubts

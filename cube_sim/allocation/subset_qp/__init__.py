@@ -1,0 +1,1 @@
+"""One convex problem per subset of thruster sides, solved by ProxQP."""

@@ -1,0 +1,253 @@
+"""``cube-sim analyze``: from a model file to the analysis of its thrusters, as text, JSON or a picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cube_sim.actuation import Analysis, Hull, Mission, Survivability, analyse, survivability
+from cube_sim.actuation.attainable.extents import Extent
+from cube_sim.actuation.path_following.requirements import SPEEDS_M_S
+from cube_sim.actuation.path_following.verdict import Verdict
+from cube_sim.actuation.survivability import LossCase
+from cube_sim.errors import ActuationError
+from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.wrench.axes import PLANAR, Matrix
+
+MOST_LOSSES = 3
+ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class Report:
+    """What the command found.
+
+    Attributes:
+        model: path of the model.
+        title: what to call the vehicle: the model, and its hull when that was asked for by name.
+        vehicle: the hull that was analysed.
+        analysis: of the thrusters that are left.
+        table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
+            was wanted.
+    """
+
+    model: Path
+    title: str
+    vehicle: Vehicle
+    analysis: Analysis
+    table: Survivability | None
+
+
+def hull_of(vehicle: Vehicle) -> Hull:
+    """The plain numbers of a vehicle that the path-following verdict works with."""
+    g = float(np.linalg.norm(vehicle.gravity))
+    return Hull(
+        mass=vehicle.mass_matrix + vehicle.added_mass,
+        linear_damping=vehicle.linear_damping,
+        quadratic_damping=vehicle.quadratic_damping,
+        weight=vehicle.mass * g,
+        buoyancy=vehicle.displaced_mass * g,
+        centre_of_mass=vehicle.centre_of_mass,
+        centre_of_buoyancy=vehicle.centre_of_buoyancy,
+    )
+
+
+def analyze(
+    model: Path,
+    *,
+    hull: str | None = None,
+    lost: str = "",
+    losses: int = 0,
+    planar: bool = False,
+    speed_m_s: float | None = None,
+    cost_limit: float | None = None,
+    picture: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Report:
+    """Analyse a model's thrusters, and draw the picture when one is wanted.
+
+    Args:
+        model: an MJCF file with a hull in water.
+        hull: its name, needed when there are several.
+        lost: comma-separated names of dead thrusters.
+        losses: tabulate every loss of up to this many thrusters, on top of the lost ones.
+        planar: look at Fx, Fy and Mz only, for a vehicle kept at its depth.
+        speed_m_s: at which path following is judged; default that of `Mission`.
+        cost_limit: drop the directions that cost more than this [N/N], and judge what is left.
+        picture: PNG, SVG or PDF to write; it shows losses of up to three.
+        progress: called with (cases done, all cases) while losses are tabulated.
+
+    Raises:
+        ModelError: the model cannot be read or has no such hull.
+        ActuationError: it has no thrusters, a lost one does not exist, or the picture cannot be written.
+    """
+    from cube_sim.actuation.plots.picture import check_path, save_picture
+
+    if not 0 <= losses <= MOST_LOSSES:
+        raise ActuationError(f"--losses {losses}: between 0 and {MOST_LOSSES}")
+    if speed_m_s is not None and not SPEEDS_M_S[0] <= speed_m_s <= SPEEDS_M_S[1]:
+        raise ActuationError(f"--speed {speed_m_s:g}: between {SPEEDS_M_S[0]:g} and {SPEEDS_M_S[1]:g} m/s")
+    if picture is not None:
+        check_path(picture)
+    vehicle = Vehicle.from_model(load_model(str(model)), hull)
+    A, limits, names = vehicle.actuation_matrix, vehicle.thrusters.limits, vehicle.thrusters.names
+    if not names:
+        raise ActuationError(f"{model}: {vehicle.name} has no thrusters")
+    if planar:
+        A = _in_plane(A)
+    title = model.stem if hull is None else f"{model.stem}, {vehicle.name}"
+    gone = _names(lost)
+    body = hull_of(vehicle)
+    mission = Mission() if speed_m_s is None else Mission(speed_m_s=speed_m_s)
+
+    def analysis_of(matrix: Matrix) -> Analysis:
+        return analyse(matrix, limits, names=names, lost=gone, hull=body, mission=mission, cost_limit=cost_limit)
+
+    analysis = analysis_of(A)
+    if not planar and not analysis.verdict.follows and analysis_of(_in_plane(A)).verdict.follows:
+        analysis = replace(analysis, verdict=_with_hint(analysis.verdict))
+    most = MOST_LOSSES if picture is not None else losses
+    table = (
+        survivability(
+            A,
+            limits,
+            names=names,
+            lost=gone,
+            hull=body,
+            mission=mission,
+            most=most,
+            cost_limit=cost_limit,
+            progress=progress,
+        )
+        if most
+        else None
+    )
+    if picture is not None and table is not None:
+        save_picture(picture, A, limits, table, names=names, title=title)
+    return Report(model, title, vehicle, analysis, table)
+
+
+def _in_plane(A: Matrix) -> Matrix:
+    """(3,m) what thrusters A (6,m) do in the plane: nothing where it is but rounding of one that stands across it."""
+    rows = A[list(PLANAR.rows)]
+    return np.where(np.abs(rows) > ROUNDING * np.max(np.abs(A), axis=0), rows, 0.0)
+
+
+def _names(listed: str) -> tuple[str, ...]:
+    """The names in a comma-separated list; none in an empty one."""
+    names = tuple(part.strip() for part in listed.split(",")) if listed else ()
+    if not all(names) or len(set(names)) < len(names):
+        raise ActuationError(f"--lost {listed}: give each thruster once, with one comma between two, as in T1,T4")
+    return names
+
+
+def _with_hint(verdict: Verdict) -> Verdict:
+    """The verdict in space, with a word on the plane, where a path can be followed."""
+    hint = "kept at its depth by other means it follows planar paths (--planar)"
+    return replace(verdict, reason=f"{verdict.reason}; {hint}")
+
+
+def to_dict(report: Report) -> dict[str, Any]:
+    """The report as JSON-ready values; what is infinite or unknown is null."""
+    a = report.analysis
+    s = a.subspaces
+    content = {
+        "model": str(report.model),
+        "hull": report.vehicle.name,
+        "thrusters": a.names,
+        "lost": a.lost,
+        "components": s.axes.names,
+        "actuation_matrix": a.matrix,
+        "torque_length_m": s.length_m,
+        "singular_values": s.singular_values,
+        "rank": a.rank,
+        "rank_tolerance": s.threshold.rank_tolerance,
+        "cost_limit": s.threshold.cost_limit,
+        "redundancy": a.redundancy,
+        "range_basis": s.range_basis,
+        "kernel_basis": s.kernel_basis,
+        "projector": s.projector,
+        "pseudo_inverse": s.pseudo_inverse,
+        "pure_forces": s.pure_forces.shape[1],
+        "pure_torques": s.pure_torques.shape[1],
+        "unreachable": [{"coefficients": c.coefficients, "gain": c.gain, "text": c.text} for c in a.unreachable],
+        "costs": {
+            "first_approach_gains": a.gains,
+            "second_approach": dict(zip(s.axes.names, a.component_costs, strict=True)),
+            "final_approach": [
+                {"wrench": wrench, "cost": cost, "kept": not why, "dropped": why or None}
+                for wrench, cost, why in zip(a.directions.wrenches.T, a.directions.costs, a.dropped, strict=True)
+            ],
+        },
+        "extents": [_extent(e) for e in a.extents or ()],
+        "indices": asdict(a.indices),
+        "verdict": _verdict(a.verdict),
+        "losses": None if report.table is None else [_case(case) for case in report.table.cases],
+    }
+    return _plain(content)
+
+
+def _extent(e: Extent) -> dict[str, Any]:
+    return {
+        "component": e.name,
+        "at_most": e.at_most,
+        "alone": e.alone,
+        "alone_with_dead_zones": e.alone_with_dead_zones,
+        "finest": e.finest,
+    }
+
+
+def _verdict(verdict: Verdict) -> dict[str, Any]:
+    return {
+        "follows": verdict.follows,
+        "outcome": verdict.outcome.value,
+        "reason": verdict.reason,
+        "courses": [
+            {
+                "inclination_rad": steered.course.inclination_rad,
+                "velocity": steered.course.velocity,
+                "up": steered.course.up,
+                "forces": steered.course.forces,
+                "share": steered.share,
+                "within_limits": steered.within_limits,
+                "loose": steered.loose,
+                "side_step_m": steered.side_step_m,
+            }
+            for steered in verdict.courses
+        ],
+    }
+
+
+def _case(case: LossCase) -> dict[str, Any]:
+    return {
+        "lost": case.lost,
+        "rank": case.rank,
+        "pure_forces": case.pure_forces,
+        "pure_torques": case.pure_torques,
+        "unreachable": case.unreachable,
+        "strongest_force": case.strongest_force,
+        "strongest_torque": case.strongest_torque,
+        "extents": [_extent(e) for e in case.extents],
+        "verdict": _verdict(case.verdict),
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Arrays and tuples to lists, numpy scalars to Python's, infinities to None."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

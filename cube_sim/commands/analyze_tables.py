@@ -1,0 +1,170 @@
+"""The analysis of a vehicle's thrusters on a terminal."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import Counter
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from cube_sim.actuation import Analysis, Mission, Survivability
+from cube_sim.actuation.path_following.controllable_trim import FURTHEST
+from cube_sim.commands.analyze import Report
+from cube_sim.wrench.axes import PLANAR
+
+
+@contextlib.contextmanager
+def progress(*, hidden: bool) -> Iterator[Callable[[int, int], None] | None]:
+    """A bar while losses are tabulated; yields what is called with (cases done, all cases)."""
+    if hidden:
+        yield None
+        return
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("lost thrusters", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+FILE_WIDTH = 160
+"""Columns a table may take where nobody folds lines: in a file or a pipe."""
+
+
+def print_report(report: Report) -> None:
+    """Print everything a designer asks first, the verdict last."""
+    console = Console()
+    if not console.is_terminal:
+        console.width = max(console.width, FILE_WIDTH)
+    a = report.analysis
+    s = a.subspaces
+
+    def line(text: str) -> None:
+        console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+    lost = f", without {', '.join(a.lost)}" if a.lost else ""
+    line(f"{report.title}: {len(a.names)} thrusters{lost}; torques divided by {s.length_m:.3g} m")
+    line(f"rank {a.rank} of {len(s.axes.names)}, {a.redundancy} redundant")
+    if s.axes is PLANAR:
+        line("  looked at are Fx, Fy and Mz only: depth, roll and pitch are taken to be kept by other means")
+    for combination in a.unreachable:
+        line(f"  {combination}")
+    if a.unreachable:
+        line(f"  on its own: {s.pure_forces.shape[1]} forces and {s.pure_torques.shape[1]} torques")
+    console.print(_components(a))
+    console.print(_directions(a))
+    for why in sorted(set(a.dropped) - {""}):
+        line(_reason(a, why))
+    line(_indices(a))
+    if report.table is not None:
+        console.print(_losses(report.table))
+        for losses in range(1, report.table.most + 1):
+            line(_count(report.table, losses))
+    line(f"path following: {'yes' if a.verdict.follows else 'no'} ({a.verdict.outcome.value}). {a.verdict.reason}")
+
+
+def _components(a: Analysis) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    for header in ("component", "alone", "at most", "finest alone", "cost [N/N]"):
+        table.add_column(header, justify="left" if header == "component" else "right")
+    for i, (name, cost) in enumerate(zip(a.subspaces.axes.names, a.component_costs, strict=True)):
+        e = a.extents[i] if a.extents is not None else None
+        unit = "N" if i < a.subspaces.axes.forces else "N m"
+        if e is None:
+            table.add_row(name, "", "", "", _number(cost))
+            continue
+        finest = "not computed" if e.finest is None else " / ".join(_number(value) for value in e.finest)
+        table.add_row(
+            f"{name} [[{unit}]]".replace("[[", "\\[").replace("]]", "]"),
+            f"{_number(e.alone[0])} .. {_number(e.alone[1])}",
+            f"{_number(e.at_most[0])} .. {_number(e.at_most[1])}",
+            finest,
+            _number(cost),
+        )
+    return table
+
+
+def _directions(a: Analysis) -> Table:
+    names = a.subspaces.axes.names
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    table.add_column("direction")
+    for name in names:
+        table.add_column(name, justify="right")
+    table.add_column("cost [N/N]", justify="right")
+    if any(a.dropped):
+        table.add_column("dropped by")
+    for j, (wrench, cost, why) in enumerate(zip(a.directions.wrenches.T, a.directions.costs, a.dropped, strict=True)):
+        table.add_row(f"v{j + 1}", *(_number(x) for x in wrench), _number(cost), *([why] if any(a.dropped) else []))
+    return table
+
+
+def _reason(a: Analysis, why: str) -> str:
+    threshold = a.subspaces.threshold
+    if why == "cost":
+        return f"dropped by cost: above {threshold.cost_limit:g} N/N"
+    times = 1.0 / threshold.rank_tolerance
+    return f"dropped by rank: more than {times:.4g} times as dear as the cheapest; --cost-limit decides instead"
+
+
+def _indices(a: Analysis) -> str:
+    i = a.indices
+    if a.rank < len(a.subspaces.axes.names):
+        return "design indices: none, the layout has lost a component"
+    weakest = "" if i.weakest is None else f", every wrench up to {_number(i.weakest)} N"
+    return (
+        f"manipulability {_number(i.manipulability)}, isotropy {_number(i.isotropy)}, energy {_number(i.energy)}, "
+        f"reactivity {_number(i.reactivity)}, robustness {_number(i.robustness)}, "
+        f"{_tolerated(a)}{weakest}"
+    )
+
+
+def _tolerated(a: Analysis) -> str:
+    names = " ".join(a.subspaces.axes.names)
+    match a.indices.tolerated_losses:
+        case 0:
+            return f"some single loss costs one of {names}"
+        case 1:
+            return f"keeps {names} after any single loss"
+        case losses:
+            return f"keeps {names} after any {losses} losses"
+
+
+def _losses(survived: Survivability) -> Table:
+    more = "lost too" if survived.already else "lost"
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    for header in (more, "rank", "pure F/M", "force [N]", "torque [N m]", "side step [m]", "follows"):
+        text = header in (more, "follows")
+        table.add_column(header.replace("[", "\\["), justify="left" if text else "right", no_wrap=text)
+    for case in survived.cases:
+        steps = [steered.side_step_m for steered in case.verdict.courses]
+        table.add_row(
+            " ".join(case.lost) or "none",
+            str(case.rank),
+            f"{case.pure_forces}/{case.pure_torques}",
+            f"{case.strongest_force:.0f}",
+            f"{case.strongest_torque:.1f}",
+            _step(min(steps)) if steps else "",
+            ("yes, " if case.verdict.follows else "no, ") + case.verdict.outcome.value,
+        )
+    return table
+
+
+def _count(survived: Survivability, losses: int) -> str:
+    cases = survived.of(losses)
+    ranks = Counter(case.rank for case in cases)
+    split = ", ".join(f"{count} keep rank {rank}" for rank, count in sorted(ranks.items(), reverse=True))
+    follows = sum(case.verdict.follows for case in cases)
+    return f"{losses} {'more ' if survived.already else ''}lost: {follows} of {len(cases)} can follow a path; {split}"
+
+
+def _step(metres: float) -> str:
+    """A side step; the command judges by the default mission, and further than this none is looked for."""
+    furthest = FURTHEST * Mission().side_step_m
+    return f">= {furthest:g}" if metres >= furthest else _number(metres)
+
+
+def _number(value: float) -> str:
+    if np.isinf(value):
+        return "-"
+    return f"{0.0 if abs(value) < 1e-9 else value:.3g}"

@@ -1,0 +1,48 @@
+"""The result of a run as a table, for a terminal or for a test report."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+
+from rich.console import Console, Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from cube_sim.verdict import CheckResult
+
+_STYLES = {"PASS": "bold green", "FAIL": "bold red", "ERROR": "bold magenta"}
+
+
+def result_table(title: str, verdict: str, results: Sequence[CheckResult]) -> RenderableType:
+    """Verdict first, a row per check, then why each check that did not pass did not."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("check")
+    table.add_column("verdict", no_wrap=True)
+    for heading in ("value", "limit", "margin", "worst at"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for result in results:
+        table.add_row(
+            Text(result.name),
+            Text(result.verdict, _STYLES[result.verdict]),
+            _number(result.value),
+            f"{result.relation} {_number(result.limit)}",
+            _number(result.margin),
+            "-" if result.at_s is None else f"{result.at_s:.2f} s",
+        )
+    reasons = [
+        Text(f"{result.verdict} {result.name}: {result.detail}") for result in results if result.verdict != "PASS"
+    ]
+    heading = Text.assemble((verdict, _STYLES.get(verdict, "bold")), f"  {title}")
+    return Group(heading, Text(), table, *([Text(), *reasons] if reasons else []))
+
+
+def as_text(renderable: RenderableType, width: int = 110) -> str:
+    """Plain text without colours, its lines at most `width` long."""
+    stream = io.StringIO()
+    Console(file=stream, width=width, color_system=None, force_terminal=False, legacy_windows=False).print(renderable)
+    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines())
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4g}"

@@ -1,0 +1,52 @@
+"""What happens to the vehicle and the water during a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+
+from cube_sim.scenario.event_blocks import CurrentEvent, Event, ThrusterEvent
+from cube_sim.vehicle import faults
+from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.wrench.health import Health
+
+
+class Events:
+    """The events of a run, each carried out once when its time has come.
+
+    Attributes:
+        health: the true state of the thrusters.
+    """
+
+    def __init__(self, events: Sequence[Event], model: mujoco.MjModel, vehicle: Vehicle) -> None:
+        self._waiting = sorted(events, key=lambda event: event.at_s)
+        self._model, self._vehicle = model, vehicle
+        self.health = Health.whole(len(vehicle.thrusters.names))
+
+    def happen(self, t: float) -> list[str]:
+        """Carry out what is due at t [s]; one sentence each, for the log."""
+        said = []
+        while self._waiting and self._waiting[0].at_s <= t + 1e-9:
+            said.append(self._carry_out(self._waiting.pop(0)))
+        return said
+
+    def _carry_out(self, event: Event) -> str:
+        match event:
+            case CurrentEvent():
+                self._model.opt.wind[:] = event.current_m_s
+                return f"the current is now {list(event.current_m_s)} m/s"
+            case ThrusterEvent():
+                for name in event.thrusters:
+                    self._change(name, event)
+                return f"{', '.join(event.thrusters)}: {event.state}"
+
+    def _change(self, name: str, event: ThrusterEvent) -> None:
+        index = self._vehicle.thrusters.names.index(name)
+        if event.force_N is not None:
+            faults.set_stuck(self._model, name, event.force_N)
+            self.health = self.health.with_thruster(index, 0.0, event.force_N)
+            return
+        efficiency = {"dead": 0.0, "weak": event.efficiency, "recovered": 1.0}[event.state] or 0.0
+        faults.set_efficiency(self._model, name, efficiency)
+        self.health = self.health.with_thruster(index, efficiency)

@@ -1,0 +1,96 @@
+"""A simulated second of a run: the unit in which rows travel from the loop to the files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.recording.channels import Channel
+
+Rows = NDArray[np.float64]  # (n, 1+width), column 0 the time [s]
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """A sentence about the run.
+
+    Attributes:
+        t: simulated time [s].
+        level: one of ``cube_sim.recording.mcap.schemas.LOG_LEVELS``.
+        text: the sentence.
+    """
+
+    t: float
+    level: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Block:
+    """What was recorded in one simulated second, t in [k, k+1).
+
+    Attributes:
+        rows: new rows of each channel that has any, in the order of the channel table.
+        log: new log lines.
+    """
+
+    rows: Mapping[str, Rows]
+    log: Sequence[LogLine] = ()
+
+
+class Sink(Protocol):
+    """Something that takes a run block by block."""
+
+    def write(self, block: Block) -> None:
+        """Take the next block."""
+        ...
+
+    def close(self) -> None:
+        """Finish; nothing comes after."""
+        ...
+
+
+def block_number(t: float) -> int:
+    """Which block an instant t [s] belongs to."""
+    return math.floor(t)
+
+
+def split_blocks(rows: Mapping[str, Rows], log: Sequence[LogLine]) -> Iterator[Block]:
+    """Cut whole columns into the blocks in which they were recorded.
+
+    Args:
+        rows: all rows of each channel.
+        log: all log lines.
+
+    Yields:
+        The blocks that hold anything, in time order.
+    """
+    numbers = {name: np.floor(r[:, 0]).astype(np.int64) for name, r in rows.items()}
+    logged = np.array([block_number(line.t) for line in log], dtype=np.int64)
+    for k in np.unique(np.concatenate([*numbers.values(), logged])):
+        parts = {name: rows[name][slice(*np.searchsorted(n, (k, k + 1)))] for name, n in numbers.items()}
+        first, last = np.searchsorted(logged, (k, k + 1))
+        yield Block({name: part for name, part in parts.items() if len(part)}, log[first:last])
+
+
+def signals(channels: Sequence[Channel], rows: Mapping[str, Rows]) -> dict[str, Rows]:
+    """Name every field's column.
+
+    Args:
+        channels: the channel table.
+        rows: all rows of each channel.
+
+    Returns:
+        "channel.field" -> (n, 1+width), column 0 the time [s].
+    """
+    named = {}
+    for channel in channels:
+        whole = rows.get(channel.name, np.empty((0, 1 + channel.width)))
+        for field, columns in zip(channel.fields, channel.columns, strict=True):
+            named[f"{channel.name}.{field.name}"] = np.hstack([whole[:, :1], whole[:, columns]])
+    return named

@@ -1,0 +1,1 @@
+"""The record: MCAP written and read a block at a time."""

@@ -1,0 +1,1 @@
+"""The view: Rerun columns, scene, plots and their layout."""

@@ -1,0 +1,1 @@
+"""The laws of the water and the thrusters: plain Python on scalars and arrays, compiled."""

@@ -1,0 +1,39 @@
+"""The thruster characteristic as a law for the compiled callback: plain Python on scalars and arrays."""
+
+from __future__ import annotations
+
+from cube_sim.native.compiled import compiled
+
+
+@compiled
+def interpolate(x, xs, ys):
+    """Piecewise linear y(x) through (xs, ys), xs increasing; constant beyond the ends."""
+    last = xs.shape[0] - 1
+    if x <= xs[0]:
+        return ys[0]
+    if x >= xs[last]:
+        return ys[last]
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if xs[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    return ys[low] + (x - xs[low]) / (xs[high] - xs[low]) * (ys[high] - ys[low])
+
+
+@compiled
+def force_of_command(command, dead_low, dead_high, commands, forces):
+    """Steady force [N] of one command: `Characteristic.force`.
+
+    Args:
+        command: normalised command after the motor's lag.
+        dead_low: c_DZ-.
+        dead_high: c_DZ+.
+        commands: (n,) increasing commands of the curve.
+        forces: (n,) forces [N].
+    """
+    if dead_low <= command <= dead_high:
+        return 0.0
+    return interpolate(command, commands, forces)

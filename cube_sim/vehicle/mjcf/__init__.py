@@ -1,0 +1,1 @@
+"""What an MJCF file may say of a vehicle in water, and what is wrong with it."""

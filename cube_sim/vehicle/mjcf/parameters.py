@@ -1,0 +1,300 @@
+"""The water's numbers as the MJCF states them: custom numerics named after the element they describe.
+
+    water:density                       [kg/m^3]
+    <body>:volume                       displaced volume [m^3]
+    <body>:centre_of_buoyancy           [m], body axes
+    <body>:added_mass                   6 (diagonal) or 36 values, symmetric positive semidefinite [kg, kg m, kg m^2]
+    <body>:linear_damping               6 or 36 values [N s/m, N s, N m s]
+    <body>:quadratic_damping            6 or 36 values [N s^2/m^2, N s^2/m, N m s^2]
+    <body>:thruster_characteristic      pairs command, force [N] for every thruster of the hull
+    <body>:thruster_dead_zone           F_DZ-, F_DZ+ [N]
+    <body>:thruster_power               k_P-, k_P+ of the electrical power k_P |F|^1.5 [W/N^1.5]; may be left out
+    <body>:thruster_voltage             the voltage of the characteristic [V]; may be left out
+    <body>:thruster_pwm                 pulse widths of the commands -1, 0 and 1 [us]; may be left out
+    <actuator>:thruster_...             each of these for one thruster, before its hull's
+    water:current                       rows time [s], height z [m], v_x, v_y, v_z [m/s] (world axes) on a full grid of
+                                        times and heights, added to `option wind`; linear between, constant beyond
+
+A body with any of the first group is a hull: it needs a free joint, and its volume. What else a hull leaves out is
+zero. Vehicles attached with a prefix (``MjSpec.attach``) bring theirs with the same prefix, also their `water:`
+entries: these must agree. Other numerics of the MJCF are left alone (`cube_sim.vehicle.mjcf.numeric_names`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.errors import ModelError
+from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.mjcf.damping import require_dissipative, require_pairwise_dissipative
+from cube_sim.vehicle.mjcf.numeric_names import CURRENT, DENSITY, HULL_PARAMETERS, hull_names, one_water
+from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
+
+
+@dataclass(frozen=True)
+class Hull:
+    """One body in the water.
+
+    Attributes:
+        body: its name.
+        displaced_mass: rho V [kg].
+        centre_of_buoyancy: (3,) [m], body axes.
+        added_mass: (6,6), symmetric positive semidefinite.
+        linear_damping: (6,6).
+        quadratic_damping: (6,6).
+    """
+
+    body: str
+    displaced_mass: float
+    centre_of_buoyancy: NDArray[np.float64]
+    added_mass: NDArray[np.float64]
+    linear_damping: NDArray[np.float64]
+    quadratic_damping: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ThrusterParameters:
+    """One thruster.
+
+    Attributes:
+        characteristic: command to force.
+        power: (k_P-, k_P+) of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 when not known.
+        voltage: at which the characteristic holds [V]; None when not known.
+        pulse_us: (3,) pulse widths of the commands -1, 0 and 1 [us]; None when not known.
+    """
+
+    characteristic: Characteristic
+    power: tuple[float, float]
+    voltage: float | None
+    pulse_us: tuple[float, float, float] | None
+
+
+@dataclass(frozen=True)
+class CurrentProfile:
+    """A current on a grid of times and heights.
+
+    Attributes:
+        times_s: (n_t,) increasing [s].
+        heights: (n_z,) z in the world, increasing [m].
+        velocities: (n_t, n_z, 3) [m/s], world axes.
+    """
+
+    times_s: NDArray[np.float64]
+    heights: NDArray[np.float64]
+    velocities: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WaterParameters:
+    """All hulls of a model, one entry per actuator (None: not a thruster of ours), and the current, if it varies."""
+
+    hulls: tuple[Hull, ...]
+    thrusters: tuple[ThrusterParameters | None, ...]
+    current: CurrentProfile | None
+
+
+def read_parameters(
+    numerics: Mapping[str, NDArray[np.float64]],
+    bodies: Mapping[str, bool],
+    thrusters: Sequence[ThrusterElement | None],
+) -> WaterParameters:
+    """Validate the numerics of a model.
+
+    Args:
+        numerics: name -> values.
+        bodies: names of the bodies, and whether each is a free body of the world.
+        thrusters: per actuator, None where it is not a thruster.
+
+    Raises:
+        ModelError: names the numeric at fault and says what would be right.
+    """
+    numerics = one_water(numerics)
+    actuators = [thruster.name for thruster in thrusters if thruster]
+    names = hull_names(numerics, list(bodies), actuators)
+    if not names:
+        raise ModelError(
+            "custom", f"no numeric '<body>:{HULL_PARAMETERS[0]}', so there is no hull to put into the water"
+        )
+    for name in names:
+        if not bodies[name]:
+            raise ModelError(name, "has water parameters but no free joint; only a free body of the world is a hull")
+    if DENSITY not in numerics:
+        raise ModelError(DENSITY, "is missing; the water needs a density [kg/m^3]")
+    density = _scalar(numerics, DENSITY)
+    if density <= 0.0:
+        raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
+    hulls = tuple(_hull(numerics, name, density) for name in names)
+    motors = tuple(_thruster(numerics, element.name, element.body) if element else None for element in thrusters)
+    return WaterParameters(hulls, motors, _current(numerics))
+
+
+def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> Hull:
+    if f"{body}:volume" not in numerics:
+        raise ModelError(
+            f"{body}:volume", f"is missing; '{body}' needs the volume it displaces [m^3], 0 for one that does not float"
+        )
+    volume = _scalar(numerics, f"{body}:volume")
+    if volume < 0.0:
+        raise ModelError(f"{body}:volume", f"is {volume:g}; a volume [m^3] is not negative")
+    added_mass = _matrix(numerics, f"{body}:added_mass")
+    _require_symmetric(f"{body}:added_mass", added_mass)
+    linear = _matrix(numerics, f"{body}:linear_damping")
+    quadratic = _matrix(numerics, f"{body}:quadratic_damping")
+    require_dissipative(f"{body}:linear_damping", linear)
+    require_pairwise_dissipative(f"{body}:quadratic_damping", quadratic)
+    return Hull(
+        body=body,
+        displaced_mass=density * volume,
+        centre_of_buoyancy=_vector(numerics, f"{body}:centre_of_buoyancy", 3),
+        added_mass=added_mass,
+        linear_damping=linear,
+        quadratic_damping=quadratic,
+    )
+
+
+def _current(numerics: Mapping[str, NDArray[np.float64]]) -> CurrentProfile | None:
+    if CURRENT not in numerics:
+        return None
+    values = numerics[CURRENT]
+    if values.size == 0 or values.size % 5:
+        raise ModelError(CURRENT, f"has {values.size} values; it takes rows of five: time, height, v_x, v_y, v_z")
+    if not np.all(np.isfinite(values)):
+        raise ModelError(CURRENT, "holds a value that is not finite")
+    rows = values.reshape(-1, 5)
+    times_s, heights = np.unique(rows[:, 0]), np.unique(rows[:, 1])
+    order = np.lexsort((rows[:, 1], rows[:, 0]))
+    grid = np.stack(np.meshgrid(times_s, heights, indexing="ij"), axis=-1).reshape(-1, 2)
+    if rows.shape[0] != grid.shape[0] or not np.array_equal(rows[order, :2], grid):
+        raise ModelError(
+            CURRENT,
+            f"has {rows.shape[0]} rows; one for each of its {times_s.size} times at each of its "
+            f"{heights.size} heights is right",
+        )
+    return CurrentProfile(times_s, heights, rows[order, 2:].reshape(times_s.size, heights.size, 3))
+
+
+def _thruster(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str) -> ThrusterParameters:
+    return ThrusterParameters(
+        characteristic=_characteristic(numerics, actuator, body),
+        power=_power(numerics, _either(numerics, actuator, body, "thruster_power")),
+        voltage=_voltage(numerics, _either(numerics, actuator, body, "thruster_voltage")),
+        pulse_us=_pulse_us(numerics, _either(numerics, actuator, body, "thruster_pwm")),
+    )
+
+
+def _power(numerics: Mapping[str, NDArray[np.float64]], name: str | None) -> tuple[float, float]:
+    if name is None:
+        return 0.0, 0.0
+    reverse, forward = _vector(numerics, name, 2).tolist()
+    if reverse < 0.0 or forward < 0.0:
+        raise ModelError(name, "has a negative value; a motor takes power in both directions")
+    return reverse, forward
+
+
+def _voltage(numerics: Mapping[str, NDArray[np.float64]], name: str | None) -> float | None:
+    if name is None:
+        return None
+    voltage = _scalar(numerics, name)
+    if voltage <= 0.0:
+        raise ModelError(name, f"is {voltage:g}; the voltage of a characteristic [V] is positive")
+    return voltage
+
+
+def _pulse_us(numerics: Mapping[str, NDArray[np.float64]], name: str | None) -> tuple[float, float, float] | None:
+    if name is None:
+        return None
+    reverse, rest, forward = _vector(numerics, name, 3).tolist()
+    if min(reverse, rest, forward) <= 0.0 or not (reverse < rest < forward or reverse > rest > forward):
+        raise ModelError(
+            name,
+            f"[{reverse:g}, {rest:g}, {forward:g}] us is out of order; positive pulse widths of full reverse, rest and "
+            "full forward, rest between the others, are right, for example 1100 1500 1900",
+        )
+    return reverse, rest, forward
+
+
+def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str) -> Characteristic:
+    curve_name = _first(numerics, actuator, body, "thruster_characteristic")
+    zone_name = _first(numerics, actuator, body, "thruster_dead_zone")
+    pairs = numerics[curve_name]
+    if pairs.size < 4 or pairs.size % 2:
+        raise ModelError(curve_name, f"has {pairs.size} values; it takes pairs of command and force [N], two at least")
+    commands, forces = pairs[0::2].copy(), pairs[1::2].copy()
+    if np.any(np.diff(commands) <= 0.0):
+        raise ModelError(curve_name, "its commands do not increase from pair to pair")
+    if np.any(np.diff(forces) < 0.0) or forces[0] > 0.0 or forces[-1] < 0.0:
+        raise ModelError(
+            curve_name,
+            "its forces [N] must never decrease and must run from reverse (<= 0) to forward (>= 0)",
+        )
+    if not np.any(forces == 0.0):
+        raise ModelError(curve_name, "no pair has force 0, so there is no command at which the motor rests")
+    zone = _vector(numerics, zone_name, 2)
+    if not forces[0] <= zone[0] <= 0.0 <= zone[1] <= forces[-1]:
+        raise ModelError(
+            zone_name,
+            f"[{zone[0]:g}, {zone[1]:g}] N is out of order; "
+            f"{forces[0]:g} <= F_DZ- <= 0 <= F_DZ+ <= {forces[-1]:g} N is right",
+        )
+    curve = Characteristic(commands, forces, (float(zone[0]), float(zone[1])))
+    at_rest = float(curve.force(0.0))
+    if at_rest != 0.0:
+        raise ModelError(
+            curve_name,
+            f"gives {at_rest:g} N at command 0, where the lag starts and a motor rests; normalise its commands, "
+            "pulse widths as (pulse - rest) / (full - rest), and put the widths in thruster_pwm",
+        )
+    return curve
+
+
+def _either(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, parameter: str) -> str | None:
+    """The thruster's own numeric, or its hull's, or None."""
+    return next((name for owner in (actuator, body) if (name := f"{owner}:{parameter}") in numerics), None)
+
+
+def _first(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, parameter: str) -> str:
+    if name := _either(numerics, actuator, body, parameter):
+        return name
+    raise ModelError(f"{body}:{parameter}", f"is missing; thruster '{actuator}' needs it, or '{actuator}:{parameter}'")
+
+
+def _scalar(numerics: Mapping[str, NDArray[np.float64]], name: str) -> float:
+    return float(_vector(numerics, name, 1)[0])
+
+
+def _vector(numerics: Mapping[str, NDArray[np.float64]], name: str, size: int) -> NDArray[np.float64]:
+    values = numerics.get(name, np.zeros(size))
+    if values.size != size:
+        raise ModelError(name, f"has {values.size} values; it takes {size}")
+    if not np.all(np.isfinite(values)):
+        raise ModelError(name, "holds a value that is not finite")
+    return values.copy()
+
+
+def _matrix(numerics: Mapping[str, NDArray[np.float64]], name: str) -> NDArray[np.float64]:
+    values = numerics.get(name, np.zeros(6))
+    if values.size == 6:
+        return np.diag(values)
+    if values.size == 36:
+        return values.reshape(6, 6).copy()
+    raise ModelError(name, f"has {values.size} values; it takes 6 (a diagonal) or 36 (a full matrix by rows)")
+
+
+def _require_symmetric(name: str, matrix: NDArray[np.float64]) -> None:
+    scale = float(np.abs(matrix).max(initial=0.0))
+    if np.abs(matrix - matrix.T).max() > 1e-9 * scale:
+        i, j = np.unravel_index(np.argmax(np.abs(matrix - matrix.T)), matrix.shape)
+        raise ModelError(
+            name,
+            f"is not symmetric: entry ({i + 1},{j + 1}) is {matrix[i, j]:g}, ({j + 1},{i + 1}) is {matrix[j, i]:g}",
+        )
+    lowest = float(np.linalg.eigvalsh(matrix)[0])
+    if lowest < -1e-9 * scale:
+        raise ModelError(
+            name,
+            f"is not positive semidefinite (lowest eigenvalue {lowest:g}); kinetic energy is never negative",
+        )

@@ -1,0 +1,96 @@
+"""The water inside this process's MuJoCo: compiled callbacks, installed once.
+
+Both are C function pointers: threads run them freely, without the interpreter's lock.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import sys
+from functools import cache
+from pathlib import Path
+
+import llvmlite.binding
+import mujoco
+
+from cube_sim.errors import ModelError
+from cube_sim.native import object_cache
+from cube_sim.vehicle.plugin import structs, user_forces
+
+_SOURCES = (
+    "plugin/callbacks",
+    "laws/current",
+    "laws/hydrodynamics",
+    "plugin/memory",
+    "plugin/packing",
+    "laws/thrust_law",
+)
+_ARGUMENTS = {
+    "passive": (ctypes.c_void_p, ctypes.c_void_p),
+    "thrust": (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int),
+}
+_RESULTS = {"passive": None, "thrust": ctypes.c_double}
+
+
+def install() -> None:
+    """Hook the water into this process's MuJoCo; a second call changes nothing.
+
+    `load_model` does this. A program that gets its model another way, from a saved .mjb file or a pickle, calls it
+    itself before it steps: until then the hull is dry and its thrusters give nothing. (`cube_sim.install`.)
+
+    Raises:
+        ModelError: another passive or actuator-bias callback is installed; MuJoCo has room for one of each.
+    """
+    functions = _callbacks()
+    for name, role, setter, getter in (
+        ("mjcb_passive", "passive", mujoco.set_mjcb_passive, mujoco.get_mjcb_passive),
+        ("mjcb_act_bias", "thrust", mujoco.set_mjcb_act_bias, mujoco.get_mjcb_act_bias),
+    ):
+        present = getter()
+        if present is not None and _address(present) != _address(functions[role]):
+            raise ModelError(
+                name, "is already taken by another callback; clear it (set it to None) before loading water"
+            )
+        setter(functions[role])
+
+
+@cache
+def _callbacks() -> dict:
+    library = next(path for path in Path(mujoco.__file__).parent.iterdir() if path.name.startswith(_library_name()))
+    llvmlite.binding.load_library_permanently(str(library))
+    user_forces.publish()
+    layouts = structs.offsets("mjModel", structs.MODEL_FIELDS), structs.offsets("mjData", structs.DATA_FIELDS)
+    off = mujoco.mjtDisableBit
+    codes = {
+        "no_gravity": int(off.mjDSBL_GRAVITY),
+        "no_passive": int(off.mjDSBL_SPRING | off.mjDSBL_DAMPER),
+        "pgs": int(mujoco.mjtSolver.mjSOL_PGS),
+    }
+
+    def build():
+        from cube_sim.vehicle.plugin import callbacks
+
+        return callbacks.build(*layouts, codes)
+
+    found = object_cache.addresses(f"{_sources()} {layouts} {codes}", build, tuple(_ARGUMENTS))
+    return {role: ctypes.CFUNCTYPE(_RESULTS[role], *_ARGUMENTS[role])(address) for role, address in found.items()}
+
+
+def _library_name() -> str:
+    return "mujoco.dll" if sys.platform == "win32" else "libmujoco."
+
+
+def _sources() -> str:
+    """Identifies the source of everything compiled into the callbacks, and the versions of what compiles it."""
+    digest = hashlib.sha256()
+    for name in _SOURCES:
+        digest.update((Path(__file__).parents[1] / f"{name}.py").read_bytes())
+    return f"{digest.hexdigest()} mujoco {mujoco.__version__}"
+
+
+def _address(callback) -> int | None:
+    try:
+        return ctypes.cast(callback, ctypes.c_void_p).value
+    except (ctypes.ArgumentError, TypeError):
+        return None

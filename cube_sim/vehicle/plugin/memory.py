@@ -1,0 +1,130 @@
+"""Reading and writing MuJoCo's memory from compiled code: an address is an int64, everything else is an offset.
+
+These are the only places where a bare address is trusted. `cube_sim.vehicle.plugin.structs` has checked every offset
+against live objects before a model is stepped. They are written for the code generator, not compiled as functions:
+numba would specialise each of them for every literal index, a quarter of a second a time.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba import carray, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+FORCE_TABLE = "cube_sim_force_table"  # symbol of the process's table of user forces
+
+_DOUBLE, _INT64 = ir.DoubleType(), ir.IntType(64)
+
+
+@intrinsic
+def _pointer(typingctx, address):
+    def codegen(context, builder, signature, args):
+        return builder.inttoptr(args[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.int64), codegen
+
+
+@intrinsic
+def double(typingctx, address, i):
+    """Element i of an array of doubles."""
+
+    def codegen(context, builder, signature, args):
+        return builder.load(_element(builder, args, 8, _DOUBLE))
+
+    return types.float64(types.int64, types.int64), codegen
+
+
+@intrinsic
+def integer(typingctx, address, i):
+    """Element i of an array of 32-bit integers."""
+
+    def codegen(context, builder, signature, args):
+        return builder.sext(builder.load(_element(builder, args, 4, ir.IntType(32))), _INT64)
+
+    return types.int64(types.int64, types.int64), codegen
+
+
+@intrinsic
+def field(typingctx, address, offset):
+    """A pointer or 64-bit size, `offset` bytes into a struct."""
+
+    def codegen(context, builder, signature, args):
+        return builder.load(_element(builder, args, 1, _INT64))
+
+    return types.int64(types.int64, types.int64), codegen
+
+
+@intrinsic
+def put(typingctx, address, i, value):
+    """Set element i of an array of doubles."""
+
+    def codegen(context, builder, signature, args):
+        builder.store(args[2], _element(builder, args[:2], 8, _DOUBLE))
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.float64), codegen
+
+
+def _element(builder, args, size, kind):
+    """Pointer to `kind` at address + size * index."""
+    address, index = args
+    return builder.inttoptr(builder.add(address, builder.mul(index, ir.Constant(_INT64, size))), kind.as_pointer())
+
+
+@intrinsic
+def force_table(typingctx):
+    """Address of this process's table of user forces, known to the linker by name."""
+
+    def codegen(context, builder, signature, args):
+        module = builder.module
+        table = module.globals.get(FORCE_TABLE) or ir.GlobalVariable(module, _INT64, FORCE_TABLE)
+        return builder.ptrtoint(table, _INT64)
+
+    return types.int64(), codegen
+
+
+@intrinsic
+def call_force(typingctx, function, time, position, rotation, nu, nu_r):
+    """Call ``void (time, position, rotation, velocity, through_water, wrench)`` at an address; wrench as a 6-tuple."""
+
+    def codegen(context, builder, signature, args):
+        address, time, position, rotation, nu, nu_r = args
+        pointer = _DOUBLE.as_pointer()
+        kind = ir.FunctionType(ir.VoidType(), [_DOUBLE, *[pointer] * 5])
+        velocity = cgutils.alloca_once(builder, _DOUBLE, size=6)
+        through_water = cgutils.alloca_once(builder, _DOUBLE, size=6)
+        wrench = cgutils.alloca_once(builder, _DOUBLE, size=6)
+        for i in range(6):
+            builder.store(builder.extract_value(nu, i), cgutils.gep(builder, velocity, i))
+            builder.store(builder.extract_value(nu_r, i), cgutils.gep(builder, through_water, i))
+            builder.store(ir.Constant(_DOUBLE, 0.0), cgutils.gep(builder, wrench, i))
+        builder.call(
+            builder.inttoptr(address, kind.as_pointer()),
+            [
+                time,
+                builder.inttoptr(position, pointer),
+                builder.inttoptr(rotation, pointer),
+                velocity,
+                through_water,
+                wrench,
+            ],
+        )
+        return cgutils.pack_array(builder, [builder.load(cgutils.gep(builder, wrench, i)) for i in range(6)])
+
+    six = types.UniTuple(types.float64, 6)
+    return six(types.int64, types.float64, types.int64, types.int64, six, six), codegen
+
+
+@numba.njit("float64[::1](int64, int64)")
+def vector(address, n):
+    """(n,) view of doubles."""
+    return carray(_pointer(address), (n,), np.float64)
+
+
+@numba.njit("float64[:,::1](int64, int64, int64)")
+def matrix(address, rows, columns):
+    """(rows, columns) view of doubles."""
+    return carray(_pointer(address), (rows, columns), np.float64)

@@ -1,0 +1,149 @@
+"""Forces a user adds to a hull: one plain Python function on arrays, run inside every MuJoCo step.
+
+    def tether(time, position, rotation, velocity, through_water):
+        pull = -20.0 * (position - anchor)              # world axes [N]
+        force = rotation.T @ pull                       # body axes
+        return force[0], force[1], force[2], 0.0, 0.0, 0.0
+
+Arguments are the time [s], p_WB (3,) [m], R_WB (3,3), nu (6,) = [v; w] in body axes and nu_r (6,), the same relative to
+the water; the six values returned are the wrench in body axes at the body origin [N, N m]. The function is compiled
+when numba can (then it runs on every thread and costs what its arithmetic costs), and called as Python when not. It
+must depend on its arguments only: RK4 calls it four times a step, derivatives more often. What a compiled one takes
+from outside, a global array say, is what it was when the model was loaded; another `load_model` takes it as it is then.
+
+A function that raises, or returns what is not a number, gives a wrench that is not a number, compiled or not: MuJoCo
+warns of it at that step, and a scenario ends as ERROR.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import secrets
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import llvmlite.binding
+import numpy as np
+
+from cube_sim.errors import ModelError
+from cube_sim.vehicle.plugin import user_force_code
+
+UserForce = Callable[[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray], Sequence[float]]
+
+SYMBOL = "cube_sim_force_table"
+CAPACITY = 4096  # different functions in one process
+
+_DOUBLES = ctypes.POINTER(ctypes.c_double)
+_SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES)
+_table = (ctypes.c_int64 * (CAPACITY + 1))()
+_compiled: dict[str, int] = {}  # key of the machine code -> place in the table
+_interpreted: dict[int, tuple[Any, int]] = {}  # id -> what must outlive the pointer, and its place
+_size = 0
+
+
+def publish() -> None:
+    """Make the table known to the linker. Its first entry is this process's own number."""
+    if _table[0] == 0:
+        # A double without special values, which no other process draws.
+        ctypes.cast(_table, _DOUBLES)[0] = 1.0 + secrets.randbits(52) * 2.0**-52
+        llvmlite.binding.add_symbol(SYMBOL, ctypes.addressof(_table))
+
+
+def process_number() -> float:
+    """What a model carries to say in which process its functions live."""
+    publish()
+    return ctypes.cast(_table, _DOUBLES)[0]
+
+
+def register(function: UserForce, name: str, position: np.ndarray, rotation: np.ndarray) -> int:
+    """The function's place in the table, compiled if that is possible.
+
+    Args:
+        function: as in this module's example.
+        name: element to name in errors.
+        position: p_WB (3,) at which the hull starts [m].
+        rotation: R_WB (3,3) there.
+
+    Raises:
+        ModelError: it does not return six finite numbers for a hull at rest there.
+    """
+    _require_wrench(function, name, position, rotation)
+    if id(function) in _interpreted:
+        return _interpreted[id(function)][1]
+    key = user_force_code.key_of(function)
+    if key in _compiled:
+        return _compiled[key]
+    if _size >= CAPACITY:
+        raise ModelError(name, f"is one too many: a process holds at most {CAPACITY} user forces")
+    address = user_force_code.address(function, key)
+    if address is None:
+        call = _wrap(function)
+        place = _add(int(ctypes.cast(call, ctypes.c_void_p).value or 0))
+        _interpreted[id(function)] = (function, call), place
+        return place
+    place = _add(address)
+    if key is not None:
+        _compiled[key] = place
+    return place
+
+
+def _add(address: int) -> int:
+    global _size
+    _table[_size + 1] = address
+    _size += 1
+    return _size - 1
+
+
+def resolve(path: str, name: str) -> UserForce:
+    """The function that an MJCF text ``package.module:function`` names."""
+    module, colon, attribute = path.strip().partition(":")
+    if not colon:
+        raise ModelError(name, f"is '{path}'; write package.module:function")
+    try:
+        return getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise ModelError(name, f"cannot be found: {error}") from None
+
+
+def is_compiled(function: UserForce) -> bool:
+    """Whether a registered function runs as machine code (else every call takes the interpreter's lock)."""
+    return id(function) not in _interpreted
+
+
+def _require_wrench(function: UserForce, name: str, position: np.ndarray, rotation: np.ndarray) -> None:
+    try:
+        plain = getattr(function, "py_func", function)
+        wrench = np.asarray(plain(0.0, position.copy(), rotation.copy(), np.zeros(6), np.zeros(6)), dtype=float)
+    except Exception as error:
+        text = f"fails for the hull at rest where it starts: {type(error).__name__}: {error}"
+        raise ModelError(name, text) from error
+    if wrench.shape != (6,):
+        raise ModelError(name, f"returns shape {wrench.shape}; six values are right: Fx Fy Fz Mx My Mz")
+    if not np.all(np.isfinite(wrench)):
+        listed = " ".join(f"{x:g}" for x in wrench)
+        raise ModelError(name, f"returns {listed} for the hull at rest where it starts; finite numbers are right")
+
+
+def _wrap(function: UserForce) -> Any:
+    told = False
+
+    @_SIGNATURE
+    def call(time, position, rotation, velocity, through_water, wrench):
+        nonlocal told
+        out = np.ctypeslib.as_array(wrench, (6,))
+        try:
+            out[:] = function(
+                time,
+                np.ctypeslib.as_array(position, (3,)).copy(),
+                np.ctypeslib.as_array(rotation, (3, 3)).copy(),
+                np.ctypeslib.as_array(velocity, (6,)).copy(),
+                np.ctypeslib.as_array(through_water, (6,)).copy(),
+            )
+        except BaseException:
+            out[:] = np.nan
+            if not told:  # MuJoCo resets the state and goes on, so that it would be told at every step
+                told = True
+                raise  # nowhere to: ctypes prints it
+
+    return call

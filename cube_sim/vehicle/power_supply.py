@@ -1,0 +1,118 @@
+"""What the thrusters of a hull are fed with, and what they draw."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.errors import ModelError
+from cube_sim.vehicle import faults
+from cube_sim.vehicle.battery import Battery
+from cube_sim.vehicle.thrusters import Thrusters
+
+
+class Supply:
+    """The bus of one hull: a battery that sags, or, without one, the voltage the characteristics hold at.
+
+    Between two calls of `update` the voltage stays; a call gives voltage, forces and power that satisfy
+    F = F_n (V/V_n)^2, P = k_P |F|^1.5 and V = E - R P / V together, F_n being the forces at V_n, the voltage of the
+    characteristics.
+
+    Attributes:
+        voltage: V [V]; V_n without a battery, 0 where the model does not say it, and 0 from an empty battery.
+        thrust: (V / V_n)^2, what is left of the forces of the characteristics.
+        power: (m,) electrical power of each motor [W].
+        energy: drawn by the motors since the first update [J].
+        charge: of the battery, 1 full, 0 empty; 1 without one.
+    """
+
+    def __init__(
+        self, model: mujoco.MjModel, thrusters: Thrusters, battery: Battery | None = None, charge: float = 1.0
+    ) -> None:
+        """Connect the thrusters.
+
+        Args:
+            model: made by `load_model`; with a battery, the supply of these thrusters in it changes now, to its
+                voltage without load, and at every update.
+            thrusters: of one hull.
+            battery: None for a constant voltage.
+            charge: of the battery at the start, 0 < charge <= 1.
+
+        Raises:
+            ModelError: a battery for thrusters that do not say the voltage or the power of their characteristic, or
+                that say different voltages.
+        """
+        self._model, self._thrusters, self._battery = model, thrusters, battery
+        nominal = np.unique(thrusters.voltage)
+        self._nominal = float(nominal[0]) if nominal.size == 1 and np.isfinite(nominal[0]) else 0.0
+        if battery is not None:
+            _require_known(thrusters, self._nominal)
+        self.voltage, self.thrust, self.charge = self._nominal, 1.0, 1.0
+        if battery is not None:
+            self.charge = charge
+            self._switch_to(battery.open_voltage_at(charge))
+        self.power: NDArray[np.float64] = np.zeros(len(thrusters.names))
+        self.energy = 0.0
+        self._time: float | None = None
+        self._drain = 0.0
+
+    def update(self, data: mujoco.MjData) -> bool:
+        """Feed the thrusters according to what they draw now, and count it.
+
+        Args:
+            data: up to date (mj_forward); with a battery it is so again afterwards, at the new voltage.
+
+        Returns:
+            Whether the battery has just run empty.
+        """
+        emptied = False
+        if self._battery is not None:
+            self._discharge(self._battery, data.time)
+            emptied = self.charge == 0.0 and self.thrust > 0.0
+            self._feed(self._battery, data)
+        power = self._power(data)
+        if self._time is not None:
+            self.energy += 0.5 * float(self.power.sum() + power.sum()) * (data.time - self._time)
+        self.power, self._time = power, data.time
+        if self._battery is not None and self.thrust > 0.0:
+            self._drain = self._battery.drain(float(power.sum()), self.voltage)
+        return emptied
+
+    def _power(self, data: mujoco.MjData) -> NDArray[np.float64]:
+        """(m,) [W], of motors whose propellers may be damaged."""
+        forces = data.actuator_force[self._thrusters.actuators]
+        return self._thrusters.power(faults.whole_forces(self._model, self._thrusters.names, forces))
+
+    def _discharge(self, battery: Battery, time: float) -> None:
+        """Take from the charge what the cells have lost since the last update, at that update's rate."""
+        if self._time is not None:
+            self.charge = max(0.0, self.charge - self._drain * (time - self._time) / battery.capacity)
+
+    def _feed(self, battery: Battery, data: mujoco.MjData) -> None:
+        """Set the voltage under which propellers at their present speed per volt and the battery agree."""
+        if self.thrust == 0.0:
+            return
+        if self.charge == 0.0:
+            self._switch_to(0.0)
+        else:
+            power = float(self._power(data).sum())
+            at_nominal = power / self.thrust**1.5
+            self._switch_to(battery.voltage(at_nominal / self._nominal**3, self.charge))
+        mujoco.mj_forward(self._model, data)
+
+    def _switch_to(self, voltage: float) -> None:
+        self.voltage, self.thrust = voltage, (voltage / self._nominal) ** 2
+        for name in self._thrusters.names:
+            faults.set_supply(self._model, name, voltage / self._nominal)
+
+
+def _require_known(thrusters: Thrusters, nominal: float) -> None:
+    for name, voltage, k in zip(thrusters.names, thrusters.voltage, thrusters.power_coefficients, strict=True):
+        if np.isnan(voltage):
+            raise ModelError(f"{name}:thruster_voltage", "is not in the model, so a battery cannot feed this thruster")
+        if np.any(k <= 0.0):
+            raise ModelError(f"{name}:thruster_power", "is not known, so nobody can tell what it draws from a battery")
+    if nominal == 0.0:
+        listed = ", ".join(f"{name} {v:g} V" for name, v in zip(thrusters.names, thrusters.voltage, strict=True))
+        raise ModelError("thruster_voltage", f"differs among the thrusters of one battery: {listed}")

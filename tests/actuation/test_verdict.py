@@ -1,0 +1,479 @@
+"""The path-following verdict: its linear model against the nonlinear one, closed forms, vehicles of known fate."""
+
+import re
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares, linprog
+from scipy.spatial.transform import Rotation
+from support.actuation_vehicles import cube, hull_of, random_hull, vehicle
+
+from cube_sim.actuation.attainable.attainable_set import attainable
+from cube_sim.actuation.directions.subspaces import subspaces
+from cube_sim.actuation.path_following.best_attitude import best_attitudes
+from cube_sim.actuation.path_following.hull import Hull
+from cube_sim.actuation.path_following.linear_motion import linearise
+from cube_sim.actuation.path_following.percent import percent
+from cube_sim.actuation.path_following.trim import courses
+from cube_sim.actuation.path_following.verdict import Mission, Outcome, judge
+from cube_sim.errors import ActuationError
+from cube_sim.spatial import quaternion_from_rotation, rotation_from_quaternion, skew
+from cube_sim.wrench.allowed_forces import AllowedForces
+
+UP = np.array([0, 0, 1.0])
+
+
+def random_rotation(rng):
+    q = rng.normal(size=4)
+    return rotation_from_quaternion(q / np.linalg.norm(q))
+
+
+def turned(R, theta):
+    """R exp(S(theta)) for a small theta, orthonormal to rounding."""
+    S = skew(theta)
+    return rotation_from_quaternion(quaternion_from_rotation(R @ (np.eye(3) + S + S @ S / 2)))
+
+
+def test_steady_wrench_is_what_the_equations_of_motion_ask_for():
+    vehicle, rng = cube(), np.random.default_rng(1)
+    hull = hull_of(vehicle)
+    for _ in range(5):
+        R, nu = random_rotation(rng), rng.normal(size=6)
+        wanted = vehicle.dynamics.wrench(R, nu, np.zeros(6), np.zeros(3))
+        assert np.allclose(hull.steady_wrench(nu, R.T[:, 2]), wanted, atol=1e-9)
+
+
+def test_many_steady_wrenches_at_once_are_those_one_by_one():
+    rng = np.random.default_rng(12)
+    hull, v, R = random_hull(rng), rng.normal(size=(5, 3)), [random_rotation(rng) for _ in range(5)]
+    ups = np.array([r[2] for r in R])
+    one_by_one = [hull.steady_wrench(np.r_[a, 0, 0, 0], up) for a, up in zip(v, ups, strict=True)]
+    assert np.allclose(hull.steady_wrenches(v, ups), one_by_one)
+
+
+def test_slopes_are_derivatives():
+    rng = np.random.default_rng(2)
+    hull, nu, R = random_hull(rng), rng.normal(size=6), random_rotation(rng)
+    h = 1e-6
+    for i, e in enumerate(np.eye(6)):
+        slope = (hull.steady_wrench(nu + h * e, R.T[:, 2]) - hull.steady_wrench(nu - h * e, R.T[:, 2])) / (2 * h)
+        assert np.allclose(hull.steady_wrench_slope(nu)[:, i], slope, atol=1e-6)
+    for i, e in enumerate(np.eye(3)):
+        ends = [hull.steady_wrench(nu, turned(R, s * h * e).T[:, 2]) for s in (1, -1)]
+        assert np.allclose(-hull.restoring_slope(R.T[:, 2])[:, i], (ends[0] - ends[1]) / (2 * h), atol=1e-6)
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_linear_motion_is_the_derivative_of_the_nonlinear_one(planar):
+    rng = np.random.default_rng(3)
+    hull = random_hull(rng)
+    moving = [0, 1, 5] if planar else list(range(6))
+    A = rng.normal(size=(len(moving), 4))
+    R0 = np.eye(3) if planar else random_rotation(rng)
+    v0 = np.array([0.5, 0.2, 0.0]) if planar else np.array([0.5, -0.2, 0.3])
+    motion = linearise(hull, A, v0, R0.T[:, 2])
+    M = hull.mass[np.ix_(moving, moving)]
+    nu0 = np.r_[v0, 0, 0, 0]
+    aside = np.cross([0, 0, 1] if planar else R0.T[:, 2], v0)
+    across = np.array([aside, np.cross(v0, aside)])[: 1 if planar else 2]
+    across = across / np.linalg.norm(across, axis=1, keepdims=True)
+    trim = hull.steady_wrench(nu0, R0.T[:, 2])
+
+    def rates(theta, nu, F):
+        R = turned(R0, theta)
+        off_course = across @ (R0.T @ R @ nu[:3])
+        net = A @ F - (hull.steady_wrench(nu, R.T[:, 2]) - trim)[moving]
+        return np.r_[off_course, nu[3:][[2] if planar else slice(None)], np.linalg.solve(M, net)]
+
+    h, c, r = 1e-6, len(across), 1 if planar else 3
+    angles = [2] if planar else [0, 1, 2]
+    for i in range(len(motion.names)):
+        ends = []
+        for s in (h, -h):
+            theta, nu = np.zeros(3), nu0.copy()
+            if c <= i < c + r:
+                theta[angles[i - c]] = s
+            elif i >= c + r:
+                nu[moving[i - c - r]] += s
+            ends.append(rates(theta, nu, np.zeros(4)))
+        assert np.allclose(motion.drift[:, i], (ends[0] - ends[1]) / (2 * h), atol=1e-6), motion.names[i]
+    for i, F in enumerate(np.eye(4)):
+        assert np.allclose(motion.steer[:, i], rates(np.zeros(3), nu0, F) - rates(np.zeros(3), nu0, 0 * F))
+
+
+def verdict_of(rows, n=6, hull=None):
+    return judge(subspaces(np.eye(n)[:, rows], length_m=0.35), hull)
+
+
+def test_rank_is_not_the_verdict():
+    assert verdict_of([0, 2], n=3).outcome is Outcome.STEERED  # unicycle, rank 2
+    assert verdict_of([3, 4, 5]).outcome is Outcome.STUCK  # three torques, rank 3
+    assert verdict_of([0, 1, 2, 3]).outcome is Outcome.ADRIFT  # rank 4
+    assert "yaw" in verdict_of([0, 1, 2, 3]).reason
+    assert verdict_of([0, 1, 2], n=3).outcome is Outcome.HOLONOMIC
+    assert verdict_of([0], n=3).outcome is Outcome.ADRIFT
+
+
+def test_restoring_moments_replace_missing_torques():
+    torpedo = [0, 4, 5]
+    assert verdict_of(torpedo).outcome is Outcome.ADRIFT
+    assert verdict_of(torpedo).courses[0].loose == ("roll",)
+    assert verdict_of(torpedo, hull=hull_of(cube())).outcome is Outcome.STEERED
+    # {Fx, Mz} cannot climb: the neutrally buoyant hull keeps level.
+    unicycle = verdict_of([0, 5], hull=hull_of(cube()))
+    assert unicycle.outcome is Outcome.STUCK
+    assert "15 deg" in unicycle.reason
+
+
+def test_munk_moment_turns_a_slender_hull_that_nothing_else_turns():
+    U, m_u, m_v, inertia = 0.3, 10.0, 20.0, 1.5
+    slender = Hull(
+        np.diag([m_u, m_v, m_v, 1.0, 1.0, inertia]), np.zeros((6, 6)), np.zeros((6, 6)), 0, 0, np.zeros(3), np.zeros(3)
+    )
+    pushes = np.array([[1.0, 0], [0, 1], [0, 0]])
+    along = linearise(slender, pushes, np.array([U, 0, 0]), np.array([0, 0, 1.0]))
+    growth = np.max(np.linalg.eigvals(along.drift).real)
+    assert growth == pytest.approx(U * np.sqrt(m_u * (m_v - m_u) / (m_v * inertia)))
+    # Sway makes the moment, so that sideways thrust steers; with equal masses nothing does.
+    assert along.loose(1.0, 0.3) == ()
+    assert verdict_of([0, 1], n=3).outcome is Outcome.ADRIFT
+
+
+def judged(lost, limits=None, mission=None):
+    vehicle = cube()
+    keep = [i for i in range(8) if i not in lost]
+    A = vehicle.actuation_matrix
+    table = vehicle.thrusters.limits[keep] if limits is None else limits
+    allowed = AllowedForces.from_limits(table, len(keep), dead_zones=False)
+    actuation = subspaces(A[:, keep], length_m=subspaces(A).length_m)
+    return judge(actuation, hull_of(vehicle), allowed, mission)
+
+
+def test_cube_follows_after_every_single_and_double_loss():
+    assert judged([]).outcome is Outcome.HOLONOMIC
+    singles = [judged([lost]) for lost in range(8)]
+    assert all(single.outcome is Outcome.STEERED and "67 deg of tilt" in single.reason for single in singles)
+    pairs = [judged(pair, mission=Mission(inclinations_rad=(0.0,))) for pair in combinations(range(8), 2)]
+    assert all(pair.outcome is Outcome.STEERED for pair in pairs)
+    assert sum("all 6 components" in pair.reason for pair in pairs) == 16
+
+
+def test_courses_are_kept_by_their_forces_within_reach():
+    vehicle = cube()
+    hull, A = hull_of(vehicle), np.delete(vehicle.actuation_matrix, [0, 1, 2], axis=1)
+    for inclination in (-0.2, 0.0, 0.3):
+        found = courses(hull, subspaces(A, length_m=0.35), 0.3, inclination)
+        assert found
+        for course in found:
+            assert np.linalg.norm(course.velocity) == pytest.approx(0.3)
+            assert course.velocity @ course.up == pytest.approx(0.3 * np.sin(inclination))
+            wanted = hull.steady_wrench(np.r_[course.velocity, 0, 0, 0], course.up)
+            assert np.allclose(A @ course.forces, wanted, atol=1e-5)
+
+
+def test_weak_thrusters_are_told_from_lost_ones():
+    fast = judged([], limits=[-1.0, 1.0])
+    assert fast.outcome is Outcome.STUCK
+    assert "more force than the thrusters have" in fast.reason
+    weak = judged([], limits=[-5.0, 5.0], mission=Mission(horizon_s=10.0, side_step_m=3.0))
+    assert weak.outcome is Outcome.WEAK
+    assert not weak.follows
+    assert "3 m are asked for" in weak.reason
+
+
+def test_mission_without_sense_is_refused_by_the_figure_that_lacks_it():
+    for mission, message in (
+        (Mission(speed_m_s=0), r"speed is 0 m/s; it can be judged between 0.001 and 100 m/s"),
+        (Mission(speed_m_s=1e300), r"speed is 1e\+300 m/s"),
+        (Mission(speed_m_s=float("nan")), "speed is nan"),
+        (Mission(horizon_s=float("nan")), "horizon_s is nan; it must be positive"),
+        (Mission(inclinations_rad=()), "inclinations_rad"),
+        (Mission(inclinations_rad=(2.0,)), "at most 90 degrees"),
+    ):
+        with pytest.raises(ActuationError, match=message):
+            judged([], mission=mission)
+
+
+@pytest.mark.parametrize("speed", [0.001, 0.01, 0.1])
+def test_a_slow_cube_is_as_well_steered_as_a_fast_one(speed):
+    level = Mission(speed_m_s=speed, inclinations_rad=(0.0,))
+    assert judged([], mission=level).outcome is Outcome.HOLONOMIC
+    assert judged([0, 1, 2], mission=level).outcome is Outcome.STEERED
+
+
+def test_quadratic_drag_damps_what_nothing_else_does():
+    # Surge and yaw only, no linear drag: sway is stopped by quadratic drag alone, which has no slope at rest.
+    hull = Hull(np.eye(6), np.zeros((6, 6)), np.eye(6), 0.0, 0.0, np.zeros(3), np.zeros(3))
+    A, v0, up = np.array([[1.0, 0], [0, 0], [0, 1]]), np.array([0.5, 0, 0]), np.array([0, 0, 1.0])
+    assert "sway" in linearise(hull, A, v0, up).loose(1.0, 1.0)
+    assert linearise(hull, A, v0, up, np.full(6, 0.05)).loose(1.0, 1.0) == ()
+    # Work lost per cycle of amplitude a by |v| v is that of the slope 8 a / (3 pi).
+    t = np.linspace(0, 2 * np.pi, 20001)
+    a, v = 0.3, 0.3 * np.cos(t)
+    slope = hull.steady_wrench_slope(np.zeros(6), np.full(6, a))[1, 1]
+    assert np.trapezoid(np.abs(v) * v * v, t) == pytest.approx(slope * np.trapezoid(v * v, t), rel=1e-6)
+
+
+def judge_of(name, mission=None, *, hull=None, limits=None, lost=()):
+    v = vehicle(name)
+    A = v.actuation_matrix if name not in ("jack", "infante") else v.actuation_matrix[[0, 1, 5]]
+    keep = [i for i in range(A.shape[1]) if i not in lost]
+    table = v.thrusters.limits[keep] if limits is None else limits
+    allowed = AllowedForces.from_limits(table, len(keep), dead_zones=False)
+    actuation = subspaces(A[:, keep], length_m=subspaces(A).length_m)
+    return judge(actuation, hull_of(v) if hull is None else hull, allowed, mission)
+
+
+def held_by_programme(A, table, wrench):
+    return linprog(np.zeros(A.shape[1]), A_eq=A, b_eq=wrench, bounds=table[:, [0, -1]]).status == 0
+
+
+@pytest.mark.parametrize("speed", [0.3, 0.6, 1.0, 1.5, 2.0])
+def test_surge_and_yaw_follow_planar_paths_at_every_speed_infante_was_flown_at(speed):
+    verdict = judge_of("infante", Mission(speed_m_s=speed))
+    assert verdict.outcome is Outcome.STEERED
+    assert "turning by 30 deg at most" in verdict.reason
+    assert verdict.courses[0].side_step_m == 1.0
+
+
+def test_thrusters_that_only_push_forwards_use_their_kernel():
+    v = vehicle("jack")
+    forwards = np.array([0.0, 0.0, 0.4, 51.44])
+    A = v.actuation_matrix[[0, 1, 5]]
+    verdict = judge_of("jack", limits=np.tile(forwards, (4, 1)))
+    assert verdict.outcome is Outcome.HOLONOMIC
+    forces = verdict.courses[0].course.forces
+    assert np.all((forces >= -1e-9) & (forces <= 51.44))
+    assert np.allclose(A @ forces, verdict.courses[0].course.wrench, atol=1e-6)
+
+
+def test_a_thruster_split_into_two_that_push_one_way_each_changes_nothing():
+    v = vehicle("cube")
+    A, T, level = v.actuation_matrix, v.thrusters.limits, Mission(inclinations_rad=(0.0,))
+    halves = np.vstack([np.column_stack([0 * T[:, 0], T[:, 3]]), np.column_stack([0 * T[:, 0], -T[:, 0]])])
+    allowed = AllowedForces.from_limits(halves, 16, dead_zones=False)
+    split = judge(subspaces(np.hstack([A, -A])), hull_of(v), allowed, level)
+    assert (split.outcome, split.reason) == (Outcome.HOLONOMIC, judge_of("cube", level).reason)
+
+
+@pytest.mark.parametrize(("name", "speed"), [("cube", 1.26), ("cube", 1.32), ("bluerov2_heavy", 0.88)])
+def test_a_course_some_forces_hold_is_held(name, speed):
+    v = vehicle(name)
+    verdict = judge_of(name, Mission(speed_m_s=speed))
+    assert verdict.follows
+    for steered in verdict.courses:
+        assert held_by_programme(v.actuation_matrix, v.thrusters.limits, steered.course.wrench)
+
+
+def test_a_course_no_forces_hold_says_how_much_of_it_they_hold():
+    v, level = vehicle("cube"), Mission(speed_m_s=1.6, inclinations_rad=(0.0,))
+    verdict = judge_of("cube", level)
+    assert verdict.outcome is Outcome.STUCK
+    (steered,) = verdict.courses
+    assert f"they hold {int(100 * steered.share)} % of it in the best attitude" in verdict.reason
+    A, T, wrench = v.actuation_matrix, v.thrusters.limits, steered.course.wrench
+    assert held_by_programme(A, T, 0.999 * steered.share * wrench)
+    assert not held_by_programme(A, T, 1.001 * steered.share * wrench)
+
+
+def test_any_attitude_asks_for_the_drag_along_every_body_direction():
+    v = vehicle("cube_as_built")
+    lost = [v.thrusters.names.index(name) for name in ("T2", "T3")]
+    verdict = judge_of("cube_as_built", lost=lost)
+    assert verdict.outcome is Outcome.STEERED
+    assert "all 6 components" in verdict.reason
+    share = float(re.search(r"along the body's \(.*\) it holds ([\d.]+) %", verdict.reason)[1]) / 100
+    A, T = np.delete(v.actuation_matrix, lost, axis=1), np.delete(v.thrusters.limits, lost, axis=0)
+    heave = hull_of(v).steady_wrench(np.r_[0, 0, 0.3, 0, 0, 0], UP)
+    assert not held_by_programme(A, T, heave)
+    assert not held_by_programme(A, T, 1.2 * share * heave)
+    assert held_by_programme(A, T, 0.9 * share * heave)
+
+
+def test_any_attitude_asks_for_the_righting_torque_of_every_tilt():
+    v = vehicle("cube")
+    stiff = replace(hull_of(v), centre_of_buoyancy=np.array([0, 0, 0.08]))
+    verdict = judge_of("cube", hull=stiff)
+    assert verdict.outcome is Outcome.STEERED
+    tilt = int(re.search(r"up to (\d+) deg of tilt;", verdict.reason)[1])
+
+    def held_at(degrees):
+        s, c = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+        ups = [np.array([s * np.cos(a), s * np.sin(a), c]) for a in np.linspace(0, 2 * np.pi, 48, endpoint=False)]
+        wrenches = [stiff.steady_wrench(np.zeros(6), up) for up in ups]
+        return all(held_by_programme(v.actuation_matrix, v.thrusters.limits, wrench) for wrench in wrenches)
+
+    assert held_at(tilt)
+    assert not held_at(tilt + 1.5)
+
+
+def test_components_that_limits_take_away_are_not_produced():
+    A = np.array([[1, 1, 0], [0, 0, 1], [0.3, -0.3, 0]])
+    hull = hull_of(vehicle("jack"))
+
+    def of(limits):
+        return judge(subspaces(A), hull, AllowedForces.from_limits(limits, 3, dead_zones=False))
+
+    assert of([-40, 50]).outcome is Outcome.HOLONOMIC
+    forwards = of([0, 50])
+    assert forwards.outcome is Outcome.STEERED
+    assert "but not any course in the plane at any heading" in forwards.reason
+    assert "it holds 0 %" in forwards.reason
+    blocked = of([[-40, 50], [-40, 50], [0, 0]])
+    assert blocked.outcome is Outcome.STEERED
+    assert "2 of 3 components" in blocked.reason
+    assert of([0, 0]).outcome is Outcome.STUCK
+
+
+def test_a_motion_nothing_restores_must_be_pushed_both_ways():
+    limits = np.array([[-50.0, 50.0]] * 6)
+    limits[3] = 0.0, 50.0
+    allowed = AllowedForces.from_limits(limits, 6, dead_zones=False)
+    rolling = judge(subspaces(np.eye(6), length_m=0.35), None, allowed)
+    assert rolling.outcome is Outcome.ADRIFT
+    assert rolling.reason.endswith("to both sides: roll")
+    assert judge(subspaces(np.eye(6), length_m=0.35), hull_of(cube()), allowed).outcome is Outcome.STEERED
+
+
+def test_what_follows_with_a_thruster_fewer_follows():
+    fast = Mission(speed_m_s=0.9)
+    assert judge_of("jack", fast, lost=(0, 3)).follows
+    assert judge_of("jack", fast, lost=(0,)).follows
+    assert judge_of("jack", fast).follows
+
+
+def shares_of(R, hull, reach, course_W):
+    return reach.share(np.array([hull.steady_wrench(np.r_[r.T @ course_W, 0, 0, 0], r[2]) for r in R]))
+
+
+@pytest.mark.parametrize(
+    ("name", "lost", "speed", "ballast_N", "least"),
+    [
+        ("bluerov2_heavy", (), 1.0, 0.0, 1.55),
+        ("bluerov2_heavy", (0,), 1.0, 0.0, 1.44),
+        ("cube_as_built", (0, 5), 1.0, 0.0, 1.54),
+        ("cube", (3,), 0.3, 140.0, 1.1),
+        ("cube", (), 1.6, 0.0, 0.81),
+    ],
+)
+def test_the_best_attitude_beats_all_random_ones(name, lost, speed, ballast_N, least):
+    v, rng = vehicle(name), np.random.default_rng(11)
+    hull = replace(hull_of(v), weight=hull_of(v).weight + ballast_N)
+    A, T = (np.delete(x, lost, axis=k) for x, k in ((v.actuation_matrix, 1), (v.thrusters.limits, 0)))
+    allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
+    actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
+    reach, tilt = attainable(actuation, allowed), -np.radians(15) if name == "bluerov2_heavy" else 0.0
+    best = best_attitudes(hull, actuation, reach, speed, tilt)[0]
+    course_W = speed * np.array([np.cos(tilt), 0, np.sin(tilt)])
+    assert best.velocity @ best.up == pytest.approx(course_W[2])
+    assert np.allclose(best.wrench, hull.steady_wrench(np.r_[best.velocity, 0, 0, 0], best.up))
+    share = reach.share(best.wrench[None])[0]
+    assert share > least
+    assert share > np.max(shares_of([random_rotation(rng) for _ in range(3000)], hull, reach, course_W))
+    assert judge(actuation, hull, allowed, Mission(speed_m_s=speed)).follows == (share > 1)
+
+
+def producible(R, hull, actuation, course_W):
+    """The attitudes next to R in which the thrusters make the wrench, by somebody else's least squares."""
+    missing = np.eye(6) - actuation.projector
+
+    def wrench(R):
+        return hull.steady_wrench(np.r_[R.T @ course_W, 0, 0, 0], R[2])
+
+    found = [
+        least_squares(lambda x, r=r: missing @ wrench(r @ Rotation.from_rotvec(x).as_matrix()), 0.01 * UP) for r in R
+    ]
+    return [r @ Rotation.from_rotvec(f.x).as_matrix() for r, f in zip(R, found, strict=True) if f.cost < 1e-12]
+
+
+@pytest.mark.parametrize(
+    ("name", "lost", "speed", "ballast_N", "rank", "least"),
+    [
+        ("cube", (0, 3), 2.0, 0.0, 5, 0.465),
+        ("cube", (4, 5, 6), 0.3, 60.0, 4, 1.214),
+        ("cube_as_built", (0, 5, 7), 1.05, 0.0, 5, 1.05),
+        ("bluerov2_heavy", (0, 1, 7), 1.2, 0.0, 5, 0.55),
+    ],
+)
+def test_the_best_attitude_without_some_components_beats_all_random_ones(name, lost, speed, ballast_N, rank, least):
+    v, rng = vehicle(name), np.random.default_rng(12)
+    hull = replace(hull_of(v), weight=hull_of(v).weight + ballast_N)
+    A, T = np.delete(v.actuation_matrix, lost, axis=1), np.delete(v.thrusters.limits, lost, axis=0)
+    allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
+    actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
+    assert actuation.rank == rank
+    reach, course_W = attainable(actuation, allowed), np.array([speed, 0, 0])
+    best = best_attitudes(hull, actuation, reach, speed, 0.0)[0]
+    assert actuation.reachable(best.wrench, 1e-6)
+    share = reach.share(best.wrench[None])[0]
+    others = producible([random_rotation(rng) for _ in range(60)], hull, actuation, course_W)
+    assert len(others) > 30
+    assert share > least
+    assert share > 0.999 * np.max(shares_of(others, hull, reach, course_W))
+    verdict = judge(actuation, hull, allowed, Mission(speed_m_s=speed, inclinations_rad=(0.0,)))
+    assert verdict.follows == (share > 1)
+    assert verdict.follows or f"they hold {int(100 * share)} % of it in the best attitude" in verdict.reason
+
+
+@pytest.mark.parametrize(
+    ("name", "lost", "speed", "ballast_N", "weaker", "one_way", "least"),
+    [
+        ("cube_as_built", (), 0.205, -81.3, 18.0, False, 0.1244),  # a ridge, on which steps at random stop at 0.122
+        ("bluerov2_heavy", (2, 1), 1.158, 0.0, 22.6, True, 0.0150),  # in most attitudes 0: some force must reverse
+    ],
+)
+def test_the_best_attitude_is_found_on_ridges_and_where_most_are_worth_nothing(
+    name, lost, speed, ballast_N, weaker, one_way, least
+):
+    v = vehicle(name)
+    hull = replace(hull_of(v), weight=hull_of(v).weight + ballast_N)
+    A, T = np.delete(v.actuation_matrix, lost, axis=1), np.delete(v.thrusters.limits, lost, axis=0) / weaker
+    if one_way:
+        T[:, :2] = 0.0
+    allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
+    actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
+    reach = attainable(actuation, allowed)
+    tilt = -np.radians(15) if not lost else 0.0
+    best = best_attitudes(hull, actuation, reach, speed, tilt)[0]
+    assert reach.share(best.wrench[None])[0] > least
+    assert held_by_programme(A, T, 0.999 * least * actuation.projector @ best.wrench)
+
+
+def test_in_the_plane_the_best_heading_is_found():
+    v, speed = vehicle("jack"), 2.0
+    A = v.actuation_matrix[[0, 1, 5]]
+    actuation, hull = subspaces(A), hull_of(v)
+    reach = attainable(actuation, AllowedForces.from_limits(v.thrusters.limits, 4, dead_zones=False))
+    best = best_attitudes(hull, actuation, reach, speed, 0.0)[0]
+    assert best.up == pytest.approx(UP)
+    headings = np.linspace(0, 2 * np.pi, 2000)
+    moving = np.column_stack([np.cos(headings), -np.sin(headings), 0 * headings]) * speed
+    shares = reach.share(hull.steady_wrenches(moving, np.tile(UP, (2000, 1)))[:, [0, 1, 5]])
+    assert reach.share(best.wrench[None])[0] >= np.max(shares) - 1e-9
+
+
+def test_a_vehicle_follows_where_it_does_with_a_thruster_fewer():
+    fast = Mission(speed_m_s=1.0, inclinations_rad=(-np.radians(15),))
+    assert all(judge_of("bluerov2_heavy", fast, lost=lost).follows for lost in ((), (4,), (4, 0)))
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (0.9999999, "99 %"),
+        (0.0999, "9.9 %"),
+        (0.10, "10 %"),
+        (0.00356, "0.35 %"),
+        (1e-7, "less than 0.01 %"),
+        (0, "0 %"),
+    ],
+)
+def test_a_share_is_rounded_down_in_plain_digits(share, text):
+    assert percent(share) == text
+
+
+def test_a_share_just_short_of_all_is_not_all():
+    reason = judge_of("cube_as_built", Mission(speed_m_s=0.7)).reason
+    assert "it holds 99 % in the worst attitude" in reason

@@ -1,0 +1,162 @@
+"""``cube-sim analyze``: what it prints, its JSON, its exit codes."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from cube_sim.commands.cli import app
+
+CUBE = "models/cube.xml"
+
+
+def analyze(*arguments):
+    return CliRunner().invoke(app, ["analyze", *arguments])
+
+
+def test_text_says_what_is_lost_and_what_remains():
+    result = analyze(CUBE, "--lost", "T1,T2", "--losses", "1")
+    assert result.exit_code == 0
+    assert "1 more lost: 6 of 6 can follow a path; 4 keep rank 5, 2 keep rank 4" in result.output
+    assert "cube: 6 thrusters, without T1, T2" in result.output
+    assert "…" not in result.output
+    assert "rank 5 of 6, 1 redundant" in result.output
+    assert "only together" in result.output
+    assert "path following: yes (steered)" in result.output
+    assert result.output.count(">= 1 ") == 7
+
+
+def test_json_is_the_whole_analysis():
+    result = analyze(CUBE, "--json", "--lost", "T4")
+    assert result.exit_code == 0
+    content = json.loads(result.output)
+    assert content["lost"] == ["T4"]
+    assert content["rank"] == 6
+    A, P = np.array(content["actuation_matrix"]), np.array(content["projector"])
+    assert A.shape == (6, 7)
+    assert np.allclose(P, np.eye(6))
+    assert np.allclose(A @ np.array(content["pseudo_inverse"]), np.eye(6))
+    assert content["verdict"]["follows"] is True
+    assert all(course["share"] > 1 and course["within_limits"] for course in content["verdict"]["courses"])
+    assert [e["component"] for e in content["extents"]] == ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
+    assert content["losses"] is None
+
+
+def test_directions_are_dropped_by_rank_or_by_a_limit_on_their_cost_and_the_reason_is_given():
+    as_built = ["models/cube_as_built.xml", "--lost"]
+    by_rank = analyze(*as_built, "T1,T2")
+    assert "rank 5 of 6" in by_rank.output
+    assert "too dear but together" in by_rank.output
+    assert "always" not in by_rank.output
+    assert "dropped by rank: more than 100 times as dear as the cheapest" in by_rank.output
+    assert "rank 6 of 6" in analyze(*as_built, "T1,T2", "--cost-limit", "100").output
+    by_cost = analyze(*as_built, "T2,T3", "--cost-limit", "10")
+    assert "rank 5 of 6" in by_cost.output
+    assert "dropped by cost: above 10 N/N" in by_cost.output
+    last = json.loads(analyze(*as_built, "T2,T3", "--cost-limit", "10", "--json").output)["costs"]["final_approach"][-1]
+    assert last["dropped"] == "cost"
+    assert last["kept"] is False
+
+
+def test_losses_come_on_top_of_those_named():
+    further = json.loads(analyze(CUBE, "--lost", "T1,T2", "--losses", "1", "--json").output)["losses"]
+    named = json.loads(analyze(CUBE, "--lost", "T1,T2,T3", "--json").output)
+    assert [case["lost"] for case in further] == [[], *([f"T{i}"] for i in range(3, 9))]
+    assert (further[1]["rank"], further[1]["verdict"]) == (named["rank"], named["verdict"])
+    assert further[1]["extents"] == named["extents"]
+
+
+def test_the_module_of_the_command_line_is_one_too():
+    said = subprocess.run(
+        [sys.executable, "-m", "cube_sim.commands.cli", "--version"], capture_output=True, text=True, check=True
+    )
+    assert said.stdout.strip()
+
+
+@pytest.mark.parametrize("model", ["models/bluerov2_heavy.xml", CUBE])
+def test_the_least_forces_are_there_for_idle_thrusters_too(model):
+    extents = json.loads(analyze(model, "--planar", "--json").output)["extents"]
+    assert [e["component"] for e in extents] == ["Fx", "Fy", "Mz"]
+    assert [e["finest"] for e in extents] == [[0, 0]] * 3
+
+
+def test_losses_are_tabulated_and_counted():
+    result = analyze(CUBE, "--losses", "1", "--json")
+    losses = json.loads(result.output)["losses"]
+    assert [case["lost"] for case in losses] == [[], *([f"T{i}"] for i in range(1, 9))]
+    assert all(case["verdict"]["follows"] for case in losses)
+
+
+def test_planar_vehicle_is_judged_in_its_plane():
+    flying, swimming = (
+        json.loads(analyze("models/infante.xml", "--json", *more).output)
+        for more in ([], ["--planar", "--speed", "1.5"])
+    )
+    assert flying["verdict"]["follows"] is False
+    assert swimming["verdict"]["outcome"] == "steered"
+    assert swimming["components"] == ["Fx", "Fy", "Mz"]
+    assert [c["text"] for c in swimming["unreachable"]] == ["cannot push sideways: Fy = 0 always"]
+
+
+@pytest.mark.parametrize("model", ["models/infante.xml", "models/jack.xml"])
+def test_a_vehicle_kept_at_its_depth_is_pointed_to_its_plane(model):
+    assert "by other means it follows planar paths (--planar)" in analyze(model).output
+    planar = analyze(model, "--planar")
+    assert "looked at are Fx, Fy and Mz only" in planar.output
+    assert "path following: yes" in planar.output
+    assert "--planar" not in analyze(CUBE, "--speed", "5").output
+
+
+@pytest.mark.parametrize("limit", ["0.1", "1", "2"])
+@pytest.mark.parametrize("model", ["models/infante.xml", "models/jack.xml"])
+def test_the_plane_is_pointed_to_where_a_path_can_be_followed_there_at_the_same_cost(model, limit):
+    said, planar = (analyze(model, "--cost-limit", limit, *more).output for more in ([], ["--planar"]))
+    assert "path following: no" in said
+    assert ("(--planar)" in said) == ("path following: yes" in planar)
+
+
+@pytest.mark.filterwarnings("error")
+def test_thrusters_across_the_plane_do_nothing_in_it():
+    upright = ["models/bluerov2_heavy.xml", "--planar", "--lost", "T1,T2,T3,T4", "--losses", "1"]
+    content = json.loads(analyze(*upright, "--json").output)
+    assert (content["rank"], content["verdict"]["outcome"], len(content["losses"])) == (0, "stuck", 5)
+    assert np.array_equal(content["actuation_matrix"], np.zeros((3, 4)))
+    said = analyze(*upright)
+    assert said.exit_code == 0
+    assert "cannot push sideways: Fy = 0 always" in said.output
+    assert "can be kept in no attitude tried" in said.output
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("speed", ["1e300", "0", "nan", "inf", "-1", "1e-9"])
+def test_a_speed_out_of_range_is_one_line(speed):
+    result = analyze(CUBE, "--speed", speed)
+    assert result.exit_code == 2
+    assert result.stderr.strip().endswith(f"--speed {float(speed):g}: between 0.001 and 100 m/s")
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([CUBE, "--lost", "T9"], "no thruster 'T9'; there are T1, T2, T3, T4, T5, T6, T7, T8"),
+        ([CUBE, "--lost", "T1,T1"], "--lost T1,T1: give each thruster once"),
+        ([CUBE, "--lost", ","], "--lost ,: give each thruster once"),
+        ([CUBE, "--losses", "4"], "between 0 and 3"),
+        ([CUBE, "--cost-limit", "0"], "the cost limit is 0.0; it must be positive"),
+        ([CUBE, "--cost-limit", "nan"], "the cost limit is nan; it must be positive"),
+        ([CUBE, "--hull", "sub"], "sub"),
+        ([CUBE, "--picture", "a.gif"], "one of .png, .svg, .pdf"),
+        ([CUBE, "--lost", ",".join(f"T{i}" for i in range(1, 9))], "no thruster is left"),
+        (["models/no_such.xml"], "no such model file"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_two(arguments, message):
+    result = analyze(*arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert result.stdout == ""

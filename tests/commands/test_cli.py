@@ -1,0 +1,304 @@
+"""The command line as scripts and people meet it: exit codes, streams, and one line per mistake."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pty
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+from support.scenario_files import FLIGHT, MINIMAL, write
+
+from cube_sim.run_directory import FILES
+from cube_sim.scenario import load
+from cube_sim.scenario.json_schema import json_schema
+
+HEAVY = ("mujoco", "rerun", "numba", "scipy", "pydantic", "numpy", "rich", "ruamel", "proxsuite")
+
+
+def cube_sim(*arguments, cwd, **options) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "cube_sim", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, **options)
+
+
+def call(monkeypatch, capsys, *arguments):
+    """The same entry, in this process: the simulation is loaded once for many calls."""
+    from cube_sim.commands.cli import main
+
+    monkeypatch.setattr(sys, "argv", ["cube-sim", *map(str, arguments)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    captured = capsys.readouterr()
+    return ended.value.code, captured.out, captured.err
+
+
+# Without flying
+
+
+def test_script_and_module_are_the_same(tmp_path):
+    script = shutil.which("cube-sim", path=os.path.dirname(sys.executable))
+    assert script, "the package is not installed"
+    for arguments in (["--help"], ["run", "none.yaml"], ["fly"]):
+        module = cube_sim(*arguments, cwd=tmp_path)
+        direct = subprocess.run([script, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert (direct.returncode, direct.stdout, direct.stderr) == (module.returncode, module.stdout, module.stderr)
+
+
+def test_help_imports_nothing_heavy(tmp_path):
+    """Why `cube-sim --help` answers at once: what takes time to load is not loaded."""
+    program = (
+        "import sys\nfrom cube_sim.commands.cli import main\nsys.argv = ['cube-sim', '--help']\n"
+        "try:\n    main()\nfinally:\n"
+        f"    print(*[name for name in {HEAVY!r} if name in sys.modules], file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0
+    assert "Fly a scenario" in done.stdout
+    assert done.stderr.split() == []
+
+
+@pytest.mark.parametrize(
+    "arguments", [["run"], ["run", "a.yaml", "b.yaml"], ["run", "a.yaml", "--no-such-option"], ["fly"]]
+)
+def test_usage_errors_are_bad_input(monkeypatch, capsys, arguments):
+    code, stdout, stderr = call(monkeypatch, capsys, *arguments)
+    assert (code, stdout) == (2, "")
+    assert stderr.startswith("Usage: cube-sim")
+
+
+def test_version_and_schema_are_printed(monkeypatch, capsys):
+    assert call(monkeypatch, capsys, "--version") == (0, f"{version('cube-sim')}\n", "")
+    assert call(monkeypatch, capsys, "schema") == (0, json_schema(), "")
+
+
+@pytest.mark.parametrize(
+    ("content", "arguments", "expected"),
+    [
+        (MINIMAL.replace("duration_s", "durtion_s"), [], ["mission.yaml:4:1: durtion_s: unknown key; did you mean"]),
+        (MINIMAL.replace("hull", "hill"), [], ["mission.yaml:3:8: model: no such file: hill.xml"]),
+        (MINIMAL.replace(": 10", ": -10"), [], ["mission.yaml:4:13: duration_s: must be greater than 0, got -10"]),
+        (MINIMAL.replace("0.4", ".nan"), [], ["mission.yaml:6:23: guidance.speed_m_s: must be finite, got nan"]),
+        (b"\x89MCAP0\r\n\x00\xff", [], ["mission.yaml:1:1: not UTF-8 text (byte 0x89)"]),
+        (b"", [], ["mission.yaml:1:1: the file is empty"]),
+        (MINIMAL, ["--set", "duration_s=-1"], ["override duration_s: must be greater than 0, got -1"]),
+        (MINIMAL, ["--set", "duration_s"], ["--set duration_s: write PATH=VALUE, for example duration_s=60"]),
+        (MINIMAL, ["--set", "seed=1", "--set", "seed=2"], ["--set seed=2: seed is set twice"]),
+        (MINIMAL, ["--set", "seed=[1"], ["--set seed=[1: not valid YAML: "]),
+        (MINIMAL, ["--out", "mission.yaml"], ["mission.yaml: cannot hold a recording: Not a directory"]),
+        (MINIMAL, ["--out", "."], [".: holds hull.xml and 1 more, which no run wrote"]),
+    ],
+)  # fmt: skip
+def test_bad_input_is_one_line_per_mistake_and_writes_nothing(
+    tmp_path, monkeypatch, capsys, content, arguments, expected
+):
+    write(tmp_path, content)
+    before = sorted(tmp_path.rglob("*"))
+    monkeypatch.chdir(tmp_path)
+    code, stdout, stderr = call(monkeypatch, capsys, "run", "mission.yaml", *arguments)
+    lines = stderr.splitlines()
+    assert (code, stdout, len(lines)) == (2, "", len(expected))
+    for line, start in zip(lines, expected, strict=True):
+        assert line.startswith(start)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("path", [".", "none.yaml", "mission.yaml/below"])
+def test_what_is_no_file_is_bad_input(tmp_path, monkeypatch, capsys, path):
+    write(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    code, stdout, stderr = call(monkeypatch, capsys, "run", path)
+    assert (code, stdout, len(stderr.splitlines())) == (2, "", 1)
+    assert stderr.startswith(f"{path}: ")
+
+
+def test_a_broken_pipe_is_not_a_traceback(tmp_path):
+    """`cube-sim schema | head -1`, as a shell runs it."""
+    command = [sys.executable, "-m", "cube_sim", "schema"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    process.wait(timeout=60)
+
+
+# Flying
+
+
+def test_pass_fail_and_error_have_their_exit_codes(tmp_path, monkeypatch, capsys):
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    for code, verdict, settings in (
+        (0, "PASS", []),
+        (1, "FAIL", ["--set", "checks.0.at_most=-1"]),
+        # Thrown so hard that the first step leaves all bounds.
+        (3, "ERROR", ["--set", "initial.velocity_m_s=[1e5, 0, 0]"]),
+    ):
+        assert call(monkeypatch, capsys, "run", path, "--out", out, "--quiet", *settings) == (code, "", "")
+        content = json.loads((out / "verdict.json").read_text())
+        assert content["verdict"] == verdict
+        assert sorted(item.name for item in out.iterdir()) == sorted(FILES)
+
+
+def test_a_failed_check_decides_whatever_could_not_be_judged(tmp_path, monkeypatch, capsys):
+    """One stuck thruster never makes the demand: exactness is not judged, the limit of the error fails all the same."""
+    text = FLIGHT.replace("{kind: allowed_forces}", "{kind: exact_wrench}").replace("at_most: 0.05", "at_most: -1")
+    path, out = write(tmp_path, text.replace("position_m: [0, 0, -5]", "position_m: [0, 90, -5]")), tmp_path / "out"
+    stuck = "{kind: thrusters, at_s: 0, thrusters: [T1], state: stuck, force_N: 5}"
+    lost = "{kind: thrusters, at_s: 0, thrusters: [T2, T3, T4, T5, T6, T7, T8], state: dead}"
+    settings = ["--set", f"events=[{stuck}, {lost}]", "--set", "control.faults=told"]
+    assert call(monkeypatch, capsys, "run", path, "--out", out, "--quiet", *settings) == (1, "", "")
+    content = json.loads((out / "verdict.json").read_text())
+    assert [check["verdict"] for check in content["checks"]] == ["FAIL", "ERROR"]
+
+
+def test_what_nobody_foresaw_is_one_line_and_never_a_fail(tmp_path, monkeypatch, capsys):
+    path = write(tmp_path, FLIGHT)
+
+    def broken(*_, **__):
+        raise ZeroDivisionError("a bug\nin two lines")
+
+    monkeypatch.setattr("cube_sim.simulation.run", broken)
+    line = "unexpected ZeroDivisionError: a bug in two lines (CUBE_SIM_TRACEBACK=1 shows where)\n"
+    assert call(monkeypatch, capsys, "run", path) == (3, "", line)
+    monkeypatch.setenv("CUBE_SIM_TRACEBACK", "1")
+    code, stdout, stderr = call(monkeypatch, capsys, "run", path)
+    assert (code, stdout) == (3, "")
+    assert stderr.startswith("Traceback (most recent call last):")
+
+
+def test_a_full_disk_is_one_line_and_could_not_be_judged(tmp_path):
+    """A file may not grow beyond 100 kB: what a write meets on a full disk."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+    done = cube_sim("run", path, "--out", out, "--set", "duration_s=10", cwd=tmp_path, preexec_fn=limit)
+    assert (done.returncode, done.stdout) == (3, "")
+    # Rerun says in its own words what it could not write, and when it noticed.
+    said = [line for line in done.stderr.splitlines() if "re_log_encoding" not in line]
+    assert said == [f"{out}: cannot be written: File too large"]
+
+
+@pytest.mark.parametrize("library", ["_pydantic_core", "libmujoco", "llvmlite"])
+def test_an_interrupt_while_starting_up_is_one_line(tmp_path, library):
+    """A real Ctrl-C when a certain library has just been loaded."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    command = [sys.executable, "-m", "cube_sim", "run", str(path), "--out", str(out), "--set", "duration_s=3600"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    give_up = time.monotonic() + 60
+    while library not in Path(f"/proc/{process.pid}/maps").read_text():
+        assert time.monotonic() < give_up
+        time.sleep(0.005)
+    process.send_signal(signal.SIGINT)
+    stdout, stderr = process.communicate(timeout=60)
+    assert (process.returncode, stdout) == (130, "")
+    assert stderr.startswith("interrupted")
+    assert len(stderr.splitlines()) == 1
+
+
+def test_the_result_fits_a_screen_and_says_how_to_look_at_the_recording(tmp_path, monkeypatch, capsys):
+    path, out = write(tmp_path, FLIGHT), tmp_path / "a folder"
+    code, stdout, stderr = call(monkeypatch, capsys, "run", path, "--out", out, "--set", "checks.0.at_most=-1")
+    assert (code, stderr) == (1, "")
+    assert len(stdout.splitlines()) <= 24
+    assert stdout.startswith("FAIL  short_flight: 0.5 s simulated")
+    assert "max of path_error.cross_track" in stdout
+    assert "FAIL max of path_error.cross_track: 26 samples" in " ".join(stdout.split())
+    assert stdout.splitlines()[-1] == f"look at it: rerun '{out}/run.rrd'"
+
+
+def test_json_is_the_verdict_and_where_it_is(tmp_path, monkeypatch, capsys):
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    code, stdout, _ = call(monkeypatch, capsys, "run", path, "--out", out, "--json")
+    content = json.loads(stdout)
+    assert (code, content.pop("directory")) == (0, str(out))
+    assert content == json.loads((out / "verdict.json").read_text())
+
+
+def test_the_resolved_file_flies_the_same_run(tmp_path, monkeypatch, capsys):
+    path, first, second = write(tmp_path, FLIGHT), tmp_path / "first", tmp_path / "second"
+    call(monkeypatch, capsys, "run", path, "--out", first, "--set", "guidance.speed_m_s=0.3", "--quiet")
+    resolved = first / "resolved.yaml"
+    assert load(resolved).scenario == load(path, {"guidance.speed_m_s": 0.3}).scenario
+    call(monkeypatch, capsys, "run", resolved, "--out", second, "--quiet")
+    assert (second / "resolved.yaml").read_bytes() == resolved.read_bytes()
+    checks = [json.loads((folder / "verdict.json").read_text())["checks"] for folder in (first, second)]
+    assert checks[0] == checks[1]
+
+
+def test_without_out_a_run_goes_to_logs(tmp_path, monkeypatch, capsys):
+    path = write(tmp_path, FLIGHT)
+    monkeypatch.chdir(tmp_path)
+    assert call(monkeypatch, capsys, "run", path, "--quiet")[0] == 0
+    (folder,) = (tmp_path / "logs").iterdir()
+    assert folder.name.startswith("short_flight-")
+
+
+@pytest.mark.parametrize("model", ["<mujoco/>", "<mujoco>", "not a model", ""])
+def test_a_model_that_cannot_swim_is_bad_input(tmp_path, monkeypatch, capsys, model):
+    path, out = write(tmp_path), tmp_path / "out"
+    (tmp_path / "hull.xml").write_text(model)
+    code, stdout, stderr = call(monkeypatch, capsys, "run", path, "--out", out)
+    assert (code, stdout) == (2, "")
+    assert str(tmp_path / "hull.xml") in stderr
+    assert len(stderr.splitlines()) == 1
+    assert not out.exists()
+
+
+def test_a_terminal_sees_progress_and_then_the_result(tmp_path):
+    """On a real pseudo-terminal: the bar goes to it while flying, the table stays."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    master, slave = pty.openpty()
+    command = [sys.executable, "-m", "cube_sim", "run", str(path), "--out", str(out), "--set", "duration_s=3"]
+    environment = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "120", "LINES": "40"}
+    process = subprocess.Popen(command, cwd=tmp_path, stdin=slave, stdout=slave, stderr=slave, env=environment)
+    os.close(slave)
+    seen = b""
+    try:
+        # Reading a terminal whose other side has closed is an error on Linux.
+        with contextlib.suppress(OSError):
+            while chunk := os.read(master, 65536):
+                seen += chunk
+        assert process.wait(timeout=60) == 0
+    finally:
+        process.kill()
+        os.close(master)
+    text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", seen.decode())
+    assert re.search(r"short_flight .*[0-3] of 3 s simulated", text)
+    assert re.search(r"[23] of 3 s simulated +\d+\.\d x real time", text)
+    assert text.index("of 3 s simulated") < text.index("PASS  short_flight: 3 s simulated")
+
+
+def test_an_interrupted_run_closes_its_recording(tmp_path):
+    """A real Ctrl-C in the middle of an hour's flight."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    command = [sys.executable, "-m", "cube_sim", "run", str(path), "--out", str(out), "--set", "duration_s=3600"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        recording = out / "run.mcap"
+        give_up = time.monotonic() + 60
+        while not (recording.exists() and recording.stat().st_size > 100_000):
+            assert process.poll() is None, process.communicate()
+            assert time.monotonic() < give_up, "the run did not begin to record"
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        stdout, stderr = process.communicate(timeout=30)
+    finally:
+        process.kill()
+    assert (process.returncode, stdout) == (130, "")
+    assert stderr == f"interrupted; recorded so far: {out}\n"
+    from cube_sim.recording.reading import read_signals
+
+    # An indexed file, read back as any finished one.
+    times = read_signals(recording)["pose.position"][:, 0]
+    assert len(times) > 50

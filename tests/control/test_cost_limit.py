@@ -1,0 +1,137 @@
+"""Directions that cost too much: given up as if thrusters were missing, by the judgement and in flight."""
+
+import numpy as np
+import pytest
+from support.scenario_files import REPO
+
+import cube_sim
+from cube_sim import Vehicle, load_model
+from cube_sim.actuation.directions.selection_criteria import final_approach
+from cube_sim.control.authority import Authority, capability, remaining
+from cube_sim.control.path_follower import PathFollower
+from cube_sim.errors import ScenarioError
+from cube_sim.mission import prepare
+from cube_sim.recording.reading import read_recording
+from cube_sim.scenario import load
+from cube_sim.wrench.axes import SPATIAL, lever_arm
+from cube_sim.wrench.health import Health
+
+LOST = [1, 2]
+"""T2 and T3 of the CUBE as built: what is left has rank 6, but one direction costs 35 N/N, the others 0.85 at most."""
+FLIGHT = REPO / "scenarios" / "cube_lose_two.yaml"
+AS_BUILT = {"model": str(REPO / "models" / "cube_as_built.xml")}
+SHORT = AS_BUILT | {
+    "duration_s": 20.0,
+    "initial.position_m": [3.0, 0.0, -8.0],
+    "control.faults": "told",
+    "events.0.at_s": 1.0,
+    "events.0.thrusters": ["T2", "T3"],
+    "checks": [{"kind": "allowed_forces"}],
+}
+
+
+@pytest.fixture(scope="module")
+def vehicle():
+    return Vehicle.from_model(load_model(AS_BUILT["model"]))
+
+
+def damaged(vehicle, cost_limit=None):
+    health = Health.whole(8)
+    for thruster in LOST:
+        health = health.with_thruster(thruster, 0.0)
+    return remaining(vehicle.actuation_matrix, vehicle.thrusters.limits, health, cost_limit)
+
+
+def test_a_dear_direction_is_lost_as_one_without_thrusters_is(vehicle):
+    A = vehicle.actuation_matrix
+    left = np.delete(A, LOST, axis=1)
+    length = lever_arm(A, SPATIAL)
+    directions = final_approach(left, length_m=length)
+    assert directions.costs[-1] > 30 > 1 > directions.costs[-2]
+    assert damaged(vehicle).authority is Authority.HOLONOMIC
+    with_limit = damaged(vehicle, 10.0)
+    assert with_limit.authority is Authority.PLANE
+    assert with_limit.pure_forces.shape == (3, 2)
+    assert "too dear but together" in with_limit.reason
+    rng = np.random.default_rng(0)
+    for demand in rng.normal(size=(20, 6)) * [20, 20, 20, 5, 5, 5]:
+        asked = with_limit.attainable(demand)
+        assert directions.coordinates(asked)[-1] == pytest.approx(0, abs=1e-9)
+        assert np.allclose(asked[3:], demand[3:])
+
+
+def test_the_limit_decides_alone_and_a_high_one_keeps_what_rank_would_cut(vehicle):
+    # T1 and T2 leave a direction at 93.3 N/N, under 1 % of the largest gain.
+    health = Health.whole(8).with_thruster(0, 0.0).with_thruster(1, 0.0)
+    A, limits = vehicle.actuation_matrix, vehicle.thrusters.limits
+    assert remaining(A, limits, health).authority is Authority.PLANE
+    assert remaining(A, limits, health, 90.0).authority is Authority.PLANE
+    assert remaining(A, limits, health, 100.0).authority is Authority.HOLONOMIC
+
+
+def test_nothing_dear_is_asked_for_where_no_path_can_be_followed(vehicle):
+    A = vehicle.actuation_matrix
+    directions = final_approach(A)
+    limit = float(directions.costs[2] + directions.costs[3]) / 2.0
+    left = capability(A, cost_limit=limit)
+    assert left.authority is Authority.SAFE
+    demand = np.array([10.0, -5.0, 3.0, 1.0, 2.0, -1.0])
+    asked = left.attainable(demand)
+    assert np.allclose(directions.coordinates(asked)[3:], 0, atol=1e-9)
+    assert np.allclose(directions.coordinates(asked)[:3], directions.coordinates(demand)[:3])
+    assert np.array_equal(capability(A[:, :2]).attainable(demand), demand)
+
+
+def test_a_level_vehicle_that_pushes_sideways_dearly_steers_by_its_heading():
+    A = np.zeros((6, 4))
+    A[[0, 1, 5]] = [[1, 1, 1, 1], [0.02, -0.02, -0.02, 0.02], [-0.2, 0.2, -0.2, 0.2]]
+    assert capability(A).authority is Authority.LEVEL
+    assert capability(A, cost_limit=30.0).authority is Authority.LEVEL
+    left = capability(A, cost_limit=10.0)
+    assert left.authority is Authority.UNICYCLE
+    assert left.attainable(np.array([3.0, 2.0, 0.0, 0.0, 0.0, 1.0])) == pytest.approx([3, 0, 0, 0, 0, 1], abs=1e-12)
+
+
+def test_with_the_limit_the_vehicle_turns_and_pushes_less(tmp_path):
+    free, limited = (
+        cube_sim.run(FLIGHT, SHORT | more, out=tmp_path / name)
+        for name, more in (("free", {}), ("limited", {"control.cost_limit": 10.0}))
+    )
+
+    def after(run, signal):
+        rows = run.signals[signal]
+        return rows[rows[:, 0] > 2.0, 1:]
+
+    ways = {name: set(after(run, "health.authority").ravel()) for name, run in (("free", free), ("limited", limited))}
+    assert ways == {"free": {Authority.HOLONOMIC}, "limited": {Authority.PLANE}}
+    effort, less = (np.mean(np.sum(after(run, "thrusters.force") ** 2, axis=1)) for run in (free, limited))
+    assert less < 0.5 * effort
+    assert np.max(after(limited, "path_error.cross_track")) < 0.1 < np.max(after(free, "path_error.cross_track"))
+
+
+def test_a_whole_vehicle_does_without_what_is_too_dear_from_the_start(tmp_path):
+    # Jack's sway costs 1.93 N/N, surge and yaw half a newton.
+    changes = {"duration_s": 20.0, "events": [], "checks": [{"kind": "allowed_forces"}], "control.cost_limit": 1.0}
+    run = cube_sim.run(REPO / "scenarios" / "jack_lose_two.yaml", changes, out=tmp_path)
+    assert set(run.signals["health.authority"][:, 1]) == {Authority.UNICYCLE}
+    assert np.max(np.abs(run.signals["wrench.demanded"][:, 2])) < 1e-9
+    log = [line.text for line in read_recording(tmp_path / "run.mcap").log]
+    assert any(text.startswith("what costs more than 1 N/N is left alone; UNICYCLE: too dear to push") for text in log)
+
+
+def test_the_default_is_no_limit():
+    loaded = load(FLIGHT)
+    assert loaded.scenario.control.cost_limit is None
+    controller = prepare(loaded).controller
+    assert isinstance(controller, PathFollower)
+    assert controller.capability.cheap is None
+
+
+def test_a_limit_that_leaves_no_way_to_follow_a_path_is_refused_with_the_costs():
+    with pytest.raises(ScenarioError, match=r"control\.cost_limit: what is left .* at 0\.1 N/N .* cost 0\.612"):
+        prepare(load(FLIGHT, {"control.cost_limit": 0.1}))
+
+
+def test_the_planar_law_has_no_use_for_it():
+    with pytest.raises(ScenarioError, match=r"control\.cost_limit: the planar law has no use for it"):
+        prepare(load(REPO / "scenarios" / "infante_line.yaml", {"control.cost_limit": 10.0}))

@@ -1,0 +1,184 @@
+"""The attitude of least effort: its gradient, where it settles, and that it always gets upright."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cube_sim
+from cube_sim.control.attitude import Situation
+from cube_sim.control.authority import capability
+from cube_sim.control.effort import effort_matrix
+from cube_sim.control.free_attitude import MOST_RATE, FreeAttitude
+from cube_sim.guidance.path import PathPoint
+from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.spatial import quaternion_from_euler, rotation_about, rotation_from_quaternion, skew
+
+MODELS = Path(__file__).parents[2] / "models"
+HERE = PathPoint(np.zeros(3), np.eye(3), (0.0, 0.0), (0.0, 0.0))
+STILL, DT, TIME = np.zeros(3), 0.05, 3.0
+
+
+@pytest.fixture(scope="module")
+def cube():
+    return cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "cube.xml"))
+
+
+@pytest.fixture(scope="module")
+def bluerov2():
+    return cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "bluerov2_heavy.xml"))
+
+
+def needed(vehicle, R, velocity, current):
+    """The wrench (6,) of steady motion without turning: the hull's own equations of motion."""
+    return vehicle.dynamics.wrench(R, np.concatenate([R.T @ velocity, STILL]), np.zeros(6), current)
+
+
+def settle(vehicle, R, velocity, current, rest=STILL, duration=60.0):
+    """(R, rates) at each tick of a vehicle that turns as wanted, `rest` (3,) the force asked for beside drag."""
+    mode, effort = FreeAttitude(vehicle.dynamics, TIME), effort_matrix(vehicle.actuation_matrix)
+    view = TargetView(0.0, 1.0, 0.0, HERE, STILL, velocity)
+    for _ in range(round(duration / DT)):
+        force = R @ needed(vehicle, R, velocity, current)[:3] + rest
+        desired = mode.attitude(Situation(view, R, force, current, effort), DT)
+        yield R, desired.rates
+        R = rotation_from_quaternion(desired.quaternion)
+
+
+def effort(vehicle, R, velocity, current):
+    """Least |f|^2 [N^2] of the steady motion."""
+    w = needed(vehicle, R, velocity, current)
+    return float(w @ effort_matrix(vehicle.actuation_matrix) @ w)
+
+
+def random_rotations(seed, n):
+    for q in np.random.default_rng(seed).normal(size=(n, 4)):
+        yield rotation_from_quaternion(q / np.linalg.norm(q))
+
+
+def test_the_effort_is_the_least_sum_of_squares(bluerov2):
+    A = bluerov2.actuation_matrix
+    for w in np.random.default_rng(1).normal(size=(20, 6)):
+        f = np.linalg.lstsq(A, w, rcond=None)[0]
+        assert w @ effort_matrix(A) @ w == pytest.approx(f @ f)
+
+
+def test_the_slope_of_the_effort_is_the_closed_form_where_there_is_one(bluerov2):
+    """Without drag: dE = 2 w' Q [S(F); -S(r) S(z)] dphi for w = [F; -r x z]."""
+    Q = effort_matrix(bluerov2.actuation_matrix)
+    r = np.array([0.2, -0.5, 3.0])
+    rng = np.random.default_rng(2)
+    for R in random_rotations(3, 20):
+        force = rng.normal(0.0, 20.0, 3)
+
+        def E(turn, R=R, force=force):
+            angle = np.linalg.norm(turn)
+            turned = R @ rotation_about(turn / angle, angle)
+            w = np.concatenate([turned.T @ force, -np.cross(r, turned[2])])
+            return w @ Q @ w
+
+        F, z = R.T @ force, R[2]
+        w = np.concatenate([F, -np.cross(r, z)])
+        slope = 2.0 * w @ Q @ np.vstack([skew(F), -skew(r) @ skew(z)])
+        h = 1e-6
+        numbers = [(E(h * axis) - E(-h * axis)) / (2.0 * h) for axis in np.eye(3)]
+        np.testing.assert_allclose(numbers, slope, rtol=1e-5, atol=1e-3)
+
+
+def test_its_rate_is_the_damped_step_down_the_true_effort(bluerov2):
+    """Against the formula written out: the drag of the hull as turned, and a force in the world that stays."""
+    Q = effort_matrix(bluerov2.actuation_matrix)
+    g, hull = 9.81, bluerov2.dynamics
+    r = g * (hull.displaced_mass * hull.centre_of_buoyancy - bluerov2.mass * hull.centre_of_mass)
+    weight = np.trace(Q[3:, 3:]) / 3.0
+    rng, checked = np.random.default_rng(6), 0
+    for R in random_rotations(7, 40):
+        if R[2, 2] < 0.1:
+            continue
+        velocity, current, rest = rng.normal(0.0, 0.2, 3), rng.normal(0.0, 0.2, 3), rng.normal(0.0, 3.0, 3)
+
+        def w(turn, R=R, velocity=velocity, current=current, rest=rest):
+            angle = np.linalg.norm(turn)
+            turned = R @ rotation_about(turn / angle, angle) if angle > 0.0 else R
+            wrench = needed(bluerov2, turned, velocity, current) + np.append(turned.T @ rest, STILL)
+            return np.append(np.linalg.cholesky(Q).T @ wrench, np.sqrt(weight) * (np.linalg.norm(r) - r @ turned[2]))
+
+        y, h = w(STILL), 1e-5
+        J = np.column_stack([(w(h * axis) - w(-h * axis)) / (2.0 * h) for axis in np.eye(3)])
+        step = -np.linalg.solve(J.T @ J + (0.2 * y @ y + 1.0) * np.eye(3), J.T @ y) / TIME
+        (_, rates), *_ = settle(bluerov2, R, velocity, current, rest, DT)
+        if np.linalg.norm(step) < MOST_RATE:
+            np.testing.assert_allclose(R.T @ rates, step, atol=1e-4)
+            assert step @ J.T @ y < 0.0
+            checked += 1
+    assert checked > 10
+
+
+def test_the_effort_falls_all_the_way_and_ends_lower_than_any_heading_of_a_level_vehicle(bluerov2):
+    """A BlueROV2 that stands in a current of 0.45 m/s, from attitudes up to a right angle from upright."""
+    current = np.array([0.0, 0.45, 0.0])
+    level = [
+        effort(bluerov2, rotation_from_quaternion(quaternion_from_euler(0.0, 0.0, yaw)), STILL, current)
+        for yaw in np.linspace(0.0, 2.0 * np.pi, 73)
+    ]
+    for R in random_rotations(4, 4):
+        if R[2, 2] < 0.0:
+            R = R @ rotation_about(np.array([1.0, 0.0, 0.0]), np.pi)
+        efforts = np.array([effort(bluerov2, R, STILL, current) for R, _ in settle(bluerov2, R, STILL, current)])
+        assert np.all(np.diff(efforts[80:]) <= 1e-3 * efforts[80:-1])
+        assert efforts[-1] <= min(level) * 1.001
+        assert efforts[-1] < 0.8 * level[0]
+
+
+def test_the_cube_has_no_cheap_axis_and_only_rights_itself(cube):
+    """Isotropic thrust and, along its axes, drag: what is left of the effort's slope is buoyancy."""
+    for R in random_rotations(5, 3):
+        *_, (R, rates) = settle(cube, R, STILL, STILL, rest=np.array([15.0, 0.0, 0.0]))
+        assert np.degrees(np.arccos(R[2, 2])) < 0.5
+        assert np.linalg.norm(rates) < 1e-3
+
+
+@pytest.mark.parametrize("attitude", [(180, 0, 0), (0, 180, 0), (180, 0, 77), (179.9, 0, 0), (90, 0, 0), (0, -90, 0)])
+@pytest.mark.parametrize("name", ["cube", "bluerov2"])
+def test_from_upside_down_it_comes_upright_in_one_piece(name, attitude, request):
+    """At 180 degrees no torque is needed to hang there, but no hull does; there and at 90 nothing is singular."""
+    vehicle = request.getfixturevalue(name)
+    R = rotation_from_quaternion(quaternion_from_euler(*np.radians(attitude)))
+    tilts = []
+    for now, rates in settle(vehicle, R, STILL, STILL, duration=50.0):
+        assert np.linalg.norm(rates) <= MOST_RATE + 1e-12
+        tilts.append(np.arccos(np.clip(now[2, 2], -1.0, 1.0)))
+    assert np.all(np.diff(tilts) <= 1e-7)
+    assert tilts[-1] < 0.01
+
+
+def test_its_rates_are_the_derivative_of_the_attitude(bluerov2):
+    current = np.array([0.3, 0.3, 0.0])
+    R = rotation_from_quaternion(quaternion_from_euler(0.5, -0.3, 2.0))
+    steps = list(settle(bluerov2, R, np.array([0.2, 0.0, 0.0]), current, duration=4.0))
+    for k in range(2, len(steps) - 1, 17):
+        slope = (steps[k + 1][0] - steps[k - 1][0]) / (2.0 * DT)
+        np.testing.assert_allclose(slope, skew(steps[k][1]) @ steps[k][0], atol=0.01 * MOST_RATE)
+
+
+def test_a_vehicle_with_nothing_to_do_turns_no_way(cube):
+    R = rotation_from_quaternion(quaternion_from_euler(0.0, 0.0, 1.0))
+    for _, rates in settle(cube, R, STILL, STILL, duration=1.0):
+        np.testing.assert_allclose(rates, 0.0, atol=1e-9)
+
+
+def test_when_thrusters_are_lost_it_reckons_with_those_that_are_left(bluerov2):
+    A, current = bluerov2.actuation_matrix, np.array([0.0, 0.45, 0.0])
+    left = capability(np.delete(A, [0], axis=1))
+    np.testing.assert_array_equal(left.effort, effort_matrix(np.delete(A, [0], axis=1)))
+    view = TargetView(0.0, 1.0, 0.0, HERE, STILL, STILL)
+    R = rotation_from_quaternion(quaternion_from_euler(0.1, 0.2, 0.3))
+    force = R @ needed(bluerov2, R, STILL, current)[:3]
+
+    def rates(mode, effort):
+        return mode.attitude(Situation(view, R, force, current, effort), 0.0).rates
+
+    veteran, fresh = FreeAttitude(bluerov2.dynamics, TIME), FreeAttitude(bluerov2.dynamics, TIME)
+    before = rates(veteran, effort_matrix(A))
+    np.testing.assert_array_equal(rates(veteran, left.effort), rates(fresh, left.effort))
+    assert np.linalg.norm(before - rates(fresh, left.effort)) > 0.01

@@ -1,0 +1,101 @@
+"""When the path cannot be followed: given up with a reason, held or surfaced, and taken up again."""
+
+import numpy as np
+import pytest
+from support.scenario_files import REPO
+
+import cube_sim
+from cube_sim.control.safe_mode import Refuge, SafeMode, Watch
+from cube_sim.guidance.line import Line
+from cube_sim.guidance.virtual_target import VirtualTarget
+from cube_sim.recording.reading import read_recording
+from cube_sim.spatial import State, quaternion_from_euler, rotation_from_quaternion
+
+HELIX = REPO / "scenarios" / "cube_helix.yaml"
+ON_PATH = {"initial.position_m": [3, 0, -8], "initial.attitude_deg": [0, 0, 90], "checks": [{"kind": "allowed_forces"}]}
+ALL = [f"T{i}" for i in range(1, 9)]
+SAFE = 3
+
+
+def dead(at_s, thrusters, state="dead"):
+    return {"kind": "thrusters", "at_s": at_s, "thrusters": thrusters, "state": state}
+
+
+def view_at(distance):
+    return VirtualTarget(Line([0, 0, 0], [10, 0, 0]), 0.5).view(np.array([0.0, distance, 0.0]), np.zeros(3))
+
+
+def still_at(position, yaw=0.4, pitch=0.3):
+    q = quaternion_from_euler(0.1, pitch, yaw)
+    return State(np.array(position), q, rotation_from_quaternion(q), np.zeros(3), np.zeros(3))
+
+
+def test_the_watch_gives_up_only_after_its_patience_and_forgets_when_the_path_is_near_again():
+    watch = Watch(SafeMode(limit=2.0, patience=1.0))
+    assert not any(watch.reason(view_at(9.0), 0.1) for _ in range(99))  # it has yet to come near
+    assert not watch.reason(view_at(1.0), 0.1)
+    assert not any(watch.reason(view_at(2.5), 0.1) for _ in range(9))
+    assert not watch.reason(view_at(1.9), 0.1)
+    reasons = [watch.reason(view_at(2.5), 0.1) for _ in range(12)]
+    assert not any(reasons[:9])
+    assert reasons[-1] == "2.5 m from its target on the path, beyond 2 m for 1 s"
+
+
+def test_a_refuge_is_where_the_vehicle_was_level_with_its_heading():
+    refuge = Refuge(SafeMode(speed=0.2, time=5.0), still_at([1.0, 2.0, -3.0]), "lost")
+    assert refuge.reason == "lost; it holds its position as well as it can"
+    np.testing.assert_allclose(refuge.motion(np.array([1.0, 2.5, -3.0])).velocity, [0.0, -0.1, 0.0], atol=1e-12)
+    assert np.linalg.norm(refuge.motion(np.array([50.0, 2.0, -3.0])).velocity) == pytest.approx(0.2)
+    np.testing.assert_array_equal(refuge.motion(np.array([1.0, 2.0, -3.0])).velocity, np.zeros(3))
+
+
+def test_surfacing_rises_above_the_same_place():
+    refuge = Refuge(SafeMode(surface=0.0), still_at([1.0, 2.0, -3.0]), "lost")
+    np.testing.assert_allclose(refuge.motion(np.array([1.0, 2.0, -3.0])).velocity, [0.0, 0.0, 0.2], atol=1e-12)
+    assert refuge.reason.endswith("it makes for the surface")
+
+
+def flown(tmp_path, changes):
+    run = cube_sim.run(HELIX, {**ON_PATH, **changes}, out=tmp_path)
+    return run.signals, [line.text for line in read_recording(tmp_path / "run.mcap").log]
+
+
+def test_without_a_thruster_left_the_ballast_brings_it_to_the_surface(tmp_path):
+    safe = {"action": "surface", "surface_m": -5.0, "drop_weight_N": 15.0}
+    signals, log = flown(tmp_path, {"duration_s": 50, "events": [dead(8, ALL)], "control.safe_mode": safe})
+    height = signals["pose.position"][:, 3]
+    assert height[400] < -7.5  # it was still at depth when they died
+    assert np.all(np.abs(height[-500:] + 5.0) < 0.6)  # and floats at the surface
+    assert signals["health.authority"][-1, 1] == SAFE
+    told = [text for text in log if text.startswith("the path is given up")]
+    assert len(told) >= 1
+    assert "the ballast is dropped" in log
+    assert log.count("the ballast is dropped") == 1
+
+
+def test_a_current_stronger_than_the_vehicle_makes_it_give_up_and_hold(tmp_path):
+    safe = {"action": "hold", "distance_limit_m": 2.0, "patience_s": 3.0}
+    events = [
+        {"kind": "current", "at_s": 10, "current_m_s": [0.0, -2.5, 0.0]},
+        {"kind": "current", "at_s": 18, "current_m_s": [0.0, 0.1, 0.0]},
+    ]
+    signals, log = flown(tmp_path, {"duration_s": 60, "events": events, "control.safe_mode": safe})
+    given_up = [text for text in log if text.startswith("the path is given up")]
+    assert len(given_up) == 1
+    assert "m from its target on the path, beyond 2 m for 3 s; it holds its position" in given_up[0]
+    authority = signals["health.authority"]
+    at = int(np.argmax(authority[:, 1] == SAFE))
+    place = signals["pose.position"][at, 1:]
+    np.testing.assert_allclose(signals["pose.position"][-1, 1:], place, atol=0.05)
+
+
+def test_thrusters_that_come_back_end_the_safe_mode(tmp_path):
+    lost = ALL[:5]
+    events = [dead(8, lost), dead(20, lost, "recovered")]
+    changes = {"duration_s": 55, "events": events, "control.faults": "told"}
+    signals, log = flown(tmp_path, changes)
+    assert "the path is followed again" in log
+    authority = signals["health.authority"][:, 1]
+    assert authority[600] == SAFE
+    assert authority[-1] == 0
+    assert signals["path_error.cross_track"][-1, 1] < 0.05

@@ -1,0 +1,151 @@
+"""Scenarios flown on an estimate: what is measured, what is recorded, what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import cube_sim
+from cube_sim.errors import ScenarioError
+from cube_sim.mission.hull import flown_hull, initial_state
+from cube_sim.mission.navigation import read_truth, rotation_vector
+from cube_sim.recording.reading import read_recording
+from cube_sim.scenario import load
+from cube_sim.simulation import read_state
+from cube_sim.spatial import angle_between, rotation_about, rotation_from_quaternion
+
+ROOT = Path(__file__).parents[2]
+NAVIGATED = ROOT / "scenarios" / "cube_navigated.yaml"
+SHORT = {"duration_s": 4.0, "checks": [{"kind": "allowed_forces"}]}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    return cube_sim.run(NAVIGATED, SHORT, tmp_path_factory.mktemp("navigated"))
+
+
+def test_the_truth_is_what_mujocos_own_sensors_feel():
+    """Accelerometer, gyro and velocimeter of the model's site at the body origin, in a tumbling flight under thrust."""
+    model, vehicle = flown_hull(load(NAVIGATED, SHORT))
+    data = initial_state(model, vehicle, load(NAVIGATED, SHORT).scenario)
+    dof = vehicle.dof_address
+    data.qvel[dof : dof + 6] = 0.5, -0.3, 0.2, 1.0, -2.0, 0.7
+    data.ctrl[:] = np.linspace(-0.6, 0.8, model.nu)
+    for _ in range(5):
+        mujoco.mj_step(model, data, nstep=17)
+        mujoco.mj_forward(model, data)
+        truth = read_truth(read_state(vehicle, data), data, vehicle)
+        np.testing.assert_allclose(truth.specific_force, data.sensor("accelerometer").data, atol=1e-9)
+        np.testing.assert_allclose(truth.motion.rates, data.sensor("gyro").data, atol=1e-12)
+        velocity = truth.motion.rotation.T @ truth.motion.velocity
+        np.testing.assert_allclose(velocity, data.sensor("velocity").data, atol=1e-12)
+
+
+def test_the_record_says_where_the_vehicle_is_and_where_it_believes_to_be(run):
+    s = {name: rows[:, 1:] for name, rows in run.signals.items()}
+    for k in range(0, 201, 25):
+        R_F = rotation_from_quaternion(s["target.quaternion"][k])
+        true = R_F.T @ (s["pose.position"][k] - s["target.position"][k])
+        np.testing.assert_allclose(true, [*s["path_error.along"][k], *s["path_error.lateral"][k]], atol=1e-12)
+        attitude = angle_between(s["reference.quaternion"][k], s["pose.quaternion"][k])
+        assert s["path_error.attitude"][k, 0] == pytest.approx(attitude, abs=1e-12)
+        R, R_true = (rotation_from_quaternion(s[f"{name}.quaternion"][k]) for name in ("navigation", "pose"))
+        np.testing.assert_allclose(
+            s["navigation_error.position"][k], s["navigation.position"][k] - s["pose.position"][k], atol=1e-12
+        )
+        error = R @ s["navigation.linear"][k] - R_true @ s["velocity.linear"][k]
+        np.testing.assert_allclose(s["navigation_error.velocity"][k], error, atol=1e-12)
+        angle = np.linalg.norm(s["navigation_error.attitude"][k])
+        axis = s["navigation_error.attitude"][k] / angle
+        np.testing.assert_allclose(rotation_about(axis, angle) @ R_true, R, atol=1e-9)
+    assert np.linalg.norm(s["navigation_error.position"], axis=1).min() > 0.01
+
+
+def test_readings_are_recorded_as_they_arrive(run):
+    expected = {"dvl": (5.0, 0.1), "depth": (10.0, 0.06), "heading": (10.0, 0.06), "position": (0.5, 0.5)}
+    for name, (rate, delay) in expected.items():
+        taken = run.signals[f"sensor_{name}.taken_at"]
+        np.testing.assert_allclose(taken[:, 0] - taken[:, 1], delay, atol=1e-9)
+        np.testing.assert_allclose(taken[:, 1], np.arange(len(taken)) / rate, atol=1e-9)
+        assert set(run.signals[f"sensor_{name}.outcome"][:, 1]) <= {0.0, 1.0}
+    imu = run.signals["sensor_imu.specific_force"]
+    assert len(imu) == 201
+    assert np.linalg.norm(imu[:, 1:], axis=1).mean() == pytest.approx(9.81, abs=0.1)
+
+
+def test_the_recording_reads_back_and_says_what_drifts(run):
+    recording = read_recording(run.directory / "run.mcap")
+    assert {"navigation", "navigation_error", "sensor_imu", "sensor_dvl"} <= {c.name for c in recording.channels}
+    np.testing.assert_array_equal(recording.signals["navigation.position"], run.signals["navigation.position"])
+    assert any("position is held by fixes" in line.text for line in recording.log)
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_flight(run, tmp_path):
+    again = cube_sim.run(NAVIGATED, SHORT, tmp_path / "again")
+    assert (again.directory / "run.mcap").read_bytes() == (run.directory / "run.mcap").read_bytes()
+    other = cube_sim.run(NAVIGATED, {**SHORT, "seed": 2}, tmp_path / "other")
+    assert np.abs(other.signals["pose.position"] - run.signals["pose.position"]).max() > 1e-3
+
+
+def test_without_sensors_nothing_of_them_is_recorded_and_with_perfect_ones_the_flight_is_the_same(tmp_path):
+    """The limit of no error: sensors of a millionth of the usual noise, every tick, without delay."""
+    true = cube_sim.run(NAVIGATED, {**SHORT, "navigation": None}, tmp_path / "true")
+    assert not any(name.startswith(("navigation", "sensor")) for name in true.signals)
+    names = ("noise", "bias", "bias_walk")
+    units = {"gyro": ("deg_s_per_sqrt_hz", "deg_s", "deg_s2_per_sqrt_hz")}
+    units["accelerometer"] = ("m_s2_per_sqrt_hz", "m_s2", "m_s3_per_sqrt_hz")
+    imu = {f"{of}_{n}_{u}": 0.0 for of, us in units.items() for n, u in zip(names, us, strict=True)}
+    imu["accelerometer_noise_m_s2_per_sqrt_hz"] = 1e-3  # the filter's allowance for what integration leaves
+    perfect = {
+        "imu": imu,
+        "dvl": {"rate_hz": 50, "noise_m_s": 1e-6, "bias_m_s": 0, "scale_error": 0, "delay_s": 0},
+        "depth": {"rate_hz": 50, "noise_m": 1e-6, "bias_m": 0, "delay_s": 0},
+        "heading": {"rate_hz": 50, "noise_deg": 1e-6, "bias_deg": 0, "delay_s": 0},
+        "position": {"rate_hz": 50, "noise_m": 1e-6, "delay_s": 0},
+        "initial": {"position_m": 1e-6, "velocity_m_s": 1e-6, "tilt_deg": 1e-6, "heading_deg": 1e-6},
+    }
+    run = cube_sim.run(NAVIGATED, {**SHORT, "navigation": perfect}, tmp_path / "perfect")
+    difference = run.signals["pose.position"] - true.signals["pose.position"]
+    assert np.abs(difference).max() < 2e-3
+    assert np.abs(run.signals["navigation_error.position"][:, 1:]).max() < 5e-4
+
+
+def test_a_lost_thruster_is_found_and_flown_without_on_the_estimate(tmp_path):
+    """Diagnosis looks at motors, reconfiguration at the estimate."""
+    events = [{"kind": "thrusters", "at_s": 2.0, "thrusters": ["T1", "T4"], "state": "dead"}]
+    run = cube_sim.run(NAVIGATED, {**SHORT, "duration_s": 12.0, "events": events}, tmp_path / "run")
+    believed = run.signals["health.believed"][-1, 1:]
+    np.testing.assert_array_equal(believed == 0.0, [True, False, False, True, False, False, False, False])
+    assert run.signals["path_error.cross_track"][-1, 1] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("overrides", "sentence"),
+    [
+        ({"navigation.imu": None}, r"navigation\.imu: no estimate without an inertial unit"),
+        ({"navigation.dvl": None, "navigation.position": None}, r"nothing sees the velocity"),
+        ({"navigation.dvl.rate_hz": 80.0}, r"at most one reading per control period: 80 Hz against 50 Hz"),
+        ({"control_period_s": 0.2}, r"10 Hz against 5 Hz \(override control_period_s\)"),
+        ({"navigation.depth.delay_s": 11.0}, r"must be at most 10"),
+        ({"navigation.heading.noise_deg": 0.0}, r"must be greater than 0"),
+        ({"navigation.sonar": {}}, r"unknown key"),
+    ],
+)
+def test_a_set_that_cannot_work_is_refused(overrides, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        load(NAVIGATED, {**SHORT, **overrides})
+
+
+def test_a_check_of_a_sensor_that_is_not_there_is_refused(tmp_path):
+    checks = [{"kind": "signal", "signal": "sensor_position.surprise", "statistic": "mean", "at_most": 3.0}]
+    with pytest.raises(ScenarioError, match=r"no signal 'sensor_position\.surprise' is recorded"):
+        cube_sim.run(NAVIGATED, {**SHORT, "checks": checks, "navigation.position": None}, tmp_path / "out")
+
+
+def test_the_rotation_vector_undoes_a_rotation():
+    axis = np.array([0.6, 0.0, -0.8])
+    for angle in (0.0, 1e-7, 0.3, 3.0):
+        np.testing.assert_allclose(rotation_vector(rotation_about(axis, angle)), angle * axis, atol=1e-12)

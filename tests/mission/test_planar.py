@@ -1,0 +1,189 @@
+"""The planar law flying a model: what it knows of the hull, and which scenarios it refuses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.planar_flight import INFANTE
+from support.scenario_files import REPO
+
+import cube_sim
+from cube_sim.errors import ModelError, ScenarioError
+from cube_sim.mission import prepare
+from cube_sim.mission.planar_knowledge import planar_model
+from cube_sim.scenario import load
+
+MISSION = f"""\
+schema_version: 1
+name: planar
+model: {REPO / "models" / "infante.xml"}
+duration_s: 1
+path: {{type: line, start_m: [0, 0, -5], end_m: [40, 0, -5]}}
+initial: {{position_m: [0, 3, -5], velocity_m_s: [1, 0.1, 0]}}
+guidance: {{speed_m_s: 1.5, stop_at_end: false}}
+control: {{law: planar_lapierre_2007}}
+checks:
+  - {{kind: allowed_forces}}
+"""
+
+
+def vehicle_of(name):
+    model = cube_sim.load_model(REPO / "models" / f"{name}.xml")
+    return model, cube_sim.Vehicle.from_model(model)
+
+
+def test_the_model_read_off_the_compiled_hull_is_the_published_one():
+    model, vehicle = vehicle_of("infante")
+    model.opt.wind[:] = [0.3, -0.2, 0.0]  # a current must not get into it, and must stay
+    found = planar_model(model, vehicle)
+    np.testing.assert_allclose(found, INFANTE, atol=1e-9)
+    np.testing.assert_array_equal(model.opt.wind, [0.3, -0.2, 0.0])
+
+
+def test_kirchhoffs_terms_are_found_in_a_hull_without_lift():
+    model, vehicle = vehicle_of("bluerov2_heavy")
+    found = planar_model(model, vehicle)
+    m = 13.5
+    assert found[:3] == pytest.approx((m + 6.36, m + 7.12, 0.37 + 0.222))
+    assert (found.m_ur, found.m_vr) == pytest.approx((found.m_u, found.m_v))
+    assert found.K_uv == pytest.approx(found.m_v - found.m_u)  # the Munk moment
+    assert (found.D_u, found.D_uu, found.D_vv, found.K_rr) == pytest.approx((13.7, 141.0, 217.0, 1.5))
+
+
+@pytest.mark.parametrize("name", ["jack", "cube"])
+def test_a_hull_that_slips_as_fast_as_it_turns_is_refused(name):
+    with pytest.raises(ModelError, match="slips sideways as fast as it turns"):
+        planar_model(*vehicle_of(name))
+
+
+WRONG = {
+    (
+        "end_m: [40, 0, -5]",
+        "end_m: [40, 0, -9]",
+    ): "5:7: path: a planar law follows level paths, this one climbs or sinks",
+    (", stop_at_end: false", ""): "guidance.stop_at_end: a planar law steers by moving ahead and cannot stop",
+    ("planar_lapierre_2007", "planar_lapierre_2007, planar: {least_speed_m_s: 1.5}"): (
+        "8:64: control.planar.least_speed_m_s: must lie below the speed wanted everywhere, got 1.5 m/s"
+    ),
+    ("[0, 3, -5]", "[0, 3, -5.1]"): (
+        "6:23: initial.position_m: starts at z = -5.1 m, the path lies at z = -5 m, and nothing the controller asks for"
+    ),
+    ("lapierre_2007", "lapierre_2007, attitude: {mode: free}"): "control.attitude: the planar law has no use",
+    ("lapierre_2007", "lapierre_2007, current_time_s: null"): "control.current_time_s: the planar law has no use",
+    ("lapierre_2007", "lapierre_2007, disturbance_time_s: 2"): "control.disturbance_time_s: the planar law has no use",
+    ("lapierre_2007", "lapierre_2007, safe_mode: {distance_limit_m: 4}"): (
+        "control.safe_mode.distance_limit_m: the planar law has no use for it"
+    ),
+    ("duration_s: 1\n", "duration_s: 9\ncontrol_period_s: 1.5\n"): (
+        "control_period_s: 1.5 s is longer than the 1 s that control.planar.yaw_rate_gain_per_s asks for"
+    ),
+    ("infante.xml", "cube.xml"): "8:16: control.law: hull: slips sideways as fast as it turns",
+}
+
+
+@pytest.mark.parametrize(("old", "new"), WRONG)
+def test_what_the_planar_law_cannot_fly_is_refused_at_its_place(old, new, tmp_path):
+    path = tmp_path / "mission.yaml"
+    path.write_text(MISSION.replace(old, new))
+    with pytest.raises(ScenarioError) as caught:
+        prepare(load(path))
+    (mistake,) = caught.value.mistakes
+    assert WRONG[old, new] in mistake
+
+
+def test_a_circle_run_without_end_needs_no_stop_and_one_with_a_last_lap_may_not_ask_for_it(tmp_path):
+    path = tmp_path / "mission.yaml"
+    ring = {"path": {"type": "circle", "centre_m": [0, 0, -5], "radius_m": 12}, "guidance.stop_at_end": True}
+    path.write_text(MISSION)
+    prepare(load(path, ring))
+    prepare(load(path, ring | {"path.laps": 1.5, "guidance.stop_at_end": False}))
+    with pytest.raises(
+        ScenarioError, match=r"guidance.stop_at_end: a planar law .* where the path or its last lap ends"
+    ):
+        prepare(load(path, ring | {"path.laps": 1.5}))
+
+
+def test_what_a_saved_scenario_writes_out_of_the_keys_it_has_no_use_for_is_no_mistake(tmp_path):
+    path = tmp_path / "mission.yaml"
+    path.write_text(MISSION)
+    saved = tmp_path / "resolved.yaml"
+    saved.write_text(load(path).resolved_yaml())
+    assert "current_time_s" in saved.read_text()
+    prepare(load(saved))
+
+
+def test_a_corner_out_of_the_plane_is_seen_between_legs_of_any_length(tmp_path):
+    """A riser of a metre between two level legs of five kilometres."""
+    path = tmp_path / "mission.yaml"
+    riser = (
+        "{type: polyline, points_m: [[0, 0, -5], [5000, 0, -5], [5001, 0, -4], [9000, 0, -4]], corner_radius_m: 0.5}"
+    )
+    path.write_text(MISSION.replace("{type: line, start_m: [0, 0, -5], end_m: [40, 0, -5]}", riser))
+    with pytest.raises(ScenarioError, match="this one climbs or sinks"):
+        prepare(load(path))
+
+
+@pytest.mark.parametrize(
+    ("overrides", "mistake"),
+    [
+        ({}, None),
+        ({"control_period_s": 0.3}, None),
+        (
+            {"control_period_s": 0.31},
+            "override control_period_s: 0.31 s is longer than the 0.3 s that control.rate_time_s asks for",
+        ),
+        (
+            {"control_period_s": 0.31, "control.rate_time_s": 0.4, "control.attitude_time_s": 0.2},
+            "the 0.2 s that control.attitude_time_s asks for: the loop would be unstable",
+        ),
+        ({"initial.position_m": [0, 3, -5.04]}, None),
+        (
+            {"initial.position_m": [0, 3, -2]},
+            "override initial.position_m: starts at z = -2 m, the path lies at z = -5",
+        ),
+    ],
+)
+def test_the_law_for_all_axes_refuses_a_slow_period_and_a_level_vehicle_beside_its_depth(overrides, mistake, tmp_path):
+    path = tmp_path / "mission.yaml"
+    path.write_text(MISSION.replace("infante", "jack").replace("planar_lapierre_2007", "motion_6dof"))
+    loaded = load(path, {"duration_s": 10, **overrides})
+    if mistake is None:
+        prepare(loaded)
+        return
+    with pytest.raises(ScenarioError) as caught:
+        prepare(loaded)
+    (line,) = caught.value.mistakes
+    assert mistake in line
+
+
+def test_the_controller_asks_for_force_ahead_and_torque_only_and_says_so(tmp_path):
+    path = tmp_path / "mission.yaml"
+    path.write_text(MISSION)
+    run = cube_sim.run(path, out=tmp_path / "out")
+    assert run.verdict == "PASS"
+    demanded = run.signals["wrench.demanded"][:, 1:]
+    np.testing.assert_array_equal(demanded[:, 1:5], 0.0)
+    assert np.abs(demanded[:, [0, 5]]).min(axis=0).max() > 0.0
+    # attitude_error is |psi - delta|, from the recorded pose and velocity alone
+    q, v = run.signals["pose.quaternion"][:, 1:], run.signals["velocity.linear"][:, 1:]
+    psi = 2.0 * np.arctan2(q[:, 3], q[:, 0]) + np.arctan2(v[:, 1], v[:, 0])
+    delta = -np.radians(60.0) * np.tanh(0.5 * run.signals["pose.position"][:, 2])
+    np.testing.assert_allclose(run.signals["path_error.attitude"][:, 1], np.abs(psi - delta), atol=1e-9)
+
+
+def test_beyond_the_end_of_a_path_it_runs_on_straight(tmp_path):
+    path = tmp_path / "mission.yaml"
+    bend = "{type: arc, start_m: [0, 3, -5], through_m: [10, 5, -5], end_m: [16, 13, -5]}"
+    path.write_text(
+        MISSION.replace("{type: line, start_m: [0, 0, -5], end_m: [40, 0, -5]}", bend).replace(
+            "duration_s: 1\n", "duration_s: 40\n"
+        )
+    )
+    run = cube_sim.run(path, out=tmp_path / "out")
+    late = run.signals["pose.position"][-250:, 1:]
+    course = np.diff(late[:, :2], axis=0)
+    angles = np.unwrap(np.arctan2(course[:, 1], course[:, 0]))
+    assert np.ptp(angles) < 0.01
+    assert run.signals["velocity.linear"][-1, 1] == pytest.approx(1.5, abs=0.01)
+    assert run.signals["target.remaining"][-1, 1] == 0.0
+    assert run.signals["path_error.lateral"][-1, 1] == pytest.approx(0.0, abs=0.01)

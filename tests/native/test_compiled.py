@@ -1,0 +1,73 @@
+"""Machine code kept on disk is used again, and never after what it was made from has changed."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+INTRINSIC = """
+from numba.core import types
+from numba.extending import intrinsic
+
+@intrinsic
+def offset(typingctx):
+    def codegen(context, builder, signature, args):
+        return context.get_constant(types.float64, {offset})
+
+    return types.float64(), codegen
+"""
+CALLEE = """
+from cube_sim.native.compiled import compiled
+from offset import offset
+
+FACTOR = {factor}
+
+@compiled
+def inner(x):
+    return {inner} + offset()
+"""
+MIDDLE = """
+from callee import FACTOR, inner
+from cube_sim.native.compiled import compiled
+
+@compiled
+def middle(x):
+    return FACTOR * inner(x)
+"""
+CALLER = """
+from cube_sim.native.compiled import compiled
+from middle import middle
+
+@compiled
+def outer(x):
+    return middle(x) + 1.0
+
+print(outer(1.0), sum(outer.stats.cache_hits.values()))
+"""
+
+
+def outer(folder):
+    """What a fresh process computes, and how many functions it took from the disk."""
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": str(Path(__file__).parents[2])}
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"
+    done = subprocess.run(
+        [sys.executable, "caller.py"], cwd=folder, env=environment, capture_output=True, text=True, check=True
+    )
+    value, hits = done.stdout.split()
+    return float(value), int(hits)
+
+
+def test_cached_code_follows_functions_constants_and_intrinsics_of_other_files(tmp_path):
+    callee, offset = tmp_path / "callee.py", tmp_path / "offset.py"
+    offset.write_text(INTRINSIC.format(offset=0.0))
+    (tmp_path / "middle.py").write_text(MIDDLE)
+    (tmp_path / "caller.py").write_text(CALLER)
+    callee.write_text(CALLEE.format(factor=2.0, inner="x + 3.0"))
+    assert outer(tmp_path) == (9.0, 0)
+    assert outer(tmp_path) == (9.0, 1)
+    callee.write_text(CALLEE.format(factor=2.0, inner="x + 4.00"))
+    assert outer(tmp_path) == (11.0, 0)
+    callee.write_text(CALLEE.format(factor=5.0, inner="x + 4.00"))
+    assert outer(tmp_path) == (26.0, 0)
+    offset.write_text(INTRINSIC.format(offset=1.0))
+    assert outer(tmp_path) == (31.0, 0)

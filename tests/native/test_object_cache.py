@@ -1,0 +1,110 @@
+"""Machine code on disk: found again, never stale, never half-written, not needed."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import llvmlite.binding as llvm
+import numba
+import pytest
+from numba import types
+
+from cube_sim.native import object_cache
+
+CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
+
+
+class Builder:
+    """Compiles y = factor x + 1 and counts how often it was asked to."""
+
+    def __init__(self, factor: float) -> None:
+        self.factor, self.calls = factor, 0
+
+    def __call__(self):
+        self.calls += 1
+        factor = self.factor
+        return {"line": numba.cfunc(types.double(types.double))(lambda x: factor * x + 1.0)}
+
+
+def line(address: int, x: float) -> float:
+    return ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(address)(x)
+
+
+def test_second_start_needs_no_compiler(tmp_path, monkeypatch):
+    monkeypatch.setenv("CUBE_SIM_CACHE_DIR", str(tmp_path))
+    first, second, other = Builder(3.0), Builder(3.0), Builder(5.0)
+    assert line(object_cache.addresses("three", first, ("line",))["line"], 2.0) == 7.0
+    assert line(object_cache.addresses("three", second, ("line",))["line"], 2.0) == 7.0
+    assert line(object_cache.addresses("five", other, ("line",))["line"], 2.0) == 11.0
+    assert (first.calls, second.calls, other.calls) == (1, 0, 1)
+
+
+@pytest.mark.parametrize("damage", [lambda c: c[:-7], lambda c: b"", lambda c: c[:60] + bytes([c[60] ^ 1]) + c[61:]])
+def test_a_damaged_file_is_compiled_again(tmp_path, monkeypatch, damage):
+    monkeypatch.setenv("CUBE_SIM_CACHE_DIR", str(tmp_path))
+    object_cache.addresses("key", Builder(3.0), ("line",))
+    (file,) = tmp_path.glob("*.o")
+    file.write_bytes(damage(file.read_bytes()))
+    again = Builder(3.0)
+    assert line(object_cache.addresses("key", again, ("line",))["line"], 1.0) == 4.0
+    assert again.calls == 1
+    assert object_cache.addresses("key", Builder(3.0), ("line",))
+
+
+def test_nowhere_to_write_is_no_obstacle(tmp_path, monkeypatch):
+    occupied = tmp_path / "file"
+    occupied.write_text("not a folder")
+    monkeypatch.setenv("CUBE_SIM_CACHE_DIR", str(occupied / "below"))
+    assert line(object_cache.addresses("key", Builder(3.0), ("line",))["line"], 1.0) == 4.0
+
+
+def test_a_read_only_installation_uses_the_users_cache(tmp_path, monkeypatch):
+    occupied = tmp_path / "file"
+    occupied.write_text("not a folder")
+    monkeypatch.delenv("CUBE_SIM_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr(object_cache, "__file__", str(occupied / "object_cache.py"))
+    object_cache.addresses("key", Builder(3.0), ("line",))
+    assert list((tmp_path / "cache" / "cube_sim").glob("line-*.o"))
+
+
+def test_code_that_leans_on_python_is_not_kept():
+    """A division that raises needs the interpreter's exceptions; such code works, but only inside its own process."""
+    raising = numba.cfunc(types.double(types.double))(lambda x: 1.0 / x)
+    object_cache.addresses("unused", Builder(1.0), ("line",))
+    assert object_cache.emit(raising.inspect_llvm(), raising.native_name, "line") is None
+
+
+def test_code_with_a_symbol_nobody_has_is_not_kept():
+    llvm.initialize_native_target()
+    text = "declare void @nobody_has_this()\ndefine void @f() {\n call void @nobody_has_this()\n ret void\n}"
+    assert object_cache.emit(text, "f", "f") is None
+
+
+def test_the_water_comes_from_disk_at_the_second_start(tmp_path):
+    """Without numba's compiler, and with the same bits as the start that compiled it."""
+    program = """
+import json, sys
+import mujoco, cube_sim
+model = cube_sim.load_model(sys.argv[1])
+data = mujoco.MjData(model)
+data.ctrl[:] = [0.3, -0.5, 0.9, 0.1, 0.0, 1.0, -1.0, 0.2]
+mujoco.mj_step(model, data, nstep=200)
+print(json.dumps([data.qpos.tobytes().hex(), "cube_sim.vehicle.plugin.callbacks" in sys.modules]))
+"""
+    runs = []
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-c", program, str(CUBE)],
+            env={"CUBE_SIM_CACHE_DIR": str(tmp_path), "PATH": "", "HOME": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        runs.append(json.loads(done.stdout))
+    assert runs[0][0] == runs[1][0]
+    assert [compiled for _, compiled in runs] == [True, False]

@@ -1,0 +1,353 @@
+from __future__ import annotations
+
+import io
+import os
+import signal
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import mcap.reader
+import numpy as np
+import pytest
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from mcap.opcode import Opcode
+from mcap.records import Chunk, Message, MessageIndex
+from mcap.stream_reader import StreamReader, breakup_chunk, get_chunk_data_stream
+from support.helix_run import DT, HEADER, THRUSTERS, append_tick, fly, model, table
+
+from cube_sim.errors import RecordingError
+from cube_sim.recording.channels import Channel, Field
+from cube_sim.recording.mcap.sink import EPOCH_NS
+from cube_sim.recording.reading import read_recording, read_signals
+from cube_sim.recording.recorder import Recorder
+
+TICKS = 160  # more than three simulated seconds, the last one begun and not full
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, np.ndarray]]:
+    directory = tmp_path_factory.mktemp("run")
+    with Recorder(directory, HEADER, table(), model()) as recorder:
+        fly(recorder, TICKS)
+    return recorder.mcap, recorder.signals
+
+
+def messages(path: Path, topic: str) -> list:
+    """Decode the messages of a topic with the public MCAP reader and protobuf alone."""
+    with path.open("rb") as file:
+        reader = mcap.reader.make_reader(file, validate_crcs=True)
+        found = []
+        for schema, _, message in reader.iter_messages(topics=[topic]):
+            pool = descriptor_pool.DescriptorPool()
+            for declared in descriptor_pb2.FileDescriptorSet.FromString(schema.data).file:
+                pool.Add(declared)
+            kind = message_factory.GetMessageClass(pool.FindMessageTypeByName(schema.name))
+            found.append((message, kind.FromString(message.data)))
+        return found
+
+
+def test_signals_come_back_bit_for_bit(run):
+    path, signals = run
+    back = read_signals(path)
+    assert list(back) == list(signals)
+    for name, values in signals.items():
+        assert back[name].tobytes() == values.tobytes(), name
+        assert back[name].shape == values.shape, name
+
+
+def test_signals_hold_what_was_appended(run):
+    _, signals = run
+    t = np.arange(TICKS) * DT
+    assert np.array_equal(signals["pose.position"][:, 0], t)
+    force = 20 * np.sin(0.4 * t[:, None] + np.arange(8))
+    np.testing.assert_allclose(signals["thrusters.force_demanded"][:, 1:], force, rtol=1e-14)
+    assert signals["path.points"].shape[0] == 1
+    assert signals["target.arc_length"].shape == (TICKS, 2)
+
+
+def test_signals_are_complete_before_the_end_and_reading_them_changes_nothing(tmp_path):
+    files = []
+    for look in (False, True):
+        directory = tmp_path / str(look)
+        directory.mkdir()
+        with Recorder(directory, HEADER, table(), model()) as recorder:
+            for k in range(70):
+                append_tick(recorder, k)
+                if look and k % 7 == 0:
+                    assert len(recorder.signals["pose.position"]) == k + 1
+        files.append(recorder.mcap.read_bytes())
+    assert files[0] == files[1]
+
+
+def test_the_same_run_gives_the_same_bytes(run, tmp_path):
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        fly(recorder, TICKS)
+    assert recorder.mcap.read_bytes() == run[0].read_bytes()
+
+
+def test_any_protobuf_reader_decodes_a_channel(run):
+    path, signals = run
+    decoded = messages(path, "/wrench")
+    assert len(decoded) == TICKS
+    for k, (message, row) in enumerate(decoded):
+        assert message.log_time == EPOCH_NS + round(k * DT * 1e9)
+        assert message.sequence == k
+        assert row.t == k * DT
+        for field in ("demanded", "allocated", "disturbance"):
+            assert list(getattr(row, field)) == list(signals[f"wrench.{field}"][k, 1:])
+    (_, row), *_ = messages(path, "/allocation")
+    assert isinstance(row.cost, float)
+
+
+def test_rows_are_canonical_protobuf_but_for_zeros(run):
+    for _, row in messages(run[0], "/velocity")[1:]:
+        assert row.ByteSize() == len(row.SerializeToString())
+    message, row = messages(run[0], "/velocity")[5]
+    assert row.SerializeToString() == message.data
+
+
+def test_the_vehicle_is_a_foxglove_frame_transform(run):
+    path, signals = run
+    decoded = messages(path, "/tf")
+    assert len(decoded) == TICKS
+    for k, (message, row) in enumerate(decoded):
+        assert row.timestamp.ToNanoseconds() == message.log_time
+        assert (row.parent_frame_id, row.child_frame_id) == ("world", "octa")
+        position = [row.translation.x, row.translation.y, row.translation.z]
+        quaternion = [row.rotation.w, row.rotation.x, row.rotation.y, row.rotation.z]
+        assert position == list(signals["pose.position"][k, 1:])
+        assert quaternion == list(signals["pose.quaternion"][k, 1:])
+
+
+def test_the_log_is_foxglove_log_and_comes_back(run):
+    decoded = messages(run[0], "/log")
+    assert [(row.level, row.message, row.name) for _, row in decoded] == [
+        (2, "tick 25: vehicle under way, 20 °C", "octa"),
+        (2, "tick 125: vehicle under way, 20 °C", "octa"),
+    ]
+    log = read_recording(run[0]).log
+    assert [(line.t, line.level, line.text) for line in log] == [
+        (25 * DT, "INFO", decoded[0][1].message),
+        (125 * DT, "INFO", decoded[1][1].message),
+    ]
+
+
+def test_the_header_comes_first_and_comes_back(run):
+    recording = read_recording(run[0])
+    assert recording.header == HEADER
+    assert recording.channels == table()
+    assert recording.complete
+    kinds = [type(record).__name__ for record in StreamReader(io.BytesIO(run[0].read_bytes())).records]
+    first_row = kinds.index("Message")
+    assert not {"Attachment", "Metadata"} & set(kinds[first_row:])
+
+
+def test_every_summary_number_is_that_of_the_messages(run):
+    with run[0].open("rb") as file:
+        summary = mcap.reader.make_reader(file).get_summary()
+    records = list(StreamReader(io.BytesIO(run[0].read_bytes()), validate_crcs=True).records)
+    found = [record for record in records if isinstance(record, Message)]
+    statistics = summary.statistics
+    assert statistics.message_count == len(found) == TICKS * 11 + 2 + 2
+    assert statistics.message_start_time == min(message.log_time for message in found)
+    assert statistics.message_end_time == max(message.log_time for message in found)
+    assert statistics.chunk_count == len(summary.chunk_indexes) == 4
+    for channel_id, count in statistics.channel_message_counts.items():
+        assert count == sum(message.channel_id == channel_id for message in found)
+
+
+def test_the_index_leads_to_the_messages_of_a_time_window(run):
+    start, end = EPOCH_NS + 1_500_000_000, EPOCH_NS + 2_100_000_000
+    with run[0].open("rb") as file:
+        window = mcap.reader.make_reader(file).iter_messages("/pose", starting_at=start, ending_before=end)
+        found = [message.log_time for _, _, message in window]
+    assert found == [EPOCH_NS + k * 20_000_000 for k in range(75, 105)]
+
+
+def test_the_message_index_points_at_every_message(run):
+    data = run[0].read_bytes()
+    records = StreamReader(io.BytesIO(data), emit_chunks=True).records
+    chunk, indexed, messages_in_chunks = b"", 0, 0
+    for record in records:
+        if isinstance(record, Chunk):
+            chunk = get_chunk_data_stream(record)[0].read(record.uncompressed_size)
+            messages_in_chunks += sum(isinstance(part, Message) for part in breakup_chunk(record))
+        if isinstance(record, MessageIndex):
+            for log_time, offset in record.records:
+                assert chunk[offset] == Opcode.MESSAGE
+                channel_id, _, stamp = struct.unpack_from("<HIQ", chunk, offset + 9)
+                assert (channel_id, stamp) == (record.channel_id, log_time)
+                indexed += 1
+    assert indexed == messages_in_chunks == TICKS * 11 + 2 + 2
+
+
+def test_a_second_is_in_the_file_as_soon_as_it_is_over(tmp_path):
+    # So few numbers that several seconds would fit into the buffer of an open file.
+    depth = Channel("depth", (Field("depth", 1, "m", "below the surface"),))
+    recorder = Recorder(tmp_path, HEADER, (depth,), model(), view=False)
+    for k in range(501):
+        recorder.append("depth", k * DT, 0.5)
+        if k and k % 50 == 0:
+            kept = read_signals(recorder.mcap)["depth.depth"]
+            assert np.array_equal(kept[:, 0], np.arange(k) * DT)
+    recorder.close()
+
+
+def test_a_killed_run_loses_less_than_a_simulated_second(tmp_path):
+    reached = 130
+    program = (
+        "import os, signal, sys\n"
+        "from pathlib import Path\n"
+        "from support.helix_run import *\n"
+        "recorder = Recorder(Path(sys.argv[1]), HEADER, table(), model())\n"
+        f"fly(recorder, {reached})\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    ended = subprocess.run([sys.executable, "-c", program, str(tmp_path)], env=environment, timeout=60)
+    assert ended.returncode == -signal.SIGKILL
+    path = tmp_path / "run.mcap"
+
+    recording = read_recording(path)
+    assert not recording.complete
+    assert recording.header == HEADER
+    kept = recording.signals["pose.position"]
+    assert kept[-1, 0] >= (reached - 1) * DT - 1.0
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        fly(recorder, reached)
+    assert np.array_equal(kept, recorder.signals["pose.position"][: len(kept)])
+
+
+def test_the_public_stream_reader_reads_what_a_kill_left(run, tmp_path):
+    whole = run[0].read_bytes()
+    recording = read_recording(run[0])
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole[: int(0.6 * len(whole))])
+    kept = []
+    reader = StreamReader(io.BytesIO(cut.read_bytes())).records
+    with pytest.raises(Exception):  # noqa: B017 - the reader's way of saying that the file ends
+        kept.extend(reader)
+    public = sum(isinstance(record, Message) for record in kept)
+    ours = read_recording(cut)
+    rows = sum(len(channel) for channel in ours.rows.values())
+    assert rows + len(ours.rows["pose"]) + len(ours.log) == public > 0
+    for name, values in ours.rows.items():
+        assert np.array_equal(values, recording.rows[name][: len(values)])
+
+
+@pytest.mark.parametrize("fraction", np.linspace(0.0, 0.999, 25))
+def test_a_file_cut_anywhere_is_read_as_far_as_it_goes_or_refused(run, tmp_path, fraction):
+    whole = run[0].read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole[: int(fraction * len(whole))])
+    try:
+        recording = read_recording(cut)
+    except RecordingError:
+        # Only without its header is a recording none at all.
+        assert fraction < 0.5
+        return
+    assert not recording.complete
+
+
+@pytest.mark.parametrize("fraction", np.linspace(0.02, 0.9, 12))
+def test_a_flipped_bit_is_noticed(run, tmp_path, fraction):
+    data = bytearray(run[0].read_bytes())
+    data[int(fraction * len(data))] ^= 0x10
+    damaged = tmp_path / "damaged.mcap"
+    damaged.write_bytes(data)
+    try:
+        recording = read_recording(damaged)
+    except RecordingError:
+        return
+    # A flipped length makes the rest of the file unreachable: then it must not pass for a whole one.
+    assert not recording.complete
+
+
+def test_a_file_of_another_writer_is_refused(tmp_path):
+    path = tmp_path / "other.mcap"
+    path.write_bytes(b"not an mcap")
+    with pytest.raises(RecordingError, match="is not an MCAP file"):
+        read_signals(path)
+    with pytest.raises(RecordingError, match="cannot be read"):
+        read_signals(tmp_path / "missing.mcap")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("posse", 0.0, np.zeros(3)), "no channel 'posse'; there are actuation, path, pose"),
+        (("pose", 0.0, np.zeros(3)), r"'pose' takes position\(3\), quaternion\(4\)"),
+        (("pose", 0.0, np.zeros(3), np.zeros(3)), r"shapes \[\(3,\), \(3,\)\]"),
+        (("pose", 0.0, 1.0, np.zeros(4)), r"shapes \[\(\), \(4,\)\]"),
+        (("pose", 0.0, np.zeros((1, 3)), np.zeros(4)), r"shapes \[\(1, 3\), \(4,\)\]"),
+        (("pose", float("nan"), np.zeros(3), np.zeros(4)), "time runs backwards"),
+        (("pose", -1.0, np.zeros(3), np.zeros(4)), "time runs backwards: t = -1.0 s after t = 0.0 s"),
+    ],
+)
+def test_a_row_that_does_not_fit_is_refused(tmp_path, arguments, message):
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        recorder.log(0.0, "INFO", "start")
+        with pytest.raises(RecordingError, match=message):
+            recorder.append(*arguments)
+    assert read_recording(recorder.mcap).rows == {}
+
+
+def test_a_short_row_is_refused_in_the_middle_of_a_block(tmp_path):
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        recorder.append("pose", 0.0, np.zeros(3), np.zeros(4))
+        with pytest.raises(RecordingError, match="takes position"):
+            recorder.append("pose", 0.02, np.zeros(3))
+        with pytest.raises(RecordingError, match="takes position"):
+            recorder.append("pose", 0.02, np.zeros(4), np.zeros(4))
+
+
+def test_nothing_can_be_added_after_the_end(tmp_path):
+    recorder = Recorder(tmp_path, HEADER, table(), model())
+    recorder.log(0.0, "INFO", "start")
+    recorder.close()
+    recorder.close()
+    with pytest.raises(RecordingError, match="closed"):
+        recorder.log(1.0, "INFO", "end")
+    with pytest.raises(RecordingError, match="no log level 'LOUD'; there are UNKNOWN, DEBUG"):
+        recorder.log(1.0, "LOUD", "end")
+
+
+def test_a_run_that_raises_leaves_a_whole_file(tmp_path):
+    def interrupted() -> None:
+        with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+            fly(recorder, 60)
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        interrupted()
+    recording = read_recording(tmp_path / "run.mcap")
+    assert recording.complete
+    assert len(recording.rows["pose"]) == 60
+
+
+def test_a_fast_channel_outgrows_its_buffer(tmp_path):
+    fast = Channel("imu", (Field("acceleration", 3, "m/s^2", "specific force, body axes"),), 1000.0)
+    with Recorder(tmp_path, HEADER, (fast,), model()) as recorder:
+        for k in range(1500):
+            recorder.append("imu", k * 1e-3, np.array([k, -k, 0.5 * k]))
+    values = read_signals(recorder.mcap)["imu.acceleration"]
+    assert np.array_equal(values, np.arange(1500)[:, None] * np.array([1e-3, 1.0, -1.0, 0.5]))
+
+
+def test_channels_declare_themselves_in_the_file(run):
+    declared = {channel.name: channel for channel in read_recording(run[0]).channels}
+    force = declared["thrusters"].fields[2]
+    assert (force.name, force.unit, force.columns) == ("force", "N", THRUSTERS)
+    assert declared["allocation"].fields[2].labels == ("exact", "nearest")
+    for channel in declared.values():
+        for field in channel.fields:
+            assert field.unit
+            assert field.doc
+
+
+@pytest.mark.parametrize(("width", "columns"), [(0, ()), (3, ("x", "y"))])
+def test_a_field_that_contradicts_itself_is_refused(width, columns):
+    with pytest.raises(ValueError, match="width"):
+        Field("position", width, "m", "somewhere", columns)

@@ -1,0 +1,358 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
+from support.helix_run import DT, HEADER, MJCF, THRUSTERS, append_tick, fly, model, table
+
+from cube_sim.errors import RecordingError
+from cube_sim.recording.batch import Block, LogLine, split_blocks
+from cube_sim.recording.channels import channel_table
+from cube_sim.recording.export import rrd_from_mcap
+from cube_sim.recording.geometry import thruster_mounts, vehicle_name, vehicle_shapes, world_shapes
+from cube_sim.recording.reading import read_recording
+from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.rerun.gathering import GatheringSink
+from cube_sim.recording.rerun.scene import ARROW_M_PER_M_S, ARROW_M_PER_N
+
+TICKS = 330  # 6.6 s: the view's pieces of five seconds join in the middle of the run
+
+
+def rerun(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """Run the viewer's own command line."""
+    (folder,) = find_spec("rerun_cli").submodule_search_locations
+    binary = Path(folder) / ("rerun.exe" if sys.platform == "win32" else "rerun")
+    return subprocess.run([binary, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+
+def drawn(rrd: Path, entity: str, component: str) -> tuple[np.ndarray, list]:
+    """Read a component back from the file: the times [s] and one list of values for each."""
+    rows = []
+    for chunk in RrdReader(rrd).stream():
+        batch = chunk.to_record_batch()
+        if chunk.entity_path == entity and component in batch.schema.names and not chunk.is_static:
+            times = batch.column("sim_time").cast("int64").to_numpy()
+            rows += zip(times, batch.column(component).to_pylist(), strict=True)
+    rows.sort(key=lambda row: row[0])
+    return np.array([t for t, _ in rows]) / 1e9, [values for _, values in rows]
+
+
+def still(rrd: Path, entity: str, component: str) -> list:
+    """Read a static component back."""
+    found = []
+    for chunk in RrdReader(rrd).stream():
+        batch = chunk.to_record_batch()
+        if chunk.entity_path == entity and component in batch.schema.names and chunk.is_static:
+            found += batch.column(component).to_pylist()
+    assert len(found) == 1
+    return found[0]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Recorder:
+    directory = tmp_path_factory.mktemp("run")
+    with Recorder(directory, HEADER, table(), model()) as recorder:
+        fly(recorder, TICKS)
+    return recorder
+
+
+def test_the_view_made_from_the_record_is_that_of_the_live_run(run, tmp_path):
+    again = tmp_path / "again.rrd"
+    rrd_from_mcap(run.mcap, again)
+    compared = rerun("rrd", "compare", "--unordered", run.rrd, again)
+    assert compared.returncode == 0, compared.stdout + compared.stderr
+
+
+def test_the_comparison_sees_a_different_run(run, tmp_path):
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        fly(recorder, TICKS - 1)
+    assert rerun("rrd", "compare", "--unordered", run.rrd, recorder.rrd).returncode != 0
+
+
+def test_the_only_time_is_simulated(run):
+    timelines = {name for chunk in RrdReader(run.rrd).stream() for name in chunk.timeline_names}
+    assert timelines == {"sim_time"}
+    assert rerun("rrd", "verify", run.rrd).returncode == 0
+
+
+def test_the_same_inputs_have_the_same_recording_id_and_another_seed_another(run, tmp_path):
+    def identity(rrd: Path) -> str:
+        (entry,) = RrdReader(rrd).recordings()
+        return entry.recording_id
+
+    again = tmp_path / "again.rrd"
+    rrd_from_mcap(run.mcap, again)
+    assert identity(again) == identity(run.rrd)
+    other = HEADER.__class__(**{**vars(HEADER), "seed": HEADER.seed + 1})
+    with Recorder(tmp_path, other, table(), model()) as recorder:
+        append_tick(recorder, 0)
+    assert identity(recorder.rrd) != identity(run.rrd)
+
+
+def test_the_vehicle_is_where_the_record_says(run):
+    times, positions = drawn(run.rrd, "/world/vehicle", "Transform3D:translation")
+    _, quaternions = drawn(run.rrd, "/world/vehicle", "Transform3D:quaternion")
+    recorded = run.signals["pose.position"]
+    assert np.array_equal(times, np.rint(recorded[:, 0] * 1e9) / 1e9)
+    np.testing.assert_allclose([p for (p,) in positions], recorded[:, 1:], atol=1e-6)
+    w, x, y, z = run.signals["pose.quaternion"][:, 1:].T
+    np.testing.assert_allclose([q for (q,) in quaternions], np.stack([x, y, z, w], axis=1), atol=1e-6)
+
+
+def test_thrust_arrows_are_force_along_the_axis_of_each_thruster(run):
+    _, arrows = drawn(run.rrd, "/world/vehicle/thrust", "Arrows3D:vectors")
+    _, colours = drawn(run.rrd, "/world/vehicle/thrust", "Arrows3D:colors")
+    force = run.signals["thrusters.force"][:, 1:]
+    compiled = model()
+    data = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, data)
+    axes = np.array([data.site(name).xmat.reshape(3, 3)[:, 2] for name in THRUSTERS])
+    expected = ARROW_M_PER_N * force[:, :, None] * axes
+    np.testing.assert_allclose(arrows, expected, atol=1e-5)
+    signs = {c: np.unique(force[np.array(colours) == c] >= 0) for c in np.unique(colours)}
+    assert sorted(bool(s) for (s,) in signs.values()) == [False, True]
+    origins = still(run.rrd, "/world/vehicle/thrust", "Arrows3D:origins")
+    np.testing.assert_allclose(origins, [data.site(name).xpos for name in THRUSTERS], atol=1e-6)
+
+
+def test_the_current_is_drawn_at_the_vehicle_in_world_axes(run):
+    _, arrows = drawn(run.rrd, "/world/current", "Arrows3D:vectors")
+    current = run.signals["water.current"][:, 1:]
+    np.testing.assert_allclose([a for (a,) in arrows], ARROW_M_PER_M_S * current, atol=1e-6)
+    _, positions = drawn(run.rrd, "/world/current", "Transform3D:translation")
+    np.testing.assert_allclose([p for (p,) in positions], run.signals["pose.position"][:, 1:], atol=1e-6)
+
+
+def test_the_trail_is_one_line_without_gaps_along_the_way_flown(run):
+    times, strips = drawn(run.rrd, "/world/trail", "LineStrips3D:strips")
+    pieces = np.array([strip for (strip,) in strips])
+    assert pieces.shape == (len(times), 2, 3)
+    assert np.array_equal(pieces[1:, 0], pieces[:-1, 1])
+    assert np.diff(times).max() <= 0.1 + 1e-9
+    position = run.signals["pose.position"]
+    flown = position[np.searchsorted(position[:, 0], times - 1e-6), 1:]
+    np.testing.assert_allclose(pieces[:, 1], flown, atol=1e-6)
+
+
+def test_the_path_is_drawn_whole_from_the_first_instant(run):
+    times, strips = drawn(run.rrd, "/world/path", "LineStrips3D:strips")
+    assert list(times) == [0.0]
+    np.testing.assert_allclose(strips[0][0], run.signals["path.points"][0, 1:].reshape(-1, 3), atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("entity", "signal", "columns"),
+    [
+        ("/plot/path_error/cross_track", "path_error.cross_track", [0]),
+        ("/plot/path_error/along", "path_error.along", [0]),
+        ("/plot/attitude/attitude", "path_error.attitude", [0]),
+        ("/plot/force/demanded", "wrench.demanded", [0, 1, 2]),
+        ("/plot/moment/allocated", "wrench.allocated", [3, 4, 5]),
+        ("/plot/thrusters", "thrusters.force", range(8)),
+    ],
+)
+def test_a_curve_is_the_signal_exactly_and_carries_its_unit(run, entity, signal, columns):
+    _, scalars = drawn(run.rrd, entity, "Scalars:scalars")
+    assert np.array_equal(scalars, run.signals[signal][:, 1:][:, list(columns)])
+    names = still(run.rrd, entity, "SeriesLines:names")
+    assert len(names) == len(columns)
+    assert all(name.endswith("]") for name in names)
+
+
+@pytest.mark.parametrize("thruster", range(8))
+def test_a_lane_changes_when_the_side_of_the_dead_zone_does(run, thruster):
+    times, states = drawn(run.rrd, f"/state/{THRUSTERS[thruster]}", "StateChange:state")
+    recorded = run.signals["allocation.subset"][:, [0, 1 + thruster]]
+    changed = np.concatenate([[True], np.diff(recorded[:, 1]) != 0])
+    assert np.array_equal(times, np.rint(recorded[changed, 0] * 1e9) / 1e9)
+    assert [int(state) for (state,) in states] == list(recorded[changed, 1])
+
+
+def test_the_lanes_name_every_state_a_run_can_be_in(run):
+    values = still(run.rrd, "/state/allocation", "StateConfiguration:values")
+    labels = still(run.rrd, "/state/allocation", "StateConfiguration:labels")
+    assert dict(zip(values, labels, strict=True)) == {"0": "exact", "1": "nearest"}
+    assert still(run.rrd, "/state/T1", "StateConfiguration:labels") == ["reverse", "off", "forward"]
+
+
+def test_health_has_a_lane_for_the_truth_and_one_for_the_belief_of_each_motor(tmp_path):
+    """T2 is weakened at 0.2 s and dies at 0.4 s; the controller believes it dead at 0.5 s."""
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        for k in range(6):
+            t, true, believed = 0.1 * k, np.ones(8), np.ones(8)
+            true[1] = 1.0 if k < 2 else 0.3 if k < 4 else 0.0
+            believed[1] = 1.0 if k < 5 else 0.0
+            recorder.append("health", t, true, believed, 0.0)
+    assert still(recorder.rrd, "/health/T2/true", "StateConfiguration:labels") == ["dead or stuck", "weak", "whole"]
+    for entity, expected in (
+        ("/health/T1/true", [(0.0, "2")]),
+        ("/health/T2/true", [(0.0, "2"), (0.2, "1"), (0.4, "0")]),
+        ("/health/T2/believed", [(0.0, "2"), (0.5, "0")]),
+    ):
+        times, states = drawn(recorder.rrd, entity, "StateChange:state")
+        assert [(t, state) for t, (state,) in zip(times, states, strict=True)] == expected
+
+
+def test_the_way_of_flying_is_a_lane(tmp_path):
+    channels = channel_table(THRUSTERS, 2, ("exact",), ("holonomic", "level"))
+    with Recorder(tmp_path, HEADER, channels, model()) as recorder:
+        for t, code in ((0.0, 0.0), (0.1, 1.0)):
+            recorder.append("health", t, np.ones(8), np.ones(8), code)
+    times, states = drawn(recorder.rrd, "/state/authority", "StateChange:state")
+    assert (list(times), states) == ([0.0, 0.1], [["0"], ["1"]])
+    assert still(recorder.rrd, "/state/authority", "StateConfiguration:labels") == ["holonomic", "level"]
+
+
+def test_the_log_is_shown(run):
+    times, texts = drawn(run.rrd, "/log", "TextLog:text")
+    assert [(t, text) for t, (text,) in zip(times, texts, strict=True)] == [
+        (line.t, line.text) for line in read_recording(run.mcap).log
+    ]
+    assert len(texts) == 4
+
+
+def test_the_viewer_knows_the_levels_of_the_log(tmp_path):
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        for t, level in enumerate(("INFO", "WARNING", "ERROR", "FATAL")):
+            recorder.log(float(t), level, "said")
+    _, levels = drawn(recorder.rrd, "/log", "TextLog:level")
+    assert levels == [["INFO"], ["WARN"], ["ERROR"], ["CRITICAL"]]
+    assert [line.level for line in read_recording(recorder.mcap).log] == ["INFO", "WARNING", "ERROR", "FATAL"]
+
+
+def test_the_file_carries_its_blueprint(run):
+    (entry,) = RrdReader(run.rrd).blueprints()
+    classes = set()
+    for chunk in RrdReader(run.rrd).stream(store=entry):
+        batch = chunk.to_record_batch()
+        if "ViewBlueprint:class_identifier" in batch.schema.names:
+            classes |= {name for (name,) in batch.column("ViewBlueprint:class_identifier").to_pylist()}
+    assert classes == {"3D", "TimeSeries", "StateTimeline", "TextLog"}
+
+
+def test_a_run_without_rows_still_leaves_a_view(tmp_path):
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        pass
+    assert rerun("rrd", "verify", recorder.rrd).returncode == 0
+    assert len(RrdReader(recorder.rrd).blueprints()) == 1
+
+
+def test_the_view_can_be_left_out(tmp_path):
+    with Recorder(tmp_path, HEADER, table(), model(), view=False) as recorder:
+        append_tick(recorder, 0)
+    assert recorder.mcap.exists()
+    assert not recorder.rrd.exists()
+
+
+def test_a_record_whose_model_does_not_compile_is_refused(tmp_path):
+    header = HEADER.__class__(**{**vars(HEADER), "mjcf": "<mujoco><worldbody><body></mujoco>"})
+    with Recorder(tmp_path, header, table(), model(), view=False) as recorder:
+        append_tick(recorder, 0)
+    with pytest.raises(RecordingError, match="the recorded model does not compile"):
+        rrd_from_mcap(recorder.mcap, tmp_path / "run.rrd")
+
+
+def test_shapes_are_placed_as_the_compiled_model_places_them():
+    compiled = model()
+    data = mujoco.MjData(compiled)
+    data.qpos[:] = [1.0, -2.0, 0.5, 0.5, 0.5, -0.5, 0.5]
+    mujoco.mj_kinematics(compiled, data)
+    R_WB, p_WB = data.body("octa").xmat.reshape(3, 3), data.body("octa").xpos
+    shapes = {shape.name: shape for shape in vehicle_shapes(compiled)}
+    assert set(shapes) == {"hull", "tube"}
+    for name, shape in shapes.items():
+        np.testing.assert_allclose(p_WB + R_WB @ shape.position, data.geom(name).xpos, atol=1e-12)
+        np.testing.assert_allclose(R_WB @ shape.rotation, data.geom(name).xmat.reshape(3, 3), atol=1e-12)
+    assert [shape.name for shape in world_shapes(compiled)] == ["seabed"]
+    assert vehicle_name(compiled) == "octa"
+    assert thruster_mounts(compiled).names == THRUSTERS
+
+
+def test_every_kind_of_geom_is_drawn(tmp_path):
+    geoms = """
+      <geom name="sphere" type="sphere" size="0.1"/>
+      <geom name="ellipsoid" type="ellipsoid" size="0.1 0.2 0.3"/>
+      <geom name="cylinder" type="cylinder" size="0.1 0.2" euler="90 0 0"/>
+      <geom name="frame" type="mesh" mesh="tetrahedron" pos="0 0 1" rgba="0 1 0 1"/>
+    """
+    assets = """<asset>
+      <hfield name="sand" nrow="2" ncol="2" size="1 1 1 1"/>
+      <mesh name="tetrahedron" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/>
+    </asset>"""
+    xml = MJCF.replace("<worldbody>", assets + "<worldbody>")
+    xml = xml.replace("<body", '<geom name="bed" type="hfield" hfield="sand"/><body')
+    xml = xml.replace('<geom name="hull"', geoms + '<geom name="hull"')
+    compiled = mujoco.MjModel.from_xml_string(xml)
+    with Recorder(tmp_path, HEADER, table(), compiled) as recorder:
+        append_tick(recorder, 0)
+    body = "/world/vehicle/body"
+    assert still(recorder.rrd, f"{body}/ellipsoid", "Ellipsoids3D:half_sizes") == [pytest.approx([0.1, 0.2, 0.3])]
+    assert still(recorder.rrd, f"{body}/sphere", "Ellipsoids3D:half_sizes") == [pytest.approx([0.1, 0.1, 0.1])]
+    assert still(recorder.rrd, f"{body}/cylinder", "Cylinders3D:lengths") == [pytest.approx(0.4)]
+    # A capsule is as long between its ends in the view as in the model, and lies in the same place.
+    start = np.array(still(recorder.rrd, f"{body}/tube", "Capsules3D:translations")[0])
+    length = still(recorder.rrd, f"{body}/tube", "Capsules3D:lengths")[0]
+    assert abs(start[0]) == pytest.approx(0.2)
+    assert length == pytest.approx(0.4)
+    assert "bed is not drawn" in still(recorder.rrd, "/log/model/bed", "TextLog:text")[0]
+    corners = np.array(still(recorder.rrd, f"{body}/frame", "Mesh3D:vertex_positions"))
+    wanted = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1], [0, 0, 2]], dtype=float)
+    for corner in wanted:
+        assert np.abs(corners - corner).max(axis=1).min() < 1e-6
+
+
+def test_a_model_without_a_vehicle_is_refused(tmp_path):
+    still_life = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
+    with pytest.raises(RecordingError, match="no free joint"):
+        Recorder(tmp_path, HEADER, table(), still_life)
+
+
+def test_splitting_columns_gives_the_blocks_they_were_recorded_in():
+    rows = {
+        "fast": np.stack([np.arange(0, 4, 0.1), np.arange(40)], axis=1),
+        "slow": np.array([[0.0, 1.0], [2.5, 2.0]]),
+    }
+    log = (LogLine(2.0, "INFO", "two"), LogLine(7.9, "INFO", "late"))
+    blocks = list(split_blocks(rows, log))
+    for name, whole in rows.items():
+        parts = [block.rows[name] for block in blocks if name in block.rows]
+        assert np.array_equal(np.concatenate(parts), whole)
+    for block in blocks:
+        instants = [*(t for part in block.rows.values() for t in part[:, 0]), *(line.t for line in block.log)]
+        assert len({int(t) for t in instants}) == 1
+    assert [line.text for block in blocks for line in block.log] == ["two", "late"]
+    assert list(split_blocks({}, ())) == []
+
+
+@pytest.mark.parametrize("seconds", [1, 2, 5])
+def test_gathered_pieces_end_at_multiples_of_their_length(seconds):
+    class Kept:
+        def __init__(self) -> None:
+            self.blocks: list[Block] = []
+            self.closed = False
+
+        def write(self, block: Block) -> None:
+            self.blocks.append(block)
+
+        def close(self) -> None:
+            self.closed = True
+
+    kept = Kept()
+    sink = GatheringSink(kept, seconds)
+    rows = np.stack([np.arange(650) * DT, np.arange(650)], axis=1)
+    log = tuple(LogLine(t, "INFO", str(t)) for t in (0.5, 6.5, 6.6, 12.9))
+    for block in split_blocks({"a": rows}, log):
+        sink.write(block)
+    sink.close()
+    assert kept.closed
+    assert np.array_equal(np.concatenate([block.rows["a"] for block in kept.blocks]), rows)
+    assert tuple(line for block in kept.blocks for line in block.log) == log
+    pieces = [np.unique(block.rows["a"][:, 0] // seconds) for block in kept.blocks]
+    assert [len(piece) for piece in pieces] == [1] * len(pieces)
+    assert len(np.unique(pieces)) == len(pieces)

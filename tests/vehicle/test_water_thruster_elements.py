@@ -1,0 +1,162 @@
+"""What MuJoCo is told about a thruster: refused by the actuator's name unless its force is the characteristic's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import cube_sim
+from cube_sim.errors import ModelError
+from cube_sim.vehicle.plugin.warnings import collect_warnings
+
+CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
+T1 = '<general name="T1" class="thruster" site="T1"'
+
+
+def edited(*replacements: tuple[str, str]) -> mujoco.MjSpec:
+    xml = CUBE.read_text()
+    for old, new in replacements:
+        assert old in xml
+        xml = xml.replace(old, new)
+    with collect_warnings():  # about the values that are not finite
+        return mujoco.MjSpec.from_string(xml)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "reason"),
+    [
+        ('dynprm="0"', "has a lag (dynprm) of 0 s; it is positive and finite"),
+        ('dynprm="-0.02"', "has a lag (dynprm) of -0.02 s"),
+        ('dynprm="nan"', "has a lag (dynprm) of nan s"),
+        ('dynprm="inf"', "has a lag (dynprm) of inf s"),
+        ('dyntype="integrator"', "has dyntype \"integrator\"; the lag of a motor is 'filter' or 'filterexact'"),
+        ('dyntype="none"', 'without dyntype="filter"'),
+        ('gainprm="1"', "has a gain of MuJoCo beside its characteristic"),
+        ('gaintype="affine" gainprm="0 0 3"', "has a gain of MuJoCo beside its characteristic"),
+        ('gear="1 0 0 0 0 0"', 'has gear "1 0 0 0 0 0"; a thruster pushes along its site\'s z axis'),
+        ('gear="0 0.1 1 0 0 0"', "pushes along its site's z axis"),
+        ('gear="0 0 1 0.1 0 0"', "pushes along its site's z axis"),
+        ('gear="0 0 0 0 0 1"', "pushes along its site's z axis"),
+        ('gear="0 0 nan 0 0 0"', "pushes along its site's z axis"),
+        ('refsite="imu"', "has refsite 'imu'"),
+        ('ctrlrange="-0.5 1"', "its ctrlrange [-0.5, 1] cuts off its curve, which runs from -1 to 1"),
+        ('ctrlrange="-1 0.9"', "its ctrlrange [-1, 0.9] cuts off its curve"),
+        ('actlimited="true" actrange="-0.9 1"', "its actrange [-0.9, 1] cuts off its curve"),
+        ('forcelimited="true" forcerange="-30 60"', "its forcerange [-30, 60] cuts off its curve"),
+    ],
+)
+def test_what_would_change_the_force_is_refused(attributes, reason):
+    with pytest.raises(ModelError) as caught:
+        cube_sim.load_model(edited((T1, f"{T1} {attributes}")))
+    assert caught.value.element == "T1"
+    assert reason in caught.value.reason
+
+
+@pytest.mark.parametrize(
+    ("replacements", "element", "reason"),
+    [
+        ([(T1, T1.replace('site="T1"', 'site="TX"'))], "T1", "no site 'TX'; the model has imu, T1, T2"),
+        ([(T1, T1.replace(' name="T1"', ""))], "actuator 0", "no name"),
+        (
+            [("<worldbody>", '<worldbody><site name="pier"/>'), (T1, T1.replace('site="T1"', 'site="pier"'))],
+            "T1",
+            "its site 'pier' is on no body that has a name",
+        ),
+    ],
+)
+def test_a_thruster_on_nothing(replacements, element, reason):
+    with pytest.raises(ModelError) as caught:
+        cube_sim.load_model(edited(*replacements))
+    assert caught.value.element == element
+    assert reason in caught.value.reason
+
+
+def test_a_hull_inside_another_body_has_no_free_joint():
+    """And that is what is said, not that its carrier has no characteristic."""
+    xml = CUBE.read_text().replace('<freejoint name="hull"/>', "")
+    xml = xml.replace('<body name="hull"', '<body name="o"><freejoint/><geom size=".1"/><body name="hull"')
+    xml = xml.replace("</worldbody>", "</body></worldbody>")
+    with pytest.raises(ModelError, match="hull: has water parameters but no free joint"):
+        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+
+
+def test_thrust_and_reaction_torque_are_scaled_by_the_gear():
+    """gear "0 0 g 0 0 k": g times the curve's force along the site's z axis, k times it about that axis."""
+    g, k = -0.9, 0.03
+    model = cube_sim.load_model(edited((T1, f'{T1} gear="0 0 {g} 0 0 {k}"')))
+    whole = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).actuation_matrix[:, 0]
+    column = cube_sim.Vehicle.from_model(model).actuation_matrix[:, 0]
+    np.testing.assert_allclose(column, g * whole + np.concatenate([np.zeros(3), k * whole[:3]]), atol=1e-15)
+
+
+@pytest.mark.parametrize("attributes", ["", ' ctrllimited="false"'])
+def test_commands_end_where_the_curve_ends(attributes):
+    """Without a ctrlrange a command of 5 would reach full thrust five times faster than the motor does."""
+    free = edited((' ctrlrange="-1 1"', attributes) if attributes else ('\n               ctrlrange="-1 1"', ""))
+    model = cube_sim.load_model(free, {"hull:thruster_characteristic": [-0.8, -30.0, 0.0, 0.0, 0.9, 40.0]})
+    np.testing.assert_array_equal(model.actuator_ctrlrange, [[-0.8, 0.9]] * 8)
+    assert model.actuator_ctrllimited.all()
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 5.0
+    mujoco.mj_step(model, data, nstep=100)
+    np.testing.assert_allclose(data.act, 0.9, rtol=1e-9)
+
+
+def test_a_wider_range_of_commands_ends_with_the_curve_too():
+    model = cube_sim.load_model(edited((T1, f'{T1} ctrlrange="-5 5"')))
+    np.testing.assert_array_equal(model.actuator_ctrlrange[:2], [[-1.0, 1.0], [-1.0, 1.0]])
+
+
+@pytest.mark.parametrize(
+    ("integrator", "limit"), [("Euler", 2.0), ("implicit", 2.0), ("implicitfast", 2.0), ("RK4", 2.785)]
+)
+def test_a_lag_the_time_step_makes_unstable_is_refused(integrator, limit):
+    """Just below the limit a commanded motor comes to rest, above it is refused; filterexact is stable at any step."""
+
+    def motors(step: float, dyntype: str = "filter") -> mujoco.MjModel:
+        choice = ('timestep="0.01" integrator="RK4"', f'timestep="{step!r}" integrator="{integrator}"')
+        return cube_sim.load_model(edited(choice, ('dyntype="filter"', f'dyntype="{dyntype}"')))
+
+    model = motors(0.99 * limit * 0.02)
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 0.5
+    for _ in range(2000):
+        data.qvel[:], data.qpos[:] = 0.0, [0, 0, 0, 1, 0, 0, 0]
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(data.act, 0.5, atol=1e-6)
+    with pytest.raises(ModelError, match=r"T1: its lag of 0.02 s is unstable under \w+ with a time step of") as caught:
+        motors(1.01 * limit * 0.02)
+    assert caught.value.element == "T1"
+    assert "dyntype='filterexact'" in caught.value.reason
+    assert motors(1.01 * limit * 0.02, "filterexact").nu == 8
+
+
+@pytest.mark.parametrize(("delay_s", "samples"), [(0.1, 10), (0.035, 4), (0.0, 0), (0.1, 12)])
+def test_a_delay_is_as_long_as_it_says(delay_s, samples):
+    attributes = f' delay="{delay_s!r}" nsample="{samples}"' if samples else ""
+    model = cube_sim.load_model(edited((T1, T1 + attributes)))
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 1.0
+    sent = 0
+    while data.act[0] == 0.0:
+        mujoco.mj_step(model, data)
+        sent += 1
+    assert (sent - 1) * 0.01 == pytest.approx(delay_s, abs=0.0101)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "reason"),
+    [
+        ('delay="0.5" nsample="4"', "its delay of 0.5 s is cut off at 0.04 s"),
+        ('delay="0.05" nsample="4"', "time step of 0.01 s; 5 are right"),
+        ('delay="-0.1" nsample="4"', "has a delay of -0.1 s"),
+    ],
+)
+def test_a_delay_the_buffer_cuts_off_is_refused(attributes, reason):
+    with pytest.raises(ModelError) as caught:
+        cube_sim.load_model(edited((T1, f"{T1} {attributes}")))
+    assert caught.value.element == "T1"
+    assert reason in caught.value.reason
