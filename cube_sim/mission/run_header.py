@@ -11,6 +11,7 @@ import mujoco
 
 from cube_sim.recording.header import RunHeader
 from cube_sim.scenario import Loaded
+from cube_sim.scenario.file_names import renamed
 from cube_sim.scenario.resolved import to_yaml
 
 PACKAGES = ("cube-sim", "mujoco", "numba", "numpy", "proxsuite", "mcap", "rerun-sdk")
@@ -23,9 +24,9 @@ def versions() -> dict[str, str]:
 
 
 def header(loaded: Loaded) -> RunHeader:
-    """The inputs of a run; the model is named by its file, not by where this machine keeps it."""
+    """The inputs of a run; files are called by their name, not by where this machine keeps them."""
     model = Path(loaded.scenario.model)
-    portable = loaded.scenario.model_copy(update={"model": model.name})
+    portable = renamed(loaded.scenario, lambda file: Path(file).name)
     return RunHeader(
         scenario=loaded.text,
         resolved=to_yaml(portable),

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from pydantic import Field, field_validator
-from pydantic_core.core_schema import ValidationInfo
+from pydantic import Field
 
-from cube_sim.scenario.values import Block, existing_model
+from cube_sim.scenario.file_names import ModelFile
+from cube_sim.scenario.values import Block
 
 
 class Knowledge(Block):
     """The vehicle the controller reckons with: a model, and factors on what stands in it."""
 
-    model: str | None = Field(
+    model: ModelFile | None = Field(
         default=None,
-        min_length=1,
         description="MJCF file of the vehicle as the controller knows it, with the same thrusters, relative to the"
         " scenario file. Default: the one that flies.",
     )
@@ -28,8 +27,3 @@ class Knowledge(Block):
     thrust: float = Field(
         default=1.0, gt=0, description="Factor on the actuation matrix: on what a newton of a motor does."
     )
-
-    @field_validator("model")
-    @classmethod
-    def _existing_file(cls, model: str | None, info: ValidationInfo) -> str | None:
-        return None if model is None else existing_model(model, info)

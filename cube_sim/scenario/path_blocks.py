@@ -12,6 +12,7 @@ from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
 from cube_sim.errors import PathError
+from cube_sim.scenario.file_names import TableFile
 from cube_sim.scenario.values import Block, Extent, Place, Vector3, refuse
 
 Waypoints = Annotated[tuple[Place, ...], Strict(False)]
@@ -203,16 +204,9 @@ class Csv(Closable):
     """Points from a CSV file whose first row names its columns, x_m, y_m and z_m among them."""
 
     type: Literal["csv"]
-    file: str = Field(min_length=1, description="CSV file, relative to the scenario file.")
+    file: TableFile = Field(description="CSV file, relative to the scenario file.")
     shape: Literal["spline", "polyline"] = Field(default="spline", description="What joins the points.")
     corner_radius_m: Extent | None = Field(default=None, description=CORNER + " Only, and always, for a polyline.")
-
-    @field_validator("file")
-    @classmethod
-    def _beside_the_scenario(cls, file: str, info: ValidationInfo) -> str:
-        if "\0" in file:
-            refuse("a file name cannot hold a NUL character")
-        return file if info.context is None else str(FilePath(info.context["directory"], file).resolve())
 
     @model_validator(mode="after")
     def _readable(self) -> Csv:

@@ -11,7 +11,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.representer import RoundTripRepresenter
 
-from cube_sim.scenario.path_blocks import Csv
+from cube_sim.scenario.file_names import renamed
 from cube_sim.scenario.schema import Scenario
 
 
@@ -37,10 +37,7 @@ def seen_from(scenario: Scenario, directory: Path) -> Scenario:
             return file
         return Path(os.path.relpath(file, here)).as_posix()
 
-    path = scenario.path
-    if isinstance(path, Csv):
-        path = path.model_copy(update={"file": relative(path.file)})
-    return scenario.model_copy(update={"model": relative(scenario.model), "path": path})
+    return renamed(scenario, relative)
 
 
 def to_yaml(scenario: Scenario) -> str:

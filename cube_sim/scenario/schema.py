@@ -17,10 +17,11 @@ from cube_sim.scenario.attitude_blocks import AlongPath, Attitude
 from cube_sim.scenario.battery_block import Battery
 from cube_sim.scenario.check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
 from cube_sim.scenario.event_blocks import Event
+from cube_sim.scenario.file_names import ModelFile
 from cube_sim.scenario.knowledge_block import Knowledge
 from cube_sim.scenario.navigation_blocks import Navigation, require_slower_than
 from cube_sim.scenario.path_blocks import Path
-from cube_sim.scenario.values import Block, Name, Pair, Place, Vector3, existing_model, refuse
+from cube_sim.scenario.values import Block, Name, Pair, Place, Vector3, refuse
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 
@@ -207,7 +208,7 @@ class Scenario(Block):
     schema_version: Literal[1] = Field(description="Version of this file format.")
     name: Name = Field(description="Letters, digits, '_', '-', '.'; names the run's folder.")
     description: str = Field(default="", description="What the scenario shows, for readers.")
-    model: str = Field(min_length=1, description="MJCF file, relative to the scenario file.")
+    model: ModelFile = Field(description="MJCF file, relative to the scenario file.")
     vehicle: str | None = Field(
         default=None,
         min_length=1,
@@ -251,11 +252,6 @@ class Scenario(Block):
     def ticks(self) -> int:
         """Whole control periods in the run."""
         return int(self.duration_s / self.control_period_s * (1 + 1e-12))
-
-    @field_validator("model")
-    @classmethod
-    def _existing_file(cls, model: str, info: ValidationInfo) -> str:
-        return existing_model(model, info)
 
     @field_validator("control_period_s")
     @classmethod

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path as FilePath
 from typing import Annotated, NoReturn
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 from pydantic.types import Strict
 from pydantic_core import PydanticCustomError
-from pydantic_core.core_schema import ValidationInfo
 
 # A YAML list becomes a tuple; the numbers inside stay strict (no "3" for 3, no true for 1).
 Vector3 = Annotated[tuple[float, float, float], Strict(False)]
@@ -41,17 +39,3 @@ def refuse(message: str, *below: str | int, because: tuple[str | int, ...] = ())
     """
     # The text travels as a value: a template would stumble over braces in it.
     raise PydanticCustomError("refused", "{text}", {"text": message, "below": below, "because": because})
-
-
-def existing_model(file: str, info: ValidationInfo) -> str:
-    """The absolute name of an MJCF file that is there, given relative to the scenario file."""
-    if info.context is None:
-        return file
-    path = FilePath(info.context["directory"], file)
-    if "\0" in file:
-        refuse("a file name cannot hold a NUL character")
-    if path.is_dir():
-        refuse(f"{file} is a folder, not an MJCF file")
-    if not path.is_file():
-        refuse(f"no such file: {path}")
-    return str(path.resolve())

@@ -1,0 +1,128 @@
+"""Every key that names a file survives a move of the run; keys are found by the schema, so new ones are among them."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from functools import reduce
+from pathlib import Path
+from typing import Literal, get_args, get_origin
+
+import pytest
+from pydantic import BaseModel
+from support.scenario_files import REPO
+
+import cube_sim
+from cube_sim.scenario import Scenario, load
+from cube_sim.scenario.file_names import FileKind, file_kind
+
+SAMPLES = {FileKind.MODEL: "files/cube.xml", FileKind.TABLE: "files/points.csv"}
+"""A file of every kind, as the scenario below names it."""
+
+SCENARIO = """\
+schema_version: 1
+name: carried
+model: files/cube.xml
+duration_s: 0.1
+path: {type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}
+guidance: {speed_m_s: 0.4}
+checks:
+  - {kind: allowed_forces}
+"""
+
+
+def blocks(annotation):
+    """(block, whether it stands in a list) of every block an annotation speaks of, at any depth of lists and unions."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation, False
+    for inner in get_args(annotation):
+        for block, listed in blocks(inner):
+            yield block, listed or get_origin(annotation) is tuple
+
+
+def tags(block):
+    """The keys by which a block is told from others in its place: ``{"type": "csv"}``."""
+    fields = block.model_fields.items()
+    return {name: get_args(field.annotation)[0] for name, field in fields if get_origin(field.annotation) is Literal}
+
+
+def naming_files(block=Scenario):
+    """(dotted path, values) for every key below a block that names a file: the least that has to be written for it."""
+    for name, field in block.model_fields.items():
+        if (kind := file_kind(field)) is not None:
+            yield name, {name: SAMPLES[kind]}
+        for inner, listed in blocks(field.annotation):
+            for path, values in naming_files(inner):
+                value = {**(tags(inner) if inner.model_fields.keys() & {"type", "kind", "mode"} else {}), **values}
+                yield f"{name}.{path}", {name: [value] if listed else value}
+
+
+KEYS = dict(naming_files())
+
+
+def checkout(folder: Path) -> Path:
+    """A folder with a scenario and files of every kind, which nothing outside is needed for."""
+    (folder / "scenarios" / "files").mkdir(parents=True)
+    shutil.copy(REPO / "models" / "cube.xml", folder / "scenarios" / "files")
+    (folder / "scenarios" / "files" / "points.csv").write_text("x_m,y_m,z_m\n0,0,-5\n3,1,-5\n6,0,-4\n")
+    path = folder / "scenarios" / "carried.yaml"
+    path.write_text(SCENARIO)
+    return path
+
+
+def value_at(block, path):
+    """The value at a dotted path; of a list, its first item's."""
+    return reduce(lambda at, key: getattr(at[0] if isinstance(at, tuple) else at, key), path.split("."), block)
+
+
+def test_the_keys_known_to_name_files_are_found():
+    assert {"model", "knowledge.model", "path.file"} <= set(KEYS)
+
+
+def test_every_key_that_speaks_of_a_file_is_marked():
+    def every_field(block, seen):
+        for field in block.model_fields.values():
+            yield field
+            for inner, _ in blocks(field.annotation):
+                if inner not in seen:
+                    yield from every_field(inner, seen | {inner})
+
+    speaking = [
+        field
+        for field in every_field(Scenario, frozenset())
+        if re.search(r"[A-Z]+ file|relative to the scenario", field.description or "")
+    ]
+    assert len(speaking) >= len(KEYS)
+    assert [field.description for field in speaking if file_kind(field) is None] == []
+
+
+@pytest.mark.parametrize(("key", "values"), KEYS.items(), ids=KEYS)
+def test_what_a_key_names_is_found_again_after_a_move(key, values, tmp_path):
+    here, there = tmp_path / "here", tmp_path / "there"
+    written = load(checkout(here), values)
+    logs = here / "logs" / "a"
+    logs.mkdir(parents=True)
+    (logs / "resolved.yaml").write_text(written.resolved_yaml(logs))
+    assert Path(value_at(written.scenario, key)).is_relative_to(here)
+
+    here.rename(there)
+    found = load(there / "logs" / "a" / "resolved.yaml").scenario
+    assert Path(value_at(found, key)) == there / Path(value_at(written.scenario, key)).relative_to(here)
+    assert str(tmp_path) not in (there / "logs" / "a" / "resolved.yaml").read_text()
+
+
+def test_a_run_that_names_files_by_every_key_gives_the_same_bytes_wherever_they_stand(tmp_path):
+    """And its own resolved scenario, carried elsewhere with them, flies the same."""
+    values = {key: value for changes in KEYS.values() for key, value in changes.items()}
+    here, there = tmp_path / "here", tmp_path / "deeper" / "down" / "there"
+    first = cube_sim.run(checkout(here), values, here / "logs" / "a")
+    second = cube_sim.run(checkout(there), values, there / "logs" / "a")
+    recorded = (first.directory / "run.mcap").read_bytes()
+    assert (second.directory / "run.mcap").read_bytes() == recorded
+
+    shutil.rmtree(there)
+    here.rename(there)
+    again = cube_sim.run(there / "logs" / "a" / "resolved.yaml", None, there / "logs" / "b")
+    assert again.signals.keys() == first.signals.keys()
+    for name, rows in first.signals.items():
+        assert again.signals[name].tobytes() == rows.tobytes(), name
