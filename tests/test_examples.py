@@ -1,0 +1,70 @@
+"""Every example runs as its reader would run it, and prints what it promises."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+NAMES = sorted(file.stem for file in (ROOT / "examples").glob("*.py"))
+
+
+def close(a, b, tolerance):
+    return abs(float(a) - float(b)) <= tolerance
+
+
+def step_the_water(text):
+    drag, simulated = re.search(r"drag of 40 N at (\S+) m/s; simulated: (\S+) m/s", text).groups()
+    assert close(drag, simulated, 2e-4)
+
+
+def randomise_hulls(text):
+    rows = re.findall(r"^ +\d .*", text, re.M)
+    assert len(rows) == 5
+    assert len({row.split()[4] for row in rows}) == 5
+    assert float(re.search(r"from equilibrium: (\S+) m/s", text)[1]) < 1e-3
+
+
+def tether(text):
+    assert float(re.search(r"keeps to (\S+) J", text)[1]) < 1e-4
+    farthest = max(float(row.split()[1]) for row in re.findall(r"^ +\d\.\d .*", text, re.M))
+    assert 1.5 < farthest < 2.5
+
+
+def read_a_run(text):
+    judged = re.search(r"distance across the path, once caught up: (\S+) <=", text)[1]
+    assert judged == re.search(r"by our own account: at most (\S+) m", text)[1]
+    assert "verdict PASS" in text
+    assert re.search(r"\d+ reversals of 8 thrusters in 75 s; \d+ J per metre of way", text)
+
+
+def allocate_wrenches(text):
+    rows = [row.split() for row in re.findall(r"^ +\d+  .*", text, re.M)]
+    assert [row[-1] for row in rows] == ["EXACT"] * 5 + ["CLOSEST"]
+    for demanded, made, *_ in rows[:3]:
+        assert float(made) < float(demanded)
+    for row in rows[:5]:
+        assert close(row[0], row[7], 0.005)
+        assert float(row[8]) == 0.0
+    assert float(rows[5][8]) < float(rows[5][2])
+
+
+PROMISED = {check.__name__: check for check in (step_the_water, randomise_hulls, tether, read_a_run, allocate_wrenches)}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_example(name, tmp_path):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, "-W", "error", ROOT / "examples" / f"{name}.py"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    PROMISED[name](done.stdout)  # an example of which nothing is asked is not finished
