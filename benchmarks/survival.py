@@ -75,7 +75,7 @@ def fly(lost: tuple[str, ...]) -> tuple[str, float | None, float | None]:
 def predictions() -> dict[tuple[str, ...], tuple[bool, str]]:
     """Lost thrusters -> what the analysis expects of the vehicle, at the mission's own speed and limits."""
     from cube_sim.actuation import Mission, survivability
-    from cube_sim.commands.analyze import hull_of
+    from cube_sim.commands.analysis_report import hull_of
     from cube_sim.scenario import load
     from cube_sim.vehicle.loading import load_model
     from cube_sim.vehicle.vehicle import Vehicle

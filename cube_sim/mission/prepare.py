@@ -6,27 +6,24 @@ from dataclasses import dataclass
 
 import mujoco
 
-from cube_sim.allocation import FaultTolerant, Status
-from cube_sim.control.authority import Authority
+from cube_sim.allocation import FaultTolerant
 from cube_sim.control.controller import Controller
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.guidance.path import Path
 from cube_sim.mission.allocation import actuators_of
+from cube_sim.mission.channels import recorded_channels
 from cube_sim.mission.control import controller_of, diagnosis_of
 from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.events import Events
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
-from cube_sim.mission.navigation import OnEstimate, channels_of
+from cube_sim.mission.navigation import OnEstimate
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
 from cube_sim.mission.supply import supply_of
-from cube_sim.recording.channels import Channel, channel_table
+from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.vehicle.power_supply import Supply
 from cube_sim.vehicle.vehicle import Vehicle
-
-PATH_POINTS = 400
-"""Points of the polyline by which a recording shows the path."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +73,7 @@ def prepare(loaded: Loaded) -> Mission:
     believed = believed_hull(loaded, flown)
     model, vehicle = flown
     path = path_of(loaded)
-    channels = channel_table(
-        vehicle.thrusters.names,
-        PATH_POINTS,
-        tuple(status.name for status in Status),
-        tuple(authority.name for authority in Authority),
-    ) + channels_of(scenario.navigation)
+    channels = recorded_channels(scenario, vehicle)
     require_signals(loaded, channels)
     require_possible_events(loaded, vehicle)
     require_a_value_per_thruster(loaded, vehicle)

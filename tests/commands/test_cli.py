@@ -17,6 +17,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from support.command_line import call, cube_sim
 from support.scenario_files import FLIGHT, MINIMAL, write
 
 from cube_sim.run_directory import FILES
@@ -24,22 +25,6 @@ from cube_sim.scenario import load
 from cube_sim.scenario.json_schema import json_schema
 
 HEAVY = ("mujoco", "rerun", "numba", "scipy", "pydantic", "numpy", "rich", "ruamel", "proxsuite")
-
-
-def cube_sim(*arguments, cwd, **options) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "cube_sim", *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, **options)
-
-
-def call(monkeypatch, capsys, *arguments):
-    """The same entry, in this process: the simulation is loaded once for many calls."""
-    from cube_sim.commands.cli import main
-
-    monkeypatch.setattr(sys, "argv", ["cube-sim", *map(str, arguments)])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    captured = capsys.readouterr()
-    return ended.value.code, captured.out, captured.err
 
 
 # Without flying

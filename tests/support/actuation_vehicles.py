@@ -7,7 +7,7 @@ import numpy as np
 
 from cube_sim import Vehicle, load_model
 from cube_sim.actuation.path_following.hull import Hull
-from cube_sim.commands.analyze import hull_of
+from cube_sim.commands.analysis_report import hull_of
 
 __all__ = ["cube", "hull_of", "random_hull", "vehicle"]
 

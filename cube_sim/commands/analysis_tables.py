@@ -13,7 +13,7 @@ from rich.table import Table
 
 from cube_sim.actuation import Analysis, Mission, Survivability
 from cube_sim.actuation.path_following.controllable_trim import FURTHEST
-from cube_sim.commands.analyze import Report
+from cube_sim.commands.analysis_report import Report
 from cube_sim.wrench.axes import PLANAR
 
 

@@ -1,0 +1,69 @@
+"""``cube-sim analyze``: what a vehicle's thrusters can do, with some of them lost too."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cube_sim.commands.ending import BAD_INPUT, INTERRUPTED, raise_on_interrupt, stop
+from cube_sim.commands.output import print_json
+from cube_sim.errors import CubeSimError
+
+EPILOG = "Exit code: 0 analysed, 2 bad input."
+
+
+def analyze(
+    model: Annotated[Path, typer.Argument(help="MJCF file of a vehicle, for example models/cube.xml.")],
+    lost: Annotated[str, typer.Option(metavar="NAMES", help="Dead thrusters, for example T1,T4.")] = "",
+    losses: Annotated[
+        int, typer.Option(metavar="N", help="Tabulate every loss of up to N thrusters, at most 3, on top of --lost.")
+    ] = 0,
+    hull: Annotated[str | None, typer.Option(help="Which hull, when the model has several.")] = None,
+    planar: Annotated[
+        bool, typer.Option("--planar", help="Look at Fx, Fy and Mz only, for a vehicle kept at its depth.")
+    ] = False,
+    speed: Annotated[
+        float | None, typer.Option(metavar="M_S", help="Speed [m/s] at which path following is judged; default 0.3.")
+    ] = None,
+    cost_limit: Annotated[
+        float | None,
+        typer.Option(
+            metavar="N_PER_N",
+            help="Drop the directions that cost more thruster force than this per newton of wrench, and judge what is "
+            "left, as a scenario's control.cost_limit does. Default: those a hundred times as costly as the cheapest.",
+        ),
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw force and torque sets and all losses of up to 3: PNG, SVG or PDF."),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
+) -> None:
+    """Say what a vehicle's thrusters can do, what it loses with some of them, and whether it still follows a path."""
+    from cube_sim.commands import analysis_report, analysis_tables
+
+    try:
+        raise_on_interrupt()
+        with analysis_tables.progress(hidden=json or not sys.stderr.isatty()) as progress:
+            report = analysis_report.analyze(
+                model,
+                hull=hull,
+                lost=lost,
+                losses=losses,
+                planar=planar,
+                speed_m_s=speed,
+                cost_limit=cost_limit,
+                picture=picture,
+                progress=progress,
+            )
+    except CubeSimError as error:
+        stop(BAD_INPUT, str(error))
+    except KeyboardInterrupt:
+        stop(INTERRUPTED, "interrupted; nothing was written")
+    if json:
+        print_json(analysis_report.to_dict(report))
+    else:
+        analysis_tables.print_report(report)

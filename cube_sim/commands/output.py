@@ -1,0 +1,33 @@
+"""What commands print alike: JSON, and tables that fit a terminal, a file or a pipe."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+FILE_WIDTH = 160
+"""Columns a table may take where nobody folds lines: in a file or a pipe."""
+
+
+def print_json(content: Any) -> None:
+    """Print plain data as indented JSON.
+
+    Raises:
+        ValueError: a number is NaN or infinite, which JSON cannot say.
+    """
+    typer.echo(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def console_for_tables() -> Console:
+    """A console as wide as the terminal, or at least `FILE_WIDTH` where there is none."""
+    from rich.console import Console
+
+    console = Console()
+    if not console.is_terminal:
+        console.width = max(console.width, FILE_WIDTH)
+    return console

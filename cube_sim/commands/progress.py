@@ -1,0 +1,49 @@
+"""Progress bars on the terminal while a command works; they vanish when it is done."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import time
+from collections.abc import Callable, Iterator
+
+
+@contextlib.contextmanager
+def flight_progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[Callable[[float, float], None] | None]:
+    """A bar while a run lasts.
+
+    Args:
+        name: of the scenario.
+        duration_s: whole simulated time [s].
+        hidden: whether nothing is shown; nor is it where stderr is no terminal.
+
+    Yields:
+        What the run calls with (simulated, whole) seconds; None when nothing is shown.
+    """
+    if hidden or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.completed:.0f} of {task.total:.0f} s simulated"),
+        TextColumn("{task.fields[factor]}", markup=False),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(name, total=duration_s, factor="")
+        started: float | None = None
+
+        def update(simulated_s: float, whole_s: float) -> None:
+            nonlocal started
+            now = time.perf_counter()
+            if started is None:
+                # The first report: loading and compiling are over, nothing has moved yet.
+                started = now
+            factor = f"{simulated_s / (now - started):.1f} x real time" if simulated_s > 0 and now > started else ""
+            bar.update(task, completed=simulated_s, total=whole_s, factor=factor)
+
+        yield update

@@ -1,0 +1,101 @@
+"""``cube-sim run``: fly a scenario, record it, judge its checks."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cube_sim.commands.ending import BAD_INPUT, FAIL, INTERRUPTED, NOT_JUDGED, PASS, raise_on_interrupt, stop
+from cube_sim.commands.output import print_json
+from cube_sim.commands.progress import flight_progress
+from cube_sim.commands.settings import Settings, overrides
+from cube_sim.errors import CubeSimError, DirectoryError, ModelError, RunInterrupted, ScenarioError
+
+if TYPE_CHECKING:
+    from cube_sim.simulation import Run
+
+EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
+EPILOG = (
+    "Exit code: 0 PASS, every check was shown to hold; 1 FAIL, one was shown not to, whatever else could not be "
+    "judged; 2 bad input, nothing is written; 3 ERROR, nothing failed but something could not be judged, or the run "
+    "ended early; 130 interrupted, what was recorded stays."
+)
+
+
+def run(
+    scenario: Annotated[Path, typer.Argument(help="Scenario file, for example scenarios/cube_helix.yaml.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder for the recording: new, empty, or an earlier run's, which is replaced. "
+            "Default: logs/NAME-UTC_TIME."
+        ),
+    ] = None,
+    settings: Settings = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Show neither progress nor result.")] = False,
+) -> None:
+    """Fly a scenario, record it, judge its checks."""
+    name, duration_s, result = _fly(scenario, settings, out, hidden=quiet)
+    if json:
+        _print_json(result)
+    elif not quiet:
+        _print_table(name, duration_s, result)
+    raise typer.Exit(EXIT_CODES[result.verdict])
+
+
+def _fly(scenario: Path, settings: list[str] | None, out: Path | None, *, hidden: bool) -> tuple[str, float, Run]:
+    """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
+    from cube_sim.run_directory import check
+    from cube_sim.scenario import load
+
+    try:
+        replaced = overrides(settings)
+        loaded = load(scenario, replaced)
+        if out is not None:
+            # Before anything slow is imported; the run looks again.
+            check(out)
+        from cube_sim import simulation
+
+        name, duration_s = loaded.scenario.name, loaded.scenario.duration_s
+        with flight_progress(name, duration_s, hidden=hidden) as show:
+
+            def progress(simulated_s: float, whole_s: float) -> None:
+                raise_on_interrupt()
+                if show is not None:
+                    show(simulated_s, whole_s)
+
+            return name, duration_s, simulation.run(scenario, overrides=replaced, out=out, progress=progress)
+    except (ScenarioError, ModelError, DirectoryError) as error:
+        stop(BAD_INPUT, str(error))
+    except CubeSimError as error:
+        stop(NOT_JUDGED, str(error))
+    except RunInterrupted as interrupt:
+        stop(INTERRUPTED, str(interrupt))
+
+
+def _print_json(result: Run) -> None:
+    from cube_sim.verdict import to_dict
+
+    content = to_dict(result.verdict, result.checks, result.real_time_factor, result.versions)
+    content["directory"] = str(result.directory)
+    print_json(content)
+
+
+def _print_table(name: str, duration_s: float, result: Run) -> None:
+    from rich.console import Console
+
+    from cube_sim.commands.result_table import result_table
+
+    console = Console()
+    title = f"{name}: {duration_s:g} s simulated, {result.real_time_factor:.1f} x real time"
+    console.print(result_table(title, result.verdict, result.checks))
+    console.print()
+    for line in (
+        f"recording: {result.directory}",
+        f"look at it: rerun {shlex.quote(str(result.directory / 'run.rrd'))}",
+    ):
+        console.print(line, soft_wrap=True, markup=False, highlight=False)
