@@ -107,11 +107,11 @@ def test_something_that_is_no_function_has_no_digest():
 
 def test_the_same_in_every_process():
     """Not a matter of addresses or of the order in which sets are walked."""
-    program = "import test_water_fingerprint as t; print(t.fingerprint(t.force), t.fingerprint(t.recursive))"
+    program = "import test_fingerprint as t; print(t.fingerprint(t.force), t.fingerprint(t.recursive))"
     told = {
         subprocess.run(
             [sys.executable, "-c", program],
-            env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.path.dirname(os.path.dirname(__file__))},
+            env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.path.dirname(__file__)},
             capture_output=True,
             text=True,
             check=True,

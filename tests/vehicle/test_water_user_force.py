@@ -100,7 +100,7 @@ def test_velocity_arrives_in_body_axes():
 
 
 def test_named_in_the_model_file():
-    text = '<custom><text name="hull:force" data="test_water_user_force:spring"/></custom>'
+    text = f'<custom><text name="hull:force" data="{__name__}:spring"/></custom>'
     model = floating().model(timestep=0.01, extra=text)
     end = flown(model, np.array([0.4, 0, 0, 1.0, 0, 0, 0, 0, 0, 0, 0, 0, 0]), 2.0)
     assert end[0] == pytest.approx(0.4 * np.cos(np.sqrt(STIFFNESS / 25.0) * 2.0), abs=1e-7)
@@ -149,7 +149,7 @@ def test_a_force_that_fails_is_not_a_number_compiled_or_not(function, compiled):
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("function", [raises_late, awkward_failure], ids=["compiled", "python"])
 def test_a_scenario_whose_force_fails_ends_as_error(function, tmp_path):
-    text = f'<text name="hull:force" data="test_water_user_force:{function.__name__}"/></custom>'
+    text = f'<text name="hull:force" data="{__name__}:{function.__name__}"/></custom>'
     (tmp_path / "model.xml").write_text((ROOT / "models" / "cube.xml").read_text().replace("</custom>", text))
     changes = {"model": str(tmp_path / "model.xml"), "duration_s": 1.0, "checks": [{"kind": "allowed_forces"}]}
     result = cube_sim.run(ROOT / "scenarios" / "cube_helix.yaml", changes, tmp_path / "out")
@@ -189,7 +189,7 @@ def test_a_model_with_a_force_starts_without_the_compiler_the_second_time(tmp_pa
     program = """
 import json, sys
 import mujoco, numpy as np, cube_sim
-from cube_sim.vehicle import user_force_code
+from cube_sim.vehicle.plugin import user_force_code
 if sys.argv[3] == "second":
     user_force_code._compile = None
 def tether(time, position, rotation, velocity, through_water):
