@@ -189,7 +189,7 @@ def main() -> None:
     start_s = time.perf_counter() - begin
     results = {name: single(name, options.steps, options.repeats) for name in INTEGRATORS}
     bulk = in_bulk(64, max(20, options.steps // 20), options.repeats)
-    size = packing.numbers(cube_sim.load_model(CUBE)).size
+    size = packing.packed_parameters(cube_sim.load_model(CUBE)).size
     if options.json:
         print(json.dumps({"start_s": start_s, "us_per_step": results, "bulk_us_per_step": bulk}))
         return

@@ -17,6 +17,8 @@ from typing import Any
 import llvmlite
 import llvmlite.binding as llvm
 
+from cube_sim.native.sources import source_digest
+
 _DIGEST_SIZE = 32
 _ALONE, _LEANING = ".o", ".numba.o"  # files of code that needs nobody, and of code that needs numba's runtime
 _engines: list[Any] = []  # they own the executable memory
@@ -31,7 +33,7 @@ def addresses(
     """Addresses of compiled callbacks, from disk when they are there, else from `build`.
 
     Args:
-        key: everything the code depends on besides this machine's processor and LLVM.
+        key: everything the code depends on besides this machine's processor, LLVM and this file.
         build: makes name -> numba cfunc; called only when the disk has no usable file.
         names: the callbacks wanted.
         runtime: makes numba's runtime known to the linker, for code that leans on it; with None such code is not kept.
@@ -39,7 +41,8 @@ def addresses(
     _initialise()
     processor = f"{llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
     versions = f"{llvmlite.__version__} {llvm.llvm_version_info}"
-    digest = hashlib.sha256("\n".join([key, processor, versions]).encode()).hexdigest()[:20]
+    parts = [key, processor, versions, source_digest(__name__)]
+    digest = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:20]
     folders, endings = cache_folders(), (_ALONE,) if runtime is None else (_ALONE, _LEANING)
     for folder in folders:
         for ending in endings:

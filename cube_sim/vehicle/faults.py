@@ -1,6 +1,6 @@
 """The state a model's thrusters and current are in while it is used: faults and supply, without compiling again.
 
-Each function writes a few numbers inside the model (`cube_sim.vehicle.plugin.packing`); every MjData that steps it
+Each function writes a few numbers inside the model (`cube_sim.vehicle.plugin.layout`); every MjData that steps it
 sees them from its next step on. Copy the model first where only some simulations are to have the fault.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.plugin import packing
+from cube_sim.vehicle.plugin import layout, packing
 
 
 def set_efficiency(model: mujoco.MjModel, thruster: str, efficiency: float) -> None:
@@ -27,9 +27,9 @@ def set_efficiency(model: mujoco.MjModel, thruster: str, efficiency: float) -> N
     if not 0.0 <= efficiency <= 1.0:
         raise ModelError(thruster, f"efficiency {efficiency:g} is outside [0, 1]")
     start = _curve(model, thruster)
-    packed = packing.numbers(model)
-    packed[start + packing.EFFICIENCY] = efficiency
-    packed[start + packing.STUCK] = np.nan
+    packed = packing.packed_parameters(model)
+    packed[start + layout.EFFICIENCY] = efficiency
+    packed[start + layout.STUCK] = np.nan
 
 
 def whole_forces(model: mujoco.MjModel, thrusters: Sequence[str], forces: ArrayLike) -> NDArray[np.float64]:
@@ -38,11 +38,11 @@ def whole_forces(model: mujoco.MjModel, thrusters: Sequence[str], forces: ArrayL
     Electrical power follows from these: what a damaged propeller loses, its motor draws all the same.
     """
     F = np.array(forces, dtype=float)
-    packed = packing.numbers(model)
+    packed = packing.packed_parameters(model)
     for i, name in enumerate(thrusters):
         start = _curve(model, name)
-        if np.isnan(packed[start + packing.STUCK]):
-            efficiency = packed[start + packing.EFFICIENCY]
+        if np.isnan(packed[start + layout.STUCK]):
+            efficiency = packed[start + layout.EFFICIENCY]
             F[i] = F[i] / efficiency if efficiency > 0.0 else 0.0
     return F
 
@@ -56,12 +56,12 @@ def set_stuck(model: mujoco.MjModel, thruster: str, force: float) -> None:
         ModelError: no such thruster, or a force it could never give.
     """
     start = _curve(model, thruster)
-    packed = packing.numbers(model)
-    n = int(packed[start + packing.POINTS])
-    forces = packed[start + packing.CURVE + n : start + packing.CURVE + 2 * n]
+    packed = packing.packed_parameters(model)
+    n = int(packed[start + layout.POINTS])
+    forces = packed[start + layout.CURVE + n : start + layout.CURVE + 2 * n]
     if not forces[0] <= force <= forces[-1]:
         raise ModelError(thruster, f"cannot be stuck at {force:g} N; it gives {forces[0]:g} to {forces[-1]:g} N")
-    packed[start + packing.STUCK] = force
+    packed[start + layout.STUCK] = force
 
 
 def set_supply(model: mujoco.MjModel, thruster: str, ratio: float) -> None:
@@ -74,7 +74,7 @@ def set_supply(model: mujoco.MjModel, thruster: str, ratio: float) -> None:
     """
     if not 0.0 <= ratio < np.inf:
         raise ModelError(thruster, f"supply ratio {ratio:g} is negative or not finite")
-    packing.numbers(model)[_curve(model, thruster) + packing.SUPPLY] = ratio**2
+    packing.packed_parameters(model)[_curve(model, thruster) + layout.SUPPLY] = ratio**2
 
 
 def set_current(model: mujoco.MjModel, velocities: ArrayLike) -> None:
@@ -83,8 +83,8 @@ def set_current(model: mujoco.MjModel, velocities: ArrayLike) -> None:
     Raises:
         ModelError: the model has no `water:current`, or the shape is another.
     """
-    packed = packing.numbers(model)
-    start = int(packed[packing.CURRENT])
+    packed = packing.packed_parameters(model)
+    start = int(packed[layout.CURRENT])
     if start < 0:
         raise ModelError("water:current", "is not in the model, so it has no times and heights; use model.opt.wind")
     n_t, n_z = int(packed[start]), int(packed[start + 1])
@@ -97,8 +97,8 @@ def set_current(model: mujoco.MjModel, velocities: ArrayLike) -> None:
 
 def _curve(model: mujoco.MjModel, thruster: str) -> int:
     """Start of a thruster's curve record."""
-    table = int(packing.numbers(model)[packing.ACTUATORS])
-    starts = packing.numbers(model)[table : table + model.nu]
+    table = int(packing.packed_parameters(model)[layout.THRUSTERS])
+    starts = packing.packed_parameters(model)[table : table + model.nu]
     index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, thruster)
     if index < 0 or starts[index] < 0.0:
         names = [model.actuator(i).name for i in range(model.nu) if starts[i] >= 0.0]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.vehicle.laws.current import velocity_at
-from cube_sim.vehicle.plugin import packing
+from cube_sim.vehicle.plugin import layout, packing
 
 
 def water_velocity(model: mujoco.MjModel, time: float, height: float) -> NDArray[np.float64]:
@@ -19,8 +19,8 @@ def water_velocity(model: mujoco.MjModel, time: float, height: float) -> NDArray
         height: z in the world [m].
     """
     steady = model.opt.wind.copy()
-    packed = packing.numbers(model)
-    start = int(packed[packing.CURRENT])
+    packed = packing.packed_parameters(model)
+    start = int(packed[layout.CURRENT])
     if start < 0:
         return steady
     n_t, n_z = int(packed[start]), int(packed[start + 1])

@@ -16,7 +16,7 @@ from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, thruster_elements
 from cube_sim.vehicle.mjcf.time_step import require_time_step
-from cube_sim.vehicle.plugin import hook, packing, structs, user_forces
+from cube_sim.vehicle.plugin import hook, layout, packing, structs, user_forces
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
 from cube_sim.vehicle.plugin.user_forces import UserForce
 from cube_sim.vehicle.plugin.warnings import collect_warnings
@@ -99,8 +99,8 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     for name, values in overrides.items():
         require_parameter(name)
         numerics[name] = _numbers(name, values)
-    if packing.PACKED in numerics:
-        raise ModelError(packing.PACKED, "is written by load_model; remove it from the MJCF")
+    if layout.PACKED in numerics:
+        raise ModelError(layout.PACKED, "is written by load_model; remove it from the MJCF")
     bodies = {body.name: _is_free(body) for body in spec.bodies if body.name and body.name != "world"}
     parameters = read_parameters(numerics, bodies, thruster_elements(spec))
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
@@ -110,7 +110,7 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     _require_usable_options(spec)
     for hull in parameters.hulls:
         _prepare(spec, hull.body)
-    spec.add_numeric(name=packing.PACKED, size=packing.packed_size(parameters), data=[0.0])
+    spec.add_numeric(name=layout.PACKED, size=packing.packed_size(parameters), data=[0.0])
     model = spec.compile()
     require_time_step(model)
     if np.any(model.tendon_armature != 0.0):
@@ -119,7 +119,7 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     dofs = [int(model.body_dofadr[i]) for i in ids]
     start = model.numeric_adr[model.nnumeric - 1]
     table = _register(model, forces, [hull.body for hull in parameters.hulls])
-    packed = packing.pack(parameters, ids, dofs, table, user_forces.process_number())
+    packed = packing.pack_parameters(parameters, ids, dofs, table, user_forces.process_number())
     model.numeric_data[start : start + packed.size] = packed
     data = mujoco.MjData(model)
     structs.verify(model, data)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.spatial import skew
-from cube_sim.vehicle.plugin import packing
+from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.thruster_reading import thrusters_of
 from cube_sim.vehicle.thrusters import Thrusters
 
@@ -87,9 +87,9 @@ class Vehicle:
         Raises:
             ModelError: the model has no water, or no such hull, or several and no name was given.
         """
-        packed = packing.numbers(model).copy()
+        packed = packing.packed_parameters(model).copy()
         records = _hull_records(packed)
-        names = {model.body(int(record[packing.BODY])).name: record for record in records}
+        names = {model.body(int(record[layout.BODY])).name: record for record in records}
         if name is None and len(names) > 1:
             raise ModelError("", f"the model has several hulls, name one of {', '.join(names)}")
         chosen = next(iter(names)) if name is None else name
@@ -104,16 +104,18 @@ def hull_names(model: mujoco.MjModel) -> tuple[str, ...]:
     Raises:
         ModelError: the model has no water.
     """
-    return tuple(model.body(int(record[packing.BODY])).name for record in _hull_records(packing.numbers(model)))
+    return tuple(
+        model.body(int(record[layout.BODY])).name for record in _hull_records(packing.packed_parameters(model))
+    )
 
 
 def _hull_records(packed: NDArray[np.float64]) -> NDArray[np.float64]:
-    start, count = int(packed[packing.HULLS]), int(packed[packing.COUNT])
-    return packed[start : start + count * packing.HULL_SIZE].reshape(count, packing.HULL_SIZE)
+    start, count = int(packed[layout.HULLS]), int(packed[layout.COUNT])
+    return packed[start : start + count * layout.HULL_SIZE].reshape(count, layout.HULL_SIZE)
 
 
 def _vehicle(model: mujoco.MjModel, packed: NDArray[np.float64], record: NDArray[np.float64], name: str) -> Vehicle:
-    body, dof = int(record[packing.BODY]), int(record[packing.DOF])
+    body, dof = int(record[layout.BODY]), int(record[layout.DOF])
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
     mujoco.mj_forward(model, data)
@@ -129,12 +131,12 @@ def _vehicle(model: mujoco.MjModel, packed: NDArray[np.float64], record: NDArray
         qpos_address=int(model.jnt_qposadr[model.body_jntadr[body]]),
         dof_address=dof,
         mass_matrix=mass_matrix,
-        added_mass=record[packing.ADDED_MASS : packing.LINEAR].reshape(6, 6),
-        linear_damping=record[packing.LINEAR : packing.QUADRATIC].reshape(6, 6),
-        quadratic_damping=record[packing.QUADRATIC : packing.FORCE].reshape(6, 6),
-        displaced_mass=float(record[packing.DISPLACED_MASS]),
+        added_mass=record[layout.ADDED_MASS : layout.LINEAR].reshape(6, 6),
+        linear_damping=record[layout.LINEAR : layout.QUADRATIC].reshape(6, 6),
+        quadratic_damping=record[layout.QUADRATIC : layout.FORCE].reshape(6, 6),
+        displaced_mass=float(record[layout.DISPLACED_MASS]),
         centre_of_mass=centre_of_mass,
-        centre_of_buoyancy=record[packing.CENTRE : packing.ADDED_MASS],
+        centre_of_buoyancy=record[layout.CENTRE : layout.ADDED_MASS],
         gravity=np.array(model.opt.gravity),
         actuation_matrix=np.vstack([R.T @ joint_axes[:3], joint_axes[3:]]),
         thrusters=thrusters,

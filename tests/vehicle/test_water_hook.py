@@ -192,7 +192,7 @@ def test_batch_on_two_threads_is_the_loop_bit_for_bit():
     from mujoco import batch
 
     from cube_sim.vehicle import faults
-    from cube_sim.vehicle.plugin import packing
+    from cube_sim.vehicle.plugin import layout, packing
 
     rng = np.random.default_rng(4)
     model = cube_sim.load_model(CUBE)
@@ -213,7 +213,7 @@ def test_batch_on_two_threads_is_the_loop_bit_for_bit():
         mujoco.mj_step(own, data, nstep=100)
         assert np.array_equal(fleet.qpos[k], data.qpos)
     assert np.unique(np.array(fleet.qpos)[:, 0]).size == 4
-    assert packing.numbers(model)[0] == packing.MAGIC
+    assert packing.packed_parameters(model)[0] == layout.MAGIC
 
 
 def test_repeats_bitwise():

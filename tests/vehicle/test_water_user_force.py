@@ -17,7 +17,7 @@ from support.water_bodies import DENSITY, Body, flown, get_state, random_body, r
 
 import cube_sim
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.plugin import packing, user_forces
+from cube_sim.vehicle.plugin import layout, packing, user_forces
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 
 ROOT = Path(__file__).parents[2]
@@ -169,7 +169,7 @@ def test_what_a_compiled_force_takes_from_outside_is_that_of_its_load():
         return model, push(model)
 
     def place(model: mujoco.MjModel) -> float:
-        return packing.numbers(model)[packing.HEADER_SIZE + packing.FORCE]
+        return packing.packed_parameters(model)[layout.HEADER_SIZE + layout.FORCE]
 
     def push(model: mujoco.MjModel) -> float:
         data = mujoco.MjData(model)
@@ -234,7 +234,7 @@ def test_compiled_forces_run_on_threads():
 def test_the_model_in_another_process_says_that_the_function_is_missing(tmp_path):
     """A saved model carries no code: there its force is not a number, never silently nothing."""
     model = cube_sim.load_model(floating().spec(), forces={"hull": spring})
-    packing.numbers(model)[packing.PROCESS] = 0.123
+    packing.packed_parameters(model)[layout.PROCESS] = 0.123
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert np.isnan(data.qacc).all()

@@ -1,4 +1,7 @@
-"""The water in MuJoCo's own window: needs a display; `xvfb-run -a pytest tests/test_water_viewer.py` makes one."""
+"""The water in MuJoCo's own window.
+
+It needs a display: `xvfb-run -a pytest tests/vehicle/test_water_viewer.py` makes one.
+"""
 
 from __future__ import annotations
 

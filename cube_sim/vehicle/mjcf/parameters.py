@@ -36,7 +36,7 @@ from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
 
 
 @dataclass(frozen=True)
-class Hull:
+class HullParameters:
     """One body in the water.
 
     Attributes:
@@ -92,7 +92,7 @@ class CurrentProfile:
 class WaterParameters:
     """All hulls of a model, one entry per actuator (None: not a thruster of ours), and the current, if it varies."""
 
-    hulls: tuple[Hull, ...]
+    hulls: tuple[HullParameters, ...]
     thrusters: tuple[ThrusterParameters | None, ...]
     current: CurrentProfile | None
 
@@ -132,7 +132,7 @@ def read_parameters(
     return WaterParameters(hulls, motors, _current(numerics))
 
 
-def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> Hull:
+def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> HullParameters:
     if f"{body}:volume" not in numerics:
         raise ModelError(
             f"{body}:volume", f"is missing; '{body}' needs the volume it displaces [m^3], 0 for one that does not float"
@@ -146,7 +146,7 @@ def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float
     quadratic = _matrix(numerics, f"{body}:quadratic_damping")
     require_dissipative(f"{body}:linear_damping", linear)
     require_pairwise_dissipative(f"{body}:quadratic_damping", quadratic)
-    return Hull(
+    return HullParameters(
         body=body,
         displaced_mass=density * volume,
         centre_of_buoyancy=_vector(numerics, f"{body}:centre_of_buoyancy", 3),

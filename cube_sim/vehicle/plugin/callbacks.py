@@ -3,7 +3,7 @@
 `passive` replaces the inertia of every hull by M_RB + M_A and adds the remaining water forces to `qfrc_passive`, so
 that MuJoCo itself solves for the acceleration: added mass is implicit, never lagged. `thrust` evaluates the thruster
 characteristic on the lagged command. They keep no state, find their parameters inside the model
-(`cube_sim.vehicle.plugin.packing`) and return at once for models that are not ours, also while those are being
+(`cube_sim.vehicle.plugin.layout`) and return at once for models that are not ours, also while those are being
 compiled.
 """
 
@@ -17,19 +17,8 @@ from numba import types
 from cube_sim.vehicle.laws.current import accelerating_water, current_at
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, water_wrench
 from cube_sim.vehicle.laws.thrust_law import force_of_command
-from cube_sim.vehicle.plugin import packing
+from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.memory import call_force, double, field, force_table, integer, matrix, put, vector
-
-_MAGIC = packing.MAGIC
-_COUNT, _HULLS, _ACTUATORS, _CURRENT, _PROCESS = (
-    packing.COUNT, packing.HULLS, packing.ACTUATORS, packing.CURRENT, packing.PROCESS,
-)  # fmt: skip
-_BODY, _DOF, _DISPLACED, _CENTRE = packing.BODY, packing.DOF, packing.DISPLACED_MASS, packing.CENTRE
-_ADDED, _LINEAR, _QUADRATIC, _FORCE, _SIZE = (
-    packing.ADDED_MASS, packing.LINEAR, packing.QUADRATIC, packing.FORCE, packing.HULL_SIZE,
-)  # fmt: skip
-_LOW, _HIGH, _POINTS, _CURVE = packing.DEAD_LOW, packing.DEAD_HIGH, packing.POINTS, packing.CURVE
-_EFFICIENCY, _SUPPLY, _STUCK = packing.EFFICIENCY, packing.SUPPLY, packing.STUCK
 
 _factor_mass_matrix = types.ExternalFunction("mj_factorM", types.void(types.int64, types.int64))
 _project_constraints = types.ExternalFunction("mj_projectConstraint", types.void(types.int64, types.int64))
@@ -139,7 +128,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         if address == 0:
             return 0
         address += 8 * integer(field(m, numeric_adr), last)
-        if double(address, 0) != _MAGIC:
+        if double(address, 0) != layout.MAGIC:
             return 0
         return address
 
@@ -152,11 +141,11 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             down = (0.0, 0.0, 0.0)
         steady = (double(m + opt_wind, 0), double(m + opt_wind, 1), double(m + opt_wind, 2))
         time = double(d + time_, 0)
-        profile = int(double(packed, _CURRENT))
-        for k in range(int(double(packed, _COUNT))):
-            hull = packed + 8 * (int(double(packed, _HULLS)) + k * _SIZE)
-            body, dof = int(double(hull, _BODY)), int(double(hull, _DOF))
-            M_A = matrix(hull + 8 * _ADDED, 6, 6)
+        profile = int(double(packed, layout.CURRENT))
+        for k in range(int(double(packed, layout.COUNT))):
+            hull = packed + 8 * (int(double(packed, layout.HULLS)) + k * layout.HULL_SIZE)
+            body, dof = int(double(hull, layout.BODY)), int(double(hull, layout.DOF))
+            M_A = matrix(hull + 8 * layout.ADDED_MASS, 6, 6)
             position, rotation = field(d, xpos) + 24 * body, field(d, xmat) + 72 * body
             R = matrix(rotation, 3, 3)
             _put_inertia(
@@ -178,8 +167,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 double(v, 4),
                 double(v, 5),
             )
-            displaced = double(hull, _DISPLACED)
-            r_CB = (double(hull, _CENTRE), double(hull, _CENTRE + 1), double(hull, _CENTRE + 2))
+            displaced = double(hull, layout.DISPLACED_MASS)
+            r_CB = (double(hull, layout.CENTRE), double(hull, layout.CENTRE + 1), double(hull, layout.CENTRE + 2))
             current, surge = steady, (0.0, 0.0, 0.0)
             if profile >= 0:
                 table = packed + 8 * profile
@@ -195,8 +184,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 )
             F = water_wrench(
                 M_A,
-                matrix(hull + 8 * _LINEAR, 6, 6),
-                matrix(hull + 8 * _QUADRATIC, 6, 6),
+                matrix(hull + 8 * layout.LINEAR, 6, 6),
+                matrix(hull + 8 * layout.QUADRATIC, 6, 6),
                 R,
                 nu,
                 current,
@@ -205,10 +194,10 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             )
             if profile >= 0:
                 F = _plus(F, accelerating_water(M_A, displaced, r_CB, R, surge))
-            function = int(double(hull, _FORCE))
+            function = int(double(hull, layout.FORCE))
             if function >= 0:
                 nu_r = relative_velocity(R, nu, current)
-                F = _plus(F, _user_wrench(function, double(packed, _PROCESS), time, position, rotation, nu, nu_r))
+                F = _plus(F, _user_wrench(function, double(packed, layout.PROCESS), time, position, rotation, nu, nu_r))
             if double(m + opt_density, 0) != 0.0 or double(m + opt_viscosity, 0) != 0.0:
                 F = _not_a_number()  # MuJoCo's own fluid model was switched on later: every force twice
             force = field(d, qfrc_passive) + 8 * dof
@@ -224,25 +213,25 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         packed = parameters_of(m)
         if packed == 0:
             return 0.0
-        start = int(double(packed, int(double(packed, _ACTUATORS)) + actuator))
+        start = int(double(packed, int(double(packed, layout.THRUSTERS)) + actuator))
         if start < 0:
             return 0.0
         if integer(m + opt_disableflags, 0) & no_passive == no_passive:
             return float("nan")  # MuJoCo skips `passive`: the hull would be dry without a word
         curve = packed + 8 * start
-        stuck = double(curve, _STUCK)
+        stuck = double(curve, layout.STUCK)
         if stuck == stuck:  # a number: the motor holds that force whatever the command
-            return stuck * double(curve, _SUPPLY)
-        n = int(double(curve, _POINTS))
+            return stuck * double(curve, layout.SUPPLY)
+        n = int(double(curve, layout.POINTS))
         adr = integer(field(m, actuator_actadr), actuator) + integer(field(m, actuator_actnum), actuator) - 1
         force = force_of_command(
             double(field(d, act), adr),
-            double(curve, _LOW),
-            double(curve, _HIGH),
-            vector(curve + 8 * _CURVE, n),
-            vector(curve + 8 * (_CURVE + n), n),
+            double(curve, layout.DEAD_LOW),
+            double(curve, layout.DEAD_HIGH),
+            vector(curve + 8 * layout.CURVE, n),
+            vector(curve + 8 * (layout.CURVE + n), n),
         )
-        return force * double(curve, _EFFICIENCY) * double(curve, _SUPPLY)
+        return force * double(curve, layout.EFFICIENCY) * double(curve, layout.SUPPLY)
 
     # With numpy's error model a division by zero gives inf, as in C: nothing here can raise, so no exception code.
     options = {"error_model": "numpy"}

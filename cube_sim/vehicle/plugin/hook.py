@@ -6,9 +6,9 @@ Both are C function pointers: threads run them freely, without the interpreter's
 from __future__ import annotations
 
 import ctypes
-import hashlib
 import sys
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 import llvmlite.binding
@@ -16,16 +16,10 @@ import mujoco
 
 from cube_sim.errors import ModelError
 from cube_sim.native import object_cache
+from cube_sim.native.sources import source_digest
 from cube_sim.vehicle.plugin import structs, user_forces
 
-_SOURCES = (
-    "plugin/callbacks",
-    "laws/current",
-    "laws/hydrodynamics",
-    "plugin/memory",
-    "plugin/packing",
-    "laws/thrust_law",
-)
+_CALLBACKS = "cube_sim.vehicle.plugin.callbacks"
 _ARGUMENTS = {
     "passive": (ctypes.c_void_p, ctypes.c_void_p),
     "thrust": (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int),
@@ -83,10 +77,7 @@ def _library_name() -> str:
 
 def _sources() -> str:
     """Identifies the source of everything compiled into the callbacks, and the versions of what compiles it."""
-    digest = hashlib.sha256()
-    for name in _SOURCES:
-        digest.update((Path(__file__).parents[1] / f"{name}.py").read_bytes())
-    return f"{digest.hexdigest()} mujoco {mujoco.__version__}"
+    return f"{source_digest(_CALLBACKS)} numba {version('numba')} mujoco {mujoco.__version__}"
 
 
 def _address(callback) -> int | None:

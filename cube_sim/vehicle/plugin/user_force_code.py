@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 from cube_sim.native import object_cache
 from cube_sim.native.fingerprint import fingerprint
+from cube_sim.native.sources import source_digest
 
 _NAME = "user_force"
 
@@ -16,7 +15,7 @@ _NAME = "user_force"
 def key_of(function: Callable[..., Any]) -> str | None:
     """Names the machine code of a force as it stands; None where nobody can tell what its code depends on."""
     told = fingerprint(function)
-    return told and f"{told} {hashlib.sha256(Path(__file__).read_bytes()).hexdigest()}"
+    return told and f"{told} {source_digest(__name__)}"
 
 
 def address(function: Callable[..., Any], key: str | None) -> int | None:

@@ -1,0 +1,32 @@
+"""Where the water's parameters lie inside a compiled model: the one array that the compiled callbacks read.
+
+The array is the model's last custom numeric, `PACKED`. Its header says where the records start, each index counting
+doubles from the array's beginning:
+
+    header          MAGIC, number of hulls, start of the hull records, start of the thruster table,
+                    start of the current's table or -1, number of the process whose user forces it names
+    hull records    HULL_SIZE values each
+    thruster table  one value per actuator of the model: the start of its curve record, or -1 for no thruster
+    curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
+                    voltage [V], pulse widths of the commands -1, 0 and 1 [us], c_1..c_n, F_1..F_n [N];
+                    stuck is NaN for a thruster that is free; voltage and pulses are NaN where not known
+    current         n_t, n_z, t_1.. [s], z_1.. [m], (v_x, v_y, v_z) [m/s] time by time
+
+`cube_sim.vehicle.plugin.packing` writes it. Efficiency, supply, stuck and the velocities of the current are meant to
+change while a model is in use (`cube_sim.vehicle.faults`, `cube_sim.vehicle.current`).
+"""
+
+from __future__ import annotations
+
+PACKED = "cube_sim:packed"
+MAGIC = -7.390851332151607e-137  # nobody's physical value; the callbacks' test for "one of ours"
+
+# the header
+COUNT, HULLS, THRUSTERS, CURRENT, PROCESS = 1, 2, 3, 4, 5
+HEADER_SIZE = 6
+# one hull record
+BODY, DOF, DISPLACED_MASS, CENTRE, ADDED_MASS, LINEAR, QUADRATIC, FORCE = 0, 1, 2, 3, 6, 42, 78, 114
+HULL_SIZE = 115
+# one curve record
+DEAD_LOW, DEAD_HIGH, ZONE_LOW, ZONE_HIGH, POINTS = 0, 1, 2, 3, 4
+EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, CURVE = 5, 6, 7, 8, 10, 11, 14
