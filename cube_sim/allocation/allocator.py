@@ -11,17 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Allocations, Status
-from cube_sim.allocation.exact.packing import memory_rows, pack
-from cube_sim.allocation.exact.problem import beyond, make_tables
+from cube_sim.allocation.exact.packing import pack, previous_answer_rows
+from cube_sim.allocation.exact.problem import closest_wrench_data, make_problem
 from cube_sim.allocation.exact.solutions import (
     actuation_matrix,
+    force_solutions,
     lever_length,
     torque_rows,
-    wrench_distance,
-    wrench_fibre,
+    wrench_metric,
 )
-from cube_sim.allocation.exact.solve import allocate_each, answer_size
-from cube_sim.allocation.exact.step import blank_memory
+from cube_sim.allocation.exact.solve import answer_size, solve_each
+from cube_sim.allocation.exact.step import no_previous_answer
 from cube_sim.allocation.objectives import Objective, side_targets
 from cube_sim.allocation.previous import Standing
 from cube_sim.allocation.subset_qp.enumeration import Enumeration
@@ -172,9 +172,9 @@ class Allocator:
         self.effort = Effort()
         preferred = {"target": target, "reactivity": reactivity}
         self._preferred = {name: None if value is None else np.array(value) for name, value in preferred.items()}
-        self._tables = make_tables(
+        self._tables = make_problem(
             self.A,
-            wrench_fibre(self.A, self.weights, self.length_m),
+            force_solutions(self.A, self.weights, self.length_m),
             side_table(self.limits, self.allow_off),
             self.weights,
             targets,
@@ -185,8 +185,8 @@ class Allocator:
             length_m=self.length_m,
             scaled=self.unattainable == "scaled",
         )
-        self._far = beyond(wrench_distance(self.A, self.wrench_weights), facets=self._tables.scaled)
-        self._memory = blank_memory(m)
+        self._far = closest_wrench_data(wrench_metric(self.A, self.wrench_weights), facets=self._tables.scaled)
+        self._memory = no_previous_answer(m)
         self._pack()
         self._size, self._ends = answer_size(n, m), (m, m + n, m + 2 * n)
         self._confirmer = (
@@ -210,7 +210,7 @@ class Allocator:
     def _pack(self) -> None:
         """Prepare what answers demands; the memory lies in it."""
         self._packed = pack(self._tables, self._far, self._memory)
-        self._memory = memory_rows(self._packed, len(self.limits))
+        self._memory = previous_answer_rows(self._packed, len(self.limits))
         parallel = self.method == "enumerate_parallel"
         self._enumeration = (
             Enumeration(self._tables, self._far, parallel) if self.method.startswith("enumerate") else None
@@ -265,7 +265,7 @@ class Allocator:
         """
         first, second = self._demand(primary), self._demand(secondary)
         if not len(self._far.facets):
-            self._far = beyond(self._far.distance, facets=True)
+            self._far = closest_wrench_data(self._far.metric, facets=True)
             self._pack()
         with np.errstate(over="ignore", invalid="ignore"):  # a sum that is no number is answered as such
             whole = first + second
@@ -287,7 +287,7 @@ class Allocator:
         m, a, b = self._ends
         row, subset, effort = np.zeros(self._size), np.empty(m, SIDE), self.effort
         if self._enumeration is None:
-            residual, cost, status, nodes, doubts = allocate_each(self._packed, demands, row, subset)
+            residual, cost, status, nodes, doubts = solve_each(self._packed, demands, row, subset)
             effort.nodes += nodes
             effort.unproven += doubts
         else:
@@ -319,7 +319,7 @@ class Allocator:
         if demands.ndim != 2 or demands.shape[1] != n:
             raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")
         answers, subsets = np.zeros((len(demands), self._size)), np.empty((len(demands), m), SIDE)
-        *_, nodes, doubts = allocate_each(self._packed, demands.ravel(), answers.ravel(), subsets.ravel())
+        *_, nodes, doubts = solve_each(self._packed, demands.ravel(), answers.ravel(), subsets.ravel())
         self.effort.nodes += nodes
         self.effort.unproven += doubts
         _, a, b = self._ends

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation.exact.solutions import actuation_matrix, lever_length, wrench_fibre
+from cube_sim.allocation.exact.solutions import actuation_matrix, force_solutions, lever_length
 from cube_sim.allocation.subset_qp.enumeration import every_subset
 from cube_sim.errors import AllocationError
 from cube_sim.native.compiled import compiled
@@ -42,8 +42,8 @@ def half_spaces(A: ArrayLike, limits: ArrayLike, *, allow_off: bool = True) -> H
     """
     matrix = actuation_matrix(A)
     m = matrix.shape[1]
-    fibre = wrench_fibre(matrix, np.ones(m), lever_length(matrix))
-    columns = fibre.equations  # (r, m) the columns of A in coordinates of range(A)
+    solutions = force_solutions(matrix, np.ones(m), lever_length(matrix))
+    columns = solutions.equations  # (r, m) the columns of A in coordinates of range(A)
     normals = facet_normals(columns)
     low, high = side_table(thruster_limits(limits, m), allow_off)
     subsets = every_subset(low, high)
@@ -54,10 +54,10 @@ def half_spaces(A: ArrayLike, limits: ArrayLike, *, allow_off: bool = True) -> H
         ends = np.outer(low[i, at], reach[:, i]), np.outer(high[i, at], reach[:, i])
         least += np.minimum(*ends)
         most += np.maximum(*ends)
-    outside = fibre.unreachable[np.linalg.norm(fibre.unreachable, axis=1) > 1e-12]
+    outside = solutions.outside_range[np.linalg.norm(solutions.outside_range, axis=1) > 1e-12]
     none = np.zeros((len(subsets), len(outside)))
     return HalfSpaces(
-        np.vstack([normals @ columns @ fibre.particular, outside]),
+        np.vstack([normals @ columns @ solutions.particular, outside]),
         np.hstack([least, none]),
         np.hstack([most, none]),
         subsets,

@@ -13,7 +13,7 @@ from support.allocation_reference import (
 )
 
 from cube_sim.allocation import Allocator, Status
-from cube_sim.allocation.exact import closest_wrench as nearest_module
+from cube_sim.allocation.exact import closest_wrench
 
 LIMITS = np.array([-20.0, -3.0, 4.0, 25.0])
 
@@ -138,14 +138,17 @@ def test_of_many_equally_close_wrenches_ties_keep_the_previous_subset():
         np.testing.assert_allclose(allocator.allocate(np.zeros(6)).force, 0.4 * last)
 
 
-def test_more_equally_close_wrenches_than_there_is_room_for_are_no_proof(monkeypatch):
+def test_more_equally_close_wrenches_than_are_kept_are_no_proof(monkeypatch):
     allocator = Allocator(np.eye(6), [-10, -2, 2, 10], allow_off=False)
-    t, space = allocator._tables, allocator._far.distance
-    sides, span = nearest_module.Sides(t.low, t.high, t.masks, t.relaxed[0]), np.tile([-10.0, 10.0], (6, 1))
-    for room, proven in ((64, True), (63, False)):
-        monkeypatch.setattr(nearest_module, "CANDIDATES", room)
-        forces, sure, _ = nearest_module.nearest.py_func(np.zeros(6), space, sides, span, 1e-8)
-        assert (len(forces), sure) == (room, proven)
+    t, metric = allocator._tables, allocator._far.metric
+    intervals, bounds = (
+        closest_wrench.SideIntervals(t.low, t.high, t.masks, t.relaxed[0]),
+        np.tile([-10.0, 10.0], (6, 1)),
+    )
+    for kept, proven in ((64, True), (63, False)):
+        monkeypatch.setattr(closest_wrench, "CANDIDATES", kept)
+        forces, sure, _ = closest_wrench.closest_wrenches.py_func(np.zeros(6), metric, intervals, bounds, 1e-8)
+        assert (len(forces), sure) == (kept, proven)
 
 
 def test_what_can_be_made_is_made_to_rounding_beside_what_cannot():

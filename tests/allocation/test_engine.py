@@ -7,8 +7,8 @@ from support.allocation_reference import cube
 from cube_sim.allocation import Allocator
 from cube_sim.allocation.exact.active_set import CUT, INFEASIBLE, OPTIMAL, project
 from cube_sim.allocation.exact.relaxation import choose_side, relax, split
-from cube_sim.allocation.exact.sides import Price, Sides
-from cube_sim.allocation.exact.solutions import wrench_distance, wrench_fibre
+from cube_sim.allocation.exact.sides import SideCost, SideIntervals
+from cube_sim.allocation.exact.solutions import force_solutions, wrench_metric
 from cube_sim.allocation.subset_qp.problem import SubsetQP
 from cube_sim.allocation.subset_qp.solver import SubsetSolver
 
@@ -99,7 +99,7 @@ def test_relaxation_never_exceeds_the_true_cost():
 
 def open_sides(low, high):
     """Sides of one motor, none empty; nothing here looks at their relaxation."""
-    return Sides(low, high, np.array([7]), np.empty((1, 8, 4)))
+    return SideIntervals(low, high, np.array([7]), np.empty((1, 8, 4)))
 
 
 def test_splitting_loses_no_side_and_always_shrinks():
@@ -116,47 +116,47 @@ def test_splitting_loses_no_side_and_always_shrinks():
 
 def test_touching_sides_choose_off_then_the_sign():
     low, high = np.array([[-9.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 9.0]])
-    sides, price = open_sides(low, high), Price(np.ones(1), np.zeros((1, 3)), np.zeros((1, 3)))
-    assert choose_side(0.0, 0, 7, sides, price, 0.0) == (1, 0.0)
-    assert choose_side(3.0, 0, 7, sides, price, 0.0) == (2, 9.0)
-    assert choose_side(-3.0, 0, 7, sides, price, 0.0) == (0, 9.0)
-    assert choose_side(3.0, 0, 3, sides, price, 0.0)[0] == -1
+    intervals, side_cost = open_sides(low, high), SideCost(np.ones(1), np.zeros((1, 3)), np.zeros((1, 3)))
+    assert choose_side(0.0, 0, 7, intervals, side_cost, 0.0) == (1, 0.0)
+    assert choose_side(3.0, 0, 7, intervals, side_cost, 0.0) == (2, 9.0)
+    assert choose_side(-3.0, 0, 7, intervals, side_cost, 0.0) == (0, 9.0)
+    assert choose_side(3.0, 0, 3, intervals, side_cost, 0.0)[0] == -1
 
 
-def test_fibre_makes_the_wrench_with_orthonormal_freedom():
+def test_solutions_make_the_wrench_with_orthonormal_freedom():
     A, weights = cube(direction_noise=0.05, seed=2), np.linspace(0.5, 2.0, 8)
-    fibre = wrench_fibre(A, weights, 0.35)
-    assert fibre.rank == 6
-    assert np.allclose(A @ fibre.particular, np.eye(6))
-    assert np.allclose(A @ fibre.kernel, 0.0)
-    assert np.allclose(fibre.kernel.T @ (weights[:, None] * fibre.kernel), np.eye(2))
-    assert np.allclose(fibre.kernel.T @ (weights[:, None] * fibre.particular), 0.0)
-    assert np.allclose(fibre.unreachable, 0.0)
+    solutions = force_solutions(A, weights, 0.35)
+    assert solutions.rank == 6
+    assert np.allclose(A @ solutions.particular, np.eye(6))
+    assert np.allclose(A @ solutions.null_space, 0.0)
+    assert np.allclose(solutions.null_space.T @ (weights[:, None] * solutions.null_space), np.eye(2))
+    assert np.allclose(solutions.null_space.T @ (weights[:, None] * solutions.particular), 0.0)
+    assert np.allclose(solutions.outside_range, 0.0)
 
 
 def test_distance_coordinates_measure_the_weighted_wrench():
     rng = np.random.default_rng(4)
     A, weights = rng.normal(size=(6, 2)) @ rng.normal(size=(2, 5)), rng.uniform(0.5, 30, 6)
-    space = wrench_distance(A, weights)
+    metric = wrench_metric(A, weights)
     f = rng.normal(size=5)
-    assert space.gain.shape == (2, 5)
-    assert np.allclose(space.basis @ space.gain @ f, weights * (A @ f))
-    assert np.allclose(space.spread @ space.gain @ f + space.kernel @ space.kernel.T @ f, f)
+    assert metric.G.shape == (2, 5)
+    assert np.allclose(metric.basis @ metric.G @ f, weights * (A @ f))
+    assert np.allclose(metric.G_pinv @ metric.G @ f + metric.null_space @ metric.null_space.T @ f, f)
 
 
 def test_proxqp_from_afar_and_from_the_answer_agree():
     A = cube()
-    fibre = wrench_fibre(A, np.ones(8), 0.35)
-    origin = fibre.particular @ [10.0, -5, 8, 1, 0.5, -1]
+    solutions = force_solutions(A, np.ones(8), 0.35)
+    origin = solutions.particular @ [10.0, -5, 8, 1, 0.5, -1]
     side = Allocator(A, [-40, -4, 4, 50], allow_off=False).allocate([10.0, -5, 8, 1, 0.5, -1]).subset
     low, high = np.where(side > 0, 4.0, -40.0), np.where(side > 0, 50.0, -4.0)
-    problem = SubsetQP(np.ones(8), np.zeros(8), fibre.equations, fibre.equations @ origin, low, high)
-    solver = SubsetSolver(np.ones(8), fibre.equations)
+    problem = SubsetQP(np.ones(8), np.zeros(8), solutions.equations, solutions.equations @ origin, low, high)
+    solver = SubsetSolver(np.ones(8), solutions.equations)
     cold = solver.solve(problem)
     z, mu = np.empty(2), np.empty(8)
-    assert project(fibre.kernel, low - origin, high - origin, np.zeros(2), np.inf, 1e-9, z, mu) == OPTIMAL
-    force = origin + fibre.kernel @ z
-    warm = solver.solve(problem, (force, -fibre.equations @ (force + mu), mu))
+    assert project(solutions.null_space, low - origin, high - origin, np.zeros(2), np.inf, 1e-9, z, mu) == OPTIMAL
+    force = origin + solutions.null_space @ z
+    warm = solver.solve(problem, (force, -solutions.equations @ (force + mu), mu))
     assert cold.trusted
     assert warm.trusted
     assert np.allclose(cold.force, warm.force, atol=1e-6)
@@ -164,16 +164,16 @@ def test_proxqp_from_afar_and_from_the_answer_agree():
 
 
 def test_proxqp_does_not_believe_an_infeasible_subset_and_stops():
-    fibre = wrench_fibre(cube(), np.ones(8), 0.35)
+    solutions = force_solutions(cube(), np.ones(8), 0.35)
     problem = SubsetQP(
         np.ones(8),
         np.zeros(8),
-        fibre.equations,
-        fibre.equations @ np.full(8, 30.0),
+        solutions.equations,
+        solutions.equations @ np.full(8, 30.0),
         np.full(8, -40.0),
         np.full(8, -4.0),
     )
-    solution = SubsetSolver(np.ones(8), fibre.equations).solve(problem)
+    solution = SubsetSolver(np.ones(8), solutions.equations).solve(problem)
     assert not solution.trusted
     assert solution.iterations <= 200 * 50
     assert np.all((solution.force >= problem.low) & (solution.force <= problem.high))

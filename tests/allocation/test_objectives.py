@@ -5,9 +5,9 @@ import pytest
 from support.allocation_reference import cells, cube, in_allowed_set, jack, least_cost
 
 from cube_sim.allocation import Allocator, Status
-from cube_sim.allocation.exact.packing import pack, unpack, unpack_beyond
-from cube_sim.allocation.exact.solve import allocate_each, answer_size
-from cube_sim.allocation.exact.step import blank_memory
+from cube_sim.allocation.exact.packing import pack, unpack, unpack_closest_wrench_data
+from cube_sim.allocation.exact.solve import answer_size, solve_each
+from cube_sim.allocation.exact.step import no_previous_answer
 from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-40.0, -3.2, 4.0, 50.0])
@@ -67,13 +67,13 @@ def test_lines_and_branch_and_bound_are_the_same_optimum(objective, allow_off):
             arguments["target"] = arguments["target"][: A.shape[1]]
         allocator = Allocator(A, LIMITS, allow_off=allow_off, objective=objective, weights=1.5, **arguments)
         assert allocator._tables.planar
-        other = pack(allocator._tables._replace(planar=False), allocator._far, blank_memory(A.shape[1]))
+        other = pack(allocator._tables._replace(planar=False), allocator._far, no_previous_answer(A.shape[1]))
         n, m = A.shape
         reach = 0.2 * np.abs(A) @ np.full(m, 50.0)
         wrenches = np.vstack([np.zeros(n), rng.normal(size=(300, n)) * reach, np.diag(reach), -0.1 * np.diag(reach)])
         fast = allocator.allocate_many(wrenches)
         answers = np.zeros((len(wrenches), answer_size(n, m)))
-        allocate_each(other, wrenches.ravel(), answers.ravel(), np.empty(len(wrenches) * m, np.int8))
+        solve_each(other, wrenches.ravel(), answers.ravel(), np.empty(len(wrenches) * m, np.int8))
         assert np.array_equal(fast.status, answers[:, -2])
         assert np.allclose(fast.cost, answers[:, -3], rtol=1e-7, atol=1e-6)
 
@@ -83,7 +83,7 @@ def test_packed_tables_come_back_whole():
         allocator = Allocator(A, LIMITS, objective="reactivity", reactivity=REACTIVITY, reversal_penalty=3.0)
         for tables, packed in (
             (allocator._tables, unpack(allocator._packed)),
-            (allocator._far, unpack_beyond(allocator._packed)),
+            (allocator._far, unpack_closest_wrench_data(allocator._packed)),
         ):
             for kept, field in zip(packed, tables, strict=True):
                 if isinstance(field, tuple):

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Status
 from cube_sim.allocation.allocator import electrical_power
-from cube_sim.allocation.exact.solutions import actuation_matrix, error_size, lever_length, wrench_fibre
+from cube_sim.allocation.exact.solutions import actuation_matrix, error_size, force_solutions, lever_length
 from cube_sim.errors import AllocationError
 from cube_sim.wrench.arguments import flag, numbers, pairs
 from cube_sim.wrench.limits import thruster_limits
@@ -37,8 +37,8 @@ class Judge:
         self.limits = thruster_limits(limits, m)
         self.allow_off = flag("allow_off", allow_off)
         self.length_m = lever_length(self.A)
-        fibre = wrench_fibre(self.A, np.ones(m), self.length_m)
-        self._pseudo_inverse, self.kernel = fibre.particular, fibre.kernel
+        solutions = force_solutions(self.A, np.ones(m), self.length_m)
+        self._pseudo_inverse, self.kernel = solutions.particular, solutions.null_space
         self.power_coefficients = (
             None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
         )

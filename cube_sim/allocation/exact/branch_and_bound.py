@@ -1,4 +1,4 @@
-"""The exact search: which subset of motor sides makes a wrench at the least cost, with proof that none is better."""
+"""The exact search: which subset of thruster sides makes a wrench at the least cost, with proof that none is better."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.exact.active_set import CUT, INFEASIBLE, STALLED, project
 from cube_sim.allocation.exact.relaxation import branch, choose_side, split
-from cube_sim.allocation.exact.sides import Price, Sides
-from cube_sim.allocation.exact.ties import changed, preferred, slack_of
+from cube_sim.allocation.exact.sides import SideCost, SideIntervals
+from cube_sim.allocation.exact.ties import count_changes, preferred, tie_tolerance
 from cube_sim.native.compiled import compiled
 
 FOUND, NONE, GAVE_UP = 0, 1, 2
@@ -22,37 +22,48 @@ ACCEPTED = 2.001
 on a side is then attainable with that side alone, and the cheapest force of a subset is never missed at its border."""
 
 MOST_NODES = 20_000
-"""Projections after which a search gives up its proof and answers with the best it has; eight motors take hundreds."""
+"""Projections after which a search gives up its proof and answers with its best. Eight thrusters take hundreds."""
 
 
 @compiled
-def search(
+def branch_and_bound(
     origin: NDArray[np.float64],
-    kernel: NDArray[np.float64],
-    sides: Sides,
-    price: Price,
+    null_space: NDArray[np.float64],
+    intervals: SideIntervals,
+    side_cost: SideCost,
     previous: NDArray[np.float64],
     tolerance: float,
     force: NDArray[np.float64],
     subset: NDArray[np.float64],
     multiplier: NDArray[np.float64],
 ) -> tuple[int, float, int]:
-    """Minimise ``sum w (f - target)^2 + penalty`` over ``f = origin + kernel z`` with every f_i on an allowed side.
+    """Minimise ``sum w (f - target)^2 + penalty`` over ``f = origin + null_space z`` with every f_i on an allowed side.
 
-    Branch and bound over the motors, depth first. A node leaves each motor a set of sides; relaxing that set to
-    one interval (`relax`) makes the node one projection in the k kernel coordinates, whose value is a lower bound
-    for everything below it. A node whose projection already lies on allowed sides is closed by it; otherwise the
-    motor that is furthest off decides its side. Nothing is discarded unless its lower bound exceeds the best cost
-    found, so the answer is the optimum over all subsets.
+    Branch and bound over the thrusters, depth first. A node leaves each thruster a set of sides. Relaxing each set to
+    one interval (`relax`) makes the node one projection in the k coordinates z. Its value is a lower bound for
+    everything below the node:
+
+    ======================================  =====================================================================
+    the node's projection                   what follows
+    ======================================  =====================================================================
+    does not exist                          no forces lie below the node: leave it
+    costs more than the best                nothing below is better: leave it
+    lies off a thruster's sides             divide the node: the thruster that is furthest off decides its side
+    lies on allowed sides                   it is an answer, the best one or not, and
+    - and costs its lower bound             nothing below is better: leave the node
+    - and costs more                        divide the node: the thruster whose bound is loosest decides its side
+    ======================================  =====================================================================
+
+    Nothing is left unless its lower bound exceeds the best cost found, so the answer is the optimum over all subsets.
 
     Ties within rounding go to the subset with the fewest changes from ``previous``, then to the one whose first
-    differing motor pushes forward.
+    differing thruster pushes forward.
 
     Args:
         origin: (m,) any forces making the wrench [N].
-        kernel: (m, k) with ``kernel.T @ diag(w) @ kernel = I``.
-        sides: open to the motors.
-        price: of them; what ``sides.relaxed`` was made with.
+        null_space: (m, k) with ``null_space.T @ diag(w) @ null_space = I``.
+        intervals: open to the thrusters.
+        side_cost: of the sides; what ``intervals.relaxed`` was made with.
         previous: (m,) subset that ties prefer.
         tolerance: force that counts as rounding [N].
         force: (m,) out [N].
@@ -62,9 +73,9 @@ def search(
     Returns:
         Outcome, cost of ``force``, and the number of projections solved.
     """
-    m, k = kernel.shape
-    relaxed, weight = sides.relaxed, price.weight
-    low, high = sides.low, sides.high
+    m, k = null_space.shape
+    relaxed, weight = intervals.relaxed, side_cost.weight
+    low, high = intervals.low, intervals.high
     stack = np.empty((2 * m + 2, m), np.int64)
     bound = np.empty(2 * m + 2)
     bottom, top = np.empty(m), np.empty(m)
@@ -77,7 +88,7 @@ def search(
     proven = True
     solved = 0
     for i in range(m):
-        stack[0, i] = sides.masks[i]
+        stack[0, i] = intervals.masks[i]
     bound[0] = -math.inf
     depth = 1
     while depth > 0:
@@ -85,7 +96,7 @@ def search(
             proven = False
             break
         depth -= 1
-        slack = slack_of(best)
+        slack = tie_tolerance(best)
         bound_here = bound[depth]
         if bound_here > best + slack:
             continue
@@ -103,16 +114,16 @@ def search(
         for i in range(m):
             pull = weight[i] * (relaxed[i, mask[i], 2] - origin[i])
             for a in range(k):
-                start[a] += kernel[i, a] * pull
+                start[a] += null_space[i, a] * pull
         free = constant
         for i in range(m):
             value = origin[i] - relaxed[i, mask[i], 2]
             for a in range(k):
-                value += kernel[i, a] * start[a]
+                value += null_space[i, a] * start[a]
             free += weight[i] * value * value
             bottom[i] -= origin[i]
             top[i] -= origin[i]
-        outcome = project(kernel, bottom, top, start, best + slack - free, 2.0 * tolerance, point, mu)
+        outcome = project(null_space, bottom, top, start, best + slack - free, 2.0 * tolerance, point, mu)
         solved += 1
         if outcome == INFEASIBLE or outcome == CUT:  # noqa: SIM109 - compiles faster
             continue
@@ -131,11 +142,11 @@ def search(
         for i in range(m):
             value = origin[i]
             for a in range(k):
-                value += kernel[i, a] * point[a]
+                value += null_space[i, a] * point[a]
             f[i] = value
             here = weight[i] * (value - relaxed[i, mask[i], 2]) ** 2
             lower += here
-            s, true = choose_side(value, i, mask[i], sides, price, ACCEPTED * tolerance)
+            s, true = choose_side(value, i, mask[i], intervals, side_cost, ACCEPTED * tolerance)
             chosen[i] = s - 1
             if s < 0:
                 gap = math.inf
@@ -151,7 +162,7 @@ def search(
         if lower > best + slack:
             continue
         if stuck < 0:
-            changes = changed(chosen, previous)
+            changes = count_changes(chosen, previous)
             if preferred(cost, best, chosen, subset, changes, changes_best):
                 best, value_best, changes_best = min(best, cost), cost, changes
                 for i in range(m):
@@ -160,7 +171,7 @@ def search(
                 continue
         else:
             divided = stuck
-        first, second = split(f[divided], divided, mask[divided], sides)
+        first, second = split(f[divided], divided, mask[divided], intervals)
         depth = branch(stack, bound, depth, mask, divided, (second, first), lower)
     if not proven:
         return GAVE_UP, value_best, solved

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from cube_sim.allocation.exact.active_set import INFEASIBLE, STALLED, project
 from cube_sim.allocation.exact.branch_and_bound import MOST_NODES
 from cube_sim.allocation.exact.relaxation import branch, split
-from cube_sim.allocation.exact.sides import Sides
-from cube_sim.allocation.exact.solutions import WrenchDistance
+from cube_sim.allocation.exact.sides import SideIntervals
+from cube_sim.allocation.exact.solutions import WrenchMetric
 from cube_sim.native.compiled import compiled
 
 CANDIDATES = 4096
-"""Most distinct equally close wrenches kept, one for each strict subset of twelve motors; with more the answer counts
-as not proven. Most vehicles have one, symmetric ones a handful."""
+"""Most distinct equally close wrenches kept, one for each strict subset of twelve thrusters. With more the answer
+counts as not proven. Most vehicles have one, symmetric ones a handful."""
 
 _ROOM = 32
 
@@ -29,34 +29,34 @@ DOUBT = 1e6
 
 
 @compiled
-def nearest(
+def closest_wrenches(
     goal: NDArray[np.float64],
-    space: WrenchDistance,
-    sides: Sides,
-    span: NDArray[np.float64],
+    metric: WrenchMetric,
+    intervals: SideIntervals,
+    bounds: NDArray[np.float64],
     tolerance: float,
 ) -> tuple[NDArray[np.float64], bool, int]:
-    """Minimise ``|gain @ f - goal|`` over forces on allowed sides, exactly over the union of all subsets.
+    """Minimise ``|G @ f - goal|`` over forces on allowed sides, exactly over the union of all subsets.
 
-    Branch and bound as in `search`, on another distance. In the coordinates (s, z) of `WrenchDistance` a node is
-    again a projection; z costs nothing, so it is held by a proximal term that is moved to the last answer until
+    Branch and bound as in `branch_and_bound`, on another distance. In the coordinates (s, z) of `WrenchMetric` a node
+    is again a projection; z costs nothing, so it is held by a proximal term that is moved to the last answer until
     the node is solved, and once more: a distance D right to x may leave the wrench sqrt(2 D x) off across it, the
     last step does not. What discards a node is not that answer but the plane it defines: with g the unit vector
-    from the made to the wanted wrench, no force of the node comes closer than ``g.goal - max g.gain f``, which
-    is a sum over motors and holds whatever the rounding.
+    from the made to the wanted wrench, no force of the node comes closer than ``g.goal - max g.G f``, which
+    is a sum over thrusters and holds whatever the rounding.
 
     Args:
         goal: (r,) demanded wrench in the coordinates s, no farther than a few times the vehicle's reach.
-        space: its coordinates and norm.
-        sides: open to the motors; of ``relaxed`` only the interval ends are used.
-        span: (m, 2) forces each motor may have in a closest answer [N].
+        metric: its coordinates and norm.
+        intervals: open to the thrusters; of ``relaxed`` only the interval ends are used.
+        bounds: (m, 2) forces each thruster may have in a closest answer [N].
         tolerance: force that counts as rounding [N].
 
     Returns:
         (c, m) forces making the equally closest, distinct wrenches; whether these are proven to be all; nodes solved.
     """
-    spread, kernel, gain, relaxed = space.spread, space.kernel, space.gain, sides.relaxed
-    m, k = kernel.shape
+    G_pinv, null_space, G, relaxed = metric.G_pinv, metric.null_space, metric.G, intervals.relaxed
+    m, k = null_space.shape
     r = goal.shape[0]
     d = r + k
     stack = np.empty((2 * m + 2, m), np.int64)
@@ -69,18 +69,18 @@ def nearest(
     size, fine = 0.0, FINE * tolerance
     for a in range(r):
         for i in range(m):
-            size = max(size, abs(gain[a, i]))
+            size = max(size, abs(G[a, i]))
     near = size * fine  # wrench distance that counts as rounding
     rows = np.empty((m, d))
     for i in range(m):
         for a in range(r):
-            rows[i, a] = spread[i, a]
+            rows[i, a] = G_pinv[i, a]
     best = math.inf
     found = 0
     proven = True
     solved = 0
     for i in range(m):
-        stack[0, i] = sides.masks[i]
+        stack[0, i] = intervals.masks[i]
     bound[0] = 0.0
     depth = 1
     while depth > 0:
@@ -93,7 +93,7 @@ def nearest(
         empty = False
         for i in range(m):
             mask[i] = stack[depth, i]
-            bottom[i], top[i] = max(relaxed[i, mask[i], 0], span[i, 0]), min(relaxed[i, mask[i], 1], span[i, 1])
+            bottom[i], top[i] = max(relaxed[i, mask[i], 0], bounds[i, 0]), min(relaxed[i, mask[i], 1], bounds[i, 1])
             empty = empty or bottom[i] > top[i]
         if empty:
             continue
@@ -104,7 +104,7 @@ def nearest(
         for _ in range(50):
             for i in range(m):
                 for b in range(k):
-                    rows[i, r + b] = kernel[i, b] / soft
+                    rows[i, r + b] = null_space[i, b] / soft
             outcome = project(rows, bottom, top, start, math.inf, fine, point, mu)
             solved += 1
             if outcome == STALLED or outcome == INFEASIBLE:  # noqa: SIM109 - compiles faster
@@ -118,7 +118,7 @@ def nearest(
             for a in range(r):
                 made[a] = 0.0
                 for i in range(m):
-                    made[a] += gain[a, i] * f[i]
+                    made[a] += G[a, i] * f[i]
                 g[a] = goal[a] - made[a]
                 distance += g[a] * g[a]
             distance = math.sqrt(distance)
@@ -127,10 +127,10 @@ def nearest(
                 for a in range(r):
                     plane += g[a] * goal[a]
                 for i in range(m):
-                    reach = 0.0
+                    along = 0.0
                     for a in range(r):
-                        reach += g[a] * gain[a, i]
-                    plane -= max(reach * bottom[i], reach * top[i])
+                        along += g[a] * G[a, i]
+                    plane -= max(along * bottom[i], along * top[i])
                 lower = max(lower, plane / distance)
             if lower > best + near or settled:
                 break
@@ -158,8 +158,8 @@ def nearest(
         for i in range(m):
             gap = math.inf
             for s in range(3):
-                if mask[i] >> s & 1 and sides.low[i, s] <= sides.high[i, s]:
-                    gap = min(gap, max(sides.low[i, s] - f[i], f[i] - sides.high[i, s]))
+                if mask[i] >> s & 1 and intervals.low[i, s] <= intervals.high[i, s]:
+                    gap = min(gap, max(intervals.low[i, s] - f[i], f[i] - intervals.high[i, s]))
             if gap > furthest:
                 chosen, furthest = i, gap
         if chosen < 0:
@@ -178,6 +178,6 @@ def nearest(
                 images[found, a] = made[a]
             found += 1
             continue
-        first, second = split(f[chosen], chosen, mask[chosen], sides)
+        first, second = split(f[chosen], chosen, mask[chosen], intervals)
         depth = branch(stack, bound, depth, mask, chosen, (second, first), lower)
     return forces[:found], proven, solved

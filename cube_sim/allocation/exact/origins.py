@@ -1,4 +1,7 @@
-"""From a demanded wrench to forces that make it, or what can be made of it, their dead zones aside."""
+"""From a demanded wrench to forces that make it, or what can be made of it, dead zones aside.
+
+An origin is one force vector of the wrench that is to be made. All others are the origin plus the null space of A.
+"""
 
 from __future__ import annotations
 
@@ -7,60 +10,69 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.closest_wrench import nearest
+from cube_sim.allocation.exact.closest_wrench import closest_wrenches
 from cube_sim.allocation.exact.largest_share import largest_share
-from cube_sim.allocation.exact.presolve import commit, felt
-from cube_sim.allocation.exact.problem import Beyond
-from cube_sim.allocation.exact.solutions import WrenchDistance, WrenchFibre
-from cube_sim.allocation.exact.step import Tick, sides_of
+from cube_sim.allocation.exact.presolve import fix_thrusters, reduce_goal
+from cube_sim.allocation.exact.problem import ClosestWrenchData
+from cube_sim.allocation.exact.solutions import ForceSolutions, WrenchMetric
+from cube_sim.allocation.exact.step import StepLimits, intervals_of
 from cube_sim.native.compiled import compiled, inlined
 
 FAR = 1e3
-"""Parts of a demand longer than this many times the reach are shortened where only their direction counts."""
+"""Parts of a demand longer than this many times the largest wrench are shortened where only their direction counts."""
 
 FARTHEST = 1e7
-"""Components of a demand up to this many times the reach count as they are. Beyond, those longer than `FAR` times the
-reach are shortened in one ratio, though not below that, and the others count as they are: what a direction rounded to
-double precision makes across itself is then not taken for authority there. The closest wrench stays the same where no
-motor makes both a long and a short component, and elsewhere nearly always; the answer then counts as not proven."""
+"""Components of a demand up to this many times the largest wrench count as they are.
+
+Beyond, those longer than `FAR` times the largest wrench are shortened in one ratio, though not below that, and the
+others count as they are. What a direction rounded to double precision makes across itself is then not taken for
+authority there. The closest wrench stays the same where no thruster makes both a long and a short component, and
+elsewhere nearly always; the answer then counts as not proven."""
 
 
 @compiled
 def attainable_origin(
-    fibre: WrenchFibre, reach: float, tolerance: float, demand: NDArray[np.float64], origin: NDArray[np.float64]
+    solutions: ForceSolutions,
+    largest_wrench: float,
+    tolerance: float,
+    demand: NDArray[np.float64],
+    origin: NDArray[np.float64],
 ) -> bool:
-    """Write the least forces making the demand, limits aside; False when no forces of any size can, or it is far.
+    """Write the least forces that make the demand, limits aside.
 
     Args:
-        fibre: of the vehicle.
-        reach: see `Tables`.
+        solutions: of the vehicle.
+        largest_wrench: see `AllocationProblem`.
         tolerance: force that counts as rounding [N].
         demand: (n,) finite.
         origin: (m,) out [N].
+
+    Returns:
+        False when forces of no size make the demand, or it is more than the vehicle can make.
     """
     n, m = demand.shape[0], origin.shape[0]
     for a in range(n):
-        if abs(demand[a]) > 2.0 * reach:
+        if abs(demand[a]) > 2.0 * largest_wrench:
             return False
     for b in range(n):
         outside = 0.0
         for a in range(n):
-            outside += fibre.unreachable[b, a] * demand[a]
+            outside += solutions.outside_range[b, a] * demand[a]
         if abs(outside) > tolerance:
             return False
     for i in range(m):
         force = 0.0
         for a in range(n):
-            force += fibre.particular[i, a] * demand[a]
+            force += solutions.particular[i, a] * demand[a]
         origin[i] = force
     return True
 
 
 @inlined
 def share_origin(
-    far: Beyond,
-    reach: float,
-    tick: Tick,
+    closest: ClosestWrenchData,
+    largest_wrench: float,
+    limits: StepLimits,
     primary: NDArray[np.float64],
     secondary: NDArray[np.float64],
     origin: NDArray[np.float64],
@@ -68,15 +80,15 @@ def share_origin(
 ) -> tuple[float, int, bool]:
     """Forces for the primary wrench and the largest attainable share of the secondary one.
 
-    What no forces of any size can make is left out of both first. Where no share is attainable, not even 0, the
-    forces are those of the primary wrench alone.
+    What forces of no size can make is left out of both first. Where no share is attainable, not even 0, the forces
+    are those of the primary wrench alone.
 
     Args:
-        far: of the vehicle, with facets.
-        reach: see `Tables`.
-        tick: sides of this call.
+        closest: of the vehicle, with facets.
+        largest_wrench: see `AllocationProblem`.
+        limits: sides of this call.
         primary: (n,) finite.
-        secondary: (n,) finite; one far beyond reach counts as a shorter one of the same direction.
+        secondary: (n,) finite; one far beyond the largest wrench counts as a shorter one of the same direction.
         origin: (m,) out: forces making it, limits aside [N].
         part: (n,) out: ``primary + share * secondary``.
 
@@ -84,29 +96,30 @@ def share_origin(
         The share, negative for none; nodes looked at; whether the answer is proven.
     """
     n, m = primary.shape[0], origin.shape[0]
-    distance, facets = far.distance, far.facets
+    metric, facets = closest.metric, closest.facets
     r, h = facets.shape[1], facets.shape[0]
-    short, short_primary = shortened(reach, secondary), shortened(reach, primary)
-    first, goal = reachable(distance, primary, short_primary), reachable(distance, secondary, short)
+    short, short_primary = shortening(largest_wrench, secondary), shortening(largest_wrench, primary)
+    first = metric_coordinates(metric, primary, short_primary)
+    second = metric_coordinates(metric, secondary, short)
     base, across, gain = np.zeros(h), np.zeros(h), np.zeros((h, m))
     size = 0.0
     for f in range(h):
         for b in range(r):
             base[f] += facets[f, b] * first[b]
-            across[f] += facets[f, b] * goal[b]
+            across[f] += facets[f, b] * second[b]
             for i in range(m):
-                gain[f, i] += facets[f, b] * distance.gain[b, i]
+                gain[f, i] += facets[f, b] * metric.G[b, i]
         for i in range(m):
             size = max(size, abs(gain[f, i]))
-    rounding = 1e-3 * size * tick.tolerance  # well below what the search for the forces counts as rounding
+    rounding = 1e-3 * size * limits.tolerance  # well below what the search for the forces counts as rounding
     found, proven, nodes = -1.0, True, 0
     if short_primary == 1.0:
-        found, proven, nodes = largest_share(base, across, gain, sides_of(tick, 0), rounding)
+        found, proven, nodes = largest_share(base, across, gain, intervals_of(limits, 0), rounding)
     share = max(found, 0.0)
     for i in range(m):
         origin[i] = 0.0
         for b in range(r):
-            origin[i] += distance.spread[i, b] * (first[b] + goal[b] * share)
+            origin[i] += metric.G_pinv[i, b] * (first[b] + second[b] * share)
     for a in range(n):
         part[a] = primary[a] + secondary[a] * short * share
     return found, nodes, proven
@@ -115,43 +128,43 @@ def share_origin(
 @inlined
 def nearest_origins(
     A: NDArray[np.float64],
-    distance: WrenchDistance,
-    fibre: WrenchFibre,
-    reach: float,
-    tick: Tick,
+    metric: WrenchMetric,
+    solutions: ForceSolutions,
+    largest_wrench: float,
+    limits: StepLimits,
     demand: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], int, bool]:
     """Forces making the wrenches closest to a demand.
 
     Args:
         A: (n, m).
-        distance: of the vehicle.
-        fibre: of the vehicle.
-        reach: see `Tables`.
-        tick: sides of this call.
+        metric: of the vehicle.
+        solutions: of the vehicle.
+        largest_wrench: see `AllocationProblem`.
+        limits: sides of this call.
         demand: (n,) finite.
 
     Returns:
-        (c, m) forces, one row per distinct equally close wrench; when every projection stalled, the one row of the
+        (c, m) forces, one row per distinct equally close wrench. When every projection stalled: the one row of the
         pseudo-inverse, to be moved to allowed sides. Then nodes looked at, and whether the answer is proven.
     """
     n, m = A.shape
-    wanted, span, pull, committed = np.empty(n), np.empty((m, 2)), np.empty(m), np.empty(m, np.bool_)
-    straight = bring_near(reach, demand, wanted)
-    sides, goal = sides_of(tick, 0), reachable(distance, wanted, 1.0)
-    if commit(A, distance, sides, wanted, span, pull, committed) > 0:
-        felt(distance.gain, span, pull, committed, goal)
-    candidates, proven, nodes = nearest(goal, distance, sides, span, tick.tolerance)
+    wanted, bounds, descent, fixed = np.empty(n), np.empty((m, 2)), np.empty(m), np.empty(m, np.bool_)
+    straight = shorten_components(largest_wrench, demand, wanted)
+    intervals, goal = intervals_of(limits, 0), metric_coordinates(metric, wanted, 1.0)
+    if fix_thrusters(A, metric, intervals, wanted, bounds, descent, fixed) > 0:
+        reduce_goal(metric.G, bounds, descent, fixed, goal)
+    candidates, proven, nodes = closest_wrenches(goal, metric, intervals, bounds, limits.tolerance)
     if candidates.shape[0] == 0:
         candidates, proven = np.zeros((1, m)), False
         for i in range(m):
             for a in range(n):
-                candidates[0, i] += fibre.particular[i, a] * wanted[a]
+                candidates[0, i] += solutions.particular[i, a] * wanted[a]
     return candidates, nodes, proven and straight
 
 
 @compiled
-def bring_near(reach: float, demand: NDArray[np.float64], wanted: NDArray[np.float64]) -> bool:
+def shorten_components(largest_wrench: float, demand: NDArray[np.float64], wanted: NDArray[np.float64]) -> bool:
     """Write a demand (n,) whose components may have any size into ``wanted`` (n,), as `FARTHEST` says.
 
     Returns:
@@ -160,7 +173,7 @@ def bring_near(reach: float, demand: NDArray[np.float64], wanted: NDArray[np.flo
     size, straight = 0.0, True
     for a in range(demand.shape[0]):
         size = max(size, abs(demand[a]))
-    most, kept = FARTHEST * max(reach, 1e-12), FAR * max(reach, 1e-12)
+    most, kept = FARTHEST * max(largest_wrench, 1e-12), FAR * max(largest_wrench, 1e-12)
     scale = most / size if size > most else 1.0
     for a in range(demand.shape[0]):
         length = max(abs(demand[a]) * scale, min(abs(demand[a]), kept))
@@ -170,20 +183,20 @@ def bring_near(reach: float, demand: NDArray[np.float64], wanted: NDArray[np.flo
 
 
 @compiled
-def shortened(reach: float, demand: NDArray[np.float64]) -> float:
-    """Factor that makes a demand (n,) far beyond reach shorter, so that no product overflows; else 1."""
+def shortening(largest_wrench: float, demand: NDArray[np.float64]) -> float:
+    """Factor that shortens a demand (n,) far beyond the largest wrench, so that no product overflows; else 1."""
     size = 0.0
     for a in range(demand.shape[0]):
         size = max(size, abs(demand[a]))
-    limit = FAR * max(reach, 1e-12)
+    limit = FAR * max(largest_wrench, 1e-12)
     return limit / size if size > limit else 1.0
 
 
 @compiled
-def reachable(distance: WrenchDistance, demand: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
-    """Coordinates s (r,) of `WrenchDistance` of a scaled demand (n,), what no forces of any size can make left out."""
-    goal = np.zeros(distance.basis.shape[1])
+def metric_coordinates(metric: WrenchMetric, demand: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
+    """Coordinates s (r,) of `WrenchMetric` of a scaled demand (n,): what forces of no size make is left out."""
+    goal = np.zeros(metric.basis.shape[1])
     for b in range(goal.shape[0]):
         for a in range(demand.shape[0]):
-            goal[b] += distance.basis[a, b] * distance.weights[a] * (demand[a] * scale)
+            goal[b] += metric.basis[a, b] * metric.weights[a] * (demand[a] * scale)
     return goal

@@ -1,7 +1,8 @@
 """All that a compiled call needs in one array: what it is handed costs time by the piece.
 
-First `HEADER` integers: n, m, k, rank A, number of alternatives, planar, scaled, h, rank W A, and where `Beyond` and
-`Room` begin. Then `Tables`, `Beyond`, `Room`, and `Memory` last. Integers lie in the bits of a float's place.
+First `HEADER` integers: n, m, k, rank A, number of alternatives, planar, scaled, h, rank W A, and where
+`ClosestWrenchData` and `Workspace` begin. Then `AllocationProblem`, `ClosestWrenchData`, `Workspace`, and
+`PreviousAnswer` last. Integers lie in the bits of a float's place.
 """
 
 from __future__ import annotations
@@ -9,41 +10,41 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.problem import Beyond, Tables
-from cube_sim.allocation.exact.solutions import WrenchDistance, WrenchFibre
-from cube_sim.allocation.exact.step import Memory
-from cube_sim.allocation.exact.workspace import Room, room_at, room_size
+from cube_sim.allocation.exact.problem import AllocationProblem, ClosestWrenchData
+from cube_sim.allocation.exact.solutions import ForceSolutions, WrenchMetric
+from cube_sim.allocation.exact.step import PreviousAnswer
+from cube_sim.allocation.exact.workspace import Workspace, workspace_at, workspace_size
 from cube_sim.native.compiled import compiled, cut
 
 HEADER = 11
 
 
-def pack(t: Tables, far: Beyond, memory: NDArray[np.float64]) -> NDArray[np.float64]:
+def pack(problem: AllocationProblem, closest: ClosestWrenchData, previous: NDArray[np.float64]) -> NDArray[np.float64]:
     """Put everything into one array, in the order the functions below take it out.
 
     Args:
-        t: of the vehicle.
-        far: of the vehicle.
-        memory: (3, m), copied to the end.
+        problem: of the vehicle.
+        closest: of the vehicle.
+        previous: (3, m), copied to the end.
     """
-    fibre, distance = t.fibre, far.distance
-    n, m = t.A.shape
-    numbers = t.reversal_penalty, t.switching_penalty, t.change_limit, t.tolerance, t.reach
-    rows = t.error_scale, t.weights, t.masks.view(np.float64)
-    matrices = t.A, fibre.particular, fibre.kernel, fibre.equations, fibre.unreachable, t.plane
-    sides = t.low, t.high, t.penalty, t.edge, t.targets, t.relaxed
-    near = np.concatenate([np.ravel(part) for part in (*numbers, *rows, *matrices, *sides)])
-    last = distance.spread, distance.kernel, distance.basis, distance.gain, far.facets, distance.weights
-    beyond = np.concatenate([np.ravel(part) for part in last])
-    begins = HEADER + len(near), HEADER + len(near) + len(beyond)
-    header = n, m, fibre.kernel.shape[1], fibre.rank, len(t.targets), t.planar, t.scaled, len(far.facets)
-    header = np.array((*header, len(distance.gain), *begins), np.int64)
-    return np.concatenate([header.view(np.float64), near, beyond, np.zeros(room_size(n, m)), memory.ravel()])
+    p, solutions, metric = problem, problem.solutions, closest.metric
+    n, m = p.A.shape
+    numbers = p.reversal_penalty, p.switching_penalty, p.change_limit, p.tolerance, p.largest_wrench
+    rows = p.error_scale, p.weights, p.masks.view(np.float64)
+    matrices = p.A, solutions.particular, solutions.null_space, solutions.equations, solutions.outside_range, p.plane
+    sides = p.low, p.high, p.penalty, p.edge, p.targets, p.relaxed
+    first = np.concatenate([np.ravel(part) for part in (*numbers, *rows, *matrices, *sides)])
+    matrices = metric.G_pinv, metric.null_space, metric.basis, metric.G, closest.facets, metric.weights
+    second = np.concatenate([np.ravel(part) for part in matrices])
+    begins = HEADER + len(first), HEADER + len(first) + len(second)
+    sizes = n, m, solutions.null_space.shape[1], solutions.rank, len(p.targets)
+    header = np.array((*sizes, p.planar, p.scaled, len(closest.facets), len(metric.G), *begins), np.int64)
+    return np.concatenate([header.view(np.float64), first, second, np.zeros(workspace_size(n, m)), previous.ravel()])
 
 
 @compiled
-def unpack(packed: NDArray[np.float64]) -> Tables:
-    """Tables whose arrays are views of the packed numbers."""
+def unpack(packed: NDArray[np.float64]) -> AllocationProblem:
+    """The problem, its arrays as views of the packed numbers."""
     header, real = cut(packed, 0, (HEADER,), np.int64), np.float64
     n, m, k, rank, alternatives = header[0], header[1], header[2], header[3], header[4]
     numbers = cut(packed, HEADER, (5,), real)
@@ -52,21 +53,21 @@ def unpack(packed: NDArray[np.float64]) -> Tables:
     masks = weights + m
     A = masks + m
     particular = A + n * m
-    kernel = particular + n * m
-    equations = kernel + m * k
-    unreachable = equations + rank * m
-    plane = unreachable + n * n
+    null_space = particular + n * m
+    equations = null_space + m * k
+    outside_range = equations + rank * m
+    plane = outside_range + n * n
     low = plane + 2 * m
     targets = low + 12 * m
     side = (m, 3)
-    return Tables(
+    return AllocationProblem(
         cut(packed, A, (n, m), real),
         cut(packed, error_scale, (n,), real),
-        WrenchFibre(
+        ForceSolutions(
             cut(packed, particular, (m, n), real),
-            cut(packed, kernel, (m, k), real),
+            cut(packed, null_space, (m, k), real),
             cut(packed, equations, (rank, m), real),
-            cut(packed, unreachable, (n, n), real),
+            cut(packed, outside_range, (n, n), real),
             rank,
         ),
         cut(packed, plane, (m, 2), real),
@@ -89,20 +90,20 @@ def unpack(packed: NDArray[np.float64]) -> Tables:
 
 
 @compiled
-def unpack_beyond(packed: NDArray[np.float64]) -> Beyond:
-    """What lies beyond the tables, as views."""
+def unpack_closest_wrench_data(packed: NDArray[np.float64]) -> ClosestWrenchData:
+    """What an unattainable wrench needs besides, as views."""
     header, real = cut(packed, 0, (HEADER,), np.int64), np.float64
-    n, m, h, r, spread = header[0], header[1], header[7], header[8], header[9]
-    kernel = spread + m * r
-    basis = kernel + m * (m - r)
-    gain = basis + n * r
-    facets = gain + r * m
-    return Beyond(
-        WrenchDistance(
-            cut(packed, spread, (m, r), real),
-            cut(packed, kernel, (m, m - r), real),
+    n, m, h, r, G_pinv = header[0], header[1], header[7], header[8], header[9]
+    null_space = G_pinv + m * r
+    basis = null_space + m * (m - r)
+    G = basis + n * r
+    facets = G + r * m
+    return ClosestWrenchData(
+        WrenchMetric(
+            cut(packed, G_pinv, (m, r), real),
+            cut(packed, null_space, (m, m - r), real),
             cut(packed, basis, (n, r), real),
-            cut(packed, gain, (r, m), real),
+            cut(packed, G, (r, m), real),
             cut(packed, facets + h * r, (n,), real),
         ),
         cut(packed, facets, (h, r), real),
@@ -110,24 +111,24 @@ def unpack_beyond(packed: NDArray[np.float64]) -> Beyond:
 
 
 @compiled
-def unpack_room(packed: NDArray[np.float64]) -> Room:
-    """The room to work in, as views."""
+def unpack_workspace(packed: NDArray[np.float64]) -> Workspace:
+    """The scratch rows, as views."""
     header = cut(packed, 0, (HEADER,), np.int64)
-    return room_at(packed, header[10], header[0], header[1])
+    return workspace_at(packed, header[10], header[0], header[1])
 
 
 @compiled
-def unpack_memory(packed: NDArray[np.float64]) -> Memory:
+def unpack_previous_answer(packed: NDArray[np.float64]) -> PreviousAnswer:
     """The previous answer, as views."""
     m = cut(packed, 1, (1,), np.int64)[0]
     at = packed.shape[0] - 3 * m
-    return Memory(
+    return PreviousAnswer(
         cut(packed, at, (m,), np.float64),
         cut(packed, at + m, (m,), np.float64),
         cut(packed, at + 2 * m, (m,), np.float64),
     )
 
 
-def memory_rows(packed: NDArray[np.float64], m: int) -> NDArray[np.float64]:
+def previous_answer_rows(packed: NDArray[np.float64], m: int) -> NDArray[np.float64]:
     """(3, m) the same as one view, for Python."""
     return packed[-3 * m :].reshape(3, m)

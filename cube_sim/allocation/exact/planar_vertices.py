@@ -7,27 +7,27 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.sides import Price, Sides
-from cube_sim.allocation.exact.ties import slack_of
-from cube_sim.allocation.exact.workspace import Room
+from cube_sim.allocation.exact.sides import SideCost, SideIntervals
+from cube_sim.allocation.exact.ties import tie_tolerance
+from cube_sim.allocation.exact.workspace import Workspace
 from cube_sim.native.compiled import bits, compiled
 
 PARALLEL, CROSSING = 1e-12, 1e-6
-"""Two motors' lines in the plane count as parallel below the first sine and must cross above the second."""
+"""Two thrusters' lines in the plane count as parallel below the first sine and must cross above the second."""
 
 SINE = math.sqrt(PARALLEL * CROSSING)
 """Tells the two apart."""
 
 WHICH = 255
 """Bits of a line's key that say which line it is. The others are its distance's, up to a part of 1e-13; in a plane
-there are 48 lines at most, six for each of eight motors."""
+there are 48 lines at most, six for each of eight thrusters."""
 
 
-def suits_lines(plane: NDArray[np.float64]) -> bool:
+def suits_planar_search(plane: NDArray[np.float64]) -> bool:
     """Whether every two lines are clearly parallel or clearly crossing, so that no intersection is rounding.
 
     Args:
-        plane: (m, 2) see `line_search`.
+        plane: (m, 2) see `planar_search`.
     """
     length = np.linalg.norm(plane, axis=1)
     unit = plane[length > PARALLEL] / length[length > PARALLEL, None]
@@ -36,14 +36,14 @@ def suits_lines(plane: NDArray[np.float64]) -> bool:
 
 
 @compiled
-def line_search(
+def planar_search(
     origin: NDArray[np.float64],
     plane: NDArray[np.float64],
-    sides: Sides,
-    price: Price,
+    intervals: SideIntervals,
+    side_cost: SideCost,
     previous: NDArray[np.float64],
     tolerance: float,
-    room: Room,
+    room: Workspace,
     force: NDArray[np.float64],
     subset: NDArray[np.float64],
     multiplier: NDArray[np.float64],
@@ -58,9 +58,9 @@ def line_search(
 
     Args:
         origin: (m,) any forces making the wrench [N].
-        plane: (m, 2) kernel with ``plane.T @ diag(w) @ plane = I``, columns of zeros for missing dimensions.
-        sides: open to the motors.
-        price: of them, with one preferred force for all sides of a motor.
+        plane: (m, 2) null_space with ``plane.T @ diag(w) @ plane = I``, columns of zeros for missing dimensions.
+        intervals: open to the thrusters.
+        side_cost: of them, with one preferred force for all sides of a thruster.
         previous: (m,) subset that ties prefer.
         tolerance: force that counts as rounding [N].
         room: to work in.
@@ -72,15 +72,27 @@ def line_search(
         Whether there is an answer, its cost, and the number of points looked at.
     """
     m = origin.shape[0]
-    low, high, masks = sides.low, sides.high, sides.masks
-    weight, target, penalty = price.weight, price.target, price.penalty
+    low, high, masks = intervals.low, intervals.high, intervals.masks
+    weight, target, penalty = side_cost.weight, side_cost.target, side_cost.penalty
     slip = 2.0 * tolerance
-    lined, motors, numbers = room.lines, room.planes, room.counts
+    lined, thrusters, numbers = room.lines, room.planes, room.counts
     away, end, due = lined[0], lined[1], lined[2]  # lines: signed distance, force, penalty
     n0, n1 = lined[3], lined[4]  # unit normals
-    near, length, p0, p1 = motors[0], motors[1], motors[2], motors[3]  # nearest forces, allowed or not; normals
-    low0, low1, low2, high0, high1, high2 = motors[4], motors[5], motors[6], motors[7], motors[8], motors[9]
-    motor, press, keys, chosen = numbers[0], numbers[1], numbers[2], numbers[3]
+    near, length, p0, p1 = (
+        thrusters[0],
+        thrusters[1],
+        thrusters[2],
+        thrusters[3],
+    )  # nearest forces, allowed or not; normals
+    low0, low1, low2, high0, high1, high2 = (
+        thrusters[4],
+        thrusters[5],
+        thrusters[6],
+        thrusters[7],
+        thrusters[8],
+        thrusters[9],
+    )
+    thruster, press, keys, chosen = numbers[0], numbers[1], numbers[2], numbers[3]
     z0, z1 = 0.0, 0.0
     for i in range(m):
         p0[i], p1[i] = plane[i, 0], plane[i, 1]
@@ -105,11 +117,11 @@ def line_search(
             if masks[i] >> s & 1:
                 for upper in range(2):
                     side_end = high[i, s] if upper else low[i, s]
-                    if lines > 0 and motor[lines - 1] == i and end[lines - 1] == side_end:
-                        press[lines - 1] = 0  # sides touch, or off, which is a point: motors press from either side
+                    if lines > 0 and thruster[lines - 1] == i and end[lines - 1] == side_end:
+                        press[lines - 1] = 0  # sides touch, or off, which is a point: thrusters press from either side
                         due[lines - 1] = min(due[lines - 1], penalty[i, s])
                         continue
-                    motor[lines], end[lines], press[lines] = i, side_end, 1 - 2 * upper
+                    thruster[lines], end[lines], press[lines] = i, side_end, 1 - 2 * upper
                     due[lines] = penalty[i, s]
                     away[lines] = (side_end - near[i]) / length[i]
                     keys[lines] = bits(abs(away[lines])) & ~WHICH | lines
@@ -130,20 +142,20 @@ def line_search(
             away[p], away[nearest] = away[nearest], away[p]
             end[p], end[nearest] = end[nearest], end[p]
             due[p], due[nearest] = due[nearest], due[p]
-            motor[p], motor[nearest] = motor[nearest], motor[p]
+            thruster[p], thruster[nearest] = thruster[nearest], thruster[p]
             press[p], press[nearest] = press[nearest], press[p]
-            i, d, toll = motor[p], away[p], due[p]
+            i, d, toll = thruster[p], away[p], due[p]
             n0[p], n1[p] = plane[i, 0] / length[i], plane[i, 1] / length[i]
         bound = free + d * d
-        if bound > best + slack_of(best):
+        if bound > best + tie_tolerance(best):
             break
-        if bound + toll > best + slack_of(best):
+        if bound + toll > best + tie_tolerance(best):
             continue
         for q in range(-1, max(p, 0)):
             j, off, y0, y1, sine = -1, 0.0, 0.0, 0.0, 1.0
-            left = best + slack_of(best) - bound - toll
+            left = best + tie_tolerance(best) - bound - toll
             if q >= 0:
-                j = motor[q]
+                j = thruster[q]
                 sine = n0[p] * n1[q] - n1[p] * n0[q]
                 cosine = n0[p] * n0[q] + n1[p] * n1[q]
                 off = away[q] - cosine * d
@@ -164,7 +176,7 @@ def line_search(
             looked += 1
             blur = 1e-9 * (abs(y0) + abs(y1))  # what rounding may do to forces that are known to lie on their lines
             forbidden = 0
-            for h in range(m):  # without a branch, so that it takes a few instructions for all motors at once
+            for h in range(m):  # without a branch, so that it takes a few instructions for all thrusters at once
                 here = near[h] + p0[h] * y0 + p1[h] * y1
                 under, over = here + blur, here - blur
                 forbidden |= int(
@@ -188,14 +200,14 @@ def line_search(
                 chosen[h] = side
                 prices += least
             cost = bound + off * off + prices
-            if prices == math.inf or cost > best + slack_of(best):
+            if prices == math.inf or cost > best + tie_tolerance(best):
                 continue
             changes, forward = 0, 0
             for h in range(m):
                 changes += chosen[h] - 1 != previous[h]
                 if forward == 0 and best < math.inf:
                     forward = chosen[h] - 1 - int(subset[h])
-            slack = slack_of(best)
+            slack = tie_tolerance(best)
             if cost >= best - slack and (changes > changes_best or (changes == changes_best and forward <= 0)):
                 continue
             best, value, changes_best = min(best, cost), cost, changes

@@ -7,40 +7,41 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.planar_vertices import suits_lines
+from cube_sim.allocation.exact.planar_vertices import suits_planar_search
 from cube_sim.allocation.exact.relaxation import relax
-from cube_sim.allocation.exact.solutions import WrenchDistance, WrenchFibre, torque_rows
+from cube_sim.allocation.exact.solutions import ForceSolutions, WrenchMetric, torque_rows
 from cube_sim.wrench.facets import facet_normals
 
 
-class Tables(NamedTuple):
-    """One vehicle, one objective.
+class AllocationProblem(NamedTuple):
+    """One vehicle, one objective: what the search takes from call to call.
 
     Attributes:
         A: (n, m) actuation matrix.
         error_scale: (n,) 1 for forces, 1/length for torques.
-        fibre: all forces that make a wrench.
-        plane: (m, 2) the fibre's kernel with columns of zeros for missing dimensions, for `line_search`.
-        planar: whether `line_search` may be used.
+        solutions: all forces that make a wrench.
+        plane: (m, 2) their null space, with columns of zeros for missing dimensions, for `planar_search`.
+        planar: whether `planar_search` may be used.
         scaled: whether an unattainable wrench is scaled rather than answered by the closest one.
         weights: (m,) w.
         low: (m, 3) lower end of each side [N]; an empty side has low > high.
         high: (m, 3) upper end of each side [N].
-        masks: (m,) bits of the sides that are not empty.
+        masks: (m,) bits of the sides that are not empty: 1 negative, 2 off, 4 positive.
         targets: (t, m, 3) alternatives of the objective [N].
         penalty: (m, 3) zeros.
         relaxed: (t, m, 8, 4) from `relax` without penalties.
-        edge: (m, 3) force at which a motor enters each side [N], from where changes are counted.
-        reversal_penalty: price of one motor changing its direction of push [N^2].
-        switching_penalty: price of one motor starting from rest or coming to rest [N^2].
-        change_limit: most a motor's force may change in one call, dead zone not counted [N]; infinite for no limit.
+        edge: (m, 3) force at which a thruster enters each side [N]. Changes of force are counted from there.
+        reversal_penalty: cost of one thruster changing its direction of push [N^2].
+        switching_penalty: cost of one thruster starting from rest or coming to rest [N^2].
+        change_limit: most a thruster's force may change in one call [N]. The dead zone is not counted. Infinite for
+            no limit.
         tolerance: force that counts as rounding [N].
-        reach: largest force or torque the vehicle can make along one axis [N], [N m].
+        largest_wrench: largest force or torque the vehicle can make along one axis [N], [N m].
     """
 
     A: NDArray[np.float64]
     error_scale: NDArray[np.float64]
-    fibre: WrenchFibre
+    solutions: ForceSolutions
     plane: NDArray[np.float64]
     planar: bool
     scaled: bool
@@ -56,25 +57,25 @@ class Tables(NamedTuple):
     switching_penalty: float
     change_limit: float
     tolerance: float
-    reach: float
+    largest_wrench: float
 
 
-class Beyond(NamedTuple):
-    """What unattainable wrenches need besides.
+class ClosestWrenchData(NamedTuple):
+    """What the answer to an unattainable wrench needs besides.
 
     Attributes:
-        distance: the norm of wrench errors.
-        facets: (h, r) normals across which a demand is scaled, in the coordinates s of ``distance``; h = 0 as long as
-            none is.
+        metric: the norm of wrench errors.
+        facets: (h, r) normals of the facets of attainable wrenches, in the coordinates s of ``metric``. They bound the
+            share of a demand that is made. h = 0 as long as no demand is scaled and none yields.
     """
 
-    distance: WrenchDistance
+    metric: WrenchMetric
     facets: NDArray[np.float64]
 
 
-def make_tables(
+def make_problem(
     A: NDArray[np.float64],
-    fibre: WrenchFibre,
+    solutions: ForceSolutions,
     sides: tuple[NDArray[np.float64], NDArray[np.float64]],
     weights: NDArray[np.float64],
     targets: NDArray[np.float64],
@@ -85,14 +86,28 @@ def make_tables(
     tolerance: float,
     length_m: float,
     scaled: bool,
-) -> Tables:
-    """Tabulate; see `Tables` for the arguments. ``sides`` are ``low`` and ``high``."""
+) -> AllocationProblem:
+    """Tabulate one vehicle and one objective; see `AllocationProblem` for the arguments.
+
+    Args:
+        A: (n, m).
+        solutions: of A.
+        sides: ``low`` and ``high``.
+        weights: (m,).
+        targets: (t, m, 3) [N].
+        reversal_penalty: [N^2].
+        switching_penalty: [N^2].
+        change_limit: [N].
+        tolerance: [N].
+        length_m: divides torques wherever a wrench error is one number [m].
+        scaled: whether an unattainable wrench is scaled.
+    """
     n, m = A.shape
-    k = fibre.kernel.shape[1]
+    k = solutions.null_space.shape[1]
     low, high = sides
     plane = np.zeros((m, 2))
     if k <= 2:
-        plane[:, :k] = fibre.kernel
+        plane[:, :k] = solutions.null_space
     error_scale = np.ones(n)
     error_scale[torque_rows(n)] = 1.0 / length_m
     uniform = bool(np.all(targets == targets[:, :, :1]))
@@ -102,12 +117,12 @@ def make_tables(
     open_side = low <= high
     strongest = np.max(np.where(open_side, np.maximum(np.abs(low), np.abs(high)), 0.0), axis=1)
     edges = np.where(open_side[:, 0], high[:, 0], 0.0), np.zeros(m), np.where(open_side[:, 2], low[:, 2], 0.0)
-    return Tables(
+    return AllocationProblem(
         A=A,
         error_scale=error_scale,
-        fibre=fibre,
+        solutions=solutions,
         plane=plane,
-        planar=bool(uniform and k <= 2 and suits_lines(plane)),
+        planar=bool(uniform and k <= 2 and suits_planar_search(plane)),
         scaled=scaled,
         weights=weights,
         low=low,
@@ -121,10 +136,10 @@ def make_tables(
         switching_penalty=switching_penalty,
         change_limit=change_limit,
         tolerance=tolerance,
-        reach=float(np.max(np.abs(A) @ strongest)),
+        largest_wrench=float(np.max(np.abs(A) @ strongest)),
     )
 
 
-def beyond(distance: WrenchDistance, *, facets: bool) -> Beyond:
-    """Tabulate; with the facets that scaling and yielding go by, or without."""
-    return Beyond(distance, facet_normals(distance.gain) if facets else np.zeros((0, len(distance.gain))))
+def closest_wrench_data(metric: WrenchMetric, *, facets: bool) -> ClosestWrenchData:
+    """Tabulate a metric; with the facets that scaling and yielding go by, or without."""
+    return ClosestWrenchData(metric, facet_normals(metric.G) if facets else np.zeros((0, len(metric.G))))

@@ -1,4 +1,4 @@
-"""What a motor may still do when its side is undecided: an interval and a cost that never exceeds the true one."""
+"""What a thruster may still do when its side is undecided: an interval and a cost that never exceeds the true one."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.sides import Price, Sides
+from cube_sim.allocation.exact.sides import SideCost, SideIntervals
 from cube_sim.native.compiled import compiled
 
 ANY_SIDE = 7
-"""Bit mask of the sides still open to a motor: 1 negative, 2 off, 4 positive."""
+"""Bit mask of the sides still open to a thruster: 1 negative, 2 off, 4 positive."""
 
 
 @compiled
@@ -23,7 +23,7 @@ def relax(
     weight: NDArray[np.float64],
     relaxed: NDArray[np.float64],
 ) -> None:
-    """Tabulate, for every motor and every mask of open sides, an interval and a quadratic below the true cost.
+    """Tabulate, for every thruster and every mask of open sides, an interval and a quadratic below the true cost.
 
     On side s the true cost is ``w (f - target_s)^2 + penalty_s``. With t the mean target of the open sides,
     ``w (f - t)^2 + c`` stays below it when c is the least difference of the two; that difference is linear in f,
@@ -39,14 +39,14 @@ def relax(
     """
     for i in range(low.shape[0]):
         for mask in range(8):
-            bottom, top, total, sides = math.inf, -math.inf, 0.0, 0
+            bottom, top, total, count = math.inf, -math.inf, 0.0, 0
             for s in range(3):
                 if mask >> s & 1 and low[i, s] <= high[i, s]:
                     bottom, top = min(bottom, low[i, s]), max(top, high[i, s])
                     total += target[i, s]
-                    sides += 1
-            mean = total / sides if sides > 0 else 0.0
-            constant = math.inf if sides > 0 else 0.0
+                    count += 1
+            mean = total / count if count > 0 else 0.0
+            constant = math.inf if count > 0 else 0.0
             for s in range(3):
                 if mask >> s & 1 and low[i, s] <= high[i, s]:
                     t = target[i, s]
@@ -60,33 +60,35 @@ def relax(
 
 
 @compiled
-def choose_side(f: float, motor: int, mask: int, sides: Sides, price: Price, tolerance: float) -> tuple[int, float]:
-    """The cheapest open side whose interval holds force f, and its true cost; (-1, inf) in a dead zone.
+def choose_side(
+    f: float, i: int, mask: int, intervals: SideIntervals, side_cost: SideCost, tolerance: float
+) -> tuple[int, float]:
+    """The cheapest open side of thruster i whose interval holds force f, and its true cost; (-1, inf) in a dead zone.
 
     Where sides touch and cost the same, off wins, then the side of f's sign.
     """
     best, cost = -1, math.inf
     for order in range(3):
         s = 1 if order == 0 else (0 if (order == 1) == (f < 0.0) else 2)
-        if mask >> s & 1 and sides.low[motor, s] - tolerance <= f <= sides.high[motor, s] + tolerance:
-            value = price.weight[motor] * (f - price.target[motor, s]) ** 2 + price.penalty[motor, s]
+        if mask >> s & 1 and intervals.low[i, s] - tolerance <= f <= intervals.high[i, s] + tolerance:
+            value = side_cost.weight[i] * (f - side_cost.target[i, s]) ** 2 + side_cost.penalty[i, s]
             if value < cost:
                 best, cost = s, value
     return best, cost
 
 
 @compiled
-def split(f: float, motor: int, mask: int, sides: Sides) -> tuple[int, int]:
-    """Divide the open sides of a motor at force f, the part nearer to f first; both parts are smaller than the mask.
+def split(f: float, thruster: int, mask: int, intervals: SideIntervals) -> tuple[int, int]:
+    """Divide the open sides of a thruster at force f, the part nearer to f first.
 
-    A force in a gap divides the sides left of it from those right of it; a force inside a side divides that side
-    from the others.
+    A force in a gap divides the sides left of it from those right of it. A force inside a side divides that side from
+    the others. Both parts are smaller than the mask.
     """
     below, above = 0, 0
     gap_below, gap_above = math.inf, math.inf
     nearest, distance = 0, math.inf
     for s in range(3):
-        low, high = sides.low[motor, s], sides.high[motor, s]
+        low, high = intervals.low[thruster, s], intervals.high[thruster, s]
         if mask >> s & 1 and low <= high:
             gap = max(low - f, f - high, 0.0)
             if gap < distance:
@@ -108,18 +110,18 @@ def branch(
     bound: NDArray[np.float64],
     depth: int,
     mask: NDArray[np.int64],
-    motor: int,
+    thruster: int,
     parts: tuple[int, int],
     lower: float,
 ) -> int:
-    """Put the nodes that leave one motor a part of its sides on a stack, the last part on top; returns its new depth.
+    """Put the nodes that leave one thruster a part of its sides on a stack, the last part on top; return its depth.
 
     Args:
-        stack: (d, m) sides open to each motor in each node to come, changed from ``depth`` on.
+        stack: (d, m) sides open to each thruster in each node to come, changed from ``depth`` on.
         bound: (d,) lower bounds of these nodes, likewise.
         depth: number of nodes on the stack.
         mask: (m,) of the node that is divided.
-        motor: that decides.
+        thruster: that decides.
         parts: of its sides; an empty one makes no node.
         lower: bound of the node that is divided.
     """
@@ -127,7 +129,7 @@ def branch(
         if part != 0:
             for i in range(mask.shape[0]):
                 stack[depth, i] = mask[i]
-            stack[depth, motor] = part
+            stack[depth, thruster] = part
             bound[depth] = lower
             depth += 1
     return depth

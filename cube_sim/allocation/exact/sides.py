@@ -1,4 +1,4 @@
-"""What a motor may do and what it costs, in the form every search takes."""
+"""What a thruster may do on each side and what it costs there, in the form every search takes."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-class Sides(NamedTuple):
-    """The intervals each motor may work in: negative, off, positive.
+class SideIntervals(NamedTuple):
+    """The intervals each thruster may work in, one for each side: negative, off, positive.
 
     Attributes:
         low: (m, 3) lower end of each side [N]; an empty side has low > high.
@@ -24,8 +24,8 @@ class Sides(NamedTuple):
     relaxed: NDArray[np.float64]
 
 
-class Price(NamedTuple):
-    """The cost of a motor's force f on side s: ``weight (f - target[s])^2 + penalty[s]``.
+class SideCost(NamedTuple):
+    """The cost of a thruster's force f on side s: ``weight (f - target[s])^2 + penalty[s]`` [N^2].
 
     Attributes:
         weight: (m,) w > 0.

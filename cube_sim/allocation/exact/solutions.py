@@ -22,44 +22,44 @@ SMALLEST = 1e-30
 """Least size of an actuation matrix, for the same reason as `arguments.LARGEST`."""
 
 
-class WrenchFibre(NamedTuple):
-    """Every force vector that makes a wrench: ``f = particular @ F + kernel @ z`` for any z.
+class ForceSolutions(NamedTuple):
+    """Every force vector that makes a wrench: ``f = particular @ F + null_space @ z`` for any z.
 
     Attributes:
-        particular: (m, n) weighted pseudo-inverse of A; of all forces making F it gives the one of least
+        particular: (m, n) weighted pseudo-inverse of A. Of all forces that make F it gives those of least
             ``sum w f^2``.
-        kernel: (m, k) basis of ker A, orthonormal in the weighted sense ``kernel.T @ diag(w) @ kernel = I``, so
-            that distance in z is cost in f.
-        equations: (r, m) orthonormal rows spanning the row space of A, r = rank A: ``equations @ f`` fixes
-            the wrench, in newton, whatever the units and conditioning of A.
-        unreachable: (n, n) what is left of a unit-scaled wrench outside range(A).
+        null_space: (m, k) basis N of ker A, orthonormal in the weighted sense ``N.T @ diag(w) @ N = I``. A distance in
+            z is therefore a cost in f.
+        equations: (r, m) orthonormal rows spanning the row space of A, r = rank A. ``equations @ f`` [N] fixes the
+            wrench, whatever the units and the conditioning of A.
+        outside_range: (n, n) takes a wrench to its part outside range(A), torques divided by a length [N].
         rank: r.
     """
 
     particular: NDArray[np.float64]
-    kernel: NDArray[np.float64]
+    null_space: NDArray[np.float64]
     equations: NDArray[np.float64]
-    unreachable: NDArray[np.float64]
+    outside_range: NDArray[np.float64]
     rank: int
 
 
-class WrenchDistance(NamedTuple):
-    """Coordinates (s, z) in which the weighted wrench error is a plain distance.
+class WrenchMetric(NamedTuple):
+    """Coordinates (s, z) of forces in which the weighted wrench error ``|W (A f - F)|`` is a plain distance.
 
-    ``f = spread @ s + kernel @ z`` and ``W A f = basis @ s``: s alone decides the wrench, z is free of it.
+    ``f = G_pinv @ s + null_space @ z`` and ``W A f = basis @ s``: s alone decides the wrench, z does not change it.
 
     Attributes:
-        spread: (m, r).
-        kernel: (m, k) orthonormal basis of ker A.
+        G_pinv: (m, r) pseudo-inverse of G.
+        null_space: (m, k) orthonormal basis of ker A.
         basis: (n, r) orthonormal basis of range(W A).
-        gain: (r, m) the map back, ``s = gain @ f``.
+        G: (r, m) W A in that basis: ``s = G @ f``.
         weights: (n,) diagonal of W [1] for forces, [1/m] for torques.
     """
 
-    spread: NDArray[np.float64]
-    kernel: NDArray[np.float64]
+    G_pinv: NDArray[np.float64]
+    null_space: NDArray[np.float64]
     basis: NDArray[np.float64]
-    gain: NDArray[np.float64]
+    G: NDArray[np.float64]
     weights: NDArray[np.float64]
 
 
@@ -67,16 +67,16 @@ def actuation_matrix(A: ArrayLike) -> NDArray[np.float64]:
     """Check an actuation matrix: (3, m) rows ``[Fx Fy Mz]`` or (6, m) rows ``[Fx Fy Fz Mx My Mz]``.
 
     Raises:
-        AllocationError: another shape, no motor, an entry that is not finite, nothing but zeros, or absurd sizes.
+        AllocationError: another shape, no thruster, an entry that is not finite, nothing but zeros, or absurd sizes.
     """
     matrix = numbers("A", A, "matrix")
     if matrix.ndim != 2 or matrix.shape[0] not in (3, 6) or matrix.shape[1] == 0:
-        raise AllocationError(f"A has shape {matrix.shape}; it must be (3, m) or (6, m) with at least one motor")
+        raise AllocationError(f"A has shape {matrix.shape}; it must be (3, m) or (6, m) with at least one thruster")
     if not np.all(np.isfinite(matrix)):
         row, column = np.argwhere(~np.isfinite(matrix))[0]
         raise AllocationError(f"A[{row}, {column}] is {matrix[row, column]}; every entry must be finite")
     if not np.any(matrix):
-        raise AllocationError("A is zero: no motor makes any wrench")
+        raise AllocationError("A is zero: no thruster makes any wrench")
     bounded("A", matrix)
     if np.max(np.abs(matrix)) < SMALLEST:
         raise AllocationError(
@@ -107,41 +107,41 @@ def error_size(error: NDArray[np.float64], length_m: float) -> float:
     return largest * float(np.linalg.norm(scaled / largest)) if largest > 0.0 else 0.0
 
 
-def wrench_fibre(A: NDArray[np.float64], motor_weights: NDArray[np.float64], length_m: float) -> WrenchFibre:
+def force_solutions(A: NDArray[np.float64], thruster_weights: NDArray[np.float64], length_m: float) -> ForceSolutions:
     """Solve ``A f = F`` once for every F, by the singular value decomposition of the scaled matrix.
 
     Args:
         A: (n, m) actuation matrix.
-        motor_weights: (m,) positive cost weights w.
+        thruster_weights: (m,) positive cost weights w.
         length_m: length dividing the torque rows before ranks are judged.
     """
     scale = np.ones(len(A))
     scale[torque_rows(len(A))] = 1.0 / length_m
-    root = np.sqrt(motor_weights)
+    root = np.sqrt(thruster_weights)
     U, sigma, Vt, rank = _decompose(scale[:, None] * A / root)
     _, _, plain_Vt, _ = _decompose(scale[:, None] * A)
-    return WrenchFibre(
+    return ForceSolutions(
         particular=np.ascontiguousarray((Vt[:rank].T / sigma[:rank]) @ (U[:, :rank].T * scale) / root[:, None]),
-        kernel=np.ascontiguousarray(Vt[rank:].T / root[:, None]),
+        null_space=np.ascontiguousarray(Vt[rank:].T / root[:, None]),
         equations=np.ascontiguousarray(plain_Vt[:rank]),
-        unreachable=(np.eye(len(A)) - U[:, :rank] @ U[:, :rank].T) * scale,
+        outside_range=(np.eye(len(A)) - U[:, :rank] @ U[:, :rank].T) * scale,
         rank=rank,
     )
 
 
-def wrench_distance(A: NDArray[np.float64], wrench_weights: NDArray[np.float64]) -> WrenchDistance:
-    """Coordinates for the closest attainable wrench in the norm ``|W (A f - F)|``.
+def wrench_metric(A: NDArray[np.float64], wrench_weights: NDArray[np.float64]) -> WrenchMetric:
+    """Coordinates in which ``|W (A f - F)|`` is a distance, by the singular value decomposition of W A.
 
     Args:
         A: (n, m) actuation matrix.
         wrench_weights: (n,) positive diagonal of W.
     """
     U, sigma, Vt, rank = _decompose(wrench_weights[:, None] * A)
-    return WrenchDistance(
-        spread=np.ascontiguousarray(Vt[:rank].T / sigma[:rank]),
-        kernel=np.ascontiguousarray(Vt[rank:].T),
+    return WrenchMetric(
+        G_pinv=np.ascontiguousarray(Vt[:rank].T / sigma[:rank]),
+        null_space=np.ascontiguousarray(Vt[rank:].T),
         basis=np.ascontiguousarray(U[:, :rank]),
-        gain=np.ascontiguousarray(sigma[:rank, None] * Vt[:rank]),
+        G=np.ascontiguousarray(sigma[:rank, None] * Vt[:rank]),
         weights=wrench_weights,
     )
 

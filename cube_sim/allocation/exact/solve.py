@@ -8,11 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.minimum_cost import cheapest, cost_on, snap
+from cube_sim.allocation.exact.minimum_cost import cost_on, minimum_cost_forces, nearest_allowed
 from cube_sim.allocation.exact.origins import attainable_origin, nearest_origins, share_origin
-from cube_sim.allocation.exact.packing import unpack, unpack_beyond, unpack_memory, unpack_room
-from cube_sim.allocation.exact.step import remember, this_tick
-from cube_sim.allocation.exact.ties import changed, preferred
+from cube_sim.allocation.exact.packing import (
+    unpack,
+    unpack_closest_wrench_data,
+    unpack_previous_answer,
+    unpack_workspace,
+)
+from cube_sim.allocation.exact.step import step_limits, store_answer
+from cube_sim.allocation.exact.ties import count_changes, preferred
 from cube_sim.native.compiled import borrowed, compiled, cut
 
 EXACT, CLOSEST, INVALID_WRENCH, UNPROVEN, UNPROVEN_CLOSEST, SCALED, YIELDED = 0, 1, 2, 5, 6, 7, 8
@@ -29,9 +34,9 @@ class Answer(NamedTuple):
         force: (m,) [N].
         wrench: (n,) A f.
         error: (n,) demanded minus achieved.
-        subset: (m,) side each motor is on, -1, 0, +1.
+        subset: (m,) side each thruster is on, -1, 0, +1.
         multiplier: (m,) of the interval ends at the solution of the subset's problem.
-        low: (m,) lower end of the side each motor is on [N].
+        low: (m,) lower end of the side each thruster is on [N].
         high: (m,) upper end of it [N].
         rest: (4,) residual [N], cost [N^2], status, winning alternative of the objective.
     """
@@ -47,9 +52,9 @@ class Answer(NamedTuple):
 
 
 @compiled
-def answer_size(rows: int, motors: int) -> int:
+def answer_size(rows: int, thrusters: int) -> int:
     """Numbers in one answer; `answer_of` says what is where."""
-    return 5 * motors + 2 * rows + 4
+    return 5 * thrusters + 2 * rows + 4
 
 
 @compiled
@@ -82,7 +87,7 @@ def complete(
 
 
 @compiled
-def allocate_each(
+def solve_each(
     packed: NDArray[np.float64],
     demands: NDArray[np.float64],
     answers: NDArray[np.float64],
@@ -105,15 +110,26 @@ def allocate_each(
     """
     packed, demands, answers = borrowed(packed), borrowed(demands), borrowed(answers)
     subsets = borrowed(subsets)
-    t, known, room = unpack(packed), unpack_memory(packed), unpack_room(packed)
+    t, previous, workspace = unpack(packed), unpack_previous_answer(packed), unpack_workspace(packed)
     residual, final_cost, final, nodes_of_all, doubts = 0.0, 0.0, 0, 0, 0
     n, m = t.A.shape
     size = answer_size(n, m)
     calls = answers.shape[0] // size
     two_parts = demands.shape[0] > calls * n
     width = 2 * n if two_parts else n
-    demand, base, direction, part = room.wrenches[0], room.wrenches[1], room.wrenches[2], room.wrenches[3]
-    origin, trial, sides, mu, spare = room.motors[:1], room.motors[1], room.motors[2], room.motors[3], room.motors[4:]
+    demand, base, direction, part = (
+        workspace.wrenches[0],
+        workspace.wrenches[1],
+        workspace.wrenches[2],
+        workspace.wrenches[3],
+    )
+    origin, trial, chosen, mu, scratch = (
+        workspace.thrusters[:1],
+        workspace.thrusters[1],
+        workspace.thrusters[2],
+        workspace.thrusters[3],
+        workspace.thrusters[4:],
+    )
     for at in range(calls):
         answer = answer_of(cut(answers, at * size, (size,), np.float64), n, m)
         first = at * width
@@ -127,44 +143,58 @@ def allocate_each(
             base[a] = demands[first + a] if two_parts and valid else 0.0
             direction[a] = demands[second + a] if two_parts and valid else demand[a]
             part[a] = base[a] if two_parts else demand[a]
-        tick = this_tick(t, known)
+        limits = step_limits(t, previous)
         found, best, winner, changes_best, nodes, proven = False, math.inf, 0, 0, 0, True
         for stage in range(3):
             origins, count, looked, sure = origin, 0, 0, True
             if stage == 0:
-                count = int(attainable_origin(t.fibre, t.reach, t.tolerance, demand, origin[0]))
+                count = int(attainable_origin(t.solutions, t.largest_wrench, t.tolerance, demand, origin[0]))
             elif stage == 1:
                 status = CLOSEST
                 if valid and (two_parts or t.scaled):
-                    far = unpack_beyond(packed)
-                    share, looked, sure = share_origin(far, t.reach, tick, base, direction, origin[0], part)
+                    closest = unpack_closest_wrench_data(packed)
+                    share, looked, sure = share_origin(
+                        closest, t.largest_wrench, limits, base, direction, origin[0], part
+                    )
                     count = int(share >= 0.0 or not two_parts)
                     if count > 0:
                         status = YIELDED if two_parts else SCALED
             else:  # a share at the border of what is attainable may leave a rounding too little for stage 1
-                far = unpack_beyond(packed)
-                origins, looked, sure = nearest_origins(t.A, far.distance, t.fibre, t.reach, tick, part)
+                closest = unpack_closest_wrench_data(packed)
+                origins, looked, sure = nearest_origins(
+                    t.A, closest.metric, t.solutions, t.largest_wrench, limits, part
+                )
                 count = origins.shape[0]
             nodes += looked
             proven = proven and sure
             for c in range(count):
-                there, cost, alternative, looked, sure = cheapest(
-                    t.fibre, t.plane, t.planar, tick, known.subset, origins[c], room, spare, trial, sides, mu
+                there, cost, alternative, looked, sure = minimum_cost_forces(
+                    t.solutions,
+                    t.plane,
+                    t.planar,
+                    limits,
+                    previous.subset,
+                    origins[c],
+                    workspace,
+                    scratch,
+                    trial,
+                    chosen,
+                    mu,
                 )
                 nodes += looked
                 proven = proven and sure
                 if not there:
                     if stage < 2:
                         continue
-                    cost, alternative = snap(tick, origins[c], trial, sides)
+                    cost, alternative = nearest_allowed(limits, origins[c], trial, chosen)
                     for i in range(m):
                         mu[i] = 0.0
-                changes = changed(sides, known.subset)
-                if found and not preferred(cost, best, sides, answer.subset, changes, changes_best):
+                changes = count_changes(chosen, previous.subset)
+                if found and not preferred(cost, best, chosen, answer.subset, changes, changes_best):
                     continue
                 found, best, winner, changes_best = True, cost, alternative, changes
                 for i in range(m):
-                    answer.force[i], answer.subset[i], answer.multiplier[i] = trial[i], sides[i], mu[i]
+                    answer.force[i], answer.subset[i], answer.multiplier[i] = trial[i], chosen[i], mu[i]
             if found:
                 break
         complete(t.A, t.error_scale, demand, answer)
@@ -172,12 +202,12 @@ def allocate_each(
             status = INVALID_WRENCH
         elif not proven:
             status = UNPROVEN if status == EXACT else UNPROVEN_CLOSEST
-        answer.rest[1] = cost_on(tick, winner, answer.force, answer.subset)
+        answer.rest[1] = cost_on(limits, winner, answer.force, answer.subset)
         answer.rest[2], answer.rest[3] = status, winner
         for i in range(m):
             s = int(answer.subset[i]) + 1
-            answer.low[i], answer.high[i], subsets[at * m + i] = tick.low[i, s], tick.high[i, s], s - 1
-        remember(t.edge, known, answer.force, answer.subset)
+            answer.low[i], answer.high[i], subsets[at * m + i] = limits.low[i, s], limits.high[i, s], s - 1
+        store_answer(t.edge, previous, answer.force, answer.subset)
         residual, final_cost, final = answer.rest[0], answer.rest[1], status
         nodes_of_all, doubts = nodes_of_all + nodes, doubts + int(not proven)
     return residual, final_cost, final, nodes_of_all, doubts

@@ -1,4 +1,4 @@
-"""The convex problem of one subset of motor sides, equations (8), (10) and (11) of the report."""
+"""The convex problem of one subset of thruster sides, equations (8), (10) and (11) of the report."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def subset_qp(
     """Build the problem of one subset.
 
     Args:
-        subset: (m,) side per motor, -1, 0, +1.
+        subset: (m,) side per thruster, -1, 0, +1.
         origin: (m,) any forces making the demanded wrench [N].
         equations: (r, m) see `SubsetQP`.
         low: (m, 3) lower end of each side, negative, off, positive [N].

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from proxsuite import proxqp
 
 from cube_sim.allocation.exact.packing import unpack
-from cube_sim.allocation.exact.problem import Tables
+from cube_sim.allocation.exact.problem import AllocationProblem
 from cube_sim.allocation.exact.solve import EXACT, INVALID_WRENCH, UNPROVEN, answer_of
 from cube_sim.allocation.subset_qp.problem import SubsetQP
 from cube_sim.native.compiled import borrowed, compiled
@@ -56,11 +56,11 @@ class SubsetSolver:
     def __init__(
         self, weight: NDArray[np.float64], equations: NDArray[np.float64], outer_iterations: int = 200
     ) -> None:
-        rows, motors = equations.shape
+        rows, thrusters = equations.shape
         self._qp = proxqp.dense.QP(
-            motors,
+            thrusters,
             rows,
-            motors,
+            thrusters,
             False,
             proxqp.dense.HessianType.Diagonal,
             proxqp.dense.DenseBackend.PrimalDualLDLT,
@@ -133,12 +133,12 @@ def new_qp(
     settings.eps_primal_inf = 0.0
     settings.check_duality_gap = True
     settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = ACCURACY, 0.0
-    rows, motors = equations.shape
-    g, b, low, high = np.zeros(motors), np.zeros(rows), -np.ones(motors), np.ones(motors)
+    rows, thrusters = equations.shape
+    g, b, low, high = np.zeros(thrusters), np.zeros(rows), -np.ones(thrusters), np.ones(thrusters)
     if problem is not None:
         g, b, low, high = -problem.weight * problem.target, problem.demand, problem.low, problem.high
     # No preconditioner: the equations are orthonormal and the intervals are unit rows already.
-    qp.init(np.diag(weight), g, equations, b, np.eye(motors), low, high, compute_preconditioner=False)
+    qp.init(np.diag(weight), g, equations, b, np.eye(thrusters), low, high, compute_preconditioner=False)
 
 
 def settle(qp: proxqp.dense.QP, problem: SubsetQP) -> Solution:
@@ -176,13 +176,15 @@ class Confirmer:
         scale: largest force there is [N].
     """
 
-    def __init__(self, tables: Tables, packed: NDArray[np.float64], agreement: float, scale: float) -> None:
-        rows, motors = tables.fibre.equations.shape
+    def __init__(self, tables: AllocationProblem, packed: NDArray[np.float64], agreement: float, scale: float) -> None:
+        rows, thrusters = tables.solutions.equations.shape
         self._packed, self._agreement_N, self._scale = packed, agreement * scale, scale
-        self._solver = SubsetSolver(tables.weights, tables.fibre.equations)
-        self._problem = np.zeros((6, max(rows, motors)))
-        self._vectors = tuple(self._problem[i, :size] for i, size in enumerate([motors, rows, motors, motors, motors]))
-        self._duals, self._multiplier = self._problem[5, :rows], np.zeros(motors)
+        self._solver = SubsetSolver(tables.weights, tables.solutions.equations)
+        self._problem = np.zeros((6, max(rows, thrusters)))
+        self._vectors = tuple(
+            self._problem[i, :size] for i, size in enumerate([thrusters, rows, thrusters, thrusters, thrusters])
+        )
+        self._duals, self._multiplier = self._problem[5, :rows], np.zeros(thrusters)
 
     def confirms(self, row: NDArray[np.float64], wrench: NDArray[np.float64]) -> bool:
         """Whether ProxQP solves the subset of the one answer and finds the same forces.
@@ -218,13 +220,13 @@ def subset_problem(
         multiplier: (m,) out: of the intervals.
     """
     t = unpack(borrowed(packed))
-    equations, particular = t.fibre.equations, t.fibre.particular
-    rows, motors = equations.shape
-    answer = answer_of(borrowed(row), t.A.shape[0], motors)
-    made = np.empty(motors)
+    equations, particular = t.solutions.equations, t.solutions.particular
+    rows, thrusters = equations.shape
+    answer = answer_of(borrowed(row), t.A.shape[0], thrusters)
+    made = np.empty(thrusters)
     status = int(answer.rest[2])
     met = status == EXACT or status == UNPROVEN or status == INVALID_WRENCH  # a tuple compiles slower
-    for i in range(motors):
+    for i in range(thrusters):
         target = t.targets[int(answer.rest[3]), i, int(answer.subset[i]) + 1]
         problem[0, i] = -t.weights[i] * target
         problem[2, i], problem[3, i] = answer.low[i], answer.high[i]
@@ -237,7 +239,7 @@ def subset_problem(
         made[i] = force
     for b in range(rows):
         demand, dual = 0.0, 0.0
-        for i in range(motors):
+        for i in range(thrusters):
             demand += equations[b, i] * made[i]
             dual -= equations[b, i] * (t.weights[i] * answer.force[i] + problem[0, i] + multiplier[i])
         problem[1, b], problem[5, b] = demand, dual
