@@ -230,7 +230,7 @@ class Scenario(Block):
         default=None,
         description="What feeds the thrusters. Default: a constant voltage, that of the model's characteristic.",
     )
-    path: Path
+    path: Path = Field(description="The curve to follow, or the point to hold.")
     guidance: Guidance
     control: Control = Control()
     navigation: Navigation | None = Field(

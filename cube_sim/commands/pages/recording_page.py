@@ -1,0 +1,186 @@
+"""docs/recording.md: every channel and field a run can record, from the channel tables; how the files are laid out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import UTC, datetime
+
+from cube_sim.allocation import Status
+from cube_sim.commands.pages.markdown import block, code, heading, link, table
+from cube_sim.control.authority import Authority
+from cube_sim.mission.channels import PATH_POINTS
+from cube_sim.recording.channels import ON_CHANGE, TICK_HZ, Channel, Field, channel_table
+from cube_sim.recording.mcap.schemas import FRAME_TRANSFORM, LOG, LOG_LEVELS, channel_schema_name
+from cube_sim.recording.mcap.sink import (
+    ASSETS,
+    CHANNEL_METADATA,
+    EPOCH_NS,
+    FORMAT,
+    LOG_TOPIC,
+    MODEL,
+    RESOLVED,
+    RUN_METADATA,
+    SCENARIO,
+    TRANSFORM_TOPIC,
+    VERSIONS_METADATA,
+    topic,
+)
+from cube_sim.recording.navigation_channels import navigation_channels
+from cube_sim.verdict import CheckResult, to_json
+
+WRITTEN_BY = {
+    "actuation": "the allocator: the thrusters as the controller believes them, at the start, and again when it "
+    "believes something else or the supply's voltage changes",
+    "path": "guidance, once, at time 0",
+    "pose": "MuJoCo, at the start of the control period",
+    "velocity": "MuJoCo, at the start of the control period",
+    "target": "guidance",
+    "path_error": "guidance; of the true state, also where the controller flies on an estimate",
+    "reference": "guidance and the attitude mode: what control is asked for",
+    "wrench": "control, its disturbance observer and the allocator",
+    "allocation": "the allocator",
+    "thrusters": "the allocator, the inverse of the thrusters' characteristic, and MuJoCo",
+    "power": "the power supply",
+    "health": "the scenario's events (the truth), the fault diagnosis and control (the belief)",
+    "water": "the water (the truth) and the current observer (the estimate)",
+    "navigation": "the estimator",
+    "navigation_error": "the estimator against MuJoCo",
+    "sensor_imu": "the inertial unit",
+    "sensor_dvl": "the Doppler log, when a reading arrives",
+    "sensor_depth": "the pressure gauge, when a reading arrives",
+    "sensor_heading": "the compass, when a reading arrives",
+    "sensor_position": "the position fix, when a reading arrives",
+}
+"""Which part of the program a channel's numbers come from."""
+
+_CHECK = CheckResult("rms of path_error.cross_track", "PASS", 0.031, "<=", 0.1, 0.069, 52.36, "4001 samples")
+_EPOCH = f"{datetime.fromtimestamp(EPOCH_NS // 10**9, UTC):%Y-%m-%dT%H:%M:%SZ}"
+_SENSORS = ("dvl", "depth", "heading", "position")
+_FEW = 6
+_INTRODUCTION = f"""\
+<!-- Made by `cube-sim reference recording > docs/recording.md` from the channel tables in cube_sim/recording/. -->
+
+# Recordings: files, channels, fields
+
+A run writes four files into its folder.
+
+| file | what it holds |
+| --- | --- |
+| `run.mcap` | the record: inputs, versions, every signal, what was said. The same scenario gives the same bytes. |
+| `run.rrd` | the same for the Rerun viewer: a function of `run.mcap` |
+| `{RESOLVED}` | the scenario with every default written out; run as it is, it gives the same signals |
+| `verdict.json` | the verdict, and of each check value, relation, limit, margin, time and reason |
+
+A signal is called `channel.field`, as in `path_error.cross_track`: by that name a check asks for it, and by that name
+it is read back. `cube-sim signals SCENARIO` lists those of one scenario, with the names of its thrusters and sensors.
+"""
+_READING = """\
+from cube_sim.recording.reading import read_recording, read_signals
+
+signals = read_signals("logs/first/run.mcap")  # "channel.field" -> (n, 1 + columns), the bits the run had in memory
+t, error = signals["path_error.cross_track"].T  # column 0 is the simulated time [s]
+
+recording = read_recording("logs/first/run.mcap")  # the same, and the inputs: .header.scenario, .header.mjcf, .log ...
+"""
+_POSE, _PATH_ERROR = Channel("pose", ()), Channel("path_error", ())
+_LAYOUT = f"""\
+An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
+
+- **Attachments**: `{SCENARIO}` as it was written, `{RESOLVED}`, `{MODEL}` (the MJCF), and as `{ASSETS}NAME` each file
+  the MJCF refers to. That is enough to run it again.
+- **Metadata**: `{RUN_METADATA}` has the format ({FORMAT}), the seed and the vehicle's name, `{VERSIONS_METADATA}` the
+  version of each package that takes part in the numbers.
+- **A topic per channel**: `{topic(_POSE)}` for the channel `{_POSE.name}`. A row is one protobuf message, called
+  `{channel_schema_name(_PATH_ERROR)}` for the channel `{_PATH_ERROR.name}`. Its field 1 is `t`, the simulated time [s].
+  The channel's fields follow as 2, 3 ... in the order of the tables below: a double, or packed repeated doubles where
+  there are several columns. The descriptors are in the file. The channel's metadata `{CHANNEL_METADATA}` is its table
+  as JSON: names, units, columns, labels.
+- **For other programs' viewers**: `{TRANSFORM_TOPIC}` is the pose once more, as `{FRAME_TRANSFORM}`. `{LOG_TOPIC}` is
+  what was said, as `{LOG}` with the levels {", ".join(LOG_LEVELS[1:])}.
+- **Times**: simulated time starts at {_EPOCH} in every file. There is no wall clock in it.
+- **Chunks**: one simulated second each, compressed with zstd and handed to the operating system when it is over. A
+  killed process loses less than a second. What is whole is read, and the recording is marked incomplete."""
+_VERDICT = """\
+`verdict` is PASS when every check was shown to hold, FAIL when one was shown not to, ERROR when none failed but
+something could not be judged. `value` is the worst value, in the unit of what was checked, and `at_s` when it was.
+`margin` is its distance from the limit, positive on the side that passes. What could not be judged is null."""
+_CHANNELS = f"""\
+*m* is the number of thrusters, in the order of the columns of A. World axes are ENU, body axes FLU, units SI. The unit
+1 is a pure number. Quaternions are w, x, y, z. "Every period" is a row for each control period, {TICK_HZ:g} Hz unless
+the scenario sets `control_period_s`. A row "on change" holds until the next; no check can be made of it."""
+
+
+def recording_page() -> str:
+    """The page as Markdown text, ending in a newline."""
+    usual, navigation = _tables(1), navigation_channels(dict.fromkeys(_SENSORS, 0.0))
+    wider = {channel.name: channel for channel in _tables(2)}
+    parts = [
+        _INTRODUCTION.rstrip(),
+        heading(2, "Read it in Python"),
+        block(_READING, "python"),
+        heading(2, "How `run.mcap` is laid out"),
+        _LAYOUT,
+        heading(2, "`verdict.json`"),
+        _VERDICT,
+        block(to_json("PASS", [_CHECK], 20.5, {"cube-sim": "0.1.0", "mujoco": "4.0.0"}), "json"),
+        heading(2, "Channels"),
+        _CHANNELS,
+        table(("channel", "a row", "written by"), [_line(channel) for channel in (*usual, *navigation)]),
+        heading(2, "Channels of every run"),
+        *(part for channel in usual for part in _section(channel, wider[channel.name])),
+        heading(2, "Channels of a run with `navigation`"),
+        "The controller then flies on an estimate. A sensor that the scenario leaves out has no channel.",
+        *(part for channel in navigation for part in _section(channel, channel)),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _tables(m: int) -> tuple[Channel, ...]:
+    """The channels of a vehicle with m thrusters, T1 to Tm."""
+    names = tuple(f"T{i + 1}" for i in range(m - 1))
+    return channel_table(
+        (*names, "Tm"),
+        PATH_POINTS,
+        tuple(status.name for status in Status),
+        tuple(authority.name for authority in Authority),
+    )
+
+
+def _line(channel: Channel) -> tuple[str, str, str]:
+    return link(code(channel.name), code(channel.name)), _rate(channel), WRITTEN_BY[channel.name]
+
+
+def _rate(channel: Channel) -> str:
+    if channel.name.removeprefix("sensor_") in _SENSORS:
+        return "per reading"
+    return "on change" if channel.rate == ON_CHANGE else "every period"
+
+
+def _section(channel: Channel, wider: Channel) -> Iterator[str]:
+    """A channel's table.
+
+    Args:
+        channel: of a vehicle with one thruster.
+        wider: the same of a vehicle with two: what has grown is per thruster.
+    """
+    yield heading(3, code(channel.name))
+    rows = [_row(one, two) for one, two in zip(channel.fields, wider.fields, strict=True)]
+    yield table(("field", "columns", "unit", "what it is"), rows)
+
+
+def _row(field: Field, wider: Field) -> tuple[str, str, str, str]:
+    per_thruster = wider.width - field.width
+    count = str(field.width)
+    if per_thruster:
+        count = "m" if per_thruster == 1 else f"{per_thruster} m"
+    named = _elided(wider.columns if per_thruster else field.columns)
+    meaning = field.doc
+    if field.labels:
+        meaning += ": " + ", ".join(f"{value} {code(label)}" for value, label in enumerate(field.labels))
+    return code(field.name), f"{count}: {named}" if named else count, field.unit, meaning
+
+
+def _elided(columns: tuple[str, ...]) -> str:
+    if len(columns) <= _FEW and "Tm" not in columns:
+        return ", ".join(columns)
+    return f"{columns[0]} ... {columns[-1]}"

@@ -1,0 +1,121 @@
+"""Examples of scenario files, by the key they show; the tests load each of them."""
+
+from __future__ import annotations
+
+WHOLE = """\
+schema_version: 1
+name: short_line
+model: ../models/cube.xml
+duration_s: 20
+path: {type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}
+initial: {position_m: [0, 1, -5]}
+guidance: {speed_m_s: 0.4}
+checks:
+  - {kind: path_end, reach_m: 0.5}
+"""
+"""A whole scenario; what `BLOCKS` holds takes the place of its keys."""
+
+BLOCKS = {
+    "physics": """\
+physics: {integrator: implicitfast, step_s: 0.005}
+""",
+    "initial": """\
+initial:
+  position_m: [7.0, -3.0, -8.0]
+  attitude_deg: [0.0, 0.0, -120.0]
+""",
+    "thrusters": """\
+thrusters: {dead_zone_N: [-2.0, 2.0]}
+""",
+    "battery": """\
+battery: {open_circuit_V: [12.8, 16.8], resistance_ohm: 0.06, capacity_Wh: 266, charge: 0.3}
+""",
+    "path:line": """\
+path: {type: line, start_m: [0, 0, -5], end_m: [20, 0, -5]}
+""",
+    "path:point": """\
+path: {type: point, position_m: [2, 0, -5], heading_deg: 90}
+""",
+    "path:arc": """\
+path: {type: arc, start_m: [0, 0, -5], through_m: [5, 5, -4], end_m: [10, 0, -5]}
+""",
+    "path:circle": """\
+path: {type: circle, centre_m: [0, 0, -5], radius_m: 6, direction: right, laps: 2}
+""",
+    "path:helix": """\
+path: {type: helix, centre_m: [0, 0, -8], radius_m: 3, pitch_m: 3, turns: 2}
+""",
+    "path:sinusoid": """\
+path: {type: sinusoid, start_m: [0, 0, -5], amplitude_m: 3, wavelength_m: 20, periods: 2.5}
+""",
+    "path:polyline": """\
+path:
+  type: polyline
+  points_m: [[0, 0, -5], [10, 0, -5], [10, 8, -7], [0, 8, -7]]
+  corner_radius_m: 1.5
+""",
+    "path:spline": """\
+path:
+  type: spline
+  points_m: [[0, 0, -5], [6, 2, -5], [8, 8, -6], [0, 8, -6]]
+  closed: true
+  laps: 1
+""",
+    "path:csv": """\
+path: {type: csv, file: survey.csv, shape: polyline, corner_radius_m: 1.0}
+""",
+    "guidance": """\
+guidance:
+  speed_m_s: 0.4
+  lateral_acceleration_m_s2: 0.05   # slower where the path bends
+  stop_at_end: false
+""",
+    "control": """\
+control:
+  velocity_time_s: 0.8
+  faults: told
+  cost_limit: 10
+""",
+    "control.safe_mode": """\
+control:
+  safe_mode: {action: surface, surface_m: -0.5, drop_weight_N: 20}
+""",
+    "control.attitude": """\
+control:
+  attitude: {mode: look_at, point_m: [0, 0, -6]}
+""",
+    "navigation": """\
+navigation:
+  dvl: {rate_hz: 4, noise_m_s: 0.02}
+  heading: null              # no compass
+  position: {rate_hz: 0.2}   # an acoustic fix every 5 s
+""",
+    "knowledge": """\
+knowledge: {mass: 1.1, drag: 0.7}   # the controller believes this of a vehicle that has not changed
+""",
+    "allocation": """\
+allocation:
+  objective: reactivity
+  reversal_penalty_N2: 256
+  unattainable: scaled
+""",
+    "events": """\
+events:
+  - {kind: thrusters, at_s: 5, thrusters: [T1, T4], state: dead}
+  - {kind: thrusters, at_s: 8, thrusters: [T2], state: weak, efficiency: 0.5}
+  - {kind: current, at_s: 12, current_m_s: [0, 0.2, 0]}
+""",
+    "checks": """\
+checks:
+  - kind: signal
+    name: cross-track RMS after convergence
+    signal: path_error.cross_track
+    statistic: rms
+    from_s: 10
+    at_most: 0.10
+  - {kind: signal, signal: pose.position, component: 2, statistic: max, at_most: -4}
+  - {kind: path_end, reach_m: 0.5}
+  - {kind: allowed_forces}
+  - {kind: exact_wrench, at_most: 1.0e-3}
+""",
+}
