@@ -13,8 +13,8 @@ from cube_sim.actuation.directions.design_indices import Indices, indices
 from cube_sim.actuation.directions.lost_combinations import Combination
 from cube_sim.actuation.directions.selection_criteria import Directions, final_approach, first_approach, second_approach
 from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
-from cube_sim.actuation.path_following.hull import Hull
 from cube_sim.actuation.path_following.verdict import Mission, Verdict, judge
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import Matrix, Vector, actuation_matrix, lever_arm
 from cube_sim.wrench.names import left_after, thruster_names
@@ -77,7 +77,7 @@ def analyse(
     *,
     names: Sequence[str] | None = None,
     lost: Sequence[str] = (),
-    hull: Hull | None = None,
+    hull: Dynamics | None = None,
     mission: Mission | None = None,
     length_m: float | None = None,
     rank_tolerance: float | None = None,
@@ -91,7 +91,7 @@ def analyse(
         limits: (m,4) [F_max-, F_DZ-, F_DZ+, F_max+] [N], (m,2), or one row; without them no extents.
         names: of the thrusters, default T1..Tm.
         lost: names of thrusters that are dead.
-        hull: the moving body for the verdict; without one, `Hull.neutral`.
+        hull: the moving body for the verdict; without one, `Dynamics.neutral`.
         mission: what the verdict asks for.
         length_m: what torques are divided by [m]; default the rms lever arm of all thrusters, lost ones included.
         rank_tolerance: relative to the largest singular value; by default 1 %, and with a cost limit nothing but

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 
 from cube_sim.actuation.attainable.extents import Extent, extents, force_corners, torque_corners
 from cube_sim.actuation.directions.subspaces import subspaces
-from cube_sim.actuation.path_following.hull import Hull
 from cube_sim.actuation.path_following.verdict import Mission, Verdict, judge
 from cube_sim.errors import ActuationError
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import actuation_matrix, lever_arm
 from cube_sim.wrench.names import left_after, thruster_names
@@ -87,7 +87,7 @@ def survivability(
     *,
     names: Sequence[str] | None = None,
     lost: Sequence[str] = (),
-    hull: Hull | None = None,
+    hull: Dynamics | None = None,
     mission: Mission | None = None,
     most: int = 3,
     length_m: float | None = None,

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cube_sim.actuation import Analysis, Hull, Mission, Survivability, analyse, survivability
+from cube_sim.actuation import Analysis, Mission, Survivability, analyse, survivability
 from cube_sim.actuation.attainable.extents import Extent
 from cube_sim.actuation.path_following.requirements import SPEEDS_M_S
 from cube_sim.actuation.path_following.verdict import Verdict
@@ -42,20 +42,6 @@ class Report:
     vehicle: Vehicle
     analysis: Analysis
     table: Survivability | None
-
-
-def hull_of(vehicle: Vehicle) -> Hull:
-    """The plain numbers of a vehicle that the path-following verdict works with."""
-    g = float(np.linalg.norm(vehicle.gravity))
-    return Hull(
-        mass=vehicle.mass_matrix + vehicle.added_mass,
-        linear_damping=vehicle.linear_damping,
-        quadratic_damping=vehicle.quadratic_damping,
-        weight=vehicle.mass * g,
-        buoyancy=vehicle.displaced_mass * g,
-        centre_of_mass=vehicle.centre_of_mass,
-        centre_of_buoyancy=vehicle.centre_of_buoyancy,
-    )
 
 
 def analyze(
@@ -103,7 +89,7 @@ def analyze(
         A = _in_plane(A)
     title = model.stem if hull is None else f"{model.stem}, {vehicle.name}"
     gone = _names(lost)
-    body = hull_of(vehicle)
+    body = vehicle.dynamics
     mission = Mission() if speed_m_s is None else Mission(speed_m_s=speed_m_s)
 
     def analysis_of(matrix: Matrix) -> Analysis:

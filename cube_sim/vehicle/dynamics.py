@@ -1,4 +1,4 @@
-"""The equations of motion of one hull, as a controller or an observer uses them."""
+"""The equations of motion of one hull, as a controller, an observer or an analysis of its thrusters uses them."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from cube_sim.native.compiled import compiled
-from cube_sim.spatial import Matrix, Vector
+from cube_sim.spatial import Matrix, Vector, skew
 from cube_sim.vehicle.laws.hydrodynamics import coriolis, cross, times, to_body, water_wrench
 
 
 @dataclass(frozen=True)
 class Dynamics:
-    """Mass, water and weight of a hull; matrices in body axes at the body origin.
+    """Mass, water and weight of a hull; matrices in body axes (x forward, y left, z up) at the body origin.
 
     A controller may hold one that differs from the simulated vehicle: its knowledge.
 
     Attributes:
-        mass_matrix: M_RB (6,6).
-        added_mass: M_A (6,6).
-        linear_damping: D (6,6).
-        quadratic_damping: D_q (6,6).
+        mass_matrix: M_RB (6,6) [kg, kg m, kg m^2].
+        added_mass: M_A (6,6) [kg, kg m, kg m^2].
+        linear_damping: D (6,6) [N s/m, N s, N m s].
+        quadratic_damping: D_q (6,6) [N s^2/m^2, ...], acting on |nu| nu.
         displaced_mass: rho V [kg].
         centre_of_mass: r_CG (3,) [m].
         centre_of_buoyancy: r_CB (3,) [m].
@@ -37,12 +37,43 @@ class Dynamics:
     centre_of_buoyancy: Vector
     gravity: Vector
 
+    @staticmethod
+    def neutral(length_m: float) -> Dynamics:
+        """A stand-in where no hull is known: 1 kg of equal inertia and drag in all directions, without weight or lift.
+
+        Args:
+            length_m: radius of gyration [m].
+        """
+        per_mass = np.diag([1.0] * 3 + [length_m**2] * 3)
+        none, origin = np.zeros((6, 6)), np.zeros(3)
+        return Dynamics(per_mass, none, per_mass.copy(), none, 0.0, origin, origin, origin)
+
+    @property
+    def total_mass(self) -> Matrix:
+        """M = M_RB + M_A (6,6): what accelerates with the hull in still water [kg, kg m, kg m^2]."""
+        return self.mass_matrix + self.added_mass
+
+    @property
+    def weight(self) -> float:
+        """The magnitude of m g [N]."""
+        return float(self.mass_matrix[0, 0]) * float(np.linalg.norm(self.gravity))
+
+    @property
+    def buoyancy(self) -> float:
+        """The magnitude of rho V g [N]."""
+        return self.displaced_mass * float(np.linalg.norm(self.gravity))
+
     @property
     def righting_moment(self) -> Vector:
         """r = rho V |g| r_CB - m |g| r_CG (3,) [N m], body axes: buoyancy and weight turn the hull by r x R' e_z."""
         g = float(np.linalg.norm(self.gravity))
         mass = float(self.mass_matrix[0, 0])
         return g * (self.displaced_mass * self.centre_of_buoyancy - mass * self.centre_of_mass)
+
+    @property
+    def hydrostatics(self) -> Matrix:
+        """(6,3) [N, N m], body axes: times world up in body axes, R_WB' e_z, the wrench of weight and lift."""
+        return np.vstack([(self.buoyancy - self.weight) * np.eye(3), skew(self.righting_moment)])
 
     def wrench(self, rotation: Matrix, nu: Vector, nu_dot: Vector, current: Vector) -> Vector:
         """Inverse dynamics: the wrench (6,) [N, N m], body axes, under which nu changes at the rate nu_dot.
@@ -69,6 +100,49 @@ class Dynamics:
                 current,
             )
         )
+
+    def steady_wrenches(self, velocities: Matrix, ups: Matrix) -> Matrix:
+        """The wrenches (q,6) [N, N m] that keep q motions without rotation steady, in still water.
+
+        `wrench` of many states at once: drag, Munk moment, weight and lift.
+
+        Args:
+            velocities: v (q,3) [m/s], body axes.
+            ups: (q,3) world up in body axes, R_WB' e_z.
+        """
+        v, D, D_q = velocities, self.linear_damping[:, :3], self.quadratic_damping[:, :3]
+        moving = v @ D.T + (np.abs(v) * v) @ D_q.T
+        moving[:, 3:] += np.cross(v, v @ self.total_mass[:3, :3].T)
+        return moving - ups @ self.hydrostatics.T
+
+    def steady_wrench_slope(self, nu: Vector, swing: Vector | None = None) -> Matrix:
+        """(6,6) derivative by nu of the wrench that keeps nu steady in still water: of C(nu) nu + D nu + D_q |nu| nu.
+
+        With the momenta [p; h] = M nu, C(nu) nu = [w x p; v x p + w x h] (Fossen 2011, theorem 3.2). Its derivative is
+        [[S(w), 0], [S(v), S(w)]] M - [[0, S(p)], [S(p), S(h)]].
+
+        Args:
+            nu: [v; w] (6,) [m/s, rad/s], body axes.
+            swing: (6,) amplitude of oscillations about nu [m/s, rad/s]. Quadratic drag has no slope at rest, yet it
+                damps: its slope is taken to be at least that of its describing function, 8 / (3 pi) times the
+                amplitude. Default none.
+        """
+        M = self.total_mass
+        momentum, none = M @ nu, np.zeros((3, 3))
+        v, w, p, h = skew(nu[:3]), skew(nu[3:]), skew(momentum[:3]), skew(momentum[3:])
+        turning = np.block([[w, none], [v, w]]) @ M - np.block([[none, p], [p, h]])
+        slope = 2.0 * np.abs(nu)
+        if swing is not None:
+            slope = np.maximum(slope, 8.0 / (3.0 * np.pi) * swing)
+        return turning + self.linear_damping + self.quadratic_damping * slope
+
+    def restoring_slope(self, up: Vector) -> Matrix:
+        """(6,3) [N/rad, N m/rad] derivative of weight and lift by a small rotation theta in body axes.
+
+        Args:
+            up: (3,) world up in body axes; it turns as up' = up x theta.
+        """
+        return self.hydrostatics @ skew(up)
 
 
 @compiled

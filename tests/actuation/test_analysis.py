@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from support.actuation_vehicles import cube, hull_of
+from support.actuation_vehicles import cube
 
 from cube_sim.actuation import Mission, Outcome, analyse, survivability
 from cube_sim.actuation.attainable.extents import extent
@@ -132,7 +132,7 @@ def test_every_loss_of_up_to_three_thrusters_is_listed_once_and_the_cube_survive
         vehicle.actuation_matrix,
         vehicle.thrusters.limits,
         names=vehicle.thrusters.names,
-        hull=hull_of(vehicle),
+        hull=vehicle.dynamics,
         mission=Mission(inclinations_rad=(0.0,)),
     )
     wanted = [set(lost) for k in range(4) for lost in combinations(vehicle.thrusters.names, k)]

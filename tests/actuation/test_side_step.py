@@ -6,33 +6,29 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 from scipy.optimize import linprog
-from support.actuation_vehicles import hull_of, random_hull, vehicle
+from support.actuation_vehicles import random_hull, vehicle, weightless
 
 from cube_sim.actuation.directions.subspaces import subspaces
-from cube_sim.actuation.path_following.hull import Hull
 from cube_sim.actuation.path_following.linear_motion import linearise
 from cube_sim.actuation.path_following.side_step import Bounds, side_step
 from cube_sim.actuation.path_following.trim import courses
+from cube_sim.vehicle.dynamics import Dynamics
 
 FREE = Bounds(horizon_s=8.0, most_turn_rad=1.0, fastest_m_s=100.0, furthest_m=100.0)
 AHEAD, UP = np.array([0.4, 0, 0]), np.array([0, 0, 1.0])
 
 
-def free_mass(mass):
-    return Hull(mass * np.eye(6), np.zeros((6, 6)), np.zeros((6, 6)), 0.0, 0.0, np.zeros(3), np.zeros(3))
-
-
 def test_side_step_of_a_free_mass_is_full_force_there_and_back():
     # Two newtons one way for 0.6 T and three the other for 0.4 T, in either order: d = 1.2 T^2 / (2 m).
     m, T = 5.0, FREE.horizon_s
-    motion = linearise(free_mass(m), np.array([[1.0, 0], [0, 1], [0, 0]]), AHEAD, UP)
+    motion = linearise(weightless(m * np.eye(6)), np.array([[1.0, 0], [0, 1], [0, 0]]), AHEAD, UP)
     step = side_step(motion, np.array([-1.0, -2.0]), np.array([1.0, 3.0]), FREE)
     assert step == pytest.approx(1.2 * T**2 / (2 * m))
     assert motion.loose(1.0, 1.0) == ("yaw",)
 
 
 def test_side_step_is_bounded_by_the_speed_and_the_furthest_looked_for():
-    motion = linearise(free_mass(1.0), np.array([[1.0, 0], [0, 1], [0, 0]]), AHEAD, UP)
+    motion = linearise(weightless(1.0 * np.eye(6)), np.array([[1.0, 0], [0, 1], [0, 0]]), AHEAD, UP)
     low, high = np.full(2, -1e3), np.full(2, 1e3)
     # One step to be at the speed, one to stop.
     assert side_step(motion, low, high, replace(FREE, fastest_m_s=0.5)) == pytest.approx(0.5 * 0.9 * 8.0)
@@ -40,9 +36,9 @@ def test_side_step_is_bounded_by_the_speed_and_the_furthest_looked_for():
 
 
 def test_side_step_is_zero_when_nothing_pushes_across_or_only_to_one_side():
-    motion = linearise(Hull.neutral(0.3), np.array([[1.0], [0], [0]]), AHEAD, UP)
+    motion = linearise(Dynamics.neutral(0.3), np.array([[1.0], [0], [0]]), AHEAD, UP)
     assert side_step(motion, -np.ones(1), np.ones(1), FREE) == 0.0
-    sideways = linearise(free_mass(1.0), np.array([[0.0], [1], [0]]), AHEAD, UP)
+    sideways = linearise(weightless(1.0 * np.eye(6)), np.array([[0.0], [1], [0]]), AHEAD, UP)
     assert side_step(sideways, np.zeros(1), np.ones(1), FREE) == pytest.approx(0.0, abs=1e-9)
 
 
@@ -95,7 +91,7 @@ def test_side_step_is_that_of_the_programme_in_the_forces_alone(seed):
 def test_a_thruster_fewer_never_lengthens_it():
     v = vehicle("cube")
     limits = v.thrusters.limits[:, [0, 3]] / 60.0
-    motion = linearise(hull_of(v), v.actuation_matrix, np.array([0.3, 0, 0]), UP)
+    motion = linearise(v.dynamics, v.actuation_matrix, np.array([0.3, 0, 0]), UP)
     bounds = Bounds(horizon_s=20.0, most_turn_rad=0.5, fastest_m_s=0.3, furthest_m=100.0)
     whole = side_step(motion, limits[:, 0], limits[:, 1], bounds)
     without_one = {}
@@ -112,7 +108,7 @@ def test_a_thruster_fewer_never_lengthens_it():
 def test_infante_steps_as_far_as_it_was_flown():
     # scenarios/infante_line.yaml at 0.3 m/s, started 2 m off: 0.31 m are left after 20 s, turned by up to 48 deg.
     v = vehicle("infante")
-    A, limits, hull = v.actuation_matrix[[0, 1, 5]], v.thrusters.limits, hull_of(v)
+    A, limits, hull = v.actuation_matrix[[0, 1, 5]], v.thrusters.limits, v.dynamics
     course = courses(hull, subspaces(A), 0.3, 0.0)[0]
     swing = 0.03 * np.array([1, 1, 1, 1 / 0.6, 1 / 0.6, 1 / 0.6])
     motion = linearise(hull, A, course.velocity, course.up, swing)

@@ -8,61 +8,28 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares, linprog
 from scipy.spatial.transform import Rotation
-from support.actuation_vehicles import cube, hull_of, random_hull, vehicle
+from support.actuation_vehicles import (
+    ballasted,
+    cube,
+    random_hull,
+    random_rotation,
+    steady_wrench,
+    turned,
+    vehicle,
+    weightless,
+)
 
 from cube_sim.actuation.attainable.attainable_set import attainable
 from cube_sim.actuation.directions.subspaces import subspaces
 from cube_sim.actuation.path_following.best_attitude import best_attitudes
-from cube_sim.actuation.path_following.hull import Hull
 from cube_sim.actuation.path_following.linear_motion import linearise
 from cube_sim.actuation.path_following.percent import percent
 from cube_sim.actuation.path_following.trim import courses
 from cube_sim.actuation.path_following.verdict import Mission, Outcome, judge
 from cube_sim.errors import ActuationError
-from cube_sim.spatial import quaternion_from_rotation, rotation_from_quaternion, skew
 from cube_sim.wrench.allowed_forces import AllowedForces
 
 UP = np.array([0, 0, 1.0])
-
-
-def random_rotation(rng):
-    q = rng.normal(size=4)
-    return rotation_from_quaternion(q / np.linalg.norm(q))
-
-
-def turned(R, theta):
-    """R exp(S(theta)) for a small theta, orthonormal to rounding."""
-    S = skew(theta)
-    return rotation_from_quaternion(quaternion_from_rotation(R @ (np.eye(3) + S + S @ S / 2)))
-
-
-def test_steady_wrench_is_what_the_equations_of_motion_ask_for():
-    vehicle, rng = cube(), np.random.default_rng(1)
-    hull = hull_of(vehicle)
-    for _ in range(5):
-        R, nu = random_rotation(rng), rng.normal(size=6)
-        wanted = vehicle.dynamics.wrench(R, nu, np.zeros(6), np.zeros(3))
-        assert np.allclose(hull.steady_wrench(nu, R.T[:, 2]), wanted, atol=1e-9)
-
-
-def test_many_steady_wrenches_at_once_are_those_one_by_one():
-    rng = np.random.default_rng(12)
-    hull, v, R = random_hull(rng), rng.normal(size=(5, 3)), [random_rotation(rng) for _ in range(5)]
-    ups = np.array([r[2] for r in R])
-    one_by_one = [hull.steady_wrench(np.r_[a, 0, 0, 0], up) for a, up in zip(v, ups, strict=True)]
-    assert np.allclose(hull.steady_wrenches(v, ups), one_by_one)
-
-
-def test_slopes_are_derivatives():
-    rng = np.random.default_rng(2)
-    hull, nu, R = random_hull(rng), rng.normal(size=6), random_rotation(rng)
-    h = 1e-6
-    for i, e in enumerate(np.eye(6)):
-        slope = (hull.steady_wrench(nu + h * e, R.T[:, 2]) - hull.steady_wrench(nu - h * e, R.T[:, 2])) / (2 * h)
-        assert np.allclose(hull.steady_wrench_slope(nu)[:, i], slope, atol=1e-6)
-    for i, e in enumerate(np.eye(3)):
-        ends = [hull.steady_wrench(nu, turned(R, s * h * e).T[:, 2]) for s in (1, -1)]
-        assert np.allclose(-hull.restoring_slope(R.T[:, 2])[:, i], (ends[0] - ends[1]) / (2 * h), atol=1e-6)
 
 
 @pytest.mark.parametrize("planar", [False, True])
@@ -74,17 +41,17 @@ def test_linear_motion_is_the_derivative_of_the_nonlinear_one(planar):
     R0 = np.eye(3) if planar else random_rotation(rng)
     v0 = np.array([0.5, 0.2, 0.0]) if planar else np.array([0.5, -0.2, 0.3])
     motion = linearise(hull, A, v0, R0.T[:, 2])
-    M = hull.mass[np.ix_(moving, moving)]
+    M = hull.total_mass[np.ix_(moving, moving)]
     nu0 = np.r_[v0, 0, 0, 0]
     aside = np.cross([0, 0, 1] if planar else R0.T[:, 2], v0)
     across = np.array([aside, np.cross(v0, aside)])[: 1 if planar else 2]
     across = across / np.linalg.norm(across, axis=1, keepdims=True)
-    trim = hull.steady_wrench(nu0, R0.T[:, 2])
+    trim = steady_wrench(hull, nu0, R0.T[:, 2])
 
     def rates(theta, nu, F):
         R = turned(R0, theta)
         off_course = across @ (R0.T @ R @ nu[:3])
-        net = A @ F - (hull.steady_wrench(nu, R.T[:, 2]) - trim)[moving]
+        net = A @ F - (steady_wrench(hull, nu, R.T[:, 2]) - trim)[moving]
         return np.r_[off_course, nu[3:][[2] if planar else slice(None)], np.linalg.solve(M, net)]
 
     h, c, r = 1e-6, len(across), 1 if planar else 3
@@ -120,18 +87,16 @@ def test_restoring_moments_replace_missing_torques():
     torpedo = [0, 4, 5]
     assert verdict_of(torpedo).outcome is Outcome.ADRIFT
     assert verdict_of(torpedo).courses[0].loose == ("roll",)
-    assert verdict_of(torpedo, hull=hull_of(cube())).outcome is Outcome.STEERED
+    assert verdict_of(torpedo, hull=cube().dynamics).outcome is Outcome.STEERED
     # {Fx, Mz} cannot climb: the neutrally buoyant hull keeps level.
-    unicycle = verdict_of([0, 5], hull=hull_of(cube()))
+    unicycle = verdict_of([0, 5], hull=cube().dynamics)
     assert unicycle.outcome is Outcome.STUCK
     assert "15 deg" in unicycle.reason
 
 
 def test_munk_moment_turns_a_slender_hull_that_nothing_else_turns():
     U, m_u, m_v, inertia = 0.3, 10.0, 20.0, 1.5
-    slender = Hull(
-        np.diag([m_u, m_v, m_v, 1.0, 1.0, inertia]), np.zeros((6, 6)), np.zeros((6, 6)), 0, 0, np.zeros(3), np.zeros(3)
-    )
+    slender = weightless(np.diag([m_u, m_v, m_v, 1.0, 1.0, inertia]))
     pushes = np.array([[1.0, 0], [0, 1], [0, 0]])
     along = linearise(slender, pushes, np.array([U, 0, 0]), np.array([0, 0, 1.0]))
     growth = np.max(np.linalg.eigvals(along.drift).real)
@@ -148,7 +113,7 @@ def judged(lost, limits=None, mission=None):
     table = vehicle.thrusters.limits[keep] if limits is None else limits
     allowed = AllowedForces.from_limits(table, len(keep), dead_zones=False)
     actuation = subspaces(A[:, keep], length_m=subspaces(A).length_m)
-    return judge(actuation, hull_of(vehicle), allowed, mission)
+    return judge(actuation, vehicle.dynamics, allowed, mission)
 
 
 def test_cube_follows_after_every_single_and_double_loss():
@@ -162,14 +127,14 @@ def test_cube_follows_after_every_single_and_double_loss():
 
 def test_courses_are_kept_by_their_forces_within_reach():
     vehicle = cube()
-    hull, A = hull_of(vehicle), np.delete(vehicle.actuation_matrix, [0, 1, 2], axis=1)
+    hull, A = vehicle.dynamics, np.delete(vehicle.actuation_matrix, [0, 1, 2], axis=1)
     for inclination in (-0.2, 0.0, 0.3):
         found = courses(hull, subspaces(A, length_m=0.35), 0.3, inclination)
         assert found
         for course in found:
             assert np.linalg.norm(course.velocity) == pytest.approx(0.3)
             assert course.velocity @ course.up == pytest.approx(0.3 * np.sin(inclination))
-            wanted = hull.steady_wrench(np.r_[course.velocity, 0, 0, 0], course.up)
+            wanted = steady_wrench(hull, np.r_[course.velocity, 0, 0, 0], course.up)
             assert np.allclose(A @ course.forces, wanted, atol=1e-5)
 
 
@@ -205,7 +170,7 @@ def test_a_slow_cube_is_as_well_steered_as_a_fast_one(speed):
 
 def test_quadratic_drag_damps_what_nothing_else_does():
     # Surge and yaw only, no linear drag: sway is stopped by quadratic drag alone, which has no slope at rest.
-    hull = Hull(np.eye(6), np.zeros((6, 6)), np.eye(6), 0.0, 0.0, np.zeros(3), np.zeros(3))
+    hull = weightless(np.eye(6), np.eye(6))
     A, v0, up = np.array([[1.0, 0], [0, 0], [0, 1]]), np.array([0.5, 0, 0]), np.array([0, 0, 1.0])
     assert "sway" in linearise(hull, A, v0, up).loose(1.0, 1.0)
     assert linearise(hull, A, v0, up, np.full(6, 0.05)).loose(1.0, 1.0) == ()
@@ -223,7 +188,7 @@ def judge_of(name, mission=None, *, hull=None, limits=None, lost=()):
     table = v.thrusters.limits[keep] if limits is None else limits
     allowed = AllowedForces.from_limits(table, len(keep), dead_zones=False)
     actuation = subspaces(A[:, keep], length_m=subspaces(A).length_m)
-    return judge(actuation, hull_of(v) if hull is None else hull, allowed, mission)
+    return judge(actuation, v.dynamics if hull is None else hull, allowed, mission)
 
 
 def held_by_programme(A, table, wrench):
@@ -254,7 +219,7 @@ def test_a_thruster_split_into_two_that_push_one_way_each_changes_nothing():
     A, T, level = v.actuation_matrix, v.thrusters.limits, Mission(inclinations_rad=(0.0,))
     halves = np.vstack([np.column_stack([0 * T[:, 0], T[:, 3]]), np.column_stack([0 * T[:, 0], -T[:, 0]])])
     allowed = AllowedForces.from_limits(halves, 16, dead_zones=False)
-    split = judge(subspaces(np.hstack([A, -A])), hull_of(v), allowed, level)
+    split = judge(subspaces(np.hstack([A, -A])), v.dynamics, allowed, level)
     assert (split.outcome, split.reason) == (Outcome.HOLONOMIC, judge_of("cube", level).reason)
 
 
@@ -286,7 +251,7 @@ def test_any_attitude_asks_for_the_drag_along_every_body_direction():
     assert "all 6 components" in verdict.reason
     share = float(re.search(r"along the body's \(.*\) it holds ([\d.]+) %", verdict.reason)[1]) / 100
     A, T = np.delete(v.actuation_matrix, lost, axis=1), np.delete(v.thrusters.limits, lost, axis=0)
-    heave = hull_of(v).steady_wrench(np.r_[0, 0, 0.3, 0, 0, 0], UP)
+    heave = steady_wrench(v.dynamics, np.r_[0, 0, 0.3, 0, 0, 0], UP)
     assert not held_by_programme(A, T, heave)
     assert not held_by_programme(A, T, 1.2 * share * heave)
     assert held_by_programme(A, T, 0.9 * share * heave)
@@ -294,7 +259,7 @@ def test_any_attitude_asks_for_the_drag_along_every_body_direction():
 
 def test_any_attitude_asks_for_the_righting_torque_of_every_tilt():
     v = vehicle("cube")
-    stiff = replace(hull_of(v), centre_of_buoyancy=np.array([0, 0, 0.08]))
+    stiff = replace(v.dynamics, centre_of_buoyancy=np.array([0, 0, 0.08]))
     verdict = judge_of("cube", hull=stiff)
     assert verdict.outcome is Outcome.STEERED
     tilt = int(re.search(r"up to (\d+) deg of tilt;", verdict.reason)[1])
@@ -302,7 +267,7 @@ def test_any_attitude_asks_for_the_righting_torque_of_every_tilt():
     def held_at(degrees):
         s, c = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
         ups = [np.array([s * np.cos(a), s * np.sin(a), c]) for a in np.linspace(0, 2 * np.pi, 48, endpoint=False)]
-        wrenches = [stiff.steady_wrench(np.zeros(6), up) for up in ups]
+        wrenches = [steady_wrench(stiff, np.zeros(6), up) for up in ups]
         return all(held_by_programme(v.actuation_matrix, v.thrusters.limits, wrench) for wrench in wrenches)
 
     assert held_at(tilt)
@@ -311,7 +276,7 @@ def test_any_attitude_asks_for_the_righting_torque_of_every_tilt():
 
 def test_components_that_limits_take_away_are_not_produced():
     A = np.array([[1, 1, 0], [0, 0, 1], [0.3, -0.3, 0]])
-    hull = hull_of(vehicle("jack"))
+    hull = vehicle("jack").dynamics
 
     def of(limits):
         return judge(subspaces(A), hull, AllowedForces.from_limits(limits, 3, dead_zones=False))
@@ -334,7 +299,7 @@ def test_a_motion_nothing_restores_must_be_pushed_both_ways():
     rolling = judge(subspaces(np.eye(6), length_m=0.35), None, allowed)
     assert rolling.outcome is Outcome.ADRIFT
     assert rolling.reason.endswith("to both sides: roll")
-    assert judge(subspaces(np.eye(6), length_m=0.35), hull_of(cube()), allowed).outcome is Outcome.STEERED
+    assert judge(subspaces(np.eye(6), length_m=0.35), cube().dynamics, allowed).outcome is Outcome.STEERED
 
 
 def test_what_follows_with_a_thruster_fewer_follows():
@@ -345,7 +310,7 @@ def test_what_follows_with_a_thruster_fewer_follows():
 
 
 def shares_of(R, hull, reach, course_W):
-    return reach.share(np.array([hull.steady_wrench(np.r_[r.T @ course_W, 0, 0, 0], r[2]) for r in R]))
+    return reach.share(np.array([steady_wrench(hull, np.r_[r.T @ course_W, 0, 0, 0], r[2]) for r in R]))
 
 
 @pytest.mark.parametrize(
@@ -360,7 +325,7 @@ def shares_of(R, hull, reach, course_W):
 )
 def test_the_best_attitude_beats_all_random_ones(name, lost, speed, ballast_N, least):
     v, rng = vehicle(name), np.random.default_rng(11)
-    hull = replace(hull_of(v), weight=hull_of(v).weight + ballast_N)
+    hull = ballasted(v.dynamics, ballast_N)
     A, T = (np.delete(x, lost, axis=k) for x, k in ((v.actuation_matrix, 1), (v.thrusters.limits, 0)))
     allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
     actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
@@ -368,7 +333,7 @@ def test_the_best_attitude_beats_all_random_ones(name, lost, speed, ballast_N, l
     best = best_attitudes(hull, actuation, reach, speed, tilt)[0]
     course_W = speed * np.array([np.cos(tilt), 0, np.sin(tilt)])
     assert best.velocity @ best.up == pytest.approx(course_W[2])
-    assert np.allclose(best.wrench, hull.steady_wrench(np.r_[best.velocity, 0, 0, 0], best.up))
+    assert np.allclose(best.wrench, steady_wrench(hull, np.r_[best.velocity, 0, 0, 0], best.up))
     share = reach.share(best.wrench[None])[0]
     assert share > least
     assert share > np.max(shares_of([random_rotation(rng) for _ in range(3000)], hull, reach, course_W))
@@ -380,7 +345,7 @@ def producible(R, hull, actuation, course_W):
     missing = np.eye(6) - actuation.projector
 
     def wrench(R):
-        return hull.steady_wrench(np.r_[R.T @ course_W, 0, 0, 0], R[2])
+        return steady_wrench(hull, np.r_[R.T @ course_W, 0, 0, 0], R[2])
 
     found = [
         least_squares(lambda x, r=r: missing @ wrench(r @ Rotation.from_rotvec(x).as_matrix()), 0.01 * UP) for r in R
@@ -399,7 +364,7 @@ def producible(R, hull, actuation, course_W):
 )
 def test_the_best_attitude_without_some_components_beats_all_random_ones(name, lost, speed, ballast_N, rank, least):
     v, rng = vehicle(name), np.random.default_rng(12)
-    hull = replace(hull_of(v), weight=hull_of(v).weight + ballast_N)
+    hull = ballasted(v.dynamics, ballast_N)
     A, T = np.delete(v.actuation_matrix, lost, axis=1), np.delete(v.thrusters.limits, lost, axis=0)
     allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
     actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
@@ -428,7 +393,7 @@ def test_the_best_attitude_is_found_on_ridges_and_where_most_are_worth_nothing(
     name, lost, speed, ballast_N, weaker, one_way, least
 ):
     v = vehicle(name)
-    hull = replace(hull_of(v), weight=hull_of(v).weight + ballast_N)
+    hull = ballasted(v.dynamics, ballast_N)
     A, T = np.delete(v.actuation_matrix, lost, axis=1), np.delete(v.thrusters.limits, lost, axis=0) / weaker
     if one_way:
         T[:, :2] = 0.0
@@ -444,7 +409,7 @@ def test_the_best_attitude_is_found_on_ridges_and_where_most_are_worth_nothing(
 def test_in_the_plane_the_best_heading_is_found():
     v, speed = vehicle("jack"), 2.0
     A = v.actuation_matrix[[0, 1, 5]]
-    actuation, hull = subspaces(A), hull_of(v)
+    actuation, hull = subspaces(A), v.dynamics
     reach = attainable(actuation, AllowedForces.from_limits(v.thrusters.limits, 4, dead_zones=False))
     best = best_attitudes(hull, actuation, reach, speed, 0.0)[0]
     assert best.up == pytest.approx(UP)

@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 
 from cube_sim.actuation.attainable.attainable_set import Attainable
-from cube_sim.actuation.path_following.hull import Hull
 from cube_sim.actuation.path_following.percent import percent
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.axes import PLANAR, SPATIAL, Matrix, Vector
 
 _GRID = np.linspace(-1.0, 1.0, 7)
@@ -16,7 +16,7 @@ _TURNS = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
 _TILTS = np.radians(np.arange(0.0, 180.5, 1.0))
 
 
-def shortfall(hull: Hull, reach: Attainable, speed_m_s: float) -> str | None:
+def shortfall(hull: Dynamics, reach: Attainable, speed_m_s: float) -> str | None:
     """What keeps a body from some course in some attitude: words, or None when nothing does.
 
     Asked are drag and Munk moment at the speed along any body direction (218 of them, 64 in the plane) together with

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.actuation.directions.subspaces import Subspaces
-from cube_sim.actuation.path_following.hull import Hull
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.axes import Matrix, Vector
 
 _STEPS = 30
@@ -31,7 +31,7 @@ class Attitudes:
         rounding: how much of a condition counts as none [N].
     """
 
-    hull: Hull
+    hull: Dynamics
     velocity: Vector
     rows: tuple[int, ...]
     turns: Matrix
@@ -39,7 +39,7 @@ class Attitudes:
     rounding: float
 
     @staticmethod
-    def on(hull: Hull, actuation: Subspaces, speed_m_s: float, inclination_rad: float) -> Attitudes:
+    def on(hull: Dynamics, actuation: Subspaces, speed_m_s: float, inclination_rad: float) -> Attitudes:
         """Those on a course at this speed and angle above the horizontal; 3 components are motion in the plane."""
         planar = len(actuation.matrix) == 3
         rows = actuation.axes.rows

@@ -7,8 +7,8 @@ import numpy as np
 from cube_sim.actuation.attainable.attainable_set import Attainable
 from cube_sim.actuation.directions.subspaces import Subspaces
 from cube_sim.actuation.path_following.attitudes import Attitudes, rotations
-from cube_sim.actuation.path_following.hull import Hull
 from cube_sim.actuation.path_following.trim import Course, courses_in
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.axes import Matrix, Vector
 
 _COARSE_FREE, _COARSE_RESTRICTED, _HEADINGS = 3000, 1000, 375
@@ -25,7 +25,7 @@ _NO_REACH = 1e-10
 
 
 def best_attitudes(
-    hull: Hull, actuation: Subspaces, reach: Attainable, speed_m_s: float, inclination_rad: float
+    hull: Dynamics, actuation: Subspaces, reach: Attainable, speed_m_s: float, inclination_rad: float
 ) -> tuple[Course, ...]:
     """Local maxima over all attitudes of the share of a course's wrench that thrusters attain, the largest first.
 

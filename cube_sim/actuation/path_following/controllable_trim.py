@@ -10,11 +10,11 @@ import numpy as np
 from cube_sim.actuation.attainable.attainable_set import Attainable, holding_forces
 from cube_sim.actuation.directions.subspaces import Subspaces
 from cube_sim.actuation.path_following.best_attitude import best_attitudes
-from cube_sim.actuation.path_following.hull import Hull
 from cube_sim.actuation.path_following.linear_motion import linearise
 from cube_sim.actuation.path_following.requirements import Mission
 from cube_sim.actuation.path_following.side_step import Bounds, side_step
 from cube_sim.actuation.path_following.trim import Course, courses
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import SPATIAL
 
@@ -55,7 +55,7 @@ class SteeredCourse:
 
 
 def steered_course(
-    hull: Hull,
+    hull: Dynamics,
     actuation: Subspaces,
     allowed: AllowedForces | None,
     reach: Attainable | None,
@@ -98,7 +98,7 @@ def steered_course(
 
 
 def _attempts(
-    hull: Hull, actuation: Subspaces, reach: Attainable | None, asked: Mission, inclination_rad: float
+    hull: Dynamics, actuation: Subspaces, reach: Attainable | None, asked: Mission, inclination_rad: float
 ) -> Iterator[tuple[Course, ...]]:
     """Attitudes to try: near level, deck along the course, one thruster not needed; last the best of all."""
     yield courses(hull, actuation, asked.speed_m_s, inclination_rad)
@@ -112,7 +112,7 @@ def _attempts(
 
 def _steered(
     candidate: SteeredCourse,
-    hull: Hull,
+    hull: Dynamics,
     actuation: Subspaces,
     allowed: AllowedForces | None,
     asked: Mission,

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cube_sim.actuation.path_following.hull import Hull
 from cube_sim.spatial import cross, skew
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.axes import PLANAR, SPATIAL, Matrix, Vector
 from cube_sim.wrench.zonotope import facets
 
@@ -135,7 +135,7 @@ _VELOCITIES = ("surge speed", "sway speed", "heave speed", "roll rate", "pitch r
 _ANGLES = ("roll", "pitch", "yaw")
 
 
-def linearise(hull: Hull, A: Matrix, velocity: Vector, up: Vector, swing: Vector | None = None) -> LinearMotion:
+def linearise(hull: Dynamics, A: Matrix, velocity: Vector, up: Vector, swing: Vector | None = None) -> LinearMotion:
     """Small motions about a straight course.
 
     Args:
@@ -150,7 +150,7 @@ def linearise(hull: Hull, A: Matrix, velocity: Vector, up: Vector, swing: Vector
     turning = [2] if planar else [0, 1, 2]
     across = _across(velocity, up, planar)
     c, r, k = len(across), len(turning), len(moving)
-    M = hull.mass[np.ix_(moving, moving)]
+    M = hull.total_mass[np.ix_(moving, moving)]
     damping = hull.steady_wrench_slope(np.concatenate([velocity, np.zeros(3)]), swing)[np.ix_(moving, moving)]
     restoring = hull.restoring_slope(up)[np.ix_(moving, turning)]
     translation = [i for i, axis in enumerate(moving) if axis < 3]

@@ -8,7 +8,7 @@ import numpy as np
 
 from cube_sim.actuation.directions.subspaces import Subspaces
 from cube_sim.actuation.path_following.attitudes import Attitudes, rotations
-from cube_sim.actuation.path_following.hull import Hull
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.axes import Matrix, Vector
 
 _HEADINGS = 8
@@ -39,7 +39,7 @@ class Course:
 
 
 def courses(
-    hull: Hull, actuation: Subspaces, speed_m_s: float, inclination_rad: float, *, inclined: bool = False
+    hull: Dynamics, actuation: Subspaces, speed_m_s: float, inclination_rad: float, *, inclined: bool = False
 ) -> tuple[Course, ...]:
     """Attitudes in which the steady wrench of a course is within reach, nearest to level for each heading tried.
 

@@ -18,9 +18,9 @@ from cube_sim.actuation.attainable.attainable_set import attainable
 from cube_sim.actuation.directions.subspaces import Subspaces
 from cube_sim.actuation.path_following.any_attitude import shortfall
 from cube_sim.actuation.path_following.controllable_trim import FURTHEST, SteeredCourse, steered_course
-from cube_sim.actuation.path_following.hull import Hull
 from cube_sim.actuation.path_following.percent import percent
 from cube_sim.actuation.path_following.requirements import Mission
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
 
 
@@ -60,13 +60,16 @@ class Verdict:
 
 
 def judge(
-    actuation: Subspaces, hull: Hull | None = None, allowed: AllowedForces | None = None, mission: Mission | None = None
+    actuation: Subspaces,
+    hull: Dynamics | None = None,
+    allowed: AllowedForces | None = None,
+    mission: Mission | None = None,
 ) -> Verdict:
     """Judge path following.
 
     Args:
         actuation: of the thrusters that are left.
-        hull: the moving body; without one, `Hull.neutral`, which nothing restores.
+        hull: the moving body; without one, `Dynamics.neutral`, which nothing restores.
         allowed: forces of the thrusters; without them limits are not looked at.
         mission: what is asked; default `Mission()`.
 
@@ -75,7 +78,7 @@ def judge(
     """
     asked = Mission() if mission is None else mission
     asked.check()
-    body = Hull.neutral(actuation.length_m) if hull is None else hull
+    body = Dynamics.neutral(actuation.length_m) if hull is None else hull
     able = actuation if allowed is None else _able(actuation, allowed)
     reach = None if allowed is None else attainable(able, allowed)
     inclinations = (0.0,) if len(actuation.matrix) == 3 else asked.inclinations_rad
