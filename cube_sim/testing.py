@@ -3,6 +3,8 @@
 Name it in the root conftest: ``pytest_plugins = ["cube_sim.testing"]``. A scenario file that cannot be read is a
 failing test, not an error of the whole session. Each check's value goes into the test's user properties, and so
 into JUnit reports.
+
+The tests carry the marker ``flight``, which the plugin registers: ``pytest -m "not flight"`` leaves them out.
 """
 
 from __future__ import annotations
@@ -18,6 +20,11 @@ from cube_sim.errors import CubeSimError
 
 class ScenarioFailedError(Exception):
     """A scenario did not pass; the text is what to show."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Register the marker, so that --strict-markers knows it in any repository."""
+    config.addinivalue_line("markers", "flight: flies a scenario from start to end, which takes seconds.")
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
@@ -37,6 +44,10 @@ class ScenarioFile(pytest.File):
 
 class ScenarioItem(pytest.Item):
     """Flies one scenario and expects PASS."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.add_marker("flight")
 
     def runtest(self) -> None:
         """Run the scenario, recording into pytest's temporary folder."""

@@ -2,23 +2,22 @@
 
 import importlib.util
 import sys
-from pathlib import Path
 
 import pytest
-
-HERE = Path(__file__).parents[1]
+from support.places import REPO, SCENARIOS
 
 
 def script(name):
-    spec = importlib.util.spec_from_file_location(name, HERE / "benchmarks" / f"{name}.py")
+    spec = importlib.util.spec_from_file_location(name, REPO / "benchmarks" / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
+@pytest.mark.flight
 def test_allocators_are_compared_on_the_vehicle_of_the_scenario(monkeypatch, tmp_path, capsys):
     """Jack has four thrusters, the CUBE has eight."""
-    jack, plot = HERE / "scenarios" / "jack_exact.yaml", tmp_path / "all.png"
+    jack, plot = SCENARIOS / "jack_exact.yaml", tmp_path / "all.png"
     monkeypatch.setattr(sys, "argv", ["", "--scenario", str(jack), "--duration", "31", "--plot", str(plot)])
     benchmark = script("allocators")
     every, names = benchmark.variants, ("exact, F_opt of +-15 N (11)", "contraction")

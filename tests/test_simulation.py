@@ -7,11 +7,11 @@ import shlex
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+from support.places import CUBE, HELIX, MODELS, REPO, SCENARIOS
 
 import cube_sim
 from cube_sim.control.path_follower import PathFollower
@@ -19,9 +19,6 @@ from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
 from cube_sim.scenario.document import parse_value
-
-ROOT = Path(__file__).parents[1]
-HELIX = ROOT / "scenarios" / "cube_helix.yaml"
 
 
 def parse_settings(line: str) -> dict[str, object]:
@@ -43,6 +40,7 @@ def short(tmp_path_factory):
     return cube_sim.run(HELIX, SHORT, tmp_path_factory.mktemp("short"))
 
 
+@pytest.mark.flight
 def test_a_run_leaves_its_four_files_and_the_same_in_memory(short):
     assert sorted(p.name for p in short.directory.iterdir()) == [
         "resolved.yaml",
@@ -57,6 +55,7 @@ def test_a_run_leaves_its_four_files_and_the_same_in_memory(short):
     assert set(written["versions"]) >= {"mujoco", "numpy", "proxsuite", "cube-sim"}
 
 
+@pytest.mark.flight
 def test_every_channel_has_a_row_per_tick_from_start_to_end(short):
     t = short.signals["pose.position"][:, 0]
     np.testing.assert_allclose(t, 0.02 * np.arange(151), atol=1e-12)
@@ -66,6 +65,7 @@ def test_every_channel_has_a_row_per_tick_from_start_to_end(short):
             np.testing.assert_array_equal(rows[:, 0], t, err_msg=name)
 
 
+@pytest.mark.flight
 def test_the_recorded_numbers_hang_together(short):
     s = {name: rows[:, 1:] for name, rows in short.signals.items()}
     A = s["actuation.matrix"][0].reshape(6, -1)
@@ -78,6 +78,7 @@ def test_the_recorded_numbers_hang_together(short):
         np.testing.assert_allclose(e, [*s["path_error.along"][k], *s["path_error.lateral"][k]], atol=1e-9)
 
 
+@pytest.mark.flight
 def test_the_velocity_is_the_derivative_of_the_pose(short):
     s = {name: rows[:, 1:] for name, rows in short.signals.items()}
     from cube_sim.spatial import rotation_from_quaternion
@@ -88,10 +89,9 @@ def test_the_velocity_is_the_derivative_of_the_pose(short):
         np.testing.assert_allclose(R @ s["velocity.linear"][k], slope, atol=2e-3)
 
 
+@pytest.mark.flight
 def test_the_produced_forces_follow_the_commands_through_lag_and_characteristic(short):
-    vehicle = cube_sim.Vehicle.from_model(
-        cube_sim.load_model(ROOT / "models" / "cube.xml", {"hull:thruster_dead_zone": (-2.0, 2.0)})
-    )
+    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE, {"hull:thruster_dead_zone": (-2.0, 2.0)}))
     s = {name: rows[:, 1:] for name, rows in short.signals.items()}
     activation = np.zeros(8)
     for k in range(150):
@@ -104,6 +104,7 @@ def test_the_produced_forces_follow_the_commands_through_lag_and_characteristic(
         activation = c + (activation - c) * rk4 / np.exp(-1.0)
 
 
+@pytest.mark.flight
 def test_the_same_scenario_gives_the_same_bytes_in_another_process(short, tmp_path):
     code = "import sys, json, cube_sim\ncube_sim.run(sys.argv[1], json.loads(sys.argv[2]), sys.argv[3])\n"
     subprocess.run(
@@ -119,6 +120,7 @@ def test_a_step_too_long_for_the_motors_is_refused(tmp_path):
         cube_sim.run(HELIX, steps, tmp_path / "out")
 
 
+@pytest.mark.flight
 def test_a_state_that_leaves_the_real_numbers_ends_the_run_as_error_with_the_last_good_state(tmp_path):
     """An Euler step of 10 ms on a hull thrown at 320 m/s: its drag overshoots and the state blows up."""
     result = cube_sim.run(HELIX, {**THROWN, "duration_s": 20.0}, tmp_path / "out")
@@ -129,6 +131,7 @@ def test_a_state_that_leaves_the_real_numbers_ends_the_run_as_error_with_the_las
     assert np.all(np.isfinite(pose))
 
 
+@pytest.mark.flight
 def test_a_last_step_that_leaves_the_real_numbers_is_an_error_too(tmp_path):
     """All rows but the last are there, and no check would miss it."""
     whole = cube_sim.run(HELIX, {**THROWN, "duration_s": 20.0}, tmp_path / "whole").signals["pose.position"]
@@ -141,7 +144,7 @@ def test_a_run_and_its_files_move_together(tmp_path):
     """A checkout with its logs is carried elsewhere, and its resolved scenario still finds the model."""
     first, second = tmp_path / "here", tmp_path / "there"
     (first / "scenarios").mkdir(parents=True)
-    shutil.copytree(ROOT / "models", first / "models")
+    shutil.copytree(MODELS, first / "models")
     shutil.copy(HELIX, first / "scenarios")
     cube_sim.run(first / "scenarios" / HELIX.name, {**SHORT, "duration_s": 0.1}, first / "logs" / "a")
     assert "\nmodel: ../../models/cube.xml\n" in (first / "logs" / "a" / "resolved.yaml").read_text()
@@ -164,7 +167,7 @@ def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path):
 
 def test_a_dead_zone_beyond_the_thrusters_reach_is_a_mistake_at_its_place(tmp_path):
     text = HELIX.read_text().replace("dead_zone_N: [-2.0, 2.0]", "dead_zone_N: [-60.0, 2.0]")
-    text = text.replace("../models/", f"{ROOT}/models/")
+    text = text.replace("../models/", f"{REPO}/models/")
     (tmp_path / "x.yaml").write_text(text)
     with pytest.raises(ScenarioError, match=r"x\.yaml:\d+:\d+: thrusters\.dead_zone_N: .*out of order"):
         cube_sim.run(tmp_path / "x.yaml", None, tmp_path / "out")
@@ -184,7 +187,7 @@ def test_a_model_without_water_is_a_mistake_at_its_place(tmp_path):
 def test_a_check_of_a_signal_nobody_records_is_a_mistake_before_the_run(tmp_path):
     text = (
         HELIX.read_text()
-        .replace("../models/", f"{ROOT}/models/")
+        .replace("../models/", f"{REPO}/models/")
         .replace("path_error.cross_track", "path_error.crosstrack")
     )
     (tmp_path / "x.yaml").write_text(text)
@@ -198,7 +201,7 @@ def test_a_check_of_a_signal_nobody_records_is_a_mistake_before_the_run(tmp_path
 @pytest.fixture
 def two_hulls(tmp_path):
     """The CUBE and a passive drum beside it, which comes first."""
-    spec = mujoco.MjSpec.from_file(str(ROOT / "models" / "cube.xml"))
+    spec = mujoco.MjSpec.from_file(str(CUBE))
     drum = spec.worldbody.add_body(name="drum", pos=[0.0, 30.0, -5.0])
     drum.add_freejoint()
     drum.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.3, 0, 0], mass=20.0)
@@ -213,6 +216,7 @@ def two_hulls(tmp_path):
     return path
 
 
+@pytest.mark.flight
 def test_a_model_with_several_hulls_is_flown_by_the_one_named(two_hulls, tmp_path):
     short = {**SHORT, "duration_s": 0.2}
     with pytest.raises(ScenarioError, match=r"two\.yaml:\d+:8: model: the model has several hulls: .*hull.*drum"):
@@ -228,7 +232,7 @@ def test_a_model_with_several_hulls_is_flown_by_the_one_named(two_hulls, tmp_pat
     np.testing.assert_allclose(run.signals["pose.position"], alone.signals["pose.position"], atol=1e-9)
 
 
-README = (ROOT / "README.md").read_text()
+README = (REPO / "README.md").read_text()
 SETTINGS = [
     parse_settings(line)
     for line in re.findall(r"^cube-sim run scenarios/cube_helix\.yaml (--set .*)$", README, re.MULTILINE)
@@ -239,7 +243,7 @@ CALLS = [
 
 
 def test_an_event_after_the_end_names_the_override_that_put_the_end_there(tmp_path):
-    path = ROOT / "scenarios" / "cube_lose_one.yaml"
+    path = SCENARIOS / "cube_lose_one.yaml"
     overrides = {"duration_s": 20, "checks": [{"kind": "allowed_forces"}]}
     with pytest.raises(ScenarioError, match=r"events\.0\.at_s: 40 s is after the end .* \(override duration_s\)$"):
         cube_sim.run(path, overrides, tmp_path / "out")
@@ -250,11 +254,13 @@ def test_the_readme_has_examples():
     assert CALLS
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("overrides", SETTINGS + [call for call in CALLS if call not in SETTINGS], ids=str)
 def test_the_examples_of_the_readme_pass(overrides, tmp_path):
     assert cube_sim.run(HELIX, overrides, tmp_path / "out").verdict == "PASS"
 
 
+@pytest.mark.flight
 def test_a_controller_without_an_answer_ends_the_run_as_error_with_the_last_good_state(tmp_path, monkeypatch):
     """Whatever made it so: thrusters at rest and a vehicle adrift are no result to judge."""
     decide, ticks = PathFollower.decide, []
@@ -272,6 +278,7 @@ def test_a_controller_without_an_answer_ends_the_run_as_error_with_the_last_good
     assert line.text == "the controller's answer is not a number: the run ends here"
 
 
+@pytest.mark.flight
 def test_a_fault_told_at_the_very_start_can_be_judged(tmp_path):
     dead = {"kind": "thrusters", "at_s": 0, "thrusters": ["T1"], "state": "dead"}
     run = cube_sim.run(HELIX, {**SHORT, "control.faults": "told", "events": [dead]}, tmp_path / "run")

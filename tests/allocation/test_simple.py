@@ -1,10 +1,9 @@
 """The allocators that only try their best, against what their authors promise, and every method in a flight."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from support.allocation_reference import cube, in_allowed_set, jack
+from support.places import HELIX
 
 import cube_sim
 from cube_sim.allocation import Allocator, Status, make_allocator
@@ -14,7 +13,6 @@ from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-40.0, -3.2, 4.0, 50.0])
 SIMPLE = [method for method in methods() if not is_exact(method)]
-HELIX = Path(__file__).parents[2] / "scenarios" / "cube_helix.yaml"
 SHORT = {"duration_s": 0.4, "checks": [{"kind": "allowed_forces"}]}
 
 
@@ -133,6 +131,7 @@ def test_a_huge_demand_is_missed_by_what_it_exceeds_the_forces(method, size):
     assert np.isfinite([answer.residual, answer.cost]).all()
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("method", [m for m in methods() if not m.startswith("enumerate")])
 def test_every_method_flies(method, tmp_path):
     run = cube_sim.run(HELIX, {**SHORT, "allocation.method": method}, out=tmp_path / "run")
@@ -141,6 +140,7 @@ def test_every_method_flies(method, tmp_path):
     assert np.abs(wrench).max() > 1.0
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("objective", ["reactivity", "reactivity_by_side"])
 def test_objectives_fly_with_the_models_reactivity_points(objective, tmp_path):
     changes = {**SHORT, "allocation.objective": objective, "allocation.change_limit_N": 15.0}

@@ -160,6 +160,7 @@ def test_what_nobody_foresaw_is_one_line_and_never_a_fail(tmp_path, monkeypatch,
     assert stderr.startswith("Traceback (most recent call last):")
 
 
+@pytest.mark.flight
 def test_a_full_disk_is_one_line_and_could_not_be_judged(tmp_path):
     """A file may not grow beyond 100 kB: what a write meets on a full disk."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
@@ -174,6 +175,7 @@ def test_a_full_disk_is_one_line_and_could_not_be_judged(tmp_path):
     assert said == [f"{out}: cannot be written: File too large"]
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("library", ["_pydantic_core", "libmujoco", "llvmlite"])
 def test_an_interrupt_while_starting_up_is_one_line(tmp_path, library):
     """A real Ctrl-C when a certain library has just been loaded."""
@@ -240,6 +242,7 @@ def test_a_model_that_cannot_swim_is_bad_input(tmp_path, monkeypatch, capsys, mo
     assert not out.exists()
 
 
+@pytest.mark.flight
 def test_a_terminal_sees_progress_and_then_the_result(tmp_path):
     """On a real pseudo-terminal: the bar goes to it while flying, the table stays."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
@@ -264,6 +267,7 @@ def test_a_terminal_sees_progress_and_then_the_result(tmp_path):
     assert text.index("of 3 s simulated") < text.index("PASS  short_flight: 3 s simulated")
 
 
+@pytest.mark.flight
 def test_an_interrupted_run_closes_its_recording(tmp_path):
     """A real Ctrl-C in the middle of an hour's flight."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"

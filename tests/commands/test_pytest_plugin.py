@@ -48,6 +48,14 @@ def test_one_test_per_scenario_file_and_none_for_other_files(folder):
     assert result.ret == 0
 
 
+def test_a_quick_look_leaves_flights_out_in_a_repository_that_has_not_heard_of_the_marker(folder):
+    result = folder.runpytest_subprocess(
+        "-p", "cube_sim.testing", "--strict-markers", "-m", "not flight", "--collect-only", "-q"
+    )
+    assert "no tests collected (5 deselected)" in result.stdout.str()
+
+
+@pytest.mark.flight
 def test_outcomes_texts_properties_and_recordings(folder):
     report, base = folder.path / "report.xml", folder.path / "recordings"
     result = folder.runpytest_subprocess("-p", "cube_sim.testing", f"--junitxml={report}", f"--basetemp={base}", "-ra")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.scenario_files import REPO
+from support.places import MODELS, SCENARIOS
 
 import cube_sim
 from cube_sim import Vehicle, load_model
@@ -18,8 +18,8 @@ from cube_sim.wrench.health import Health
 
 LOST = [1, 2]
 """T2 and T3 of the CUBE as built: what is left has rank 6, but one direction costs 35 N/N, the others 0.85 at most."""
-FLIGHT = REPO / "scenarios" / "cube_lose_two.yaml"
-AS_BUILT = {"model": str(REPO / "models" / "cube_as_built.xml")}
+FLIGHT = SCENARIOS / "cube_lose_two.yaml"
+AS_BUILT = {"model": str(MODELS / "cube_as_built.xml")}
 SHORT = AS_BUILT | {
     "duration_s": 20.0,
     "initial.position_m": [3.0, 0.0, -8.0],
@@ -92,6 +92,7 @@ def test_a_level_vehicle_that_pushes_sideways_dearly_steers_by_its_heading():
     assert left.attainable(np.array([3.0, 2.0, 0.0, 0.0, 0.0, 1.0])) == pytest.approx([3, 0, 0, 0, 0, 1], abs=1e-12)
 
 
+@pytest.mark.flight
 def test_with_the_limit_the_vehicle_turns_and_pushes_less(tmp_path):
     free, limited = (
         cube_sim.run(FLIGHT, SHORT | more, out=tmp_path / name)
@@ -109,10 +110,11 @@ def test_with_the_limit_the_vehicle_turns_and_pushes_less(tmp_path):
     assert np.max(after(limited, "path_error.cross_track")) < 0.1 < np.max(after(free, "path_error.cross_track"))
 
 
+@pytest.mark.flight
 def test_a_whole_vehicle_does_without_what_is_too_dear_from_the_start(tmp_path):
     # Jack's sway costs 1.93 N/N, surge and yaw half a newton.
     changes = {"duration_s": 20.0, "events": [], "checks": [{"kind": "allowed_forces"}], "control.cost_limit": 1.0}
-    run = cube_sim.run(REPO / "scenarios" / "jack_lose_two.yaml", changes, out=tmp_path)
+    run = cube_sim.run(SCENARIOS / "jack_lose_two.yaml", changes, out=tmp_path)
     assert set(run.signals["health.authority"][:, 1]) == {Authority.UNICYCLE}
     assert np.max(np.abs(run.signals["wrench.demanded"][:, 2])) < 1e-9
     log = [line.text for line in read_recording(tmp_path / "run.mcap").log]
@@ -134,4 +136,4 @@ def test_a_limit_that_leaves_no_way_to_follow_a_path_is_refused_with_the_costs()
 
 def test_the_planar_law_has_no_use_for_it():
     with pytest.raises(ScenarioError, match=r"control\.cost_limit: the planar law has no use for it"):
-        prepare(load(REPO / "scenarios" / "infante_line.yaml", {"control.cost_limit": 10.0}))
+        prepare(load(SCENARIOS / "infante_line.yaml", {"control.cost_limit": 10.0}))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from support.scenario_files import REPO
+from support.places import MODELS
 
 import cube_sim
 from cube_sim.control.current import CurrentObserver
@@ -18,7 +18,7 @@ DT = 0.02
 
 @pytest.fixture(scope="module", params=["cube", "bluerov2_heavy", "infante"])
 def dynamics(request):
-    return cube_sim.Vehicle.from_model(cube_sim.load_model(REPO / "models" / f"{request.param}.xml")).dynamics
+    return cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / f"{request.param}.xml")).dynamics
 
 
 def circling(t: float, speed: float = 0.4, rate: float = 0.13) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -41,6 +41,7 @@ def estimates(dynamics, believed, seconds: float, time: float = 10.0) -> np.ndar
     return np.array(history)
 
 
+@pytest.mark.flight
 def test_the_current_is_found_by_a_vehicle_that_moves(dynamics):
     found = estimates(dynamics, dynamics, 150.0)
     np.testing.assert_allclose(found[-1], CURRENT, atol=0.01)
@@ -51,6 +52,7 @@ def test_it_is_approached_at_the_pace_asked_for(dynamics):
     assert early < 0.6 * late
 
 
+@pytest.mark.flight
 def test_a_wrong_drag_averages_out_over_a_turn(dynamics):
     """Drag is wrong in body axes, the current in world axes: over a whole turn only the current stays."""
     believed = replace(

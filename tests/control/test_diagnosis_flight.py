@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
-from support.scenario_files import REPO
+from support.places import SCENARIOS
 
 import cube_sim
 from cube_sim.recording.reading import read_recording
 
-CUBE, JACK = REPO / "scenarios" / "cube_lose_two.yaml", REPO / "scenarios" / "jack_lose_two.yaml"
+pytestmark = pytest.mark.flight
+
+CUBE, JACK = SCENARIOS / "cube_lose_two.yaml", SCENARIOS / "jack_lose_two.yaml"
 CHECKS = [{"kind": "allowed_forces"}, {"kind": "exact_wrench", "at_most": 1e-3}]
 HOLONOMIC, PLANE, LINE, SAFE, UNICYCLE = 0, 1, 2, 3, 5
 

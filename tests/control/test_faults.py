@@ -1,10 +1,10 @@
 """Losing thrusters: what is left, how it is found out, how the vehicle points what it has."""
 
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pytest
+from support.places import CUBE
 
 import cube_sim
 from cube_sim.allocation import Health
@@ -16,7 +16,7 @@ from cube_sim.spatial import rotation_from_quaternion
 
 @pytest.fixture(scope="module")
 def cube():
-    return cube_sim.Vehicle.from_model(cube_sim.load_model(Path(__file__).parents[2] / "models" / "cube.xml"))
+    return cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE))
 
 
 def left_after(A, lost):

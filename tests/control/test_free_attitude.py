@@ -1,9 +1,8 @@
 """The attitude of least effort: its gradient, where it settles, and that it always gets upright."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from support.places import CUBE, MODELS
 
 import cube_sim
 from cube_sim.control.attitude import Situation
@@ -14,14 +13,13 @@ from cube_sim.guidance.path import PathPoint
 from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import quaternion_from_euler, rotation_about, rotation_from_quaternion, skew
 
-MODELS = Path(__file__).parents[2] / "models"
 HERE = PathPoint(np.zeros(3), np.eye(3), (0.0, 0.0), (0.0, 0.0))
 STILL, DT, TIME = np.zeros(3), 0.05, 3.0
 
 
 @pytest.fixture(scope="module")
 def cube():
-    return cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "cube.xml"))
+    return cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE))
 
 
 @pytest.fixture(scope="module")

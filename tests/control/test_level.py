@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from support.scenario_files import REPO
+from support.places import MODELS, SCENARIOS
 
 import cube_sim
 from cube_sim.control.attitude import Situation
@@ -21,12 +21,12 @@ from cube_sim.mission import prepare
 from cube_sim.scenario import load
 from cube_sim.spatial import rotation_from_quaternion
 
-JACK, INFANTE = REPO / "scenarios" / "jack_exact.yaml", REPO / "scenarios" / "infante_circle.yaml"
+JACK, INFANTE = SCENARIOS / "jack_exact.yaml", SCENARIOS / "infante_circle.yaml"
 
 
 @pytest.fixture(scope="module")
 def matrix():
-    return cube_sim.Vehicle.from_model(cube_sim.load_model(REPO / "models" / "jack.xml")).actuation_matrix
+    return cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "jack.xml")).actuation_matrix
 
 
 def test_jack_moves_in_a_level_plane_also_with_any_one_motor_lost(matrix):
@@ -53,7 +53,7 @@ def test_a_unicycle_is_asked_for_its_torque_and_the_nearest_force_that_comes_wit
 
 
 def test_a_unicycle_turns_about_the_vertical_only_until_its_thrust_points_where_force_is_needed(matrix):
-    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(REPO / "models" / "jack.xml"))
+    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "jack.xml"))
     left = capability(np.delete(matrix, [1, 2], axis=1))
     law = BalancedAttitude(left, vehicle.dynamics, np.eye(3), time=0.5)
     force = np.array([3.0, 9.0, -4.0])  # world axes; the vertical part is nobody's business
@@ -104,6 +104,7 @@ def flown(tmp_path, method, penalty=0.0):
     return reversals, float(np.sqrt(np.mean(missed**2)))
 
 
+@pytest.mark.flight
 def test_contraction_oscillates_and_misses_compensation_and_the_exact_allocation_do_not(tmp_path):
     """The comparison of Ropars et al. 2018 and Lapierre et al. 2021 on one path."""
     exact, contraction, compensation = (

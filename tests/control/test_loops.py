@@ -1,10 +1,10 @@
 """The loops against MuJoCo: the wrench they ask for makes the error obey the promised linear equations."""
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
+from support.places import CUBE
+from support.swimmer import accelerations, moving, push, swimmer
 
 import cube_sim
 from cube_sim.control.attitude import DesiredAttitude
@@ -14,79 +14,57 @@ from cube_sim.guidance.approach import DesiredMotion
 from cube_sim.simulation import read_state
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 
-MODEL = Path(__file__).parents[2] / "models" / "cube.xml"
 STILL_WATER = np.zeros(3)
-FULL = {"hull:added_mass": None, "hull:centre_of_buoyancy": (0.01, -0.02, 0.05)}
 
 
 @pytest.fixture(scope="module")
-def swimmer():
-    """A cube with full, coupled added mass, so that no term of the dynamics can hide."""
-    rng = np.random.default_rng(4)
-    root = rng.normal(size=(6, 6)) * np.sqrt([80, 80, 80, 2, 2, 2])
-    model = cube_sim.load_model(MODEL, {**FULL, "hull:added_mass": (root.T @ root / 6.0).ravel()})
-    return model, cube_sim.Vehicle.from_model(model)
+def coupled():
+    return swimmer()
 
 
-def random_motion(rng, model, vehicle):
-    data = mujoco.MjData(model)
-    data.qpos[:3] = rng.normal(size=3)
-    data.qpos[3:7] = quaternion_from_euler(*rng.uniform(-3.0, 3.0, 3))
-    data.qvel[:] = rng.normal(size=6)
-    mujoco.mj_forward(model, data)
-    return data, read_state(vehicle, data)
-
-
-def body_acceleration(vehicle, data, state, wrench):
+def body_acceleration(data, state, wrench):
     """nu' (6,) in body axes under a wrench, from MuJoCo's forward dynamics."""
-    data.qfrc_applied[:3] = state.rotation @ wrench[:3]
-    data.qfrc_applied[3:] = wrench[3:]
-    mujoco.mj_forward(vehicle_model(data), data)
-    linear = state.rotation.T @ data.qacc[:3] - np.cross(state.rates, state.velocity)
-    return np.concatenate([linear, data.qacc[3:]])
+    linear, angular = accelerations(data, state, wrench)
+    return np.concatenate([state.rotation.T @ linear - np.cross(state.rates, state.velocity), angular])
 
 
-def vehicle_model(data):
-    return data.model
-
-
-def test_inverse_dynamics_undo_mujocos_forward_dynamics(swimmer):
-    model, vehicle = swimmer
+def test_inverse_dynamics_undo_mujocos_forward_dynamics(coupled):
+    model, vehicle = coupled
     rng = np.random.default_rng(5)
     for _ in range(50):
-        data, state = random_motion(rng, model, vehicle)
+        data, state = moving(rng, model, vehicle)
         nu_dot = rng.normal(size=6)
         current = rng.normal(0.0, 0.3, 3)
         model.opt.wind[:] = current
         nu = np.concatenate([state.velocity, state.rates])
         tau = vehicle.dynamics.wrench(state.rotation, nu, nu_dot, current)
-        np.testing.assert_allclose(body_acceleration(vehicle, data, state, tau), nu_dot, atol=1e-9)
+        np.testing.assert_allclose(body_acceleration(data, state, tau), nu_dot, atol=1e-9)
     model.opt.wind[:] = 0.0
 
 
-def test_the_velocity_error_decays_with_its_time_constant(swimmer):
-    model, vehicle = swimmer
+def test_the_velocity_error_decays_with_its_time_constant(coupled):
+    model, vehicle = coupled
     rng = np.random.default_rng(6)
     loops = MotionLoops(vehicle.dynamics, velocity_time=1.3, attitude_time=1.0, rate_time=0.3)
     for _ in range(20):
-        data, state = random_motion(rng, model, vehicle)
+        data, state = moving(rng, model, vehicle)
         motion = DesiredMotion(rng.normal(size=3), rng.normal(size=3))
         attitude = DesiredAttitude(quaternion_from_euler(*rng.uniform(-3.0, 3.0, 3)), np.zeros(3))
         current = model.opt.wind[:] = rng.normal(0.0, 0.2, 3)
         tau, _ = loops.wrench(state, motion, attitude, current)
-        body_acceleration(vehicle, data, state, tau)
+        body_acceleration(data, state, tau)
         error = motion.velocity - state.rotation @ state.velocity
         np.testing.assert_allclose(data.qacc[:3], motion.acceleration + error / 1.3, atol=1e-9)
     model.opt.wind[:] = 0.0
 
 
-def test_the_attitude_is_reached_the_short_way_from_anywhere_and_q_equals_minus_q(swimmer):
-    model, vehicle = swimmer
+def test_the_attitude_is_reached_the_short_way_from_anywhere_and_q_equals_minus_q(coupled):
+    model, vehicle = coupled
     loops = MotionLoops(vehicle.dynamics, velocity_time=1.0, attitude_time=1.0, rate_time=0.3)
     still = DesiredMotion(np.zeros(3), np.zeros(3))
     rng = np.random.default_rng(7)
     for _ in range(5):
-        data, state = random_motion(rng, model, vehicle)
+        data, state = moving(rng, model, vehicle)
         data.qvel[:] = 0.0
         q = quaternion_from_euler(*rng.uniform(-3.0, 3.0, 3))
         wanted, twin = DesiredAttitude(q, np.zeros(3)), DesiredAttitude(-q, np.zeros(3))
@@ -99,7 +77,7 @@ def test_the_attitude_is_reached_the_short_way_from_anywhere_and_q_equals_minus_
         for _ in range(1000):
             tau, reference = loops.wrench(state, still, wanted, STILL_WATER)
             angles.append(reference.attitude_error)
-            data.qfrc_applied[:3], data.qfrc_applied[3:] = state.rotation @ tau[:3], tau[3:]
+            push(data, state, tau)
             mujoco.mj_step(model, data)
             mujoco.mj_forward(model, data)
             state = read_state(vehicle, data)
@@ -107,20 +85,20 @@ def test_the_attitude_is_reached_the_short_way_from_anywhere_and_q_equals_minus_
         assert angles[-1] < 1e-3
 
 
-def test_turning_with_the_desired_rate_needs_no_error(swimmer):
-    model, vehicle = swimmer
+def test_turning_with_the_desired_rate_needs_no_error(coupled):
+    model, vehicle = coupled
     loops = MotionLoops(vehicle.dynamics, velocity_time=1.0, attitude_time=1.0, rate_time=0.3)
-    data, state = random_motion(np.random.default_rng(8), model, vehicle)
+    data, state = moving(np.random.default_rng(8), model, vehicle)
     w_W = state.rotation @ state.rates
     attitude = DesiredAttitude(state.quaternion, w_W)
     tau, reference = loops.wrench(state, DesiredMotion(np.zeros(3), np.zeros(3)), attitude, STILL_WATER)
     np.testing.assert_allclose(reference.rates, state.rates, atol=1e-12)
-    acceleration = body_acceleration(vehicle, data, state, tau)
+    acceleration = body_acceleration(data, state, tau)
     np.testing.assert_allclose(state.rotation @ acceleration[3:], 0.0, atol=1e-9)  # w_W is constant
 
 
 def test_the_observer_is_a_first_order_filter_of_the_true_disturbance():
-    model = cube_sim.load_model(MODEL)
+    model = cube_sim.load_model(CUBE)
     vehicle = cube_sim.Vehicle.from_model(model)
     data = mujoco.MjData(model)
     observer, dt, time = DisturbanceObserver(vehicle.dynamics, 0.8), 0.01, 0.8
@@ -130,7 +108,7 @@ def test_the_observer_is_a_first_order_filter_of_the_true_disturbance():
         mujoco.mj_forward(model, data)
         state = read_state(vehicle, data)
         estimates.append(observer.update(state, np.zeros(6), STILL_WATER, dt))
-        data.qfrc_applied[:3], data.qfrc_applied[3:] = state.rotation @ disturbance[:3], disturbance[3:]
+        push(data, state, disturbance)
         mujoco.mj_step(model, data)
     t = dt * np.arange(len(estimates))
     expected = np.outer(1.0 - np.exp(-t / time), disturbance)

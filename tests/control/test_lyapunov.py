@@ -7,14 +7,13 @@ the equations of motion depends on every other.
 from __future__ import annotations
 
 from math import pi
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 from support.planar_flight import GAINS, LAW, SPEED, corrected, derivative, see, step
+from support.swimmer import push, swimmer
 
-import cube_sim
 from cube_sim.control.attitude import DesiredAttitude
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.planar.dynamic import SpeedWanted
@@ -32,7 +31,6 @@ from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.simulation import read_state
 from cube_sim.spatial import conjugate, multiply, quaternion_from_euler
 
-MODEL = Path(__file__).parents[2] / "models" / "cube.xml"
 PATHS = {
     "helix": Helix([0.0, 0.0, -8.0], 3.0, 3.0, 2.0),
     "circle": circle([0.0, 0.0, -5.0], 2.0),
@@ -112,14 +110,10 @@ def test_the_planar_dynamic_law(path):
 
 
 @pytest.fixture(scope="module")
-def swimmer():
-    """A cube with full, coupled added mass."""
-    rng = np.random.default_rng(4)
-    root = rng.normal(size=(6, 6)) * np.sqrt([80, 80, 80, 2, 2, 2])
-    changes = {"hull:added_mass": (root.T @ root / 6.0).ravel(), "hull:centre_of_buoyancy": (0.01, -0.02, 0.05)}
-    model = cube_sim.load_model(MODEL, changes)
+def coupled():
+    model, vehicle = swimmer()
     model.opt.timestep = 0.005
-    return model, cube_sim.Vehicle.from_model(model)
+    return model, vehicle
 
 
 TARGETS = {
@@ -129,14 +123,14 @@ TARGETS = {
 
 
 @pytest.mark.parametrize(("path", "profile"), TARGETS.values(), ids=TARGETS.keys())
-def test_the_tracking_loop_and_the_attitude_loop_of_the_hull(swimmer, path, profile):
+def test_the_tracking_loop_and_the_attitude_loop_of_the_hull(coupled, path, profile):
     """Two energies that fall at every step in MuJoCo, from any attitude and motion.
 
     Translation: with sigma = c tanh(|e| / (c T_e)) and v~ = v - v_d, the integral of sigma over |e| plus T_v |v~|^2 / 4
     falls by -sigma^2 + sigma e/|e| v~ - |v~|^2 / 2 < 0. Rotation: with w~ = w - w_ref, 2 (1 - eta) + T_a T_r |w~|^2 / 8
     falls by -2 |eps|^2 / T_a + eps w~ - T_a |w~|^2 / 4 < 0.
     """
-    model, vehicle = swimmer
+    model, vehicle = coupled
     T_e, c, T_v, T_a, T_r = 2.0, 0.3, 1.0, 1.0, 0.3
     loops = MotionLoops(vehicle.dynamics, T_v, T_a, T_r)
     law = Pursuit(profile, T_e, c)
@@ -161,7 +155,7 @@ def test_the_tracking_loop_and_the_attitude_loop_of_the_hull(swimmer, path, prof
             translation.append(c**2 * T_e * np.log(np.cosh(x)) + 0.25 * T_v * slip @ slip)
             eta = abs(multiply(conjugate(wanted.quaternion), state.quaternion)[0])
             rotation.append(2.0 * (1.0 - eta) + T_a * T_r / 8.0 * turn @ turn)
-            data.qfrc_applied[:3], data.qfrc_applied[3:] = state.rotation @ tau[:3], tau[3:]
+            push(data, state, tau)
             mujoco.mj_step(model, data)
             target.advance(view.speed, model.opt.timestep)
         for energy in (np.array(translation), np.array(rotation)):

@@ -6,12 +6,12 @@ from itertools import product
 
 import numpy as np
 import pytest
-from support.scenario_files import REPO
+from support.places import SCENARIOS
 
 import cube_sim
 from cube_sim.control.planar.reach import Reach
 
-CIRCLE = REPO / "scenarios" / "infante_circle.yaml"
+CIRCLE = SCENARIOS / "infante_circle.yaml"
 
 
 def hull(rng, thrusters):
@@ -65,6 +65,7 @@ def test_two_stern_thrusters_share_between_pushing_and_turning():
     assert reach.cut(100.0, 900.0) == (100.0, 900.0)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("velocity", [[0.0, 0.0, 0.0], [-1.0, 0.5, 0.0]], ids=["at rest", "astern and sideways"])
 def test_the_law_gathers_speed_and_converges_though_it_first_asks_for_a_hundred_times_the_torque(velocity, tmp_path):
     checks = {"checks": [{"kind": "allowed_forces"}], "duration_s": 30}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
+from support.places import CUBE
+from support.swimmer import accelerations, moving, swimmer
 
 import cube_sim
 from cube_sim.allocation import Status
@@ -26,40 +26,15 @@ from cube_sim.scenario import load
 from cube_sim.simulation import read_state
 from cube_sim.spatial import quaternion_from_euler
 
-MODEL = Path(__file__).parents[2] / "models" / "cube.xml"
-
 
 @pytest.fixture(scope="module")
-def swimmer(tmp_path_factory):
-    """A cube with full, coupled added mass and its centre of mass off the origin: every row depends on every other."""
-    rng = np.random.default_rng(4)
-    root = rng.normal(size=(6, 6)) * np.sqrt([80, 80, 80, 2, 2, 2])
-    changes = {"hull:added_mass": (root.T @ root / 6.0).ravel(), "hull:centre_of_buoyancy": (0.01, -0.02, 0.05)}
-    text = MODEL.read_text().replace('<inertial pos="0 0 0"', '<inertial pos="0.02 -0.01 -0.03"')
-    path = tmp_path_factory.mktemp("models") / "cube.xml"
-    path.write_text(text)
-    model = cube_sim.load_model(path, changes)
-    return model, cube_sim.Vehicle.from_model(model)
+def lopsided():
+    """Its centre of mass off the origin, too: every row depends on every other."""
+    return swimmer(centre_of_mass=(0.02, -0.01, -0.03))
 
 
-def moving(rng, model, vehicle):
-    data = mujoco.MjData(model)
-    data.qpos[:3] = rng.normal(size=3)
-    data.qpos[3:7] = quaternion_from_euler(*rng.uniform(-3.0, 3.0, 3))
-    data.qvel[:] = rng.normal(size=6)
-    mujoco.mj_forward(model, data)
-    return data, read_state(vehicle, data)
-
-
-def acceleration(model, data, state, wrench):
-    """(linear, world axes; angular, body axes), by MuJoCo's forward dynamics."""
-    data.qfrc_applied[:3], data.qfrc_applied[3:] = state.rotation @ wrench[:3], wrench[3:]
-    mujoco.mj_forward(model, data)
-    return data.qacc[:3].copy(), data.qacc[3:].copy()
-
-
-def test_no_share_of_the_secondary_part_moves_the_origin(swimmer):
-    model, vehicle = swimmer
+def test_no_share_of_the_secondary_part_moves_the_origin(lopsided):
+    model, vehicle = lopsided
     assert np.abs(vehicle.mass_matrix[:3, 3:]).max() > 1.0  # the rows are coupled
     mass = vehicle.mass_matrix + vehicle.added_mass
     rng = np.random.default_rng(1)
@@ -69,9 +44,9 @@ def test_no_share_of_the_secondary_part_moves_the_origin(swimmer):
         primary, secondary = path_first(wrench, mass)
         np.testing.assert_allclose(primary + secondary, wrench, atol=1e-12)
         np.testing.assert_array_equal(primary[3:], 0.0)
-        whole, turning = acceleration(model, data, state, wrench)
+        whole, turning = accelerations(data, state, wrench)
         for share in (0.0, 0.37, 1.0, -2.0):
-            linear, angular = acceleration(model, data, state, primary + share * secondary)
+            linear, angular = accelerations(data, state, primary + share * secondary)
             np.testing.assert_allclose(linear, whole, atol=1e-9)
             assert share == 1.0 or np.linalg.norm(angular - turning) > 1e-3
 
@@ -92,9 +67,9 @@ def follower(vehicle, attitude) -> PathFollower:
     return PathFollower(**{name: values.get(name) for name in every if not name.startswith("_")})
 
 
-def test_whatever_the_attitude_is_asked_to_do_the_path_is_given_the_same_acceleration(swimmer):
+def test_whatever_the_attitude_is_asked_to_do_the_path_is_given_the_same_acceleration(lopsided):
     """Looking at points all around, at attitudes wide apart: the primary parts move the origin alike to 1e-9."""
-    model, vehicle = swimmer
+    model, vehicle = lopsided
     rng = np.random.default_rng(2)
     for _ in range(8):
         data, state = moving(rng, model, vehicle)
@@ -103,9 +78,9 @@ def test_whatever_the_attitude_is_asked_to_do_the_path_is_given_the_same_acceler
         found, torques = [], []
         for mode in modes:
             decision = follower(vehicle, mode).decide(state, np.zeros(6), 0.02)
-            found.append(acceleration(model, data, state, decision.wrench - decision.secondary)[0])
+            found.append(accelerations(data, state, decision.wrench - decision.secondary)[0])
             torques.append(decision.secondary[3:])
-            np.testing.assert_allclose(acceleration(model, data, state, decision.wrench)[0], found[0], atol=1e-9)
+            np.testing.assert_allclose(accelerations(data, state, decision.wrench)[0], found[0], atol=1e-9)
         np.testing.assert_allclose(found, np.tile(found[0], (len(found), 1)), atol=1e-9)
         assert np.ptp(torques, axis=0).max() > 1.0
 
@@ -113,7 +88,7 @@ def test_whatever_the_attitude_is_asked_to_do_the_path_is_given_the_same_acceler
 PASSING = f"""\
 schema_version: 1
 name: passing
-model: {MODEL}
+model: {CUBE}
 duration_s: 26
 initial: {{position_m: [0, 0.2, -5]}}
 path: {{type: line, start_m: [0, 0, -5], end_m: [20, 0, -5]}}
@@ -140,6 +115,7 @@ def passing(folder, attitude, priority):
     return cube_sim.run(written(folder, attitude, priority), out=folder / "out").signals
 
 
+@pytest.mark.flight
 def test_looking_at_a_point_close_by_with_weak_thrusters_leaves_the_path_alone(tmp_path):
     """To look up at a point it passes under at 1 m asks for more torque than thrusters at 30 % have beside the path.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.scenario_files import REPO
+from support.places import HELIX
 
 import cube_sim
 from cube_sim.control.safe_mode import Refuge, SafeMode, Watch
@@ -11,7 +11,6 @@ from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.recording.reading import read_recording
 from cube_sim.spatial import State, quaternion_from_euler, rotation_from_quaternion
 
-HELIX = REPO / "scenarios" / "cube_helix.yaml"
 ON_PATH = {"initial.position_m": [3, 0, -8], "initial.attitude_deg": [0, 0, 90], "checks": [{"kind": "allowed_forces"}]}
 ALL = [f"T{i}" for i in range(1, 9)]
 SAFE = 3
@@ -60,6 +59,7 @@ def flown(tmp_path, changes):
     return run.signals, [line.text for line in read_recording(tmp_path / "run.mcap").log]
 
 
+@pytest.mark.flight
 def test_without_a_thruster_left_the_ballast_brings_it_to_the_surface(tmp_path):
     safe = {"action": "surface", "surface_m": -5.0, "drop_weight_N": 15.0}
     signals, log = flown(tmp_path, {"duration_s": 50, "events": [dead(8, ALL)], "control.safe_mode": safe})
@@ -73,6 +73,7 @@ def test_without_a_thruster_left_the_ballast_brings_it_to_the_surface(tmp_path):
     assert log.count("the ballast is dropped") == 1
 
 
+@pytest.mark.flight
 def test_a_current_stronger_than_the_vehicle_makes_it_give_up_and_hold(tmp_path):
     safe = {"action": "hold", "distance_limit_m": 2.0, "patience_s": 3.0}
     events = [
@@ -89,6 +90,7 @@ def test_a_current_stronger_than_the_vehicle_makes_it_give_up_and_hold(tmp_path)
     np.testing.assert_allclose(signals["pose.position"][-1, 1:], place, atol=0.05)
 
 
+@pytest.mark.flight
 def test_thrusters_that_come_back_end_the_safe_mode(tmp_path):
     lost = ALL[:5]
     events = [dead(8, lost), dead(20, lost, "recovered")]

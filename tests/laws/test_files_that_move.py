@@ -10,7 +10,7 @@ from typing import Literal, get_args, get_origin
 
 import pytest
 from pydantic import BaseModel
-from support.scenario_files import REPO
+from support.places import CUBE
 
 import cube_sim
 from cube_sim.scenario import Scenario, load
@@ -63,7 +63,7 @@ KEYS = dict(naming_files())
 def checkout(folder: Path) -> Path:
     """A folder with a scenario and files of every kind, which nothing outside is needed for."""
     (folder / "scenarios" / "files").mkdir(parents=True)
-    shutil.copy(REPO / "models" / "cube.xml", folder / "scenarios" / "files")
+    shutil.copy(CUBE, folder / "scenarios" / "files")
     (folder / "scenarios" / "files" / "points.csv").write_text("x_m,y_m,z_m\n0,0,-5\n3,1,-5\n6,0,-4\n")
     path = folder / "scenarios" / "carried.yaml"
     path.write_text(SCENARIO)
@@ -111,6 +111,7 @@ def test_what_a_key_names_is_found_again_after_a_move(key, values, tmp_path):
     assert str(tmp_path) not in (there / "logs" / "a" / "resolved.yaml").read_text()
 
 
+@pytest.mark.flight
 def test_a_run_that_names_files_by_every_key_gives_the_same_bytes_wherever_they_stand(tmp_path):
     """And its own resolved scenario, carried elsewhere with them, flies the same."""
     values = {key: value for changes in KEYS.values() for key, value in changes.items()}

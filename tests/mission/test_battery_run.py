@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from support.places import CUBE, HELIX, SCENARIOS
 
 import cube_sim
 from cube_sim.allocation import Allocator, FaultTolerant, Health, Status
@@ -13,8 +12,6 @@ from cube_sim.errors import ScenarioError
 from cube_sim.mission.supply import allocate_at
 from cube_sim.recording.reading import read_recording
 
-ROOT = Path(__file__).parents[2]
-HELIX = ROOT / "scenarios" / "cube_helix.yaml"
 SHORT = {"duration_s": 8.0, "checks": [{"kind": "allowed_forces"}, {"kind": "exact_wrench"}]}
 WEAK = {"open_circuit_V": [9.0, 10.0], "resistance_ohm": 0.1, "capacity_Wh": 1.0, "charge": 0.8}
 
@@ -33,6 +30,7 @@ def k_power(force: np.ndarray) -> np.ndarray:
     return np.where(force < 0.0, 1.449, 0.997) * np.abs(force) ** 1.5
 
 
+@pytest.mark.flight
 def test_every_row_obeys_the_laws_of_battery_and_propeller(weak):
     s = columns(weak)
     power, voltage, charge = s["power.motor"], s["power.voltage"][:, 0], s["power.charge"][:, 0]
@@ -48,6 +46,7 @@ def test_every_row_obeys_the_laws_of_battery_and_propeller(weak):
     assert energy > 10.0
 
 
+@pytest.mark.flight
 def test_allocation_stays_inside_the_limits_of_the_moment(weak):
     """The checks of the run know the limits at its voltages; none of it is taken for a fault."""
     assert weak.verdict == "PASS"
@@ -67,11 +66,13 @@ def test_allocation_stays_inside_the_limits_of_the_moment(weak):
     assert np.median(np.abs(given - asked)) < 0.05 * np.abs(asked).max()
 
 
+@pytest.mark.flight
 def test_the_same_bytes_again(weak, tmp_path):
     cube_sim.run(HELIX, {**SHORT, "battery": WEAK}, tmp_path / "again")
     assert (tmp_path / "again" / "run.mcap").read_bytes() == (weak.directory / "run.mcap").read_bytes()
 
 
+@pytest.mark.flight
 def test_without_a_battery_the_voltage_is_the_characteristics(tmp_path):
     run = cube_sim.run(HELIX, {**SHORT, "duration_s": 1.0}, tmp_path / "out")
     s = columns(run)
@@ -83,6 +84,7 @@ def test_without_a_battery_the_voltage_is_the_characteristics(tmp_path):
     assert len(s["actuation.limits"]) == 1
 
 
+@pytest.mark.flight
 def test_an_empty_battery_stops_the_thrusters_and_says_so(tmp_path):
     empty = {**WEAK, "capacity_Wh": 0.3}
     run = cube_sim.run(HELIX, {**SHORT, "battery": empty, "checks": [{"kind": "allowed_forces"}]}, tmp_path / "out")
@@ -102,7 +104,7 @@ def test_an_empty_battery_stops_the_thrusters_and_says_so(tmp_path):
 @pytest.mark.parametrize("stuck", [False, True])
 def test_allocation_at_a_share_of_the_thrust_is_that_of_smaller_limits(stuck):
     """Attainable or not: as an allocator built for what is left of the limits."""
-    A = cube_sim.Vehicle.from_model(cube_sim.load_model(ROOT / "models" / "cube.xml")).actuation_matrix
+    A = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).actuation_matrix
     limits = np.tile([-39.91, -2.0, 2.0, 51.44], (8, 1))
 
     def build(A, limits, which):
@@ -133,7 +135,7 @@ def test_allocation_at_a_share_of_the_thrust_is_that_of_smaller_limits(stuck):
 
 
 def test_a_whole_voltage_changes_no_bit():
-    A = cube_sim.Vehicle.from_model(cube_sim.load_model(ROOT / "models" / "cube.xml")).actuation_matrix
+    A = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).actuation_matrix
     actuators = FaultTolerant(A, np.tile([-39.91, -2.0, 2.0, 51.44], (8, 1)), lambda A, limits, _: Allocator(A, limits))
     wrench = np.array([20.0, -7.0, 3.0, 1.0, -0.5, 2.0])
     got, plain = allocate_at(1.0, actuators, wrench)[0], actuators.allocate(wrench)
@@ -152,5 +154,5 @@ def test_a_whole_voltage_changes_no_bit():
 )
 def test_batteries_that_make_no_sense(scenario, battery, reason, tmp_path):
     with pytest.raises(ScenarioError, match=reason):
-        cube_sim.run(ROOT / "scenarios" / f"{scenario}.yaml", {"battery": battery}, tmp_path / "out")
+        cube_sim.run(SCENARIOS / f"{scenario}.yaml", {"battery": battery}, tmp_path / "out")
     assert not (tmp_path / "out").exists()

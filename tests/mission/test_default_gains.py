@@ -1,9 +1,11 @@
 """The gains nobody has set, on each of the vehicles: they are times, so they suit 11 kg as well as two tonnes."""
 
 import pytest
-from support.scenario_files import REPO
+from support.places import MODELS
 
 import cube_sim
+
+pytestmark = pytest.mark.flight
 
 PATHS = {
     "cube": "{type: helix, centre_m: [0, 0, -8], radius_m: 3, pitch_m: 2, turns: 2}",
@@ -22,7 +24,7 @@ def test_every_vehicle_follows_a_curved_path_with_the_defaults(vehicle, tmp_path
         f"""\
 schema_version: 1
 name: defaults
-model: {REPO / "models" / (vehicle + ".xml")}
+model: {MODELS / (vehicle + ".xml")}
 duration_s: 75
 initial: {{position_m: [4.0, -4.0, -8.0], attitude_deg: [0, 0, -60], velocity_m_s: [0.2, 0.0, 0.0]}}
 path: {PATHS[vehicle]}

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.scenario_files import REPO
+from support.places import CUBE, HELIX, SCENARIOS
 
 import cube_sim
 from cube_sim.errors import ScenarioError
@@ -13,7 +13,7 @@ from cube_sim.mission.planar_knowledge import planar_model
 from cube_sim.scenario import load
 from cube_sim.scenario.knowledge_block import Knowledge
 
-HELIX, INFANTE = REPO / "scenarios" / "cube_helix.yaml", REPO / "scenarios" / "infante_circle.yaml"
+INFANTE = SCENARIOS / "infante_circle.yaml"
 WRONG = [
     {"knowledge.mass": 1.3},
     {"knowledge.added_mass": 0.5},
@@ -33,12 +33,14 @@ def rms_on_the_helix(changes, directory) -> float:
     return cube_sim.run(HELIX, {"duration_s": 55, "checks": SETTLED, **changes}, out=directory).checks[0].value
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("wrong", WRONG, ids=lambda wrong: "+".join(wrong))
 def test_the_helix_is_followed_in_a_current_with_wrong_knowledge(wrong, tmp_path):
     """Wrong by more than a careful engineer would be."""
     assert rms_on_the_helix(wrong, tmp_path) < 0.003
 
 
+@pytest.mark.flight
 def test_it_is_the_estimates_that_make_up_for_wrong_knowledge(tmp_path):
     blind = {"control.disturbance_time_s": None, "control.current_time_s": None}
     assert rms_on_the_helix({**WRONG[0], **blind}, tmp_path) > 0.03
@@ -65,7 +67,7 @@ def test_another_model_can_be_believed():
     flown = flown_hull(loaded)
     believed = believed_hull(loaded, flown)
     assert not np.allclose(believed.vehicle.actuation_matrix, flown.vehicle.actuation_matrix)
-    ideal = cube_sim.Vehicle.from_model(cube_sim.load_model(REPO / "models" / "cube.xml"))
+    ideal = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE))
     np.testing.assert_array_equal(believed.vehicle.actuation_matrix, ideal.actuation_matrix)
 
 

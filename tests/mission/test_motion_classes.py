@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.scenario_files import MINIMAL, REPO, mistakes, write
+from support.places import CUBE, MODELS, SCENARIOS
+from support.scenario_files import MINIMAL, mistakes, write
 
 import cube_sim
 from cube_sim.errors import ScenarioError
@@ -16,7 +17,7 @@ FORCES_ONLY = [{"kind": "allowed_forces"}]
 
 def flown(folder, name, changes, duration):
     changes = {"checks": FORCES_ONLY, "duration_s": duration, **changes}
-    return cube_sim.run(REPO / "scenarios" / f"{name}.yaml", changes, out=folder / "out").signals
+    return cube_sim.run(SCENARIOS / f"{name}.yaml", changes, out=folder / "out").signals
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +31,7 @@ def held_back(tmp_path_factory):
     }
 
 
+@pytest.mark.flight
 def test_a_tracker_that_starts_behind_rushes_saturates_and_overshoots_a_follower_does_not(held_back):
     """The textbook difference (report, section 2): a trajectory does not wait, a path does."""
     speed, force, missed, overshoot = {}, {}, {}, {}
@@ -47,6 +49,7 @@ def test_a_tracker_that_starts_behind_rushes_saturates_and_overshoots_a_follower
     assert overshoot["trajectory_tracking"] > 0.1
 
 
+@pytest.mark.flight
 def test_but_the_tracker_is_there_in_time_and_the_follower_late(held_back):
     late = {law: 0.4 * 40.0 - signals["target.arc_length"][-1, 1] for law, signals in held_back.items()}
     assert late["trajectory_tracking"] == pytest.approx(0.0, abs=1e-9)
@@ -55,6 +58,7 @@ def test_but_the_tracker_is_there_in_time_and_the_follower_late(held_back):
         assert signals["path_error.cross_track"][-1, 1] < 0.01
 
 
+@pytest.mark.flight
 def test_the_tracker_follows_a_planned_speed_without_lag(tmp_path):
     """In still water, once caught up: what is left is the 20 ms of the thrusters' lag and the tick."""
     changes = {
@@ -68,10 +72,11 @@ def test_the_tracker_follows_a_planned_speed_without_lag(tmp_path):
     assert error[800:].max() < 0.01
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("name", ["bluerov2_heavy", "jack"])
 def test_other_vehicles_hold_a_point_too_with_the_same_gains(name, tmp_path):
     changes = {
-        "model": str(REPO / "models" / f"{name}.xml"),
+        "model": str(MODELS / f"{name}.xml"),
         "initial.position_m": [1.0, -1.2, -5.0],
         "initial.attitude_deg": [0.0, 0.0, -120.0],
         "current_m_s": [0.1, -0.05, 0.0],
@@ -81,6 +86,7 @@ def test_other_vehicles_hold_a_point_too_with_the_same_gains(name, tmp_path):
         assert np.abs(signals[signal][1250:, 1]).max() < limit, signal
 
 
+@pytest.mark.flight
 def test_a_free_bluerov2_needs_half_of_what_it_needs_with_its_nose_along_the_path(tmp_path):
     """Mean |f|^2 in a cross current, once it has turned."""
     effort = {}
@@ -95,7 +101,7 @@ POINT = "{type: point, position_m: [0, 0, -5]}"
 
 def test_a_point_path_is_held_whatever_else_the_guidance_block_says(tmp_path):
     text = MINIMAL.replace("{type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}", POINT)
-    text = text.replace("hull.xml", str(REPO / "models" / "cube.xml"))
+    text = text.replace("hull.xml", str(CUBE))
     for extra in (
         "",
         ", stop_at_end: false",
@@ -111,7 +117,7 @@ def test_a_point_path_is_held_whatever_else_the_guidance_block_says(tmp_path):
 
 
 def test_a_planar_law_refuses_points_and_clocks(tmp_path):
-    scenario = REPO / "scenarios" / "infante_line.yaml"
+    scenario = SCENARIOS / "infante_line.yaml"
     with pytest.raises(ScenarioError, match="path: a planar law steers by moving ahead and cannot stay at a point"):
         prepare(load(scenario, {"path": {"type": "point", "position_m": [0.0, 0.0, -5.0]}, "checks": FORCES_ONLY}))
     with pytest.raises(ScenarioError, match=r"guidance\.law: a planar law follows paths, its target waits"):

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
+from support.places import SCENARIOS
 
 import cube_sim
 from cube_sim.errors import ScenarioError
@@ -17,8 +16,7 @@ from cube_sim.scenario import load
 from cube_sim.simulation import read_state
 from cube_sim.spatial import angle_between, rotation_about, rotation_from_quaternion
 
-ROOT = Path(__file__).parents[2]
-NAVIGATED = ROOT / "scenarios" / "cube_navigated.yaml"
+NAVIGATED = SCENARIOS / "cube_navigated.yaml"
 SHORT = {"duration_s": 4.0, "checks": [{"kind": "allowed_forces"}]}
 
 
@@ -44,6 +42,7 @@ def test_the_truth_is_what_mujocos_own_sensors_feel():
         np.testing.assert_allclose(velocity, data.sensor("velocity").data, atol=1e-12)
 
 
+@pytest.mark.flight
 def test_the_record_says_where_the_vehicle_is_and_where_it_believes_to_be(run):
     s = {name: rows[:, 1:] for name, rows in run.signals.items()}
     for k in range(0, 201, 25):
@@ -64,6 +63,7 @@ def test_the_record_says_where_the_vehicle_is_and_where_it_believes_to_be(run):
     assert np.linalg.norm(s["navigation_error.position"], axis=1).min() > 0.01
 
 
+@pytest.mark.flight
 def test_readings_are_recorded_as_they_arrive(run):
     expected = {"dvl": (5.0, 0.1), "depth": (10.0, 0.06), "heading": (10.0, 0.06), "position": (0.5, 0.5)}
     for name, (rate, delay) in expected.items():
@@ -76,6 +76,7 @@ def test_readings_are_recorded_as_they_arrive(run):
     assert np.linalg.norm(imu[:, 1:], axis=1).mean() == pytest.approx(9.81, abs=0.1)
 
 
+@pytest.mark.flight
 def test_the_recording_reads_back_and_says_what_drifts(run):
     recording = read_recording(run.directory / "run.mcap")
     assert {"navigation", "navigation_error", "sensor_imu", "sensor_dvl"} <= {c.name for c in recording.channels}
@@ -83,6 +84,7 @@ def test_the_recording_reads_back_and_says_what_drifts(run):
     assert any("position is held by fixes" in line.text for line in recording.log)
 
 
+@pytest.mark.flight
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_flight(run, tmp_path):
     again = cube_sim.run(NAVIGATED, SHORT, tmp_path / "again")
     assert (again.directory / "run.mcap").read_bytes() == (run.directory / "run.mcap").read_bytes()
@@ -90,6 +92,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_another_flight(run,
     assert np.abs(other.signals["pose.position"] - run.signals["pose.position"]).max() > 1e-3
 
 
+@pytest.mark.flight
 def test_without_sensors_nothing_of_them_is_recorded_and_with_perfect_ones_the_flight_is_the_same(tmp_path):
     """The limit of no error: sensors of a millionth of the usual noise, every tick, without delay."""
     true = cube_sim.run(NAVIGATED, {**SHORT, "navigation": None}, tmp_path / "true")
@@ -113,6 +116,7 @@ def test_without_sensors_nothing_of_them_is_recorded_and_with_perfect_ones_the_f
     assert np.abs(run.signals["navigation_error.position"][:, 1:]).max() < 5e-4
 
 
+@pytest.mark.flight
 def test_a_lost_thruster_is_found_and_flown_without_on_the_estimate(tmp_path):
     """Diagnosis looks at motors, reconfiguration at the estimate."""
     events = [{"kind": "thrusters", "at_s": 2.0, "thrusters": ["T1", "T4"], "state": "dead"}]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.places import MODELS
 from support.planar_flight import INFANTE
-from support.scenario_files import REPO
 
 import cube_sim
 from cube_sim.errors import ModelError, ScenarioError
@@ -16,7 +16,7 @@ from cube_sim.scenario import load
 MISSION = f"""\
 schema_version: 1
 name: planar
-model: {REPO / "models" / "infante.xml"}
+model: {MODELS / "infante.xml"}
 duration_s: 1
 path: {{type: line, start_m: [0, 0, -5], end_m: [40, 0, -5]}}
 initial: {{position_m: [0, 3, -5], velocity_m_s: [1, 0.1, 0]}}
@@ -28,7 +28,7 @@ checks:
 
 
 def vehicle_of(name):
-    model = cube_sim.load_model(REPO / "models" / f"{name}.xml")
+    model = cube_sim.load_model(MODELS / f"{name}.xml")
     return model, cube_sim.Vehicle.from_model(model)
 
 
@@ -156,6 +156,7 @@ def test_the_law_for_all_axes_refuses_a_slow_period_and_a_level_vehicle_beside_i
     assert mistake in line
 
 
+@pytest.mark.flight
 def test_the_controller_asks_for_force_ahead_and_torque_only_and_says_so(tmp_path):
     path = tmp_path / "mission.yaml"
     path.write_text(MISSION)
@@ -171,6 +172,7 @@ def test_the_controller_asks_for_force_ahead_and_torque_only_and_says_so(tmp_pat
     np.testing.assert_allclose(run.signals["path_error.attitude"][:, 1], np.abs(psi - delta), atol=1e-9)
 
 
+@pytest.mark.flight
 def test_beyond_the_end_of_a_path_it_runs_on_straight(tmp_path):
     path = tmp_path / "mission.yaml"
     bend = "{type: arc, start_m: [0, 3, -5], through_m: [10, 5, -5], end_m: [16, 13, -5]}"

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 INTRINSIC = """
 from numba.core import types
 from numba.extending import intrinsic
@@ -57,6 +59,7 @@ def outer(folder):
     return float(value), int(hits)
 
 
+@pytest.mark.flight
 def test_cached_code_follows_functions_constants_and_intrinsics_of_other_files(tmp_path):
     callee, offset = tmp_path / "callee.py", tmp_path / "offset.py"
     offset.write_text(INTRINSIC.format(offset=0.0))

@@ -6,16 +6,14 @@ import ctypes
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import llvmlite.binding as llvm
 import numba
 import pytest
 from numba import types
+from support.places import CUBE
 
 from cube_sim.native import object_cache
-
-CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
 
 
 class Builder:
@@ -85,6 +83,7 @@ def test_code_with_a_symbol_nobody_has_is_not_kept():
     assert object_cache.emit(text, "f", "f") is None
 
 
+@pytest.mark.flight
 def test_the_water_comes_from_disk_at_the_second_start(tmp_path):
     """Without numba's compiler, and with the same bits as the start that compiled it."""
     program = """

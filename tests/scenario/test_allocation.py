@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from support.scenario_files import REPO
+from support.places import HELIX
 
 from cube_sim.allocation import Allocator, Health, allocator
 from cube_sim.errors import ScenarioError
 from cube_sim.mission.prepare import prepare
 from cube_sim.scenario import allocation_block, load
 
-HELIX = REPO / "scenarios" / "cube_helix.yaml"
 PLAIN = {"allocation.reversal_penalty_N2": 0.0, "allocation.switching_penalty_N2": 0.0}
 TARGET = [9.0, -9.0, 8.0, -8.0, -7.0, 7.0, -6.0, 6.0]
 WEIGHTS = [1.0, 50.0, 2.0, 1.0, 70.0, 1.0, 50.0, 3.0]

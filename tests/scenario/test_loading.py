@@ -11,7 +11,8 @@ import struct
 
 import pydantic
 import pytest
-from support.scenario_files import MINIMAL, REPO, SCENARIOS, mistakes, write
+from support.places import HELIX, MODELS, REPO, SCENARIO_FILES
+from support.scenario_files import MINIMAL, mistakes, write
 
 from cube_sim.scenario import load
 from cube_sim.scenario.document import parse
@@ -42,7 +43,7 @@ def test_a_byte_order_mark_is_no_mistake(tmp_path):
     assert load(write(tmp_path, b"\xef\xbb\xbf" + MINIMAL.encode())).scenario.name == "short_line"
 
 
-@pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SCENARIO_FILES, ids=lambda path: path.stem)
 def test_resolved_file_reads_back_equal_from_another_folder(path, tmp_path):
     loaded = load(path)
     text = loaded.resolved_yaml()
@@ -222,7 +223,7 @@ def test_aliases_that_grow_without_bound_are_refused():
 
 def complete_file(folder) -> str:
     """A file in which every key is written: the resolved form of the first scenario."""
-    return write(folder, load(SCENARIOS[0]).resolved_yaml()).read_text()
+    return write(folder, load(SCENARIO_FILES[0]).resolved_yaml()).read_text()
 
 
 def broken(lines, changes):
@@ -338,6 +339,6 @@ def test_a_run_too_long_to_record_is_a_mistake(tmp_path):
 def test_the_example_of_a_mistake_in_the_readme_is_what_the_program_prints(tmp_path):
     folder = tmp_path / "scenarios"
     folder.mkdir()
-    text = (REPO / "scenarios" / "cube_helix.yaml").read_text().replace("../models", str(REPO / "models"))
+    text = HELIX.read_text().replace("../models", str(MODELS))
     (line,) = mistakes(write(folder, text.replace("  speed_m_s", "  sped_m_s"), "x.yaml"))
     assert f"```\nscenarios/{line}\n```" in (REPO / "README.md").read_text()

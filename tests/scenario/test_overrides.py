@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.scenario_files import SCENARIOS, mistakes, write
+from support.places import SCENARIO_FILES
+from support.scenario_files import mistakes, write
 
 from cube_sim.scenario import load
 from cube_sim.scenario.document import parse, parse_value
@@ -13,7 +14,7 @@ from cube_sim.scenario.overrides import apply
 
 def test_every_value_of_a_scenario_can_be_overridden(tmp_path):
     """Move the values of a complete file one by one, by override, into another scenario: it becomes that file."""
-    wanted = load(SCENARIOS[0], {"guidance.speed_m_s": 0.25, "initial.attitude_deg": [1, 2, 3]})
+    wanted = load(SCENARIO_FILES[0], {"guidance.speed_m_s": 0.25, "initial.attitude_deg": [1, 2, 3]})
     data = parse(wanted.resolved_yaml()).data
 
     def leaves(value, path):

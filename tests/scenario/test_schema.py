@@ -6,7 +6,7 @@ from typing import Annotated, get_args, get_origin
 
 import pytest
 from pydantic import BaseModel
-from support.scenario_files import REPO, SCENARIOS
+from support.places import SCENARIO_FILES, SCENARIOS
 
 from cube_sim.scenario import Scenario, load
 from cube_sim.scenario.json_schema import json_schema
@@ -67,16 +67,16 @@ FIELDS = [(block, name) for block in blocks(Scenario, {}) for name in block.mode
 
 
 def test_the_committed_schema_is_the_generated_one():
-    assert (REPO / "scenarios" / "scenario.schema.json").read_text() == json_schema(), (
+    assert (SCENARIOS / "scenario.schema.json").read_text() == json_schema(), (
         "write it anew: cube-sim schema > scenarios/scenario.schema.json"
     )
 
 
 def test_there_are_scenarios():
-    assert SCENARIOS
+    assert SCENARIO_FILES
 
 
-@pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SCENARIO_FILES, ids=lambda path: path.stem)
 def test_every_scenario_is_valid_names_the_schema_and_itself(path):
     loaded = load(path)
     assert loaded.text.startswith("# yaml-language-server: $schema=scenario.schema.json\n")

@@ -2,18 +2,18 @@
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
 from cube_sim import Vehicle, load_model
 from cube_sim.spatial import quaternion_from_rotation, rotation_from_quaternion, skew
 from cube_sim.vehicle.dynamics import Dynamics
+from support.places import MODELS
 
 
 @cache
 def vehicle(name: str) -> Vehicle:
-    return Vehicle.from_model(load_model(Path(__file__).parents[2] / "models" / f"{name}.xml"))
+    return Vehicle.from_model(load_model(MODELS / f"{name}.xml"))
 
 
 def cube() -> Vehicle:

@@ -8,9 +8,7 @@ import pytest
 
 from cube_sim.errors import ScenarioError
 from cube_sim.scenario import load
-
-REPO = Path(__file__).resolve().parents[2]
-SCENARIOS = sorted((REPO / "scenarios").glob("*.yaml"))
+from support.places import CUBE
 
 MINIMAL = """\
 schema_version: 1
@@ -27,7 +25,7 @@ checks:
 FLIGHT = f"""\
 schema_version: 1
 name: short_flight
-model: {REPO / "models" / "cube.xml"}
+model: {CUBE}
 duration_s: 0.5
 path: {{type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}}
 initial: {{position_m: [0, 0, -5]}}

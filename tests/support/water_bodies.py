@@ -36,6 +36,14 @@ class Body:
         m = self.mass
         return np.block([[m * np.eye(3), -m * S], [m * S, self.inertia_at_cg - m * S @ S]])
 
+    def neutral(self) -> Body:
+        """The same, weighing nothing in the water and without a righting moment."""
+        return replace(self, volume=self.mass / DENSITY, cb=self.cg)
+
+    def ideal(self) -> Body:
+        """The same in water at rest that takes no energy."""
+        return replace(self, linear=np.zeros((6, 6)), quadratic=np.zeros((6, 6)), current=(0.0, 0.0, 0.0))
+
     def numerics(self, name: str) -> str:
         rows = {
             "volume": np.array([self.volume]),

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import runpy
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+from support import allocation_reference
+from support.places import CUBE, MODEL_FILES, MODELS, REPO
 
 import cube_sim
 from cube_sim.vehicle.infante import planar_lift
-
-MODELS = Path(__file__).parents[2] / "models"
 
 
 def test_cube():
     """Chosen numbers: an edge of 0.5 m in fresh water, thrusters on the vertices of a cube of half edge 0.2 m."""
     L, a, rho = 0.5, 0.2, 1000.0
     m = rho * L**3
-    model = cube_sim.load_model(MODELS / "cube.xml")
+    model = cube_sim.load_model(CUBE)
     cube = cube_sim.Vehicle.from_model(model)
     np.testing.assert_allclose(cube.mass_matrix, np.diag([m] * 3 + [m * L**2 / 6] * 3), rtol=1e-12, atol=1e-12)
     added = [0.6384 * rho * L**3] * 3 + [0.03926 * rho * L**5] * 3
@@ -32,16 +31,8 @@ def test_cube():
     assert model.opt.timestep == 0.01
     assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
 
-    p, q, c = 0.5 + 1 / np.sqrt(12), 0.5 - 1 / np.sqrt(12), 1 / np.sqrt(3)
-    columns = []
-    for top in (1.0, -1.0):
-        r, u = np.array([a, a, top * a]), np.array([q, -p, top * c])
-        for _ in range(4):
-            columns.append(np.concatenate([u, np.cross(r, u)]))
-            turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-            r, u = turn @ r, turn @ u
     A = cube.actuation_matrix
-    np.testing.assert_allclose(A, np.array(columns).T, atol=1e-15)
+    np.testing.assert_allclose(A, allocation_reference.cube(a), atol=1e-15)
     np.testing.assert_allclose(A @ A.T, np.diag([8 / 3] * 3 + [8 * a**2] * 3), atol=1e-14)
     np.testing.assert_allclose(A @ [1, -1, 1, -1, -1, 1, -1, 1], 0.0, atol=1e-14)
     assert cube.thrusters.names == tuple(f"T{i}" for i in range(1, 9))
@@ -50,14 +41,14 @@ def test_cube():
 
 
 def test_the_cubes_added_mass_is_what_panels_say():
-    translation, rotation = runpy.run_path(str(MODELS.parent / "benchmarks" / "cube_added_mass.py"))["extrapolated"](16)
+    translation, rotation = runpy.run_path(str(REPO / "benchmarks" / "cube_added_mass.py"))["extrapolated"](16)
     assert translation == pytest.approx(0.6384, rel=2e-3)
     assert rotation == pytest.approx(0.03926, rel=4e-3)
 
 
 def test_cube_thrust_is_the_actuation_matrix():
     """F_B = A F_m in any attitude: the wrench read from qfrc_actuator."""
-    model = cube_sim.load_model(MODELS / "cube.xml")
+    model = cube_sim.load_model(CUBE)
     cube = cube_sim.Vehicle.from_model(model)
     data = mujoco.MjData(model)
     rng = np.random.default_rng(0)
@@ -77,7 +68,7 @@ def planar(matrix: np.ndarray) -> np.ndarray:
 
 
 def test_cube_as_built_is_the_cube_with_imprecise_thrusters():
-    cube = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "cube.xml"))
+    cube = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE))
     built = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "cube_as_built.xml"))
     rng = np.random.default_rng(2021)
     gain, shift = 1.0 + 0.05 * rng.standard_normal(8), 0.01 * rng.standard_normal((8, 3))
@@ -159,8 +150,7 @@ def test_infante_feeds_energy_in_astern():
 
 def test_jack_is_its_matrix():
     jack = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "jack.xml"))
-    published = [[0.966, 0.966, -0.966, -0.966], [-0.259, 0.259, -0.259, 0.259], [-0.245, 0.245, 0.245, -0.245]]
-    np.testing.assert_allclose(planar(jack.actuation_matrix), published, atol=5e-4)
+    np.testing.assert_allclose(planar(jack.actuation_matrix), allocation_reference.jack(), atol=5e-4)
     np.testing.assert_allclose(jack.actuation_matrix[2:5], 0.0, atol=1e-15)
     np.testing.assert_allclose(jack.actuation_matrix @ np.ones(4), 0.0, atol=1e-15)
     m, (a, b, c) = 40.0, (0.6, 0.6, 0.2)
@@ -199,7 +189,7 @@ def test_infante_obeys_its_published_planar_equations():
         np.testing.assert_allclose([body_acceleration[2], data.qacc[3], data.qacc[4]], 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("path", sorted(MODELS.glob("*.xml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", MODEL_FILES, ids=lambda path: path.stem)
 def test_every_model_floats_at_rest_and_names_everything(path):
     model = cube_sim.load_model(path)
     vehicle = cube_sim.Vehicle.from_model(model)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support.places import CUBE
 
 import cube_sim
 from cube_sim.errors import ModelError
@@ -15,7 +14,6 @@ from cube_sim.vehicle import faults
 from cube_sim.vehicle.battery import Battery
 from cube_sim.vehicle.power_supply import Supply
 
-CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
 FULL_AHEAD_W = 8 * 0.997 * 51.44**1.5  # of eight T200 at 16 V, by the fit in the model
 
 

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
+from support.places import CUBE
 
 import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
 from cube_sim.vehicle.pulse import PulseRange
 
-CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
 ZONES = [(0.0, 0.0), (-0.356, 0.4), (-2.0, 2.0), (-12.0, 7.0), (-0.0, 5.0)]
 
 

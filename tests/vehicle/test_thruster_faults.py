@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
+from support.edited_cube import T1, edited
+from support.places import CUBE, MODELS
 
 import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.characteristic import Characteristic
-
-CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
 
 
 @pytest.fixture
@@ -91,8 +89,7 @@ def test_wrong_conditions(model, change, reason):
 
 def test_transport_delay_comes_before_the_lag():
     """MuJoCo's own delay line: the command arrives 50 ms late, then the 20 ms lag follows."""
-    xml = CUBE.read_text().replace('<general name="T1"', '<general delay="0.05" nsample="8" name="T1"')
-    model = cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+    model = cube_sim.load_model(edited((T1, f'{T1} delay="0.05" nsample="8"')))
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER  # RK4 looks a step ahead, and blurs the delay by a stage
     data = mujoco.MjData(model)
     data.ctrl[:] = 0.5
@@ -108,9 +105,10 @@ def test_transport_delay_comes_before_the_lag():
 
 def test_reaction_torque_is_a_column_of_the_actuation_matrix():
     """gear="0 0 1 0 0 k": a propeller turns the hull against itself with k F about its axis."""
-    xml = CUBE.read_text().replace('<general name="T4"', '<general gear="0 0 1 0 0 0.02" name="T4"')
     plain = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).actuation_matrix
-    turned = cube_sim.Vehicle.from_model(cube_sim.load_model(mujoco.MjSpec.from_string(xml))).actuation_matrix
+    turned = cube_sim.Vehicle.from_model(
+        cube_sim.load_model(edited(('<general name="T4"', '<general gear="0 0 1 0 0 0.02" name="T4"')))
+    ).actuation_matrix
     expected = plain.copy()
     expected[3:, 3] += 0.02 * plain[:3, 3]
     np.testing.assert_allclose(turned, expected, atol=1e-15)
@@ -138,7 +136,7 @@ def test_reactivity_points(model):
 
 def test_reactivity_points_lie_outside_the_dead_zone():
     """Jack's jump from 0 to 5 N is steeper than anything it can hold; its steepest part is 18 to 25 N, 35 N a unit."""
-    jack = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE.parent / "jack.xml")).thrusters
+    jack = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "jack.xml")).thrusters
     np.testing.assert_allclose(jack.reactivity, [[-21.5, 21.5]] * 4)
     curve = Characteristic(np.array([-1.0, -0.4, 0.0, 0.2, 1.0]), np.array([-10.0, -9.0, 0.0, 8.0, 16.0]), (-6.0, 12.0))
     assert curve.reactivity == pytest.approx(

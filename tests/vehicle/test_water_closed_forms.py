@@ -141,15 +141,7 @@ def test_a_cube_has_no_munk_moment():
 def test_kirchhoff_invariants(seed):
     """Free motion in an ideal fluid keeps energy, |p| and p.h; the impulse p is even constant in world axes."""
     rng = np.random.default_rng(seed)
-    body = random_body(rng, 3.0)
-    body = replace(
-        body,
-        volume=body.mass / DENSITY,
-        cb=body.cg,
-        linear=np.zeros((6, 6)),
-        quadratic=np.zeros((6, 6)),
-        current=(0.0, 0.0, 0.0),
-    )
+    body = random_body(rng, 3.0).neutral().ideal()
     M = body.rigid + body.added
     model = body.model(timestep=0.005)
     data = mujoco.MjData(model)

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 from support import plain_callbacks
+from support.places import CUBE
 from support.water_bodies import DENSITY, GRAVITY, coriolis_matrix, random_body, scene, set_state, tumbling
 
 import cube_sim
 from cube_sim.spatial import rotation_from_quaternion
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.laws import current, hydrodynamics, thrust_law
-
-CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
 
 
 def tuples(*arrays):

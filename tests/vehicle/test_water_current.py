@@ -109,15 +109,7 @@ def test_a_drifter_stays_with_water_that_accelerates():
     Only the full inertia force (M_A + rho V) Dv/Dt does that; with M_A alone, or none, it lags.
     """
     rng = np.random.default_rng(3)
-    body = random_body(rng)
-    body = replace(
-        body,
-        volume=body.mass / DENSITY,
-        cb=body.cg,
-        linear=np.zeros((6, 6)),
-        quadratic=np.zeros((6, 6)),
-        current=(0.0, 0.0, 0.0),
-    )
+    body = random_body(rng).neutral().ideal()
     velocities = np.array([[[0.1, 0.0, 0.2]], [[0.9, -0.6, -0.6]]])
     model = with_current(body, table([0.0, 8.0], [0.0], velocities))
     q = rng.normal(size=4)
@@ -135,7 +127,7 @@ def test_relative_motion_is_that_in_still_water():
     """Seen from water that accelerates as a whole, a neutral drifter with CG = CB moves as in still water."""
     rng = np.random.default_rng(4)
     body, start = random_body(rng), tumbling(rng)
-    body = replace(body, volume=body.mass / DENSITY, cb=body.cg, current=(0.0, 0.0, 0.0))
+    body = replace(body.neutral(), current=(0.0, 0.0, 0.0))
     velocities = np.array([[[0.0, 0.0, 0.0]], [[0.6, -0.3, 0.2]]])
     moving = flown(with_current(body, table([0.0, 6.0], [0.0], velocities)), start, 3.0)
     still = flown(body.model(), start, 3.0)

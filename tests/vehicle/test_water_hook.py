@@ -7,19 +7,18 @@ import pickle
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 from mujoco import rollout
+from support.places import CUBE, MODELS
 from support.water_bodies import DENSITY, Body, get_state, random_body, reference, scene, set_state, tumbling
 
 import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.plugin import hook
 
-CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
 DRY = """<mujoco><option integrator="RK4"/><custom><numeric name="own" data="20071734 1 4 118"/></custom><worldbody>
   <geom type="plane" size="5 5 1"/><body name="hull" pos="0 0 1"><freejoint/><geom size="0.1 0.2 0.3" type="box"/>
   <body><joint axis="0 1 0"/><geom size="0.05" pos="0.4 0 0"/></body></body></worldbody></mujoco>"""
@@ -105,13 +104,13 @@ def test_vehicles_attached_with_a_prefix():
     fleet = mujoco.MjSpec()
     fleet.option.integrator, fleet.option.timestep = mujoco.mjtIntegrator.mjINT_RK4, 0.01
     for prefix, name in (("a/", "cube"), ("b/", "bluerov2_heavy")):
-        child = mujoco.MjSpec.from_file(str(CUBE.parent / f"{name}.xml"))
+        child = mujoco.MjSpec.from_file(str(MODELS / f"{name}.xml"))
         child.option.integrator, child.option.timestep = fleet.option.integrator, fleet.option.timestep
         fleet.attach(child, frame=fleet.worldbody.add_frame(pos=[0.0, 3.0 * len(fleet.bodies), 0.0]), prefix=prefix)
     model = cube_sim.load_model(fleet)
     for name, file in (("a/hull", "cube.xml"), ("b/hull", "bluerov2_heavy.xml")):
         together = cube_sim.Vehicle.from_model(model, name)
-        alone = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE.parent / file))
+        alone = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / file))
         np.testing.assert_array_equal(together.added_mass, alone.added_mass)
         np.testing.assert_allclose(together.actuation_matrix, alone.actuation_matrix, atol=1e-15)
         assert together.thrusters.names == tuple(f"{name[:2]}T{i}" for i in range(1, 9))

@@ -7,13 +7,14 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from support.edited_cube import T1, edited, edited_text
+from support.places import CUBE
 from support.water_bodies import Body
 
 import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 
-CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
 LOPSIDED = np.eye(6) + np.eye(6, k=1)
 INDEFINITE = np.diag([1.0, 1.0, 1.0, 1.0, 1.0, -0.1])
 CURVE = [-1.0, -40.0, 0.0, 0.0, 1.0, 50.0]
@@ -82,7 +83,7 @@ def test_wrong_parameter(element, value, reason):
     assert "\n" not in str(caught.value)
 
 
-def edited(**changes) -> mujoco.MjSpec:
+def with_options(**changes) -> mujoco.MjSpec:
     spec = mujoco.MjSpec.from_file(str(CUBE))
     for name, value in changes.items():
         setattr(spec.option, name, value)
@@ -104,7 +105,7 @@ def edited(**changes) -> mujoco.MjSpec:
 )
 def test_wrong_option(changes, reason):
     with pytest.raises(ModelError, match=reason):
-        cube_sim.load_model(edited(**changes))
+        cube_sim.load_model(with_options(**changes))
 
 
 @pytest.mark.parametrize(
@@ -140,9 +141,8 @@ def test_no_water_at_all():
 
 
 def test_hull_without_a_free_joint():
-    xml = CUBE.read_text().replace('<freejoint name="hull"/>', '<joint name="hull" type="hinge"/>')
     with pytest.raises(ModelError, match="no free joint"):
-        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+        cube_sim.load_model(edited(('<freejoint name="hull"/>', '<joint name="hull" type="hinge"/>')))
 
 
 def test_missing_volume():
@@ -156,8 +156,7 @@ def test_missing_volume():
 
 def with_numerics(*names: str, values: str = "1") -> mujoco.MjSpec:
     more = "".join(f'<numeric name="{name}" data="{values}"/>' for name in names)
-    with collect_warnings():  # about values that are not finite
-        return mujoco.MjSpec.from_string(CUBE.read_text().replace("<custom>", f"<custom>{more}"))
+    return edited(("<custom>", f"<custom>{more}"))
 
 
 @pytest.mark.parametrize("values", ["1 2 3", "nan"])
@@ -216,8 +215,7 @@ def test_a_slip_of_the_pen_in_the_file_is_refused(name, reason):
 
 
 def with_text(name: str, data: str) -> mujoco.MjSpec:
-    xml = CUBE.read_text().replace("<custom>", f'<custom><text name="{name}" data="{data}"/>')
-    return mujoco.MjSpec.from_string(xml)
+    return edited(("<custom>", f'<custom><text name="{name}" data="{data}"/>'))
 
 
 @pytest.mark.parametrize(
@@ -245,9 +243,8 @@ def test_other_peoples_texts_are_left_alone(name):
 
 
 def test_missing_density():
-    xml = CUBE.read_text().replace('<numeric name="water:density" data="1000"/>', "")
     with pytest.raises(ModelError, match="water:density: is missing"):
-        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+        cube_sim.load_model(edited(('<numeric name="water:density" data="1000"/>', "")))
 
 
 def test_missing_characteristic_names_the_thruster():
@@ -258,17 +255,13 @@ def test_missing_characteristic_names_the_thruster():
 
 
 def test_thruster_that_is_no_site_actuator():
-    xml = CUBE.read_text().replace(
-        '<general name="T1" class="thruster" site="T1"/>', '<general name="T1" class="thruster" body="hull"/>'
-    )
     with pytest.raises(ModelError, match=r"T1: .*site"):
-        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+        cube_sim.load_model(edited((T1, '<general name="T1" class="thruster" body="hull"')))
 
 
 def test_thruster_without_a_lag():
-    xml = CUBE.read_text().replace('dyntype="filter" ', "")
     with pytest.raises(ModelError, match=r'T1: .*dyntype="filter"'):
-        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+        cube_sim.load_model(edited(('dyntype="filter" ', "")))
 
 
 def test_tendon_armature_on_a_hull():
@@ -296,7 +289,7 @@ def test_a_file_that_is_no_model(tmp_path, text):
 def test_a_reference_to_nothing(tmp_path, sensor, in_memory):
     """MuJoCo's copy of a spec drops such an element silently; loading must not."""
     path = tmp_path / "cube.xml"
-    path.write_text(CUBE.read_text().replace('<gyro name="gyro"', f'{sensor}<gyro name="gyro"'))
+    path.write_text(edited_text(('<gyro name="gyro"', f'{sensor}<gyro name="gyro"')))
     with pytest.raises(ModelError, match=r"turning|one of the sensors|nope"):
         cube_sim.load_model(mujoco.MjSpec.from_file(str(path)) if in_memory else path)
 
@@ -317,7 +310,7 @@ def test_what_is_no_model(thing, reason):
 def test_mujocos_warnings_are_pythons(tmp_path, monkeypatch):
     """And leave no log in the working directory; a handler that was there before stays."""
     monkeypatch.chdir(tmp_path)
-    Path("cube.xml").write_text(CUBE.read_text().replace("<custom>", '<custom><numeric name="own" data="nan"/>'))
+    Path("cube.xml").write_text(edited_text(("<custom>", '<custom><numeric name="own" data="nan"/>')))
     with collect_warnings() as mine:
         with pytest.warns(UserWarning, match="MuJoCo: XML contains a 'NaN'"):
             cube_sim.load_model("cube.xml")
@@ -332,9 +325,8 @@ def test_no_such_file():
 
 
 def test_the_packed_numeric_is_ours():
-    xml = CUBE.read_text().replace("<custom>", '<custom><numeric name="cube_sim:packed" data="1"/>')
     with pytest.raises(ModelError, match="written by load_model"):
-        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+        cube_sim.load_model(edited(("<custom>", '<custom><numeric name="cube_sim:packed" data="1"/>')))
 
 
 def test_vehicle_needs_water_and_the_right_name():

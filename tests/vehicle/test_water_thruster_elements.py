@@ -2,27 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
+from support.edited_cube import T1, edited
+from support.places import CUBE
 
 import cube_sim
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.plugin.warnings import collect_warnings
-
-CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
-T1 = '<general name="T1" class="thruster" site="T1"'
-
-
-def edited(*replacements: tuple[str, str]) -> mujoco.MjSpec:
-    xml = CUBE.read_text()
-    for old, new in replacements:
-        assert old in xml
-        xml = xml.replace(old, new)
-    with collect_warnings():  # about the values that are not finite
-        return mujoco.MjSpec.from_string(xml)
 
 
 @pytest.mark.parametrize(
@@ -76,11 +63,13 @@ def test_a_thruster_on_nothing(replacements, element, reason):
 
 def test_a_hull_inside_another_body_has_no_free_joint():
     """And that is what is said, not that its carrier has no characteristic."""
-    xml = CUBE.read_text().replace('<freejoint name="hull"/>', "")
-    xml = xml.replace('<body name="hull"', '<body name="o"><freejoint/><geom size=".1"/><body name="hull"')
-    xml = xml.replace("</worldbody>", "</body></worldbody>")
+    inside = edited(
+        ('<freejoint name="hull"/>', ""),
+        ('<body name="hull"', '<body name="o"><freejoint/><geom size=".1"/><body name="hull"'),
+        ("</worldbody>", "</body></worldbody>"),
+    )
     with pytest.raises(ModelError, match="hull: has water parameters but no free joint"):
-        cube_sim.load_model(mujoco.MjSpec.from_string(xml))
+        cube_sim.load_model(inside)
 
 
 def test_thrust_and_reaction_torque_are_scaled_by_the_gear():

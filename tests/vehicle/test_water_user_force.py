@@ -7,12 +7,13 @@ import math
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 from mujoco import rollout
+from support.edited_cube import edited_text
+from support.places import HELIX, MODELS
 from support.water_bodies import DENSITY, Body, flown, get_state, random_body, reference, set_state, tumbling
 
 import cube_sim
@@ -20,7 +21,6 @@ from cube_sim.errors import ModelError
 from cube_sim.vehicle.plugin import layout, packing, user_forces
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 
-ROOT = Path(__file__).parents[2]
 STIFFNESS = 30.0
 
 
@@ -146,13 +146,14 @@ def test_a_force_that_fails_is_not_a_number_compiled_or_not(function, compiled):
     assert "Time = 0.2" in warnings[0]
 
 
+@pytest.mark.flight
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("function", [raises_late, awkward_failure], ids=["compiled", "python"])
 def test_a_scenario_whose_force_fails_ends_as_error(function, tmp_path):
     text = f'<text name="hull:force" data="{__name__}:{function.__name__}"/></custom>'
-    (tmp_path / "model.xml").write_text((ROOT / "models" / "cube.xml").read_text().replace("</custom>", text))
+    (tmp_path / "model.xml").write_text(edited_text(("</custom>", text)))
     changes = {"model": str(tmp_path / "model.xml"), "duration_s": 1.0, "checks": [{"kind": "allowed_forces"}]}
-    result = cube_sim.run(ROOT / "scenarios" / "cube_helix.yaml", changes, tmp_path / "out")
+    result = cube_sim.run(HELIX, changes, tmp_path / "out")
     assert result.verdict == "ERROR"
     assert result.signals["pose.position"][-1, 0] == pytest.approx(0.2, abs=0.021)
 
@@ -184,6 +185,7 @@ def test_what_a_compiled_force_takes_from_outside_is_that_of_its_load():
     assert place(pull()[0]) == place(pull()[0]) != place(first)
 
 
+@pytest.mark.flight
 def test_a_model_with_a_force_starts_without_the_compiler_the_second_time(tmp_path):
     """INFANTE's lift comes from disk; with a force that leans on numba's linear algebra, numba is loaded, not run."""
     program = """
@@ -206,7 +208,7 @@ print(json.dumps([data.qpos.tobytes().hex(), "numba" in sys.modules]))
         runs = []
         for start in ("first", "second"):
             done = subprocess.run(
-                [sys.executable, "-c", program, str(ROOT / "models" / "infante.xml"), kind, start],
+                [sys.executable, "-c", program, str(MODELS / "infante.xml"), kind, start],
                 env={**os.environ, "CUBE_SIM_CACHE_DIR": str(tmp_path)},
                 capture_output=True,
                 text=True,

@@ -8,15 +8,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+from support.places import CUBE
 
 import cube_sim
 
-CUBE = Path(__file__).parents[2] / "models" / "cube.xml"
+pytestmark = pytest.mark.flight
+
 PROGRAM = """
 import sys, threading
 import mujoco, mujoco.viewer
