@@ -1,0 +1,69 @@
+"""What holds of every vehicle in models/: it loads, floats, and says what everything is called and where it is from."""
+
+from __future__ import annotations
+
+import re
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import pytest
+from support.places import MODEL_FILES
+
+import cube_sim
+
+pytestmark = pytest.mark.parametrize("path", MODEL_FILES, ids=lambda path: path.stem)
+
+NUMBERED = "worldbody//body", "worldbody//joint", "worldbody//freejoint", "worldbody//geom", "worldbody//site"
+COMPILED = mujoco.mjtObj.mjOBJ_ACTUATOR, mujoco.mjtObj.mjOBJ_SENSOR, mujoco.mjtObj.mjOBJ_NUMERIC
+
+
+def test_every_element_has_a_name(path):
+    model = cube_sim.load_model(path)
+    for kind, count in zip(COMPILED, (model.nu, model.nsensor, model.nnumeric), strict=True):
+        assert all(mujoco.mj_id2name(model, kind, i) for i in range(count)), kind
+    tree = ElementTree.parse(path)
+    elements = [element for kind in NUMBERED for element in tree.iterfind(f"./{kind}")]
+    assert len(elements) > model.nu
+    assert [ElementTree.tostring(element) for element in elements if not element.get("name")] == []
+
+
+def test_its_head_says_which_vehicle_it_is_and_where_its_numbers_are_from(path):
+    text = path.read_text()
+    head = text[text.index("<!--") : text.index("-->")]
+    assert text.index("-->") < text.index("<compiler")
+    assert ElementTree.parse(path).getroot().get("model") == path.stem
+    assert re.search(r"\bsources?\b|\bchoice\b", head, re.IGNORECASE)
+    assert "SI units" in head or "Every other number, and its source, is" in head
+
+
+def test_its_thrusters_are_those_of_one_hull_and_have_allowed_forces(path):
+    model = cube_sim.load_model(path)
+    vehicle = cube_sim.Vehicle.from_model(model)
+    assert len(vehicle.thrusters.names) == model.nu == vehicle.actuation_matrix.shape[1]
+    assert len(set(vehicle.thrusters.names)) == model.nu
+    assert np.isfinite(vehicle.actuation_matrix).all()
+    assert np.all(np.diff(vehicle.thrusters.limits, axis=1) >= 0.0)
+    assert np.all(vehicle.thrusters.limits[:, 0] < 0.0)
+    assert np.all(vehicle.thrusters.limits[:, 3] > 0.0)
+
+
+def test_its_inertia_is_that_of_a_body_in_water(path):
+    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(path))
+    for matrix in (vehicle.mass_matrix, vehicle.added_mass):
+        np.testing.assert_allclose(matrix, matrix.T, atol=1e-12)
+    assert np.linalg.eigvalsh(vehicle.mass_matrix).min() > 0.0
+    assert np.linalg.eigvalsh(vehicle.added_mass).min() >= 0.0
+
+
+def test_it_floats_level_and_at_rest(path):
+    model = cube_sim.load_model(path)
+    vehicle = cube_sim.Vehicle.from_model(model)
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, nstep=round(10.0 / model.opt.timestep))
+    assert np.all(np.isfinite(data.qpos))
+    tilt = np.arccos(np.clip(data.xmat[1, 8], -1.0, 1.0))
+    assert tilt < 1e-6
+    sinking = (vehicle.mass - vehicle.displaced_mass) * 9.81
+    assert abs(data.qvel[2]) <= abs(sinking) / 30.0 + 1e-12  # neutral, or slower than its linear heave drag allows
+    assert vehicle.centre_of_buoyancy[2] > vehicle.centre_of_mass[2]
