@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import math
 import os
 import random
 import re
 import struct
+from unittest.mock import Mock
 
 import pydantic
 import pytest
@@ -202,11 +204,12 @@ def test_paths_that_are_no_files(tmp_path):
     assert mistakes(tmp_path / "folder.yaml") == ["folder.yaml: is a folder, not a scenario file"]
 
 
-def test_a_file_without_read_permission(tmp_path):
+def test_a_file_without_read_permission(tmp_path, monkeypatch):
     path = write(tmp_path)
     path.chmod(0)
-    if os.access(path, os.R_OK):
-        pytest.skip("this user may read every file")
+    if os.access(path, os.R_OK):  # root may read every file
+        refusal = PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        monkeypatch.setattr(type(path), "read_bytes", Mock(side_effect=refusal))
     assert mistakes(path) == ["mission.yaml: cannot be read: Permission denied"]
 
 
