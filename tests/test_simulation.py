@@ -11,6 +11,7 @@ import sys
 import mujoco
 import numpy as np
 import pytest
+from support.flights import FORCES_ONLY, thruster_event, values
 from support.places import CUBE, HELIX, MODELS, REPO, SCENARIOS
 
 import cube_sim
@@ -27,7 +28,7 @@ def parse_settings(line: str) -> dict[str, object]:
     return {path: parse_value(value) for path, _, value in pairs}
 
 
-SHORT = {"duration_s": 3.0, "checks": [{"kind": "allowed_forces"}]}
+SHORT = {"duration_s": 3.0, "checks": FORCES_ONLY}
 THROWN = {
     **SHORT,
     "physics.integrator": "Euler",
@@ -67,7 +68,7 @@ def test_every_channel_has_a_row_per_tick_from_start_to_end(short):
 
 @pytest.mark.flight
 def test_the_recorded_numbers_hang_together(short):
-    s = {name: rows[:, 1:] for name, rows in short.signals.items()}
+    s = values(short)
     A = s["actuation.matrix"][0].reshape(6, -1)
     np.testing.assert_allclose(s["thrusters.force_demanded"] @ A.T, s["wrench.allocated"], atol=1e-9)
     from cube_sim.spatial import rotation_from_quaternion
@@ -80,7 +81,7 @@ def test_the_recorded_numbers_hang_together(short):
 
 @pytest.mark.flight
 def test_the_velocity_is_the_derivative_of_the_pose(short):
-    s = {name: rows[:, 1:] for name, rows in short.signals.items()}
+    s = values(short)
     from cube_sim.spatial import rotation_from_quaternion
 
     for k in range(10, 140, 10):
@@ -92,7 +93,7 @@ def test_the_velocity_is_the_derivative_of_the_pose(short):
 @pytest.mark.flight
 def test_the_produced_forces_follow_the_commands_through_lag_and_characteristic(short):
     vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE, {"hull:thruster_dead_zone": (-2.0, 2.0)}))
-    s = {name: rows[:, 1:] for name, rows in short.signals.items()}
+    s = values(short)
     activation = np.zeros(8)
     for k in range(150):
         np.testing.assert_allclose(vehicle.thrusters.force(activation), s["thrusters.force"][k], atol=1e-5)
@@ -208,8 +209,8 @@ def two_hulls(tmp_path):
     numbers = {"volume": [0.02], "centre_of_buoyancy": [0.0] * 3}
     for name in ("added_mass", "linear_damping", "quadratic_damping"):
         numbers[name] = [10.0, 10.0, 10.0, 1.0, 1.0, 1.0]
-    for name, values in numbers.items():
-        spec.add_numeric(name=f"drum:{name}", data=values, size=len(values))
+    for name, data in numbers.items():
+        spec.add_numeric(name=f"drum:{name}", data=data, size=len(data))
     (tmp_path / "two.xml").write_text(spec.to_xml())
     path = tmp_path / "two.yaml"
     path.write_text(HELIX.read_text().replace("../models/cube.xml", "two.xml"))
@@ -244,7 +245,7 @@ CALLS = [
 
 def test_an_event_after_the_end_names_the_override_that_put_the_end_there(tmp_path):
     path = SCENARIOS / "cube_lose_one.yaml"
-    overrides = {"duration_s": 20, "checks": [{"kind": "allowed_forces"}]}
+    overrides = {"duration_s": 20, "checks": FORCES_ONLY}
     with pytest.raises(ScenarioError, match=r"events\.0\.at_s: 40 s is after the end .* \(override duration_s\)$"):
         cube_sim.run(path, overrides, tmp_path / "out")
 
@@ -280,7 +281,7 @@ def test_a_controller_without_an_answer_ends_the_run_as_error_with_the_last_good
 
 @pytest.mark.flight
 def test_a_fault_told_at_the_very_start_can_be_judged(tmp_path):
-    dead = {"kind": "thrusters", "at_s": 0, "thrusters": ["T1"], "state": "dead"}
+    dead = thruster_event(0, ["T1"])
     run = cube_sim.run(HELIX, {**SHORT, "control.faults": "told", "events": [dead]}, tmp_path / "run")
     assert run.verdict == "PASS"
     assert not run.signals["thrusters.force"][:, 1].any()

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from support.allocation_reference import cube, in_allowed_set, jack
+from support.flights import FORCES_ONLY
 from support.places import HELIX
 
 import cube_sim
@@ -13,7 +14,7 @@ from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-40.0, -3.2, 4.0, 50.0])
 SIMPLE = [method for method in methods() if not is_exact(method)]
-SHORT = {"duration_s": 0.4, "checks": [{"kind": "allowed_forces"}]}
+SHORT = {"duration_s": 0.4, "checks": FORCES_ONLY}
 
 
 def test_pseudo_inverse_is_the_pseudo_inverse_and_says_when_it_is_not_allowed():

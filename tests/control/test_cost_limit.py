@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.flights import FORCES_ONLY, said
 from support.places import MODELS, SCENARIOS
 
 import cube_sim
@@ -11,7 +12,6 @@ from cube_sim.control.authority import Authority, capability, remaining
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import ScenarioError
 from cube_sim.mission import prepare
-from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
 from cube_sim.wrench.axes import SPATIAL, lever_arm
 from cube_sim.wrench.health import Health
@@ -26,7 +26,7 @@ SHORT = AS_BUILT | {
     "control.faults": "told",
     "events.0.at_s": 1.0,
     "events.0.thrusters": ["T2", "T3"],
-    "checks": [{"kind": "allowed_forces"}],
+    "checks": FORCES_ONLY,
 }
 
 
@@ -113,11 +113,11 @@ def test_with_the_limit_the_vehicle_turns_and_pushes_less(tmp_path):
 @pytest.mark.flight
 def test_a_whole_vehicle_does_without_what_is_too_dear_from_the_start(tmp_path):
     # Jack's sway costs 1.93 N/N, surge and yaw half a newton.
-    changes = {"duration_s": 20.0, "events": [], "checks": [{"kind": "allowed_forces"}], "control.cost_limit": 1.0}
+    changes = {"duration_s": 20.0, "events": [], "checks": FORCES_ONLY, "control.cost_limit": 1.0}
     run = cube_sim.run(SCENARIOS / "jack_lose_two.yaml", changes, out=tmp_path)
     assert set(run.signals["health.authority"][:, 1]) == {Authority.UNICYCLE}
     assert np.max(np.abs(run.signals["wrench.demanded"][:, 2])) < 1e-9
-    log = [line.text for line in read_recording(tmp_path / "run.mcap").log]
+    log = said(run)
     assert any(text.startswith("what costs more than 1 N/N is left alone; UNICYCLE: too dear to push") for text in log)
 
 

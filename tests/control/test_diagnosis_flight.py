@@ -2,20 +2,17 @@
 
 import numpy as np
 import pytest
+from support.flights import FORCES_ONLY, said
+from support.flights import thruster_event as event
 from support.places import SCENARIOS
 
 import cube_sim
-from cube_sim.recording.reading import read_recording
 
 pytestmark = pytest.mark.flight
 
 CUBE, JACK = SCENARIOS / "cube_lose_two.yaml", SCENARIOS / "jack_lose_two.yaml"
-CHECKS = [{"kind": "allowed_forces"}, {"kind": "exact_wrench", "at_most": 1e-3}]
+CHECKS = [*FORCES_ONLY, {"kind": "exact_wrench", "at_most": 1e-3}]
 HOLONOMIC, PLANE, LINE, SAFE, UNICYCLE = 0, 1, 2, 3, 5
-
-
-def event(at_s, thrusters, state, **more):
-    return {"kind": "thrusters", "at_s": at_s, "thrusters": thrusters, "state": state, **more}
 
 
 @pytest.fixture
@@ -26,7 +23,7 @@ def fly(tmp_path):
         changes = {"duration_s": duration, "events": events, "checks": CHECKS, **changes}
         run = cube_sim.run(scenario, changes, out=tmp_path)
         assert run.verdict == "PASS", [(check.name, check.value) for check in run.checks]
-        return run.signals, [line.text for line in read_recording(tmp_path / "run.mcap").log]
+        return run.signals, said(run)
 
     return flown
 
@@ -74,7 +71,11 @@ def test_recovery_ends_the_safe_mode(fly):
 
 
 def test_what_a_stuck_motor_does_later_is_noticed_from_the_force_it_gives(fly):
-    events = [event(6, ["T1"], "stuck", force_N=30.0), event(9, ["T1"], "dead"), event(12, ["T1"], "recovered")]
+    events = [
+        event(6, ["T1"], "stuck", force_N=30.0),
+        event(9, ["T1"], "dead"),
+        event(12, ["T1"], "recovered"),
+    ]
     signals, log = fly(CUBE, 21, events)
     found = [text.split(";")[0] for text in log if text.startswith(("T1 ", "all thrusters"))]
     assert found == ["T1 stuck at 30.0 N", "T1 dead", "all thrusters whole"]

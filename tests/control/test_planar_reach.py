@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from support.flights import FORCES_ONLY
 from support.places import SCENARIOS
 
 import cube_sim
@@ -68,7 +69,7 @@ def test_two_stern_thrusters_share_between_pushing_and_turning():
 @pytest.mark.flight
 @pytest.mark.parametrize("velocity", [[0.0, 0.0, 0.0], [-1.0, 0.5, 0.0]], ids=["at rest", "astern and sideways"])
 def test_the_law_gathers_speed_and_converges_though_it_first_asks_for_a_hundred_times_the_torque(velocity, tmp_path):
-    checks = {"checks": [{"kind": "allowed_forces"}], "duration_s": 30}
+    checks = {"checks": FORCES_ONLY, "duration_s": 30}
     run = cube_sim.run(CIRCLE, out=tmp_path / "out", overrides={"initial.velocity_m_s": velocity, **checks})
     late = run.signals["path_error.cross_track"][:, 0] > 25.0
     assert run.signals["path_error.cross_track"][late, 1].max() < 0.05

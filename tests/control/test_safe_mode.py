@@ -2,22 +2,18 @@
 
 import numpy as np
 import pytest
+from support.flights import FORCES_ONLY, said, thruster_event
 from support.places import HELIX
 
 import cube_sim
 from cube_sim.control.safe_mode import Refuge, SafeMode, Watch
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.virtual_target import VirtualTarget
-from cube_sim.recording.reading import read_recording
 from cube_sim.spatial import State, quaternion_from_euler, rotation_from_quaternion
 
-ON_PATH = {"initial.position_m": [3, 0, -8], "initial.attitude_deg": [0, 0, 90], "checks": [{"kind": "allowed_forces"}]}
+ON_PATH = {"initial.position_m": [3, 0, -8], "initial.attitude_deg": [0, 0, 90], "checks": FORCES_ONLY}
 ALL = [f"T{i}" for i in range(1, 9)]
 SAFE = 3
-
-
-def dead(at_s, thrusters, state="dead"):
-    return {"kind": "thrusters", "at_s": at_s, "thrusters": thrusters, "state": state}
 
 
 def view_at(distance):
@@ -56,13 +52,13 @@ def test_surfacing_rises_above_the_same_place():
 
 def flown(tmp_path, changes):
     run = cube_sim.run(HELIX, {**ON_PATH, **changes}, out=tmp_path)
-    return run.signals, [line.text for line in read_recording(tmp_path / "run.mcap").log]
+    return run.signals, said(run)
 
 
 @pytest.mark.flight
 def test_without_a_thruster_left_the_ballast_brings_it_to_the_surface(tmp_path):
     safe = {"action": "surface", "surface_m": -5.0, "drop_weight_N": 15.0}
-    signals, log = flown(tmp_path, {"duration_s": 50, "events": [dead(8, ALL)], "control.safe_mode": safe})
+    signals, log = flown(tmp_path, {"duration_s": 50, "events": [thruster_event(8, ALL)], "control.safe_mode": safe})
     height = signals["pose.position"][:, 3]
     assert height[400] < -7.5  # it was still at depth when they died
     assert np.all(np.abs(height[-500:] + 5.0) < 0.6)  # and floats at the surface
@@ -93,7 +89,7 @@ def test_a_current_stronger_than_the_vehicle_makes_it_give_up_and_hold(tmp_path)
 @pytest.mark.flight
 def test_thrusters_that_come_back_end_the_safe_mode(tmp_path):
     lost = ALL[:5]
-    events = [dead(8, lost), dead(20, lost, "recovered")]
+    events = [thruster_event(8, lost), thruster_event(20, lost, "recovered")]
     changes = {"duration_s": 55, "events": events, "control.faults": "told"}
     signals, log = flown(tmp_path, changes)
     assert "the path is followed again" in log

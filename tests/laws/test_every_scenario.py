@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.flights import FORCES_ONLY
 from support.places import SCENARIO_FILES
 
 import cube_sim
@@ -20,7 +21,7 @@ def shortened(path):
     scenario = load(path).scenario
     share = LASTS_S / scenario.duration_s
     events = {f"events.{i}.at_s": event.at_s * share for i, event in enumerate(scenario.events)}
-    return {"duration_s": LASTS_S, "checks": [{"kind": "allowed_forces"}], **events}
+    return {"duration_s": LASTS_S, "checks": FORCES_ONLY, **events}
 
 
 @pytest.fixture(scope="module", params=SCENARIO_FILES, ids=lambda path: path.stem)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.flights import FORCES_ONLY, values
 from support.places import CUBE, HELIX, SCENARIOS
 
 import cube_sim
@@ -22,17 +23,13 @@ def weak(tmp_path_factory):
     return cube_sim.run(HELIX, {**SHORT, "battery": WEAK}, tmp_path_factory.mktemp("weak"))
 
 
-def columns(run) -> dict[str, np.ndarray]:
-    return {name: rows[:, 1:] for name, rows in run.signals.items()}
-
-
 def k_power(force: np.ndarray) -> np.ndarray:
     return np.where(force < 0.0, 1.449, 0.997) * np.abs(force) ** 1.5
 
 
 @pytest.mark.flight
 def test_every_row_obeys_the_laws_of_battery_and_propeller(weak):
-    s = columns(weak)
+    s = values(weak)
     power, voltage, charge = s["power.motor"], s["power.voltage"][:, 0], s["power.charge"][:, 0]
     np.testing.assert_allclose(power, k_power(s["thrusters.force"]), rtol=1e-12)
     np.testing.assert_allclose(voltage, 9.0 + charge - 0.1 * power.sum(axis=1) / voltage, rtol=1e-12)
@@ -50,7 +47,7 @@ def test_every_row_obeys_the_laws_of_battery_and_propeller(weak):
 def test_allocation_stays_inside_the_limits_of_the_moment(weak):
     """The checks of the run know the limits at its voltages; none of it is taken for a fault."""
     assert weak.verdict == "PASS"
-    s = columns(weak)
+    s = values(weak)
     limits, voltage = s["actuation.limits"].reshape(-1, 8, 4), s["power.voltage"][:, 0]
     held = np.searchsorted(weak.signals["actuation.limits"][:, 0], weak.signals["power.voltage"][:, 0], "right") - 1
     whole = np.array([-39.91, -2.0, 2.0, 51.44])
@@ -75,7 +72,7 @@ def test_the_same_bytes_again(weak, tmp_path):
 @pytest.mark.flight
 def test_without_a_battery_the_voltage_is_the_characteristics(tmp_path):
     run = cube_sim.run(HELIX, {**SHORT, "duration_s": 1.0}, tmp_path / "out")
-    s = columns(run)
+    s = values(run)
     assert np.all(s["power.voltage"] == 16.0)
     assert np.all(s["power.charge"] == 1.0)
     power = k_power(s["thrusters.force"])
@@ -87,8 +84,8 @@ def test_without_a_battery_the_voltage_is_the_characteristics(tmp_path):
 @pytest.mark.flight
 def test_an_empty_battery_stops_the_thrusters_and_says_so(tmp_path):
     empty = {**WEAK, "capacity_Wh": 0.3}
-    run = cube_sim.run(HELIX, {**SHORT, "battery": empty, "checks": [{"kind": "allowed_forces"}]}, tmp_path / "out")
-    s = columns(run)
+    run = cube_sim.run(HELIX, {**SHORT, "battery": empty, "checks": FORCES_ONLY}, tmp_path / "out")
+    s = values(run)
     gone = s["power.charge"][:, 0] == 0.0
     assert 0.2 < gone.mean() < 0.95
     for name in ("power.motor", "power.voltage", "thrusters.force", "thrusters.force_demanded", "thrusters.command"):

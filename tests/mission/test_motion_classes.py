@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.flights import FORCES_ONLY
 from support.places import CUBE, MODELS, SCENARIOS
 from support.scenario_files import MINIMAL, mistakes, write
 
@@ -11,8 +12,6 @@ import cube_sim
 from cube_sim.errors import ScenarioError
 from cube_sim.mission import prepare
 from cube_sim.scenario import load
-
-FORCES_ONLY = [{"kind": "allowed_forces"}]
 
 
 def flown(folder, name, changes, duration):

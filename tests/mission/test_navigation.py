@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
+from support.flights import FORCES_ONLY, thruster_event, values
 from support.places import SCENARIOS
 
 import cube_sim
@@ -17,7 +18,7 @@ from cube_sim.simulation import read_state
 from cube_sim.spatial import angle_between, rotation_about, rotation_from_quaternion
 
 NAVIGATED = SCENARIOS / "cube_navigated.yaml"
-SHORT = {"duration_s": 4.0, "checks": [{"kind": "allowed_forces"}]}
+SHORT = {"duration_s": 4.0, "checks": FORCES_ONLY}
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +45,7 @@ def test_the_truth_is_what_mujocos_own_sensors_feel():
 
 @pytest.mark.flight
 def test_the_record_says_where_the_vehicle_is_and_where_it_believes_to_be(run):
-    s = {name: rows[:, 1:] for name, rows in run.signals.items()}
+    s = values(run)
     for k in range(0, 201, 25):
         R_F = rotation_from_quaternion(s["target.quaternion"][k])
         true = R_F.T @ (s["pose.position"][k] - s["target.position"][k])
@@ -119,7 +120,7 @@ def test_without_sensors_nothing_of_them_is_recorded_and_with_perfect_ones_the_f
 @pytest.mark.flight
 def test_a_lost_thruster_is_found_and_flown_without_on_the_estimate(tmp_path):
     """Diagnosis looks at motors, reconfiguration at the estimate."""
-    events = [{"kind": "thrusters", "at_s": 2.0, "thrusters": ["T1", "T4"], "state": "dead"}]
+    events = [thruster_event(2.0, ["T1", "T4"])]
     run = cube_sim.run(NAVIGATED, {**SHORT, "duration_s": 12.0, "events": events}, tmp_path / "run")
     believed = run.signals["health.believed"][-1, 1:]
     np.testing.assert_array_equal(believed == 0.0, [True, False, False, True, False, False, False, False])

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from mujoco import rollout
 from support.edited_cube import edited_text
+from support.flights import FORCES_ONLY
 from support.places import HELIX, MODELS
 from support.water_bodies import DENSITY, Body, flown, get_state, random_body, reference, set_state, tumbling
 
@@ -152,7 +153,7 @@ def test_a_force_that_fails_is_not_a_number_compiled_or_not(function, compiled):
 def test_a_scenario_whose_force_fails_ends_as_error(function, tmp_path):
     text = f'<text name="hull:force" data="{__name__}:{function.__name__}"/></custom>'
     (tmp_path / "model.xml").write_text(edited_text(("</custom>", text)))
-    changes = {"model": str(tmp_path / "model.xml"), "duration_s": 1.0, "checks": [{"kind": "allowed_forces"}]}
+    changes = {"model": str(tmp_path / "model.xml"), "duration_s": 1.0, "checks": FORCES_ONLY}
     result = cube_sim.run(HELIX, changes, tmp_path / "out")
     assert result.verdict == "ERROR"
     assert result.signals["pose.position"][-1, 0] == pytest.approx(0.2, abs=0.021)
