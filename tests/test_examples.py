@@ -4,12 +4,11 @@ import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from support.places import REPO
 
-ROOT = Path(__file__).parents[1]
-NAMES = sorted(file.stem for file in (ROOT / "examples").glob("*.py"))
+NAMES = sorted(file.stem for file in (REPO / "examples").glob("*.py"))
 
 
 def close(a, b, tolerance):
@@ -57,9 +56,9 @@ PROMISED = {check.__name__: check for check in (step_the_water, randomise_hulls,
 
 @pytest.mark.parametrize("name", NAMES)
 def test_example(name, tmp_path):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    environment = {**os.environ, "PYTHONPATH": str(REPO)}
     done = subprocess.run(
-        [sys.executable, "-W", "error", ROOT / "examples" / f"{name}.py"],
+        [sys.executable, "-W", "error", REPO / "examples" / f"{name}.py"],
         cwd=tmp_path,
         env=environment,
         capture_output=True,

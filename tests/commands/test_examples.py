@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 from support.command_line import call
-from support.scenario_files import REPO
+from support.places import REPO
 
 from cube_sim.commands.examples import SCENARIOS, copy_examples, example_files
 from cube_sim.scenario import load

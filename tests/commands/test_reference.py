@@ -7,7 +7,7 @@ import re
 
 import pytest
 from support.command_line import call
-from support.scenario_files import REPO
+from support.places import MODELS, REPO
 
 from cube_sim.commands.pages import scenario_examples
 from cube_sim.commands.pages.markdown import anchor
@@ -109,7 +109,7 @@ def test_every_example_can_be_flown(where, tmp_path):
     if content["path"].get("laps") or content["path"]["type"] == "point":
         content["initial"] = {"position_m": [0, 0, -5]}
     (tmp_path / "scenarios").mkdir()
-    (tmp_path / "models").symlink_to(REPO / "models")
+    (tmp_path / "models").symlink_to(MODELS)
     (tmp_path / "scenarios" / "survey.csv").write_text("x_m,y_m,z_m\n0,0,-5\n8,0,-5\n8,8,-5\n")
     path = tmp_path / "scenarios" / "mission.yaml"
     path.write_text(json.dumps(content))

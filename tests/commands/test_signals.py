@@ -6,11 +6,12 @@ import json
 
 import pytest
 from support.command_line import call
-from support.scenario_files import FLIGHT, MINIMAL, REPO, write
+from support.places import HELIX
+from support.scenario_files import FLIGHT, MINIMAL, write
 
 from cube_sim import run
 
-SCENARIOS = REPO / "scenarios"
+SCENARIOS = SCENARIOS
 
 
 def listed(monkeypatch, capsys, *arguments):
@@ -34,7 +35,7 @@ def test_they_are_those_of_a_run(tmp_path, monkeypatch, capsys):
 
 
 def test_they_depend_on_the_scenario(monkeypatch, capsys):
-    plain = listed(monkeypatch, capsys, SCENARIOS / "cube_helix.yaml")
+    plain = listed(monkeypatch, capsys, HELIX)
     navigated = listed(monkeypatch, capsys, SCENARIOS / "cube_navigated.yaml")
     assert set(plain) < set(navigated)
     assert "navigation_error.position" in navigated
@@ -45,12 +46,12 @@ def test_they_depend_on_the_scenario(monkeypatch, capsys):
 
 
 def test_the_table_names_every_signal_and_says_how_to_use_it(monkeypatch, capsys):
-    code, stdout, stderr = call(monkeypatch, capsys, "signals", SCENARIOS / "cube_helix.yaml")
+    code, stdout, stderr = call(monkeypatch, capsys, "signals", HELIX)
     assert (code, stderr) == (0, "")
     lines = stdout.splitlines()
     assert lines[0].split() == ["signal", "columns", "unit", "rate", "what", "it", "is"]
     names = [line.split()[0] for line in lines[1:-2] if not line.startswith(" ")]
-    assert names == list(listed(monkeypatch, capsys, SCENARIOS / "cube_helix.yaml"))
+    assert names == list(listed(monkeypatch, capsys, HELIX))
     assert "signal: path_error.cross_track" in stdout
     (lateral,) = [line for line in lines if line.startswith("path_error.lateral")]
     assert lateral.split()[1:5] == ["2", "m", "50", "Hz"]

@@ -2,9 +2,9 @@
 
 import ast
 import re
-from pathlib import Path
 
-REPO = Path(__file__).parents[2]
+from support.places import REPO
+
 ROW = re.compile(r"^\|(?P<cells>.*)\|$")
 NAME = re.compile(r"`([A-Za-z_]\w*)`")
 
