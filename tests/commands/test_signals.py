@@ -6,12 +6,10 @@ import json
 
 import pytest
 from support.command_line import call
-from support.places import HELIX
+from support.places import HELIX, SCENARIOS
 from support.scenario_files import FLIGHT, MINIMAL, write
 
 from cube_sim import run
-
-SCENARIOS = SCENARIOS
 
 
 def listed(monkeypatch, capsys, *arguments):
