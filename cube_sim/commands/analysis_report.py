@@ -1,4 +1,4 @@
-"""``cube-sim analyze``: from a model file to the analysis of its thrusters, as text, JSON or a picture."""
+"""What ``cube-sim analyze`` finds of a model's thrusters, as plain data or a picture."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Report:
     table: Survivability | None
 
 
-def analyze(
+def report_on(
     model: Path,
     *,
     hull: str | None = None,

@@ -2,41 +2,21 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections import Counter
-from collections.abc import Callable, Iterator
 
 import numpy as np
-from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from cube_sim.actuation import Analysis, Mission, Survivability
 from cube_sim.actuation.path_following.controllable_trim import FURTHEST
 from cube_sim.commands.analysis_report import Report
+from cube_sim.commands.output import console_for_tables
 from cube_sim.wrench.axes import PLANAR
-
-
-@contextlib.contextmanager
-def progress(*, hidden: bool) -> Iterator[Callable[[int, int], None] | None]:
-    """A bar while losses are tabulated; yields what is called with (cases done, all cases)."""
-    if hidden:
-        yield None
-        return
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("lost thrusters", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
-
-
-FILE_WIDTH = 160
-"""Columns a table may take where nobody folds lines: in a file or a pipe."""
 
 
 def print_report(report: Report) -> None:
     """Print everything a designer asks first, the verdict last."""
-    console = Console()
-    if not console.is_terminal:
-        console.width = max(console.width, FILE_WIDTH)
+    console = console_for_tables()
     a = report.analysis
     s = a.subspaces
 

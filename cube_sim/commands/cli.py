@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from cube_sim.commands import analyze_command, examples, reference, run, schema, signals
+from cube_sim.commands import analyze, examples, reference, run, schema, signals
 from cube_sim.commands.ending import NOT_JUDGED, leave_on_interrupt, raise_on_interrupt
 
 _TRACEBACK = "CUBE_SIM_TRACEBACK"
@@ -27,7 +27,7 @@ app = typer.Typer(
 )
 app.command(epilog=run.EPILOG)(run.run)
 app.command(epilog=signals.EPILOG)(signals.signals)
-app.command(epilog=analyze_command.EPILOG)(analyze_command.analyze)
+app.command(epilog=analyze.EPILOG)(analyze.analyze)
 app.command(epilog=examples.EPILOG)(examples.examples)
 app.command()(schema.schema)
 app.command()(reference.reference)

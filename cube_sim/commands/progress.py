@@ -47,3 +47,24 @@ def flight_progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[C
             bar.update(task, completed=simulated_s, total=whole_s, factor=factor)
 
         yield update
+
+
+@contextlib.contextmanager
+def loss_progress(*, hidden: bool) -> Iterator[Callable[[int, int], None] | None]:
+    """A bar while losses of thrusters are tabulated.
+
+    Args:
+        hidden: whether nothing is shown; nor is it where stderr is no terminal.
+
+    Yields:
+        What is called with (cases done, all cases); None when nothing is shown.
+    """
+    if hidden or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("lost thrusters", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -183,11 +183,14 @@ def test_an_interrupt_while_starting_up_is_one_line(tmp_path, library):
     command = [sys.executable, "-m", "cube_sim", "run", str(path), "--out", str(out), "--set", "duration_s=3600"]
     process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     give_up = time.monotonic() + 60
-    while library not in Path(f"/proc/{process.pid}/maps").read_text():
-        assert time.monotonic() < give_up
-        time.sleep(0.005)
-    process.send_signal(signal.SIGINT)
-    stdout, stderr = process.communicate(timeout=60)
+    try:
+        while library not in Path(f"/proc/{process.pid}/maps").read_text():
+            assert time.monotonic() < give_up
+            time.sleep(0.005)
+        process.send_signal(signal.SIGINT)
+        stdout, stderr = process.communicate(timeout=60)
+    finally:
+        process.kill()
     assert (process.returncode, stdout) == (130, "")
     assert stderr.startswith("interrupted")
     assert len(stderr.splitlines()) == 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +9,7 @@ import typer
 
 from cube_sim.commands.ending import BAD_INPUT, INTERRUPTED, raise_on_interrupt, stop
 from cube_sim.commands.output import print_json
+from cube_sim.commands.progress import loss_progress
 from cube_sim.errors import CubeSimError
 
 EPILOG = "Exit code: 0 analysed, 2 bad input."
@@ -47,8 +47,8 @@ def analyze(
 
     try:
         raise_on_interrupt()
-        with analysis_tables.progress(hidden=json or not sys.stderr.isatty()) as progress:
-            report = analysis_report.analyze(
+        with loss_progress(hidden=json) as progress:
+            report = analysis_report.report_on(
                 model,
                 hull=hull,
                 lost=lost,
