@@ -69,7 +69,7 @@ def run(
     out: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Run:
-    """Fly a scenario, record it and judge its checks.
+    """Fly a scenario file, record it and judge its checks.
 
     Args:
         scenario: YAML file.
@@ -83,21 +83,25 @@ def run(
         RecordingError: the disk is full, or gone.
         RunInterrupted: Ctrl-C; what was flown is recorded.
     """
-    loaded = load(scenario, overrides)
+    return fly(load(scenario, overrides), out, progress)
+
+
+def fly(loaded: Loaded, out: str | Path | None = None, progress: Progress | None = None) -> Run:
+    """Fly a scenario that is loaded already; arguments, result and errors are those of `run`."""
     wanted = None if out is None else Path(out)
     if wanted is not None:
         check(wanted)
     mission = prepare(loaded)
     with claim(wanted, loaded.scenario.name) as directory:
         try:
-            return _run(loaded, mission, directory, progress)
+            return _record_and_judge(loaded, mission, directory, progress)
         except OSError as error:
             raise RecordingError(f"{directory}: cannot be written: {error.strerror or error}") from error
         except KeyboardInterrupt:
             raise RunInterrupted(directory) from None
 
 
-def _run(loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None) -> Run:
+def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None) -> Run:
     """Fly and judge, into a folder that is ours."""
     (directory / "resolved.yaml").write_text(loaded.resolved_yaml(directory), encoding="utf-8")
     with (
@@ -105,7 +109,7 @@ def _run(loaded: Loaded, mission: Mission, directory: Path, progress: Progress |
         collect_warnings() as warnings,
     ):
         started = time.perf_counter()
-        end_s = _fly(mission, recorder, progress)
+        end_s = _run_ticks(mission, recorder, progress)
         elapsed_s = time.perf_counter() - started
         for warning in warnings:
             recorder.log(end_s, "WARNING", f"MuJoCo: {warning}")
@@ -119,7 +123,7 @@ def _run(loaded: Loaded, mission: Mission, directory: Path, progress: Progress |
     return Run(verdict, results, signals, directory, factor, versions())
 
 
-def _fly(mission: Mission, recorder: Recorder, progress: Progress | None) -> float:
+def _run_ticks(mission: Mission, recorder: Recorder, progress: Progress | None) -> float:
     """All ticks of a run; the last row is the state at its end, whose time [s] is returned."""
     scenario = mission.scenario
     model, data = mission.model, mission.data

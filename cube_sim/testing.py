@@ -55,13 +55,13 @@ class ScenarioItem(pytest.Item):
         from cube_sim.scenario import load
 
         # A file that is wrong says so before MuJoCo is even loaded.
-        load(self.path)
-        from cube_sim.simulation import run
+        loaded = load(self.path)
+        from cube_sim.simulation import fly
 
         # The factory behind pytest's tmp_path, which only function tests can ask for.
         temporary: pytest.TempPathFactory = self.config._tmp_path_factory  # type: ignore[attr-defined]
         directory = temporary.mktemp(self.name)
-        result = run(self.path, out=directory)
+        result = fly(loaded, out=directory)
         self.user_properties.append(("verdict", result.verdict))
         self.user_properties += [(check.name, check.value) for check in result.checks]
         if result.verdict != "PASS":

@@ -53,8 +53,7 @@ def _fly(scenario: Path, settings: list[str] | None, out: Path | None, *, hidden
     from cube_sim.scenario import load
 
     try:
-        replaced = overrides(settings)
-        loaded = load(scenario, replaced)
+        loaded = load(scenario, overrides(settings))
         if out is not None:
             # Before anything slow is imported; the run looks again.
             check(out)
@@ -68,7 +67,7 @@ def _fly(scenario: Path, settings: list[str] | None, out: Path | None, *, hidden
                 if show is not None:
                     show(simulated_s, whole_s)
 
-            return name, duration_s, simulation.run(scenario, overrides=replaced, out=out, progress=progress)
+            return name, duration_s, simulation.fly(loaded, out=out, progress=progress)
     except (ScenarioError, ModelError, DirectoryError) as error:
         stop(BAD_INPUT, str(error))
     except CubeSimError as error:

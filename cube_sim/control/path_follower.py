@@ -47,13 +47,13 @@ class PathFollower:
     current_observer: CurrentObserver | None
     safe_mode: SafeMode
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
-    _refuge: Refuge | None = None
     path_first: bool = False
-    _balanced: BalancedAttitude | None = None
-    _force: Vector = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
         """Fly with what the thrusters can do from the start."""
+        self._force: Vector = np.zeros(3)
+        self._refuge: Refuge | None = None
+        self._balanced: BalancedAttitude | None = None
         self._watch = Watch(self.safe_mode)
         self.reconfigure(self.capability)
 

@@ -30,13 +30,14 @@ class Loaded:
         text: the file as written.
         path: the file, as given.
         overrides: what replaced values of the file.
+        document: the file as parsed: where each value is written, for mistakes that are found later.
     """
 
     scenario: Scenario
     text: str
     path: Path
     overrides: tuple[Override, ...]
-    _document: Document
+    document: Document
 
     def resolved_yaml(self, directory: Path | None = None) -> str:
         """The scenario with every default and override written out.
@@ -56,7 +57,7 @@ class Loaded:
             because: dotted path of another value which this one does not fit.
         """
         refusal = Refusal(_location(path), message, at_key=False, because=_location(because))
-        place = _place(refusal, self._document, self.overrides)
+        place = _place(refusal, self.document, self.overrides)
         return _line(self.path, place)
 
 

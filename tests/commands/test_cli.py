@@ -151,7 +151,7 @@ def test_what_nobody_foresaw_is_one_line_and_never_a_fail(tmp_path, monkeypatch,
     def broken(*_, **__):
         raise ZeroDivisionError("a bug\nin two lines")
 
-    monkeypatch.setattr("cube_sim.simulation.run", broken)
+    monkeypatch.setattr("cube_sim.simulation.fly", broken)
     line = "unexpected ZeroDivisionError: a bug in two lines (CUBE_SIM_TRACEBACK=1 shows where)\n"
     assert call(monkeypatch, capsys, "run", path) == (3, "", line)
     monkeypatch.setenv("CUBE_SIM_TRACEBACK", "1")

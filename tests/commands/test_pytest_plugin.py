@@ -103,7 +103,7 @@ def test_an_unforeseen_error_keeps_its_traceback(folder):
         def broken(*_, **__):
             raise ZeroDivisionError("a bug")
 
-        sys.modules["cube_sim.simulation"] = types.SimpleNamespace(run=broken)
+        sys.modules["cube_sim.simulation"] = types.SimpleNamespace(fly=broken)
         """
     )
     result = folder.runpytest_subprocess("-p", "cube_sim.testing", "scenarios/short_flight.yaml")

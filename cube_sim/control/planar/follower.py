@@ -36,8 +36,10 @@ class PlanarFollower:
     profile: SpeedProfile
     law: DynamicLaw
     reach: Reach
-    _authority: Authority = Authority.UNICYCLE
-    _given_up: str = ""
+
+    def __post_init__(self) -> None:
+        """Fly with the thrusters of the hull as built."""
+        self._authority, self._given_up = Authority.UNICYCLE, ""
 
     def reconfigure(self, left: Capability) -> None:
         """Go on while there is a force that comes without a torque; then the other direction steers."""
