@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.scenario.check_blocks import (
-    AllowedForcesCheck,
-    Check,
-    ExactWrenchCheck,
-    PathEndCheck,
-    SignalCheck,
+    AllowedForcesCheckBlock,
+    AnyCheck,
+    ExactWrenchCheckBlock,
+    PathEndCheckBlock,
+    SignalCheckBlock,
 )
 from cube_sim.verdict import CheckResult
 
@@ -33,7 +33,9 @@ class _NotJudgedError(Exception):
     """A check cannot be judged; the text says why."""
 
 
-def evaluate(checks: Sequence[Check], signals: Signals, *, duration_s: float | None = None) -> tuple[CheckResult, ...]:
+def evaluate(
+    checks: Sequence[AnyCheck], signals: Signals, *, duration_s: float | None = None
+) -> tuple[CheckResult, ...]:
     """Judge every check.
 
     Args:
@@ -47,40 +49,40 @@ def evaluate(checks: Sequence[Check], signals: Signals, *, duration_s: float | N
     return tuple(_evaluate(check, _Recorded(signals, duration_s)) for check in checks)
 
 
-def _evaluate(check: Check, recorded: _Recorded) -> CheckResult:
+def _evaluate(check: AnyCheck, recorded: _Recorded) -> CheckResult:
     try:
         match check:
-            case SignalCheck():
+            case SignalCheckBlock():
                 return _signal(check, recorded)
-            case AllowedForcesCheck():
+            case AllowedForcesCheckBlock():
                 return _allowed_forces(check, recorded)
-            case ExactWrenchCheck():
+            case ExactWrenchCheckBlock():
                 return _exact_wrench(check, recorded)
-            case PathEndCheck():
+            case PathEndCheckBlock():
                 return _path_end(check, recorded)
     except _NotJudgedError as reason:
         at_least, limit = _limit(check)
         return CheckResult(check.title, "ERROR", None, ">=" if at_least else "<=", limit, None, None, str(reason))
 
 
-def _limit(check: Check) -> tuple[bool, float]:
+def _limit(check: AnyCheck) -> tuple[bool, float]:
     """Whether the check asks for "at least", and its limit."""
     match check:
-        case SignalCheck():
+        case SignalCheckBlock():
             if check.at_most is not None:
                 return False, check.at_most
             if check.at_least is not None:
                 return True, check.at_least
             raise ValueError("a signal check holds at_most or at_least")
-        case AllowedForcesCheck():
+        case AllowedForcesCheckBlock():
             return False, check.tolerance_N
-        case ExactWrenchCheck():
+        case ExactWrenchCheckBlock():
             return False, check.at_most
-        case PathEndCheck():
+        case PathEndCheckBlock():
             return False, check.reach_m
 
 
-def _judge(check: Check, value: float, at_s: float, detail: str) -> CheckResult:
+def _judge(check: AnyCheck, value: float, at_s: float, detail: str) -> CheckResult:
     if not np.isfinite(value):
         raise _NotJudgedError(f"the value is not finite ({detail})")
     at_least, limit = _limit(check)
@@ -155,7 +157,7 @@ def _same_times(**signals: Array) -> None:
             raise _NotJudgedError(f"{first_name} and {name} are not sampled at the same times")
 
 
-def _signal(check: SignalCheck, recorded: _Recorded) -> CheckResult:
+def _signal(check: SignalCheckBlock, recorded: _Recorded) -> CheckResult:
     rows = _window(check, recorded.every_tick(check.signal))
     _require_finite(check.signal, rows)
     times, values = rows[:, 0], rows[:, 1:]
@@ -171,7 +173,7 @@ def _signal(check: SignalCheck, recorded: _Recorded) -> CheckResult:
     return _judge(check, value, times[worst], detail)
 
 
-def _window(check: SignalCheck, rows: Array) -> Array:
+def _window(check: SignalCheckBlock, rows: Array) -> Array:
     start, end = rows[0, 0], rows[-1, 0]
     from_s = start if check.from_s is None else check.from_s
     to_s = end if check.to_s is None else check.to_s
@@ -188,7 +190,7 @@ def _window(check: SignalCheck, rows: Array) -> Array:
     return inside
 
 
-def _statistic(check: SignalCheck, series: Array) -> tuple[float, int]:
+def _statistic(check: SignalCheckBlock, series: Array) -> tuple[float, int]:
     """Value of the statistic, and the sample that speaks most against the check."""
     against = series if check.at_most is not None else -series
     match check.statistic:
@@ -227,7 +229,7 @@ def distance_to_allowed(force: Array, limits: Array, allow_off: bool) -> Array:
     return np.minimum(distance, np.abs(force)) if allow_off else distance
 
 
-def _allowed_forces(check: AllowedForcesCheck, recorded: _Recorded) -> CheckResult:
+def _allowed_forces(check: AllowedForcesCheckBlock, recorded: _Recorded) -> CheckResult:
     rows = recorded.every_tick("thrusters.force_demanded")
     _require_finite("thrusters.force_demanded", rows)
     force = rows[:, 1:]
@@ -248,7 +250,7 @@ def _allowed_forces(check: AllowedForcesCheck, recorded: _Recorded) -> CheckResu
     return _judge(check, distance[tick, motor], rows[tick, 0], detail)
 
 
-def _exact_wrench(check: ExactWrenchCheck, recorded: _Recorded) -> CheckResult:
+def _exact_wrench(check: ExactWrenchCheckBlock, recorded: _Recorded) -> CheckResult:
     force = recorded.every_tick("thrusters.force_demanded")
     wrench = recorded.every_tick("wrench.demanded", 6)
     status = recorded.every_tick("allocation.status", 1)
@@ -270,7 +272,7 @@ def _exact_wrench(check: ExactWrenchCheck, recorded: _Recorded) -> CheckResult:
     return _judge(check, error[worst], times[worst], f"attainable at {len(times)} of {len(status)} ticks")
 
 
-def _path_end(check: PathEndCheck, recorded: _Recorded) -> CheckResult:
+def _path_end(check: PathEndCheckBlock, recorded: _Recorded) -> CheckResult:
     names = ("target.remaining", "target.position", "pose.position")
     remaining, target, vehicle = (
         recorded.every_tick(name, width) for name, width in zip(names, (1, 3, 3), strict=True)

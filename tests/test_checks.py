@@ -10,7 +10,7 @@ import pytest
 from pydantic import TypeAdapter
 
 from cube_sim.checks import distance_to_allowed, evaluate
-from cube_sim.scenario.check_blocks import Check
+from cube_sim.scenario.check_blocks import AnyCheck
 from cube_sim.verdict import CheckResult, overall, to_json
 
 DT = 0.02
@@ -24,7 +24,7 @@ def series(*columns) -> np.ndarray:
 
 
 def judge(signals, *, duration_s=None, **asked) -> CheckResult:
-    check = TypeAdapter(Check).validate_python(asked)
+    check = TypeAdapter(AnyCheck).validate_python(asked)
     (result,) = evaluate([check], signals, duration_s=duration_s)
     return result
 
@@ -388,7 +388,7 @@ def test_overall_verdict_over_every_combination():
 
 def test_results_come_in_the_order_of_the_checks():
     checks = [
-        TypeAdapter(Check).validate_python(
+        TypeAdapter(AnyCheck).validate_python(
             {"kind": "signal", "name": f"n{k}", "signal": "a.b", "statistic": "max", "at_most": float(k)}
         )
         for k in range(5)

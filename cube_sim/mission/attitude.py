@@ -8,7 +8,7 @@ from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
 from cube_sim.control.free_attitude import FreeAttitude
 from cube_sim.control.look_at import LookAt
 from cube_sim.scenario import attitude_blocks as blocks
-from cube_sim.scenario.schema import Control
+from cube_sim.scenario.schema import ControlBlock
 from cube_sim.spatial import quaternion_from_euler
 from cube_sim.vehicle.dynamics import Dynamics
 
@@ -16,7 +16,7 @@ FREE_SLOWNESS = 3.0
 """How many times slower than its attitude loop a free vehicle looks for its attitude."""
 
 
-def attitude_of(control: Control, dynamics: Dynamics) -> AttitudeMode:
+def attitude_of(control: ControlBlock, dynamics: Dynamics) -> AttitudeMode:
     """The rule for the desired attitude.
 
     Args:
@@ -25,19 +25,19 @@ def attitude_of(control: Control, dynamics: Dynamics) -> AttitudeMode:
     """
     block = control.attitude
     match block:
-        case blocks.AlongPath():
+        case blocks.AlongPathBlock():
             return AlongPath()
-        case blocks.FixedAttitude():
+        case blocks.FixedAttitudeBlock():
             return FixedAttitude(quaternion_from_euler(*np.radians(block.attitude_deg)))
-        case blocks.FreeAttitude():
+        case blocks.FreeAttitudeBlock():
             return FreeAttitude(dynamics, FREE_SLOWNESS * control.attitude_time_s)
-        case blocks.LookAt():
+        case blocks.LookAtBlock():
             axis = np.array(block.axis)
             return LookAt(np.array(block.point_m), axis / np.linalg.norm(axis), block.near_m, control.attitude_time_s)
 
 
-def is_path_first(control: Control) -> bool:
+def is_path_first(control: ControlBlock) -> bool:
     """Whether the attitude is the secondary task."""
     if control.priority is not None:
         return control.priority == "path"
-    return isinstance(control.attitude, blocks.FreeAttitude | blocks.LookAt)
+    return isinstance(control.attitude, blocks.FreeAttitudeBlock | blocks.LookAtBlock)

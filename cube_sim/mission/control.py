@@ -91,7 +91,7 @@ def _loop_times(scenario: Scenario) -> dict[str, float]:
     return times
 
 
-def _safe_mode(block: schema.SafeMode) -> SafeMode:
+def _safe_mode(block: schema.SafeModeBlock) -> SafeMode:
     limit = block.distance_limit_m
     return SafeMode(
         surface=block.surface_m if block.action == "surface" else None,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import mujoco
 
-from cube_sim.scenario.event_blocks import CurrentEvent, Event, ThrusterEvent
+from cube_sim.scenario.event_blocks import AnyEvent, CurrentEventBlock, ThrusterEventBlock
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.health import Health
@@ -19,7 +19,7 @@ class Events:
         health: the true state of the thrusters.
     """
 
-    def __init__(self, events: Sequence[Event], model: mujoco.MjModel, vehicle: Vehicle) -> None:
+    def __init__(self, events: Sequence[AnyEvent], model: mujoco.MjModel, vehicle: Vehicle) -> None:
         self._waiting = sorted(events, key=lambda event: event.at_s)
         self._model, self._vehicle = model, vehicle
         self.health = Health.whole(len(vehicle.thrusters.names))
@@ -31,17 +31,17 @@ class Events:
             said.append(self._carry_out(self._waiting.pop(0)))
         return said
 
-    def _carry_out(self, event: Event) -> str:
+    def _carry_out(self, event: AnyEvent) -> str:
         match event:
-            case CurrentEvent():
+            case CurrentEventBlock():
                 self._model.opt.wind[:] = event.current_m_s
                 return f"the current is now {list(event.current_m_s)} m/s"
-            case ThrusterEvent():
+            case ThrusterEventBlock():
                 for name in event.thrusters:
                     self._change(name, event)
                 return f"{', '.join(event.thrusters)}: {event.state}"
 
-    def _change(self, name: str, event: ThrusterEvent) -> None:
+    def _change(self, name: str, event: ThrusterEventBlock) -> None:
         index = self._vehicle.thrusters.names.index(name)
         if event.force_N is not None:
             faults.set_stuck(self._model, name, event.force_N)

@@ -19,7 +19,7 @@ from cube_sim.scenario import path_blocks as blocks
 def guidance_of(scenario: Scenario, path: Path) -> tuple[Target, MotionLaw]:
     """Who runs along the path, and how the vehicle keeps up; a point is held whatever the law."""
     guidance, profile, laps = scenario.guidance, speed_of(scenario.guidance, path), laps_of(scenario.path)
-    is_point = isinstance(scenario.path, blocks.Point)
+    is_point = isinstance(scenario.path, blocks.PointBlock)
     if is_point or guidance.law == "trajectory_tracking":
         if is_point or guidance.stop_at_end:
             profile = StoppingSpeed(profile, path.length * laps, guidance.stop_time_s)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cube_sim.control.planar.model import PlanarModel
-from cube_sim.scenario.knowledge_block import Knowledge
+from cube_sim.scenario.knowledge_block import KnowledgeBlock
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.vehicle import Vehicle
 
 
-def believed_dynamics(true: Dynamics, knowledge: Knowledge) -> Dynamics:
+def believed_dynamics(true: Dynamics, knowledge: KnowledgeBlock) -> Dynamics:
     """The equations of motion the controller reckons with."""
     return replace(
         true,
@@ -22,7 +22,7 @@ def believed_dynamics(true: Dynamics, knowledge: Knowledge) -> Dynamics:
     )
 
 
-def believed_planar_model(true: PlanarModel, vehicle: Vehicle, knowledge: Knowledge) -> PlanarModel:
+def believed_planar_model(true: PlanarModel, vehicle: Vehicle, knowledge: KnowledgeBlock) -> PlanarModel:
     """The same for the planar laws, whose coefficients mix what rigid body, added mass and hull do.
 
     By Kirchhoff's equations added mass pushes sideways in a turn with its surge part, ahead with its sway part, and

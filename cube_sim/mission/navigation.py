@@ -37,7 +37,7 @@ class OnEstimate:
         period_s: the control period.
     """
 
-    def __init__(self, block: blocks.Navigation, vehicle: Vehicle, seed: int, period_s: float) -> None:
+    def __init__(self, block: blocks.NavigationBlock, vehicle: Vehicle, seed: int, period_s: float) -> None:
         self._block, self._vehicle, self._seed, self._period = block, vehicle, seed, period_s
         self._navigator: Navigator | None = None
         self._in_doubt: set[str] = set()
@@ -120,7 +120,7 @@ class OnEstimate:
             recorder.log(t, "INFO", f"navigation: {name} and the estimate agree again")
 
 
-def channels_of(block: blocks.Navigation | None) -> tuple[Channel, ...]:
+def channels_of(block: blocks.NavigationBlock | None) -> tuple[Channel, ...]:
     """What navigation will record; nothing without it."""
     return () if block is None else navigation_channels({name: aid.rate_hz for name, aid in block.aids.items()})
 
@@ -141,7 +141,7 @@ def rotation_vector(R: Matrix) -> Vector:
     return vector
 
 
-def _imu(block: blocks.Imu) -> ImuErrors:
+def _imu(block: blocks.ImuBlock) -> ImuErrors:
     return ImuErrors(
         gyro_noise=radians(block.gyro_noise_deg_s_per_sqrt_hz),
         accelerometer_noise=block.accelerometer_noise_m_s2_per_sqrt_hz,
@@ -152,21 +152,21 @@ def _imu(block: blocks.Imu) -> ImuErrors:
     )
 
 
-def _aid(block: blocks.Aid) -> Aid:
+def _aid(block: blocks.AidBlock) -> Aid:
     sampling = Sampling(block.rate_hz, block.delay_s)
     match block:
-        case blocks.Dvl():
+        case blocks.DvlBlock():
             return Dvl(sampling, block.noise_m_s, block.bias_m_s, block.scale_error, block.lever_arm_m)
-        case blocks.Depth():
+        case blocks.DepthBlock():
             return Depth(sampling, block.noise_m, block.bias_m)
-        case blocks.Heading():
+        case blocks.HeadingBlock():
             return Heading(sampling, radians(block.noise_deg), radians(block.bias_deg))
-        case blocks.PositionFix():
+        case blocks.PositionFixBlock():
             return PositionFix(sampling, block.noise_m)
     raise TypeError(f"no sensor is built from {type(block).__name__}")
 
 
-def _initial(block: blocks.InitialEstimate) -> InitialErrors:
+def _initial(block: blocks.InitialEstimateBlock) -> InitialErrors:
     return InitialErrors(
         position=block.position_m,
         velocity=block.velocity_m_s,

@@ -20,7 +20,7 @@ from cube_sim.guidance.spline import spline
 from cube_sim.guidance.waypoints_csv import read_waypoints
 from cube_sim.scenario import Loaded
 from cube_sim.scenario import path_blocks as blocks
-from cube_sim.scenario.schema import Guidance
+from cube_sim.scenario.schema import GuidanceBlock
 
 LEVEL = 1e-6
 """Largest slope of a level path."""
@@ -38,20 +38,20 @@ def path_of(loaded: Loaded) -> Path:
         raise ScenarioError([loaded.mistake("path", str(error))]) from None
 
 
-def make_path(block: blocks.Path) -> Path:
+def make_path(block: blocks.AnyPath) -> Path:
     """The curve of one block.
 
     Raises:
         PathError: the block describes no path.
     """
     match block:
-        case blocks.Line():
+        case blocks.LineBlock():
             return Line(block.start_m, block.end_m)
-        case blocks.Point():
+        case blocks.PointBlock():
             return Point(block.position_m, radians(block.heading_deg))
-        case blocks.Arc():
+        case blocks.ArcBlock():
             return arc_through(block.start_m, block.through_m, block.end_m)
-        case blocks.Circle():
+        case blocks.CircleBlock():
             return circle(
                 block.centre_m,
                 block.radius_m,
@@ -59,7 +59,7 @@ def make_path(block: blocks.Path) -> Path:
                 radians(block.start_angle_deg),
                 clockwise=block.direction == "right",
             )
-        case blocks.Helix():
+        case blocks.HelixBlock():
             return Helix(
                 block.centre_m,
                 block.radius_m,
@@ -68,25 +68,25 @@ def make_path(block: blocks.Path) -> Path:
                 radians(block.start_angle_deg),
                 clockwise=block.direction == "right",
             )
-        case blocks.Sinusoid():
+        case blocks.SinusoidBlock():
             return sinusoid(
                 block.start_m, block.amplitude_m, block.wavelength_m, block.periods, radians(block.heading_deg)
             )
-        case blocks.Polyline():
+        case blocks.PolylineBlock():
             return polyline(block.points_m, block.corner_radius_m, block.closed)
-        case blocks.Spline():
+        case blocks.SplineBlock():
             return spline(block.points_m, block.closed)
-        case blocks.Csv():
+        case blocks.CsvBlock():
             points, _ = read_waypoints(FilePath(block.file))
             if block.corner_radius_m is None:
                 return spline(points, block.closed)
             return polyline(points, block.corner_radius_m, block.closed)
 
 
-def laps_of(block: blocks.Path) -> float:
+def laps_of(block: blocks.AnyPath) -> float:
     """How many times the virtual target runs round a closed path; infinite when it is not said."""
     match block:
-        case blocks.Circle() | blocks.Closable():
+        case blocks.CircleBlock() | blocks.ClosablePathBlock():
             return inf if block.laps is None else block.laps
         case _:
             return 1.0
@@ -100,7 +100,7 @@ def is_level(path: Path) -> bool:
     return all(abs(path.at(s).rotation[2, 0]) < LEVEL for s in stations)
 
 
-def speed_of(guidance: Guidance, path: Path) -> SpeedProfile:
+def speed_of(guidance: GuidanceBlock, path: Path) -> SpeedProfile:
     """The desired speed along a path."""
     if guidance.lateral_acceleration_m_s2 is None or not path.length:
         return ConstantSpeed(guidance.speed_m_s)

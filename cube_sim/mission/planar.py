@@ -19,8 +19,8 @@ from cube_sim.mission.path import is_level, laps_of, speed_of
 from cube_sim.mission.planar_knowledge import planar_model
 from cube_sim.mission.refusals import too_slow_period, wrong_depth
 from cube_sim.scenario import Loaded, Scenario
-from cube_sim.scenario.path_blocks import Point
-from cube_sim.scenario.schema import Control, SafeMode
+from cube_sim.scenario.path_blocks import PointBlock
+from cube_sim.scenario.schema import ControlBlock, SafeModeBlock
 
 UNUSED = (
     "velocity_time_s",
@@ -45,7 +45,7 @@ def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollowe
     guidance, planar = scenario.guidance, scenario.control.planar
     profile = speed_of(guidance, path)
     mistakes = _without_effect(loaded) + too_slow_period(loaded, _loop_times(scenario))
-    if isinstance(scenario.path, Point):
+    if isinstance(scenario.path, PointBlock):
         mistakes.append(loaded.mistake("path", "a planar law steers by moving ahead and cannot stay at a point"))
     if guidance.law == "trajectory_tracking":
         text = "a planar law follows paths, its target waits for the vehicle: give path_following"
@@ -92,13 +92,13 @@ def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollowe
 
 def _without_effect(loaded: Loaded) -> list[str]:
     """Mistakes: values that differ from their defaults, though the planar law has no use for them."""
-    control, default = loaded.scenario.control, Control()
+    control, default = loaded.scenario.control, ControlBlock()
     text = "the planar law has no use for it, and what it says would not happen: leave it out"
     return [
         loaded.mistake(f"control.{key}", text) for key in UNUSED if getattr(control, key) != getattr(default, key)
     ] + [
         loaded.mistake(f"control.safe_mode.{key}", text)
-        for key in SafeMode.model_fields
+        for key in SafeModeBlock.model_fields
         if getattr(control.safe_mode, key) != getattr(default.safe_mode, key)
     ]
 

@@ -9,8 +9,8 @@ from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded
-from cube_sim.scenario.check_blocks import SignalCheck
-from cube_sim.scenario.event_blocks import ThrusterEvent
+from cube_sim.scenario.check_blocks import SignalCheckBlock
+from cube_sim.scenario.event_blocks import ThrusterEventBlock
 from cube_sim.vehicle.vehicle import Vehicle
 
 SAME_DEPTH_M = 0.05
@@ -22,7 +22,7 @@ def require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
     widths = {f"{channel.name}.{field.name}": field.width for channel in channels for field in channel.fields}
     mistakes = []
     for i, check in enumerate(loaded.scenario.checks):
-        if not isinstance(check, SignalCheck):
+        if not isinstance(check, SignalCheckBlock):
             continue
         if check.signal not in widths:
             near = get_close_matches(check.signal, widths, n=1)
@@ -81,7 +81,7 @@ def require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
         if event.at_s > duration:
             text = f"{event.at_s:g} s is after the end of the run at {duration:g} s"
             mistakes.append(loaded.mistake(f"events.{i}.at_s", text, because="duration_s"))
-        if not isinstance(event, ThrusterEvent):
+        if not isinstance(event, ThrusterEventBlock):
             continue
         for j, name in enumerate(event.thrusters):
             if name not in thrusters.names:

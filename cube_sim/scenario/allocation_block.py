@@ -17,10 +17,10 @@ WEIGHTS_SPAN = 1e6
 
 Force = Annotated[float, Field(ge=-1e6, le=1e6)]
 Weight = Annotated[float, Field(ge=1 / WEIGHTS_SPAN, le=WEIGHTS_SPAN)]
-Price = Annotated[float, Field(ge=0, le=1e12)]
+Penalty = Annotated[float, Field(ge=0, le=1e12)]
 
 
-class Allocation(Block):
+class AllocationBlock(Block):
     """How a wrench becomes thruster forces."""
 
     method: Literal[
@@ -72,10 +72,10 @@ class Allocation(Block):
         description="Share of F_DZ by which allocated forces stay clear of the dead zone: a lagging motor commanded "
         "onto its very edge would never start.",
     )
-    reversal_penalty_N2: Price = Field(  # noqa: N815 - N is the newton
+    reversal_penalty_N2: Penalty = Field(  # noqa: N815 - N is the newton
         default=0.0, description="Cost of one thruster changing side [N^2]."
     )
-    switching_penalty_N2: Price = Field(  # noqa: N815 - N is the newton
+    switching_penalty_N2: Penalty = Field(  # noqa: N815 - N is the newton
         default=0.0, description="Cost of one thruster starting from rest or coming to rest [N^2]."
     )
     change_limit_N: float | None = Field(  # noqa: N815 - N is the newton

@@ -9,26 +9,26 @@ from pydantic import Field, field_validator
 from cube_sim.scenario.values import Block, Vector3, refuse
 
 
-class AlongPath(Block):
+class AlongPathBlock(Block):
     """The body x axis follows the path's tangent."""
 
     mode: Literal["along_path"]
 
 
-class FixedAttitude(Block):
+class FixedAttitudeBlock(Block):
     """The vehicle keeps one attitude in the world."""
 
     mode: Literal["fixed"]
     attitude_deg: Vector3 = Field(description="[roll, pitch, yaw], as in initial.attitude_deg [deg].")
 
 
-class FreeAttitude(Block):
+class FreeAttitudeBlock(Block):
     """The vehicle turns to where its thrusters have least to do."""
 
     mode: Literal["free"]
 
 
-class LookAt(Block):
+class LookAtBlock(Block):
     """A body axis points at a fixed point of the world; about it, the vehicle stays level."""
 
     mode: Literal["look_at"]
@@ -48,4 +48,6 @@ class LookAt(Block):
         return axis
 
 
-Attitude = Annotated[AlongPath | FixedAttitude | FreeAttitude | LookAt, Field(discriminator="mode")]
+AnyAttitude = Annotated[
+    AlongPathBlock | FixedAttitudeBlock | FreeAttitudeBlock | LookAtBlock, Field(discriminator="mode")
+]

@@ -7,7 +7,7 @@ from pydantic import Field, field_validator
 from cube_sim.scenario.values import Block, Pair, refuse
 
 
-class Battery(Block):
+class BatteryBlock(Block):
     """What feeds the thrusters: their force falls with its voltage, and its voltage with what they draw."""
 
     open_circuit_V: Pair = Field(  # noqa: N815 - V is the volt

@@ -24,7 +24,7 @@ class CheckBlock(Block):
     )
 
 
-class SignalCheck(CheckBlock):
+class SignalCheckBlock(CheckBlock):
     """One statistic of one recorded signal against one limit.
 
     A signal with several columns is judged by its Euclidean norm at each sample, or by one `component`.
@@ -44,7 +44,7 @@ class SignalCheck(CheckBlock):
     to_s: float | None = Field(default=None, gt=0, description="End of the window [s]. Default: end of the run.")
 
     @model_validator(mode="after")
-    def _one_limit_and_a_window(self) -> SignalCheck:
+    def _one_limit_and_a_window(self) -> SignalCheckBlock:
         if (self.at_most is None) == (self.at_least is None):
             refuse("give exactly one limit: at_most or at_least")
         if self.from_s is not None and self.to_s is not None and not self.from_s < self.to_s:
@@ -58,7 +58,7 @@ class SignalCheck(CheckBlock):
         return self.name or f"{self.statistic} of {self.signal}{column}"
 
 
-class AllowedForcesCheck(CheckBlock):
+class AllowedForcesCheckBlock(CheckBlock):
     """Every demanded thruster force lies in its allowed set at every tick.
 
     The set is [F_max-, F_DZ-] u [F_DZ+, F_max+], and 0 where a thruster may be off.
@@ -78,7 +78,7 @@ class AllowedForcesCheck(CheckBlock):
         return self.name or "thruster forces inside their allowed sets"
 
 
-class ExactWrenchCheck(CheckBlock):
+class ExactWrenchCheckBlock(CheckBlock):
     """|A f - F| stays small at every tick whose wrench the allocation calls attainable."""
 
     kind: Literal["exact_wrench"]
@@ -94,7 +94,7 @@ class ExactWrenchCheck(CheckBlock):
         return self.name or "|A f - F| wherever attainable"
 
 
-class PathEndCheck(CheckBlock):
+class PathEndCheckBlock(CheckBlock):
     """The vehicle arrives at the end of the path, having followed the virtual target there.
 
     Judged by the smallest value over the run of |vehicle - target| + remaining arc length, which the distance
@@ -110,7 +110,7 @@ class PathEndCheck(CheckBlock):
         return self.name or "end of the path reached"
 
 
-Check = Annotated[
-    SignalCheck | AllowedForcesCheck | ExactWrenchCheck | PathEndCheck,
+AnyCheck = Annotated[
+    SignalCheckBlock | AllowedForcesCheckBlock | ExactWrenchCheckBlock | PathEndCheckBlock,
     Field(discriminator="kind"),
 ]

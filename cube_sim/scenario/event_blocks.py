@@ -9,10 +9,10 @@ from pydantic.types import Strict
 
 from cube_sim.scenario.values import Block, Vector3, refuse
 
-State = Literal["dead", "weak", "stuck", "recovered"]
+ThrusterState = Literal["dead", "weak", "stuck", "recovered"]
 
 
-class ThrusterEvent(Block):
+class ThrusterEventBlock(Block):
     """Thrusters fail, or come back."""
 
     kind: Literal["thrusters"]
@@ -20,7 +20,7 @@ class ThrusterEvent(Block):
     thrusters: Annotated[tuple[str, ...], Strict(False)] = Field(
         description="Names of the thrusters, for example [T1, T4].", json_schema_extra={"minItems": 1}
     )
-    state: State = Field(
+    state: ThrusterState = Field(
         description="dead: no force; weak: a share of it; stuck: one force whatever is commanded; recovered: whole."
     )
     efficiency: float | None = Field(default=None, gt=0, lt=1, description="Share of its force a weak thruster gives.")
@@ -29,7 +29,7 @@ class ThrusterEvent(Block):
     )
 
     @model_validator(mode="after")
-    def _what_the_state_needs(self) -> ThrusterEvent:
+    def _what_the_state_needs(self) -> ThrusterEventBlock:
         if not self.thrusters:
             refuse("name at least one thruster", "thrusters")
         for key, state in (("efficiency", "weak"), ("force_N", "stuck")):
@@ -39,7 +39,7 @@ class ThrusterEvent(Block):
         return self
 
 
-class CurrentEvent(Block):
+class CurrentEventBlock(Block):
     """The current changes."""
 
     kind: Literal["current"]
@@ -47,4 +47,4 @@ class CurrentEvent(Block):
     current_m_s: Vector3 = Field(description="Velocity of the water from then on, world axes [m/s].")
 
 
-Event = Annotated[ThrusterEvent | CurrentEvent, Field(discriminator="kind")]
+AnyEvent = Annotated[ThrusterEventBlock | CurrentEventBlock, Field(discriminator="kind")]

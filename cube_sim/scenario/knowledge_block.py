@@ -8,7 +8,7 @@ from cube_sim.scenario.file_names import ModelFile
 from cube_sim.scenario.values import Block
 
 
-class Knowledge(Block):
+class KnowledgeBlock(Block):
     """The vehicle the controller reckons with: a model, and factors on what stands in it."""
 
     model: ModelFile | None = Field(

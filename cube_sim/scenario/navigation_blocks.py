@@ -16,7 +16,7 @@ from cube_sim.scenario.values import Block, Vector3, refuse
 LONGEST_DELAY_S = 10.0
 
 
-class Imu(Block):
+class ImuBlock(Block):
     """Gyros and accelerometers at the body origin, read at every control period. Defaults: industrial MEMS."""
 
     gyro_noise_deg_s_per_sqrt_hz: float = Field(
@@ -37,7 +37,7 @@ class Imu(Block):
     )
 
 
-class Aid(Block):
+class AidBlock(Block):
     """What every sensor beside the inertial unit has."""
 
     rate_hz: float
@@ -53,7 +53,7 @@ def _delay(default: float) -> Any:
     return Field(default=default, ge=0, le=LONGEST_DELAY_S, description=text)
 
 
-class Dvl(Aid):
+class DvlBlock(AidBlock):
     """Doppler log with bottom track: velocity over ground, body axes. Defaults: a 1 MHz class."""
 
     rate_hz: float = _rate(5.0)
@@ -66,7 +66,7 @@ class Dvl(Aid):
     lever_arm_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="Where it sits, body axes from the origin [m].")
 
 
-class Depth(Aid):
+class DepthBlock(AidBlock):
     """Pressure gauge, read as depth below z = 0. Defaults: a strain gauge, air pressure known to 5 hPa."""
 
     rate_hz: float = _rate(10.0)
@@ -75,7 +75,7 @@ class Depth(Aid):
     delay_s: float = _delay(0.05)
 
 
-class Heading(Aid):
+class HeadingBlock(AidBlock):
     """Compass: the azimuth of the body's x axis; none while that points steeply up or down. Defaults: magnetic."""
 
     rate_hz: float = _rate(10.0)
@@ -84,7 +84,7 @@ class Heading(Aid):
     delay_s: float = _delay(0.05)
 
 
-class PositionFix(Aid):
+class PositionFixBlock(AidBlock):
     """Acoustic fix in world axes. Defaults: an ultra-short baseline at some tens of metres."""
 
     rate_hz: float = _rate(0.5)
@@ -92,7 +92,7 @@ class PositionFix(Aid):
     delay_s: float = _delay(0.5)
 
 
-class InitialEstimate(Block):
+class InitialEstimateBlock(Block):
     """How well the state is known at time 0; the first estimate is off by a drawn error of this size."""
 
     position_m: float = Field(default=0.5, ge=0, description="Standard deviation of each axis [m].")
@@ -101,20 +101,20 @@ class InitialEstimate(Block):
     heading_deg: float = Field(default=3.0, ge=0, description="Standard deviation of the heading [deg].")
 
 
-class Navigation(Block):
+class NavigationBlock(Block):
     """Sensors and an estimate made of them; the controller sees the estimate only. A sensor set to null is left out."""
 
-    imu: Imu = Field(default=Imu(), description="Inertial unit; it cannot be left out.")
-    dvl: Dvl | None = Field(default=Dvl(), description="Doppler log.")
-    depth: Depth | None = Field(default=Depth(), description="Pressure gauge.")
-    heading: Heading | None = Field(default=Heading(), description="Compass.")
-    position: PositionFix | None = Field(
+    imu: ImuBlock = Field(default=ImuBlock(), description="Inertial unit; it cannot be left out.")
+    dvl: DvlBlock | None = Field(default=DvlBlock(), description="Doppler log.")
+    depth: DepthBlock | None = Field(default=DepthBlock(), description="Pressure gauge.")
+    heading: HeadingBlock | None = Field(default=HeadingBlock(), description="Compass.")
+    position: PositionFixBlock | None = Field(
         default=None, description="Acoustic position fix. Default: none, position is dead-reckoned."
     )
-    initial: InitialEstimate = Field(default=InitialEstimate(), description="What is known at time 0.")
+    initial: InitialEstimateBlock = Field(default=InitialEstimateBlock(), description="What is known at time 0.")
 
     @property
-    def aids(self) -> dict[str, Aid]:
+    def aids(self) -> dict[str, AidBlock]:
         """The sensors beside the inertial unit, by name, in a fixed order."""
         found = {"dvl": self.dvl, "depth": self.depth, "heading": self.heading, "position": self.position}
         return {name: aid for name, aid in found.items() if aid is not None}
@@ -133,7 +133,7 @@ class Navigation(Block):
         return self
 
 
-def require_slower_than(navigation: Navigation, control_period_s: float) -> None:
+def require_slower_than(navigation: NavigationBlock, control_period_s: float) -> None:
     """Refuse a sensor that reads more often than the loop looks."""
     for name, aid in navigation.aids.items():
         if aid.rate_hz * control_period_s > 1.0 + 1e-9:

@@ -36,7 +36,7 @@ def _require_length(length_m: float) -> None:
         refuse(f"the path would be some {length_m:.3g} m long; {SHORTEST_M:g} to {LONGEST_M:g} m make sense")
 
 
-class Line(Block):
+class LineBlock(Block):
     """A straight segment."""
 
     type: Literal["line"]
@@ -54,7 +54,7 @@ class Line(Block):
         return end_m
 
 
-class Point(Block):
+class PointBlock(Block):
     """A point to stay at: the path of a vehicle that goes nowhere."""
 
     type: Literal["point"]
@@ -64,7 +64,7 @@ class Point(Block):
     )
 
 
-class Arc(Block):
+class ArcBlock(Block):
     """A part of a circle in any plane, through three points."""
 
     type: Literal["arc"]
@@ -73,7 +73,7 @@ class Arc(Block):
     end_m: Place = Field(description="Last point [m].")
 
     @model_validator(mode="after")
-    def _curved(self) -> Arc:
+    def _curved(self) -> ArcBlock:
         from cube_sim.guidance.arc import arc_through
 
         arc = accept(lambda: arc_through(self.start_m, self.through_m, self.end_m))
@@ -81,7 +81,7 @@ class Arc(Block):
         return self
 
 
-class Circle(Block):
+class CircleBlock(Block):
     """A closed circle in any plane, run round and round."""
 
     type: Literal["circle"]
@@ -108,7 +108,7 @@ class Circle(Block):
         return axis
 
 
-class Helix(Block):
+class HelixBlock(Block):
     """A circular helix about a vertical axis; with pitch_m 0 it is a horizontal circle with two ends."""
 
     type: Literal["helix"]
@@ -126,12 +126,12 @@ class Helix(Block):
     )
 
     @model_validator(mode="after")
-    def _has_a_length(self) -> Helix:
+    def _has_a_length(self) -> HelixBlock:
         _require_length(self.turns * hypot(2.0 * pi * self.radius_m, self.pitch_m))
         return self
 
 
-class Sinusoid(Block):
+class SinusoidBlock(Block):
     """A level sine wave about a straight axis; its tightest bend has a radius of wavelength^2 / (4 pi^2 amplitude)."""
 
     type: Literal["sinusoid"]
@@ -144,7 +144,7 @@ class Sinusoid(Block):
     periods: float = Field(gt=0, le=1000, description="Number of waves; fractions are welcome.")
 
     @model_validator(mode="after")
-    def _can_be_followed(self) -> Sinusoid:
+    def _can_be_followed(self) -> SinusoidBlock:
         tightest = self.wavelength_m**2 / (4.0 * pi**2 * max(abs(self.amplitude_m), 1e-300))
         if tightest < SHORTEST_M:
             text = f"bends with a radius of {tightest:.3g} m, which must be {SHORTEST_M:g} m or more"
@@ -153,7 +153,7 @@ class Sinusoid(Block):
         return self
 
 
-class Closable(Block):
+class ClosablePathBlock(Block):
     """What paths through points share."""
 
     closed: bool = Field(default=False, description="Whether the last point leads back to the first.")
@@ -167,7 +167,7 @@ class Closable(Block):
         return laps
 
 
-class Polyline(Closable):
+class PolylineBlock(ClosablePathBlock):
     """Straight legs between points, their corners rounded by blends of continuous curvature rate."""
 
     type: Literal["polyline"]
@@ -175,7 +175,7 @@ class Polyline(Closable):
     corner_radius_m: Extent = Field(description=CORNER)
 
     @model_validator(mode="after")
-    def _fits(self) -> Polyline:
+    def _fits(self) -> PolylineBlock:
         from cube_sim.guidance.corner import round_corners
         from cube_sim.guidance.waypoints import as_waypoints
 
@@ -184,14 +184,14 @@ class Polyline(Closable):
         return self
 
 
-class Spline(Closable):
+class SplineBlock(ClosablePathBlock):
     """A smooth curve through points: cubic, of continuous curvature."""
 
     type: Literal["spline"]
     points_m: Waypoints = Field(description="Points of the path, world axes [m]; two or more, three if closed.")
 
     @model_validator(mode="after")
-    def _distinct(self) -> Spline:
+    def _distinct(self) -> SplineBlock:
         from cube_sim.guidance.corner import require_no_reversal
         from cube_sim.guidance.waypoints import as_waypoints
 
@@ -200,7 +200,7 @@ class Spline(Closable):
         return self
 
 
-class Csv(Closable):
+class CsvBlock(ClosablePathBlock):
     """Points from a CSV file whose first row names its columns, x_m, y_m and z_m among them."""
 
     type: Literal["csv"]
@@ -209,7 +209,7 @@ class Csv(Closable):
     corner_radius_m: Extent | None = Field(default=None, description=CORNER + " Only, and always, for a polyline.")
 
     @model_validator(mode="after")
-    def _readable(self) -> Csv:
+    def _readable(self) -> CsvBlock:
         from cube_sim.guidance.corner import require_no_reversal, round_corners
         from cube_sim.guidance.waypoints import as_waypoints
         from cube_sim.guidance.waypoints_csv import read_waypoints
@@ -227,7 +227,15 @@ class Csv(Closable):
         return self
 
 
-Path = Annotated[
-    Line | Point | Arc | Circle | Helix | Sinusoid | Polyline | Spline | Csv,
+AnyPath = Annotated[
+    LineBlock
+    | PointBlock
+    | ArcBlock
+    | CircleBlock
+    | HelixBlock
+    | SinusoidBlock
+    | PolylineBlock
+    | SplineBlock
+    | CsvBlock,
     Field(discriminator="type"),
 ]

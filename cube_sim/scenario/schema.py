@@ -12,15 +12,15 @@ from pydantic import Field, field_validator
 from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
-from cube_sim.scenario.allocation_block import Allocation
-from cube_sim.scenario.attitude_blocks import AlongPath, Attitude
-from cube_sim.scenario.battery_block import Battery
-from cube_sim.scenario.check_blocks import AllowedForcesCheck, Check, PathEndCheck, SignalCheck
-from cube_sim.scenario.event_blocks import Event
+from cube_sim.scenario.allocation_block import AllocationBlock
+from cube_sim.scenario.attitude_blocks import AlongPathBlock, AnyAttitude
+from cube_sim.scenario.battery_block import BatteryBlock
+from cube_sim.scenario.check_blocks import AllowedForcesCheckBlock, AnyCheck, PathEndCheckBlock, SignalCheckBlock
+from cube_sim.scenario.event_blocks import AnyEvent
 from cube_sim.scenario.file_names import ModelFile
-from cube_sim.scenario.knowledge_block import Knowledge
-from cube_sim.scenario.navigation_blocks import Navigation, require_slower_than
-from cube_sim.scenario.path_blocks import Path
+from cube_sim.scenario.knowledge_block import KnowledgeBlock
+from cube_sim.scenario.navigation_blocks import NavigationBlock, require_slower_than
+from cube_sim.scenario.path_blocks import AnyPath
 from cube_sim.scenario.values import Block, Name, Pair, Place, Vector3, refuse
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
@@ -29,14 +29,14 @@ MOST_TICKS = 24 * 3600 * 50
 """Control periods of the longest run: a day at 50 Hz, some 5 GB of rows in memory."""
 
 
-class Physics(Block):
+class PhysicsBlock(Block):
     """How MuJoCo integrates."""
 
     integrator: Literal["RK4", "implicitfast", "Euler"] = Field(default="RK4", description="MuJoCo's integrator.")
     step_s: float = Field(default=0.01, gt=0, le=1, description="Physics step [s].")
 
 
-class Initial(Block):
+class InitialBlock(Block):
     """The vehicle's state at time 0."""
 
     position_m: Place = Field(default=ZERO, description="Body origin in world axes [m].")
@@ -48,7 +48,7 @@ class Initial(Block):
     rates_deg_s: Vector3 = Field(default=ZERO, description="Angular velocity in body axes [deg/s].")
 
 
-class Thrusters(Block):
+class ThrustersBlock(Block):
     """Changes to the model's thrusters."""
 
     dead_zone_N: Pair | None = Field(  # noqa: N815 - N is the newton
@@ -64,7 +64,7 @@ class Thrusters(Block):
         return dead_zone_N
 
 
-class Guidance(Block):
+class GuidanceBlock(Block):
     """How the target moves along the path and how the vehicle closes in on it."""
 
     law: Literal["path_following", "trajectory_tracking"] = Field(
@@ -119,7 +119,7 @@ class Guidance(Block):
     )
 
 
-class PlanarGains(Block):
+class PlanarGainsBlock(Block):
     """The planar law of Lapierre and Soetanto 2007; its k2 is guidance.target_gain_per_s."""
 
     angle_gain_per_s: float = Field(
@@ -135,7 +135,7 @@ class PlanarGains(Block):
     )
 
 
-class SafeMode(Block):
+class SafeModeBlock(Block):
     """What to do when the path cannot be followed."""
 
     action: Literal["hold", "surface"] = Field(
@@ -157,7 +157,7 @@ class SafeMode(Block):
     patience_s: float = Field(default=10.0, gt=0, description="How long it has to stay beyond that limit [s].")
 
 
-class Control(Block):
+class ControlBlock(Block):
     """The loops that turn errors into a wrench, each given by the time it takes to remove 63 % of one."""
 
     law: Literal["motion_6dof", "planar_lapierre_2007"] | None = Field(
@@ -165,7 +165,7 @@ class Control(Block):
         description="motion_6dof: all axes, or those the thrusters have. planar_lapierre_2007: a force ahead and a"
         " torque about the vertical, on a level path. Default: the planar law for a vehicle built with just these two.",
     )
-    planar: PlanarGains = PlanarGains()
+    planar: PlanarGainsBlock = PlanarGainsBlock()
     velocity_time_s: float = Field(default=1.0, gt=0, description="Velocity loop [s].")
     attitude_time_s: float = Field(default=1.0, gt=0, description="Attitude loop [s].")
     rate_time_s: float = Field(default=0.3, gt=0, description="Angular rate loop [s].")
@@ -192,8 +192,10 @@ class Control(Block):
         "were missing: N per N, torques divided by the thrusters' rms lever arm, as `cube-sim analyze` lists them. "
         "Default: those that cost a hundred times the cheapest one's.",
     )
-    safe_mode: SafeMode = SafeMode()
-    attitude: Attitude = Field(default=AlongPath(mode="along_path"), description="Which attitude the vehicle takes.")
+    safe_mode: SafeModeBlock = SafeModeBlock()
+    attitude: AnyAttitude = Field(
+        default=AlongPathBlock(mode="along_path"), description="Which attitude the vehicle takes."
+    )
     priority: Literal["path", "attitude"] | None = Field(
         default=None,
         description="What the thrusters give when they cannot give all. path: the force the path needs, and what is"
@@ -216,7 +218,7 @@ class Scenario(Block):
     )
     seed: int = Field(default=0, ge=0, lt=2**63, description="Root of every random stream.")
     duration_s: float = Field(gt=0, le=86400, description="Simulated time [s], a day at most.")
-    physics: Physics = Physics()
+    physics: PhysicsBlock = PhysicsBlock()
     control_period_s: float = Field(
         default=0.02,
         gt=0,
@@ -224,22 +226,24 @@ class Scenario(Block):
         description="Time between two thruster commands [s]; an integer multiple of physics.step_s.",
     )
     current_m_s: Vector3 = Field(default=ZERO, description="Velocity of the water, world axes [m/s].")
-    initial: Initial = Initial()
-    thrusters: Thrusters = Thrusters()
-    battery: Battery | None = Field(
+    initial: InitialBlock = InitialBlock()
+    thrusters: ThrustersBlock = ThrustersBlock()
+    battery: BatteryBlock | None = Field(
         default=None,
         description="What feeds the thrusters. Default: a constant voltage, that of the model's characteristic.",
     )
-    path: Path = Field(description="The curve to follow, or the point to hold.")
-    guidance: Guidance
-    control: Control = Control()
-    navigation: Navigation | None = Field(
+    path: AnyPath = Field(description="The curve to follow, or the point to hold.")
+    guidance: GuidanceBlock
+    control: ControlBlock = ControlBlock()
+    navigation: NavigationBlock | None = Field(
         default=None, description="Sensors and an estimate for the controller. Default: it sees the true state."
     )
-    knowledge: Knowledge = Knowledge()
-    allocation: Allocation = Allocation()
-    events: Annotated[tuple[Event, ...], Strict(False)] = Field(default=(), description="What happens during the run.")
-    checks: Annotated[tuple[Check, ...], Strict(False)] = Field(
+    knowledge: KnowledgeBlock = KnowledgeBlock()
+    allocation: AllocationBlock = AllocationBlock()
+    events: Annotated[tuple[AnyEvent, ...], Strict(False)] = Field(
+        default=(), description="What happens during the run."
+    )
+    checks: Annotated[tuple[AnyCheck, ...], Strict(False)] = Field(
         description="What the run must show; at least one.", json_schema_extra={"minItems": 1}
     )
 
@@ -279,7 +283,9 @@ class Scenario(Block):
 
     @field_validator("navigation")
     @classmethod
-    def _readings_the_loop_can_take(cls, navigation: Navigation | None, info: ValidationInfo) -> Navigation | None:
+    def _readings_the_loop_can_take(
+        cls, navigation: NavigationBlock | None, info: ValidationInfo
+    ) -> NavigationBlock | None:
         control_period_s = info.data.get("control_period_s")
         if navigation is not None and control_period_s is not None:
             require_slower_than(navigation, control_period_s)
@@ -287,7 +293,7 @@ class Scenario(Block):
 
     @field_validator("checks")
     @classmethod
-    def _distinct_and_complete(cls, checks: tuple[Check, ...], info: ValidationInfo) -> tuple[Check, ...]:
+    def _distinct_and_complete(cls, checks: tuple[AnyCheck, ...], info: ValidationInfo) -> tuple[AnyCheck, ...]:
         if not checks:
             refuse("a run without checks shows nothing: give at least one")
         seen: dict[str, int] = {}
@@ -302,25 +308,25 @@ class Scenario(Block):
         path = info.data.get("path")
         if path is not None and getattr(path, "laps", 1.0) is None and getattr(path, "closed", True):
             for index, check in enumerate(checks):
-                if isinstance(check, PathEndCheck):
+                if isinstance(check, PathEndCheckBlock):
                     refuse("a closed path run without end has no end to reach: give path.laps", index, "kind")
         allocation = info.data.get("allocation")
         if allocation is None:
             return checks
         return tuple(
             check.model_copy(update={"allow_off": allocation.allow_off})
-            if isinstance(check, AllowedForcesCheck) and check.allow_off is None
+            if isinstance(check, AllowedForcesCheckBlock) and check.allow_off is None
             else check
             for check in checks
         )
 
 
-def _require_windows_inside(checks: tuple[Check, ...], duration_s: float | None) -> None:
+def _require_windows_inside(checks: tuple[AnyCheck, ...], duration_s: float | None) -> None:
     """A window that sticks out of the run could only be found wanting after the flight."""
     if duration_s is None:
         return
     for index, check in enumerate(checks):
-        if not isinstance(check, SignalCheck):
+        if not isinstance(check, SignalCheckBlock):
             continue
         if check.from_s is not None and check.from_s >= duration_s:
             text = f"the window starts at {check.from_s:g} s, the run ends at {duration_s:g} s"

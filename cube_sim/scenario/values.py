@@ -23,10 +23,26 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$",
 Title = Annotated[str, StringConstraints(pattern=r"^\S(.*\S)?$", max_length=100)]
 
 
-class Block(BaseModel):
-    """A frozen group of keys: unknown keys, wrong types, NaN and infinities are mistakes."""
+def _title(block: type) -> str:
+    """What an editor shows of a block: its class name without the suffix."""
+    return block.__name__.removesuffix("Block")
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True)
+
+class Block(BaseModel):
+    """A frozen group of keys: unknown keys, wrong types, NaN and infinities are mistakes.
+
+    Every class of this package that is a group of keys is called after it, with the suffix Block; only the whole file
+    is a `Scenario`. What a key may hold one of several blocks for is called Any..., as `AnyPath`.
+    """
+
+    model_config = ConfigDict(
+        strict=True,
+        extra="forbid",
+        frozen=True,
+        allow_inf_nan=False,
+        validate_default=True,
+        model_title_generator=_title,
+    )
 
 
 def refuse(message: str, *below: str | int, because: tuple[str | int, ...] = ()) -> NoReturn:

@@ -11,7 +11,7 @@ from cube_sim.mission.hull import believed_hull, flown_hull
 from cube_sim.mission.knowledge import believed_dynamics, believed_planar_model
 from cube_sim.mission.planar_knowledge import planar_model
 from cube_sim.scenario import load
-from cube_sim.scenario.knowledge_block import Knowledge
+from cube_sim.scenario.knowledge_block import KnowledgeBlock
 
 INFANTE = SCENARIOS / "infante_circle.yaml"
 WRONG = [
@@ -48,7 +48,7 @@ def test_it_is_the_estimates_that_make_up_for_wrong_knowledge(tmp_path):
 
 def test_each_factor_scales_what_it_names_and_nothing_else():
     dynamics = flown_hull(load(HELIX)).vehicle.dynamics
-    believed = believed_dynamics(dynamics, Knowledge(mass=1.1, added_mass=0.5, drag=1.5))
+    believed = believed_dynamics(dynamics, KnowledgeBlock(mass=1.1, added_mass=0.5, drag=1.5))
     np.testing.assert_allclose(believed.mass_matrix, 1.1 * dynamics.mass_matrix)
     np.testing.assert_allclose(believed.added_mass, 0.5 * dynamics.added_mass)
     np.testing.assert_allclose(believed.linear_damping, 1.5 * dynamics.linear_damping)
@@ -84,17 +84,17 @@ def test_a_missing_believed_model_is_refused():
 def test_the_planar_model_of_true_knowledge_is_the_true_one():
     hull = flown_hull(load(INFANTE))
     true = planar_model(*hull)
-    np.testing.assert_allclose(believed_planar_model(true, hull.vehicle, Knowledge()), true, atol=1e-9)
+    np.testing.assert_allclose(believed_planar_model(true, hull.vehicle, KnowledgeBlock()), true, atol=1e-9)
 
 
 def test_the_planar_model_mixes_its_coefficients_by_their_cause():
     """INFANTE (theory: m_u = m - Xudot, m_ur = m - Yur): rigid mass 2234.5, surge added mass 141.9."""
     hull = flown_hull(load(INFANTE))
     true = planar_model(*hull)
-    heavier = believed_planar_model(true, hull.vehicle, Knowledge(mass=1.1))
+    heavier = believed_planar_model(true, hull.vehicle, KnowledgeBlock(mass=1.1))
     assert heavier.m_u - true.m_u == pytest.approx(223.45)
     assert heavier.m_ur - true.m_ur == pytest.approx(223.45)
     assert heavier.D_uu == pytest.approx(true.D_uu)
-    slicker = believed_planar_model(true, hull.vehicle, Knowledge(drag=0.5))
+    slicker = believed_planar_model(true, hull.vehicle, KnowledgeBlock(drag=0.5))
     assert slicker.D_uu == pytest.approx(0.5 * true.D_uu)
     assert slicker.m_u == pytest.approx(true.m_u)
