@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.checks import evaluate
-from cube_sim.control.authority import remaining
+from cube_sim.control.authority import remaining_capability
 from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.mission.run_header import header, versions
@@ -187,7 +187,7 @@ def _take_note_of_faults(mission: Mission, recorder: Recorder, t: float) -> bool
     if health is actuators.health or health.equals(actuators.health):
         return False
     actuators.believe(health)
-    left = remaining(actuators.A, actuators.limits, health, mission.scenario.control.cost_limit)
+    left = remaining_capability(actuators.A, actuators.limits, health, mission.scenario.control.cost_limit)
     mission.controller.reconfigure(left)
     recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
     return True
@@ -268,8 +268,8 @@ def _describe(mission: Mission, recorder: Recorder) -> None:
     length = mission.path.length
     recorder.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
     actuators, limit = mission.actuators, mission.scenario.control.cost_limit
-    left = remaining(actuators.A, actuators.limits, actuators.health, limit)
-    if left.cheap is not None:
+    left = remaining_capability(actuators.A, actuators.limits, actuators.health, limit)
+    if left.within_cost_limit is not None:
         recorder.log(
             0.0, "INFO", f"what costs more than {limit:g} N/N is left alone; {left.authority.name}: {left.reason}"
         )

@@ -1,10 +1,14 @@
 """What the thrusters still working can do for path following, and how the vehicle goes on with it.
 
-Forces are what a path needs, torques are what points them. As long as every torque can be produced, whatever force
-comes with it, the attitude is under control; then it only matters how many directions of pure force are left: three,
-and the vehicle moves freely; two or one, and they are pointed where force is needed; none, and it cannot follow.
-Apart from these stand vehicles built for a level plane, which float upright and push ahead, sideways and turn, or at
-least in one direction and turn: that one is pointed by the heading, as a unicycle does.
+A path needs forces; torques point them. The attitude is under control as long as every torque can be produced, whatever
+force comes with it. Then the number of directions of pure force decides:
+
+    3     the vehicle moves freely in any attitude
+    2, 1  the attitude points them where force is needed
+    0     the vehicle cannot follow a path
+
+Vehicles built for a level plane are judged in that plane. They float upright. With surge, sway and yaw they move freely
+in it; with yaw and one direction of force the heading points that force, as a unicycle does.
 """
 
 from __future__ import annotations
@@ -61,7 +65,7 @@ class Capability:
         lost_torques: N_t (3, 6 - rank) of the combinations N_f' F + N_t' M = b that hold for all the thrusters can do.
         effort: Q (6,6) [1, 1/m, 1/m^2], of `effort_matrix`.
         held: (6,) [N, N m] the wrench of thrusters that are stuck; it comes on top of whatever the others do.
-        cheap: (6,6) projector onto the wrenches that are not too dear; None where a cost limit takes nothing away.
+        within_cost_limit: (6,6) projector onto the wrenches within the cost limit; None where no direction exceeds it.
     """
 
     authority: Authority
@@ -71,7 +75,7 @@ class Capability:
     lost_torques: Matrix
     effort: Matrix
     held: Vector
-    cheap: Matrix | None = None
+    within_cost_limit: Matrix | None = None
 
     @property
     def constants(self) -> Vector:
@@ -88,23 +92,25 @@ class Capability:
         """Whether force has to be pointed where it is needed."""
         return self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
 
-    def attainable(self, wrench: Vector) -> Vector:
+    def project_onto_range(self, wrench: Vector) -> Vector:
         """The wrench (6,) in the range of A, displaced by the held one, that keeps all torques and changes force least.
 
-        All that can be produced has N_f' F + N_t' M = b; F moves by -N_f (N_f' N_f)^-1 (N_f' F + N_t' M - b). Where no
-        path can be followed, everything is left to the allocation, which comes as close as it can; what is too dear
-        is not asked of it there either.
+        All that can be produced has N_f' F + N_t' M = b; F moves by -N_f (N_f' N_f)^-1 (N_f' F + N_t' M - b). No limits
+        of the thrusters are looked at. Where no path can be followed the wrench is left to the allocation, which comes
+        as close as it can; directions beyond the cost limit are taken out of it there, too.
         """
         if self.level:
             wrench = np.where(OUT_OF_PLANE, self.held, wrench)
         if not self.steers_by_attitude:
-            return wrench if self.cheap is None else self.held + self.cheap @ (wrench - self.held)
+            return (
+                wrench if self.within_cost_limit is None else self.held + self.within_cost_limit @ (wrench - self.held)
+            )
         missing = self.lost_forces.T @ wrench[:3] + self.lost_torques.T @ wrench[3:] - self.constants
         step = self.lost_forces @ np.linalg.solve(self.lost_forces.T @ self.lost_forces, missing)
         return np.concatenate([wrench[:3] - step, wrench[3:]])
 
 
-def remaining(A: Matrix, limits: Matrix, health: Health, cost_limit: float | None = None) -> Capability:
+def remaining_capability(A: Matrix, limits: Matrix, health: Health, cost_limit: float | None = None) -> Capability:
     """Judge thrusters in the state they are in.
 
     Dead and stuck ones do not count, nor do those whose largest force is below `LEAST_SHARE` of a whole one's, or no
@@ -148,7 +154,7 @@ def capability(
         lost_torques=found.lost[3:],
         effort=effort_matrix(A, cost_limit),
         held=constant,
-        cheap=found.cheap,
+        within_cost_limit=found.within_cost_limit,
     )
 
 
@@ -159,7 +165,7 @@ class _Finding(NamedTuple):
     pure_forces: Matrix
     lost: Matrix
     reason: str
-    cheap: Matrix | None = None
+    within_cost_limit: Matrix | None = None
 
 
 class _Cut(TypedDict, total=False):
@@ -173,8 +179,8 @@ def _cut(cost_limit: float | None, whole: Matrix, axes: WrenchAxes) -> _Cut:
     return {} if cost_limit is None else {"cost_limit": cost_limit, "length_m": lever_arm(whole, axes)}
 
 
-def _cheap(space: Subspaces, rows: NDArray[np.bool_]) -> Matrix | None:
-    """The projector (6,6) onto what is not too dear of these rows of a wrench, None when nothing is."""
+def _cost_projector(space: Subspaces, rows: NDArray[np.bool_]) -> Matrix | None:
+    """The projector (6,6) onto the directions within the cost limit in these rows of a wrench, None when all are."""
     if "cost" not in space.threshold.dropped(space.singular_values):
         return None
     projector = np.zeros((6, 6))
@@ -186,22 +192,22 @@ def _in_space(A: Matrix, held: Vector, cut: _Cut) -> _Finding:
     if A.shape[1] == 0:
         return _Finding(Authority.SAFE, np.zeros((3, 0)), np.eye(6), "no thruster is left")
     space = subspaces(A, **cut)
-    cheap = _cheap(space, np.ones(6, dtype=bool))
+    within = _cost_projector(space, np.ones(6, dtype=bool))
     lost = np.array([combination.coefficients for combination in space.unreachable]).reshape(-1, 6).T
     if space.rank == 6:
         return _Finding(Authority.HOLONOMIC, np.eye(3), lost, "all six components of the wrench are there")
     words = "; ".join(combination.beside(held) for combination in space.unreachable)
     p = space.pure_forces.shape[1]
     if p == 0 or not _steerable(lost):
-        return _Finding(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed", cheap)
+        return _Finding(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed", within)
     authority = Authority.PLANE if p == 2 else Authority.LINE
-    return _Finding(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust", cheap)
+    return _Finding(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust", within)
 
 
 def _in_plane(A: Matrix, held: Vector, cut: _Cut) -> _Finding:
     """The same for surge, sway and yaw (3,m); to stay upright is the hull's own business."""
     space = subspaces(A, **cut)
-    cheap = _cheap(space, ~OUT_OF_PLANE)
+    within = _cost_projector(space, ~OUT_OF_PLANE)
     lost = np.zeros((6, len(space.unreachable)))
     for column, combination in zip(lost.T, space.unreachable, strict=True):
         column[~OUT_OF_PLANE] = combination.coefficients
@@ -211,8 +217,8 @@ def _in_plane(A: Matrix, held: Vector, cut: _Cut) -> _Finding:
         return _Finding(Authority.LEVEL, pure_forces, lost, "it moves in a level plane")
     words = "; ".join(combination.beside(held) for combination in space.unreachable)
     if space.rank == 2 and _steerable(lost):
-        return _Finding(Authority.UNICYCLE, pure_forces, lost, f"{words}: the heading now points the thrust", cheap)
-    return _Finding(Authority.SAFE, pure_forces, lost, f"{words}: the path cannot be followed", cheap)
+        return _Finding(Authority.UNICYCLE, pure_forces, lost, f"{words}: the heading now points the thrust", within)
+    return _Finding(Authority.SAFE, pure_forces, lost, f"{words}: the path cannot be followed", within)
 
 
 def _steerable(lost: Matrix) -> bool:

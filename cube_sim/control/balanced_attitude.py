@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.attitude import DesiredAttitude, Situation
+from cube_sim.control.attitude_mode import DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
 from cube_sim.control.levelling import UP
 from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation, rotation_about, skew
@@ -19,7 +19,7 @@ from cube_sim.vehicle.dynamics import Dynamics
 
 SOFTNESS_N = 0.6
 """Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
-MOST_RATE = 1.0
+MAX_RATE = 1.0
 """Bound on the turning of the desired attitude [rad/s]."""
 
 
@@ -57,8 +57,8 @@ class BalancedAttitude:
         R = self._rotation
         rates = self._rates(R.T @ self._force, R[2])
         speed = float(np.linalg.norm(rates))
-        if speed > MOST_RATE:
-            rates, speed = rates * (MOST_RATE / speed), MOST_RATE
+        if speed > MAX_RATE:
+            rates, speed = rates * (MAX_RATE / speed), MAX_RATE
         if speed > 0.0:
             self._rotation = R @ rotation_about(rates / speed, speed * dt)
         return DesiredAttitude(quaternion_from_rotation(R), R @ rates)

@@ -1,13 +1,20 @@
 """Finding thruster faults from what was commanded and what came back.
 
-The force each motor should give is known: its command through its lag and characteristic. The force it gives is
-measured (motor telemetry: speed and current). Over a sliding window the two, x and y, are held against what is believed
-of the motor: y = x of a whole one, y = e x of a weak one, y = 0 of a dead one, y = c of a stuck one. As long as that
-fits, it is believed. When it no longer does, the window has to say which of these the motor is instead.
+The force each thruster should give is known: its command through the motor's lag and the characteristic. The force it
+gives is measured (motor telemetry: speed and current). A sliding window of the two, x and y, is held against what is
+believed of the thruster:
 
-A weak and a stuck motor look alike while x stands still, and nearly so while it creeps: y = e x fits any constant. So a
-motor is believed weak only when its force was seen to move with x, stuck only when y = e x does not fit; in between it
-is doubtful, and told something else for a moment (`Probes`), as are dead ones, which would not show that they recover.
+    whole  y = x
+    weak   y = e x
+    dead   y = 0
+    stuck  y = c
+
+The belief stays as long as it fits. When it no longer fits, the window has to say which of the others the thruster is.
+
+A weak and a stuck thruster look alike while x stands still, and nearly so while it creeps: y = e x fits any constant.
+So a thruster is believed weak only when its force was seen to move with x. It is believed stuck only when y = e x does
+not fit. In between it is doubtful, and is told something else for a moment (`Probes`). Dead thrusters are probed too:
+otherwise nothing would show that they recover.
 """
 
 from __future__ import annotations
@@ -23,16 +30,16 @@ class Diagnosis:
     """A running judgement of m thrusters.
 
     Args:
-        lag_s: (m,) time constants of the motors [s].
+        lag_s: (m,) time constants of the thrusters' motors [s].
         window_s: length of the window [s]: the time a fault has to last to be believed.
         threshold_N: forces and differences below this say nothing [N].
         dt: control period [s].
-        probe_N: (m,) what silent motors are asked for [N], well beyond the threshold.
+        probe_N: (m,) what silent thrusters are asked for [N], well beyond the threshold.
 
     Attributes:
-        activation: (m,) the motors' lagged commands.
+        activation: (m,) the thrusters' lagged commands.
         health: what is believed.
-        doubtful: (m,) bool, which motors do something else than believed that can be read in more than one way.
+        doubtful: (m,) bool, which thrusters do something else than believed that can be read in more than one way.
     """
 
     WHOLE = 0.9
@@ -53,18 +60,18 @@ class Diagnosis:
         self.doubtful = np.zeros(m, dtype=bool)
 
     def advance(self, commands: Vector) -> None:
-        """Carry the motors' lag over one tick of constant commands (m,)."""
+        """Carry the thrusters' lag over one tick of constant commands (m,)."""
         self.activation = commands + (self.activation - commands) * self._decay
 
     def probed(self, force: Vector) -> Vector:
         """The forces (m,) [N] to ask for at this tick, a probe among them when one is due."""
-        return self._probes.disturb(force, self.health, self.doubtful)
+        return self._probes.with_probe(force, self.health, self.doubtful)
 
     def update(self, expected: Vector, measured: Vector) -> Health:
         """Judge after one more tick.
 
         Args:
-            expected: (m,) forces [N] whole motors would give now.
+            expected: (m,) forces [N] whole thrusters would give now.
             measured: (m,) forces [N] they give.
         """
         n = len(self._expected)
@@ -82,7 +89,7 @@ class Diagnosis:
         return self.health
 
     def _judge(self, i: int) -> None:
-        """Believe something else of a motor that does not do what is believed of it, if its window says what."""
+        """Believe something else of a thruster that does not do what is believed of it, if its window says what."""
         x, y, size = self._expected[:, i], self._measured[:, i], self._size
         energy = float(x @ x)
         share = min(1.0, max(0.0, float(x @ y) / energy)) if energy > 0.0 else 0.0

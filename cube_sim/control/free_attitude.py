@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.attitude import DesiredAttitude, Situation
+from cube_sim.control.attitude_mode import DesiredAttitude, Situation
 from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation, rotation_about
 from cube_sim.vehicle.dynamics import Dynamics
 
-MOST_RATE = 0.5
+MAX_RATE = 0.5
 """Bound on the turning of the desired attitude [rad/s]."""
 SOFTNESS_N = 1.0
 """Efforts of this size and less hardly turn the vehicle."""
@@ -59,8 +59,8 @@ class FreeAttitude:
         R = self._rotation
         rates = self._descent(R, situation) + self._out_of_upside_down(R[2])
         speed = float(np.linalg.norm(rates))
-        if speed > MOST_RATE:
-            rates, speed = rates * (MOST_RATE / speed), MOST_RATE
+        if speed > MAX_RATE:
+            rates, speed = rates * (MAX_RATE / speed), MAX_RATE
         if speed > 0.0:
             self._rotation = R @ rotation_about(rates / speed, speed * dt)
         return DesiredAttitude(quaternion_from_rotation(R), R @ rates)

@@ -6,11 +6,11 @@ from math import atan2
 
 import numpy as np
 
-from cube_sim.control.attitude import DesiredAttitude, Situation
+from cube_sim.control.attitude_mode import DesiredAttitude, Situation
 from cube_sim.control.levelling import levelling_spin
 from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation, rotation_about
 
-MOST_RATE = 1.0
+MAX_RATE = 1.0
 """Bound on each of the two turns of the desired attitude [rad/s]."""
 
 
@@ -46,7 +46,7 @@ class LookAt:
         u, side = R @ self._axis, R @ self._side
         first = self._towards_the_point(u, side, situation)
         spin = levelling_spin(u, cross(first, u), side, self._levelling_time)
-        spin = min(max(spin, -MOST_RATE), MOST_RATE)
+        spin = min(max(spin, -MAX_RATE), MAX_RATE)
         size = float(np.linalg.norm(first))
         rolled = rotation_about(u, spin * dt) @ R  # first, as it leaves u where it is: the tasks do not mix in a tick
         self._rotation = rotation_about(first / size, size * dt) @ rolled if size > 0.0 else rolled
@@ -66,7 +66,7 @@ class LookAt:
         near = min(1.0, distance / self._near)
         w = near**2 * (3.0 - 2.0 * near) * (w - u * (u @ w))
         size = float(np.linalg.norm(w))
-        return w if size <= MOST_RATE else w * (MOST_RATE / size)
+        return w if size <= MAX_RATE else w * (MAX_RATE / size)
 
 
 def shortest_turn(a: Vector, b: Vector, axis_if_opposite: Vector) -> Vector:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cube_sim.control.attitude import AttitudeMode, Situation
+from cube_sim.control.attitude_mode import AttitudeMode, Situation
 from cube_sim.control.authority import Authority, Capability, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.controller import Decision
@@ -14,7 +14,7 @@ from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.priority import path_first
-from cube_sim.control.safe_mode import Refuge, SafeMode, Watch
+from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.guidance.law import MotionLaw, Target
 from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import State, Vector
@@ -52,9 +52,9 @@ class PathFollower:
     def __post_init__(self) -> None:
         """Fly with what the thrusters can do from the start."""
         self._force: Vector = np.zeros(3)
-        self._refuge: Refuge | None = None
+        self._goal: SafeModeGoal | None = None
         self._balanced: BalancedAttitude | None = None
-        self._watch = Watch(self.safe_mode)
+        self._monitor = LossOfTargetMonitor(self.safe_mode)
         self.reconfigure(self.capability)
 
     def reconfigure(self, left: Capability) -> None:
@@ -62,9 +62,9 @@ class PathFollower:
         self.capability = left
         self._balanced, self._loops = None, self.loops
         if left.authority is not Authority.SAFE:
-            self._refuge = None
-        elif self._refuge is not None:
-            self._refuge.because(left.reason)
+            self._goal = None
+        elif self._goal is not None:
+            self._goal.set_reason(left.reason)
         if left.authority in (Authority.LINE, Authority.UNICYCLE):
             # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
             slower = max(self.loops.velocity_time, 2.0 * self.loops.attitude_time)
@@ -73,20 +73,20 @@ class PathFollower:
     def decide(self, state: State, applied: Vector, dt: float) -> Decision:
         """See `Controller.decide`."""
         view = self.target.view(state.position, state.rotation @ state.velocity)
-        refuge = self._seek_refuge(state, view, dt)
-        motion = self.approach.motion(view) if refuge is None else refuge.motion(state.position)
+        goal = self._safe_mode_goal(state, view, dt)
+        motion = self.approach.motion(view) if goal is None else goal.motion(state.position)
         disturbance, current = self._unknowns(state, applied, dt)
         situation = Situation(view, state.rotation, self._force, current, self.capability.effort)
         attitude = self._mode(state).attitude(situation, dt)
         wrench, reference = self._loops.wrench(state, motion, attitude, current)
         demanded = wrench - disturbance
         self._force = state.rotation @ demanded[:3]
-        if refuge is None:
+        if goal is None:
             self.target.advance(view.speed, dt)
-        attainable = self.capability.attainable(demanded)
+        in_range = self.capability.project_onto_range(demanded)
         return Decision(
-            wrench=attainable,
-            secondary=self._secondary(attainable),
+            wrench=in_range,
+            secondary=self._secondary(in_range),
             disturbance=disturbance,
             current=current,
             view=view,
@@ -95,17 +95,17 @@ class PathFollower:
             rates=reference.rates,
             quaternion=attitude.quaternion,
             attitude_error=reference.attitude_error,
-            authority=self.capability.authority if refuge is None else Authority.SAFE,
-            given_up="" if refuge is None else refuge.reason,
+            authority=self.capability.authority if goal is None else Authority.SAFE,
+            given_up="" if goal is None else goal.reason,
         )
 
-    def _seek_refuge(self, state: State, view: TargetView, dt: float) -> Refuge | None:
-        """Where to go instead of along the path, once there is a reason; only other thrusters end it."""
-        if self._refuge is None:
+    def _safe_mode_goal(self, state: State, view: TargetView, dt: float) -> SafeModeGoal | None:
+        """Where to go instead of along the path, once there is a reason to; only other thrusters end it."""
+        if self._goal is None:
             lost = self.capability.reason if self.capability.authority is Authority.SAFE else ""
-            reason = lost or self._watch.reason(view, dt)
-            self._refuge = Refuge(self.safe_mode, state, reason) if reason else None
-        return self._refuge
+            reason = lost or self._monitor.reason(view, dt)
+            self._goal = SafeModeGoal(self.safe_mode, state, reason) if reason else None
+        return self._goal
 
     def _mode(self, state: State) -> AttitudeMode:
         """Who says which attitude to take."""
@@ -115,14 +115,15 @@ class PathFollower:
                     self.capability, self.loops.dynamics, state.rotation, self.balancing_time
                 )
             return self._balanced
-        return self.attitude if self._refuge is None else self._refuge.attitude
+        return self.attitude if self._goal is None else self._goal.attitude
 
     def _secondary(self, wrench: Vector) -> Vector:
         """The part (6,) of a wrench that gives way to the path: none where the attitude has to point the thrust.
 
-        Nor where something is too dear: with only a share of the other part, the wrench would ask for that again.
+        None under a cost limit that takes directions away, either: with only a share of the secondary part the wrench
+        would have a component along them again.
         """
-        if not self.path_first or self._balanced is not None or self.capability.cheap is not None:
+        if not self.path_first or self._balanced is not None or self.capability.within_cost_limit is not None:
             return np.zeros(6)
         dynamics = self.loops.dynamics
         return path_first(wrench, dynamics.mass_matrix + dynamics.added_mass).secondary

@@ -1,9 +1,9 @@
-"""Asking a silent or doubtful motor for a force of its own, to learn from what it gives.
+"""Asking a silent or doubtful thruster for a force of its own, to learn from what it gives.
 
-A motor believed dead is told nothing, so nothing it does can show that it is whole again; one that is told the same all
-the time gives the same whether it is weak or stuck. Now and then such a motor is told something else for a moment. What
-comes of it is not planned for: a motor that is dead or stuck adds nothing, and one that answers is known within a few
-control periods, at which its probe ends.
+A thruster believed dead is told nothing, so nothing it does can show that it is whole again. One that is told the same
+all the time gives the same whether it is weak or stuck. Now and then such a thruster is told something else for a
+moment. The allocation does not count on what comes of it: a thruster that is dead or stuck adds nothing, and one that
+answers is known within a few control periods. Then its probe ends.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from cube_sim.wrench.health import Health
 
 
 class Probes:
-    """One probe at a time, each motor at most once a period.
+    """One probe at a time, each thruster at most once a period.
 
     Args:
-        force: (m,) [N] what a silent motor is asked for. A doubtful one is asked for it too, or for nothing when that
-            is farther from what it is told.
+        force: (m,) [N] what a silent thruster is asked for. A doubtful one is asked for it too, or for nothing when
+            that is farther from what it is told.
         dt: control period [s].
-        period_s: between two probes of one motor, and from its loss to the first [s].
+        period_s: between two probes of one thruster, and from its loss to the first [s].
         length_s: the most a probe takes [s].
     """
 
@@ -30,22 +30,24 @@ class Probes:
         self._force = force
         self._period, self._length = max(1, round(period_s / dt)), max(1, round(length_s / dt))
         self._wait = np.zeros(m, dtype=int)
-        self._obeyed = np.ones(m, dtype=bool)
-        self._motor, self._left, self._asked = -1, 0, 0.0
+        self._was_responsive = np.ones(m, dtype=bool)
+        self._thruster, self._left, self._asked = -1, 0, 0.0
         self._before = Health.whole(m)
 
-    def disturb(self, force: Vector, health: Health, doubtful: np.ndarray) -> Vector:
-        """The forces (m,) [N] to ask for at this tick in place of `force`; to be called at every tick.
+    def with_probe(self, force: Vector, health: Health, doubtful: np.ndarray) -> Vector:
+        """The forces (m,) [N] to ask for at this tick in place of `force`, a probe among them when one is due.
+
+        To be called at every tick.
 
         Args:
-            force: (m,) [N] what the motors are to be told, as if they were whole.
+            force: (m,) [N] what the thrusters are to be told, as if they were whole.
             health: what is believed of them.
             doubtful: (m,) bool, which ones need to be told something else to be judged.
         """
         silent = (health.efficiency == 0.0) & np.isnan(health.stuck)
         self._wait = np.maximum(0, self._wait - 1)
-        self._wait[silent & self._obeyed] = self._period
-        self._obeyed = health.obedient
+        self._wait[silent & self._was_responsive] = self._period
+        self._was_responsive = health.obedient
         if self._left > 0 and not self._unchanged(health):
             self._left = 0
         if self._left == 0:
@@ -53,20 +55,20 @@ class Probes:
         if self._left == 0:
             return force
         self._left -= 1
-        disturbed = force.copy()
-        disturbed[self._motor] = self._asked
-        return disturbed
+        probed = force.copy()
+        probed[self._thruster] = self._asked
+        return probed
 
     def _start(self, due: np.ndarray, force: Vector, health: Health) -> None:
         if due.size == 0:
             return
-        self._motor = i = int(due[0])
+        self._thruster = i = int(due[0])
         self._asked = 0.0 if abs(force[i]) > 0.5 * abs(self._force[i]) else float(self._force[i])
         self._left, self._before = self._length, health
         self._wait[i] = self._period
 
     def _unchanged(self, health: Health) -> bool:
-        """Whether no more is known of the probed motor than when its probe began."""
-        i, before = self._motor, self._before
+        """Whether no more is known of the probed thruster than when its probe began."""
+        i, before = self._thruster, self._before
         same_hold = health.stuck[i] == before.stuck[i] or bool(np.isnan(health.stuck[i]) and np.isnan(before.stuck[i]))
         return bool(health.efficiency[i] == before.efficiency[i]) and same_hold

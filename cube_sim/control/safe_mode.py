@@ -7,7 +7,7 @@ from math import atan2
 
 import numpy as np
 
-from cube_sim.control.attitude import FixedAttitude
+from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.guidance.approach import DesiredMotion
 from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import State, Vector, quaternion_from_euler
@@ -32,8 +32,8 @@ class SafeMode:
     patience: float = 10.0
 
 
-class Refuge:
-    """The place and heading a vehicle keeps to, or rises from, with whatever its thrusters still give.
+class SafeModeGoal:
+    """Where a vehicle in safe mode goes: the place and heading at which it gave up, or the surface above it.
 
     Args:
         mode: what to do.
@@ -48,10 +48,10 @@ class Refuge:
             self._place[2] = mode.surface
         ahead = state.rotation[:, 0]
         self.attitude = FixedAttitude(quaternion_from_euler(0.0, 0.0, atan2(ahead[1], ahead[0])))
-        self.because(reason)
+        self.set_reason(reason)
 
-    def because(self, reason: str) -> None:
-        """Give another reason to be here."""
+    def set_reason(self, reason: str) -> None:
+        """Say why the path is given up; what the vehicle does instead is added."""
         does = "it holds its position as well as it can" if self._mode.surface is None else "it makes for the surface"
         self.reason = f"{reason}; {does}"
 
@@ -62,8 +62,11 @@ class Refuge:
         return DesiredMotion(velocity * min(1.0, self._mode.speed / max(speed, 1e-12)), np.zeros(3))
 
 
-class Watch:
-    """Notices when a vehicle that was near its target has lost it for good; how far it starts away does not count."""
+class LossOfTargetMonitor:
+    """Detects that a vehicle has lost its target: beyond the limit for as long as the patience lasts.
+
+    It counts only after the vehicle has been within the limit once, so a start from far away is no loss.
+    """
 
     def __init__(self, mode: SafeMode) -> None:
         self._mode, self._since, self._was_near = mode, 0.0, False

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.attitude import AlongPath, AttitudeMode, FixedAttitude
+from cube_sim.control.along_path import AlongPath
+from cube_sim.control.attitude_mode import AttitudeMode
+from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.free_attitude import FreeAttitude
 from cube_sim.control.look_at import LookAt
 from cube_sim.scenario import attitude_blocks as blocks

@@ -45,11 +45,11 @@ def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
     mistakes = too_slow_period(loaded, _loop_times(scenario))
     if control.cost_limit is not None:
         A = scenario.knowledge.thrust * believed.vehicle.actuation_matrix
-        cheap = capability(A, cost_limit=control.cost_limit)
-        if cheap.authority is Authority.SAFE and whole.authority is not Authority.SAFE:
+        within_limit = capability(A, cost_limit=control.cost_limit)
+        if within_limit.authority is Authority.SAFE and whole.authority is not Authority.SAFE:
             text = f"what is left of this vehicle at {control.cost_limit:g} N/N follows no path; " + _costs(A, whole)
             mistakes.append(loaded.mistake("control.cost_limit", text))
-        whole = cheap
+        whole = within_limit
     if whole.level:
         if not is_level(path):
             text = "this path climbs or sinks, and the vehicle has thrusters for a level plane only"

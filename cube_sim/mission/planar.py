@@ -7,9 +7,9 @@ from math import inf, radians, sqrt
 import numpy as np
 
 from cube_sim.control.planar.approach_angle import ApproachAngle
+from cube_sim.control.planar.attainable_set import PlanarAttainableSet
 from cube_sim.control.planar.dynamic import DynamicLaw, Gains
 from cube_sim.control.planar.follower import PlanarFollower
-from cube_sim.control.planar.reach import Reach
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
@@ -86,7 +86,7 @@ def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollowe
             least_speed=planar.least_speed_m_s,
             target_speed_limit=limit,
         ),
-        reach=Reach.of(vehicle.actuation_matrix, vehicle.thrusters.limits[:, [0, 3]]),
+        attainable=PlanarAttainableSet.of(vehicle.actuation_matrix, vehicle.thrusters.limits[:, [0, 3]]),
     )
 
 

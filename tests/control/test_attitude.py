@@ -5,7 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cube_sim.control.attitude import AlongPath, FixedAttitude, Situation
+from cube_sim.control.along_path import AlongPath
+from cube_sim.control.attitude_mode import Situation
+from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.guidance.helix import Helix
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.path import PathPoint

@@ -8,7 +8,7 @@ from support.places import MODELS, SCENARIOS
 import cube_sim
 from cube_sim import Vehicle, load_model
 from cube_sim.actuation.directions.selection_criteria import final_approach
-from cube_sim.control.authority import Authority, capability, remaining
+from cube_sim.control.authority import Authority, capability, remaining_capability
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import ScenarioError
 from cube_sim.mission import prepare
@@ -39,7 +39,7 @@ def damaged(vehicle, cost_limit=None):
     health = Health.whole(8)
     for thruster in LOST:
         health = health.with_thruster(thruster, 0.0)
-    return remaining(vehicle.actuation_matrix, vehicle.thrusters.limits, health, cost_limit)
+    return remaining_capability(vehicle.actuation_matrix, vehicle.thrusters.limits, health, cost_limit)
 
 
 def test_a_dear_direction_is_lost_as_one_without_thrusters_is(vehicle):
@@ -55,7 +55,7 @@ def test_a_dear_direction_is_lost_as_one_without_thrusters_is(vehicle):
     assert "too dear but together" in with_limit.reason
     rng = np.random.default_rng(0)
     for demand in rng.normal(size=(20, 6)) * [20, 20, 20, 5, 5, 5]:
-        asked = with_limit.attainable(demand)
+        asked = with_limit.project_onto_range(demand)
         assert directions.coordinates(asked)[-1] == pytest.approx(0, abs=1e-9)
         assert np.allclose(asked[3:], demand[3:])
 
@@ -64,9 +64,9 @@ def test_the_limit_decides_alone_and_a_high_one_keeps_what_rank_would_cut(vehicl
     # T1 and T2 leave a direction at 93.3 N/N, under 1 % of the largest gain.
     health = Health.whole(8).with_thruster(0, 0.0).with_thruster(1, 0.0)
     A, limits = vehicle.actuation_matrix, vehicle.thrusters.limits
-    assert remaining(A, limits, health).authority is Authority.PLANE
-    assert remaining(A, limits, health, 90.0).authority is Authority.PLANE
-    assert remaining(A, limits, health, 100.0).authority is Authority.HOLONOMIC
+    assert remaining_capability(A, limits, health).authority is Authority.PLANE
+    assert remaining_capability(A, limits, health, 90.0).authority is Authority.PLANE
+    assert remaining_capability(A, limits, health, 100.0).authority is Authority.HOLONOMIC
 
 
 def test_nothing_dear_is_asked_for_where_no_path_can_be_followed(vehicle):
@@ -76,10 +76,10 @@ def test_nothing_dear_is_asked_for_where_no_path_can_be_followed(vehicle):
     left = capability(A, cost_limit=limit)
     assert left.authority is Authority.SAFE
     demand = np.array([10.0, -5.0, 3.0, 1.0, 2.0, -1.0])
-    asked = left.attainable(demand)
+    asked = left.project_onto_range(demand)
     assert np.allclose(directions.coordinates(asked)[3:], 0, atol=1e-9)
     assert np.allclose(directions.coordinates(asked)[:3], directions.coordinates(demand)[:3])
-    assert np.array_equal(capability(A[:, :2]).attainable(demand), demand)
+    assert np.array_equal(capability(A[:, :2]).project_onto_range(demand), demand)
 
 
 def test_a_level_vehicle_that_pushes_sideways_dearly_steers_by_its_heading():
@@ -89,7 +89,9 @@ def test_a_level_vehicle_that_pushes_sideways_dearly_steers_by_its_heading():
     assert capability(A, cost_limit=30.0).authority is Authority.LEVEL
     left = capability(A, cost_limit=10.0)
     assert left.authority is Authority.UNICYCLE
-    assert left.attainable(np.array([3.0, 2.0, 0.0, 0.0, 0.0, 1.0])) == pytest.approx([3, 0, 0, 0, 0, 1], abs=1e-12)
+    assert left.project_onto_range(np.array([3.0, 2.0, 0.0, 0.0, 0.0, 1.0])) == pytest.approx(
+        [3, 0, 0, 0, 0, 1], abs=1e-12
+    )
 
 
 @pytest.mark.flight
@@ -126,7 +128,7 @@ def test_the_default_is_no_limit():
     assert loaded.scenario.control.cost_limit is None
     controller = prepare(loaded).controller
     assert isinstance(controller, PathFollower)
-    assert controller.capability.cheap is None
+    assert controller.capability.within_cost_limit is None
 
 
 def test_a_limit_that_leaves_no_way_to_follow_a_path_is_refused_with_the_costs():

@@ -1,4 +1,4 @@
-"""Finding out what a motor does from what it was told, when that is plain and when it can be read in two ways."""
+"""Finding out what a thruster does from what it was told, when that is plain and when it can be read in two ways."""
 
 from collections.abc import Callable
 
@@ -11,15 +11,15 @@ from cube_sim.control.probing import Probes
 
 DT, LAG, THRESHOLD, PROBE = 0.02, 0.02, 1.0, 3.0
 FULL = 40.0
-"""Force of a whole motor at command 1 [N]; its characteristic is a straight line."""
+"""Force of a whole thruster at command 1 [N]; its characteristic is a straight line."""
 
 State = tuple[float, float | None]
-"""(efficiency, force held or None) of the true motor."""
+"""(efficiency, force held or None) of the true thruster."""
 WHOLE, DEAD = (1.0, None), (0.0, None)
 
 
 class Bench:
-    """One motor, the forces it is told, and a diagnosis in the loop that also believes itself: as it flies."""
+    """One thruster, the forces it is told, and a diagnosis in the loop that also believes itself: as it flies."""
 
     def __init__(self) -> None:
         self.diagnosis = Diagnosis(np.array([LAG]), 0.5, THRESHOLD, DT, np.array([PROBE]))
@@ -140,13 +140,15 @@ def test_a_characteristic_known_to_a_few_percent_is_whole():
 def test_dead_motors_are_probed_in_turn_and_briefly():
     probes = Probes(np.array([3.0, -3.0, 3.0]), DT, period_s=5.0, length_s=0.3)
     health = Health(np.array([0.0, 0.0, 1.0]), np.full(3, np.nan))
-    asked = np.array([probes.disturb(np.array([0.0, 0.0, 8.0]), health, np.zeros(3, dtype=bool)) for _ in range(1000)])
+    asked = np.array(
+        [probes.with_probe(np.array([0.0, 0.0, 8.0]), health, np.zeros(3, dtype=bool)) for _ in range(1000)]
+    )
     assert set(asked[:, 0]) == {0.0, 3.0}
     assert set(asked[:, 1]) == {0.0, -3.0}
     assert set(asked[:, 2]) == {8.0}
     assert not np.any((asked[:, 0] != 0.0) & (asked[:, 1] != 0.0))
-    for motor in (0, 1):
-        on = np.flatnonzero(asked[:, motor])
+    for thruster in (0, 1):
+        on = np.flatnonzero(asked[:, thruster])
         starts = on[np.diff(on, prepend=-10) > 1]
         assert len(on) == 15 * len(starts)
         assert starts[0] * DT >= 5.0 - DT  # it has only just been found dead

@@ -8,8 +8,8 @@ from support.places import CUBE
 
 import cube_sim
 from cube_sim.allocation import Health
-from cube_sim.control.attitude import Situation
-from cube_sim.control.authority import Authority, capability, remaining
+from cube_sim.control.attitude_mode import Situation
+from cube_sim.control.authority import Authority, capability, remaining_capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.spatial import rotation_from_quaternion
 
@@ -48,7 +48,7 @@ def test_demands_are_projected_onto_the_range_with_all_their_torque(cube):
         A = left_after(cube.actuation_matrix, lost)
         left = capability(A)
         for wrench in rng.normal(size=(20, 6)):
-            projected = left.attainable(wrench)
+            projected = left.project_onto_range(wrench)
             np.testing.assert_allclose(A @ np.linalg.pinv(A) @ projected, projected, atol=1e-12)
             np.testing.assert_array_equal(projected[3:], wrench[3:])
             # no other force that goes with this torque is nearer
@@ -106,20 +106,20 @@ def test_beside_stuck_thrusters_only_wrenches_that_contain_what_they_hold_are_as
     A, health = cube.actuation_matrix, Health.whole(8)
     for thruster, force in stuck.items():
         health = health.with_thruster(thruster, 0.0, force)
-    left = remaining(A, cube.thrusters.limits, health)
+    left = remaining_capability(A, cube.thrusters.limits, health)
     assert left.steers_by_attitude
     others = left_after(A, list(stuck))
     held = A[:, list(stuck)] @ np.array(list(stuck.values()))
     rng = np.random.default_rng(5)
     for wrench in rng.normal(scale=20.0, size=(20, 6)):
-        asked = left.attainable(wrench)
+        asked = left.project_onto_range(wrench)
         np.testing.assert_allclose(others @ np.linalg.pinv(others) @ (asked - held), asked - held, atol=1e-9)
         np.testing.assert_array_equal(asked[3:], wrench[3:])
-        again = left.attainable(asked)
+        again = left.project_onto_range(asked)
         np.testing.assert_allclose(again, asked, atol=1e-9)
     # The line for the log holds the same number: its left side, of any wrench that can be made.
     assert f"Fx - 0.577 Fy + 1.15 Fz + 2.89 Mx/m + 1.67 My/m - 3.33 Mz/m = {constant:.3g} N always" in left.reason
-    Fx, Fy, Fz, Mx, My, Mz = left.attainable(np.array([3.0, -2.0, 5.0, 1.0, -0.5, 0.2]))
+    Fx, Fy, Fz, Mx, My, Mz = left.project_onto_range(np.array([3.0, -2.0, 5.0, 1.0, -0.5, 0.2]))
     assert Fx - 0.57735 * Fy + 1.1547 * Fz + 2.88675 * Mx + 1.66667 * My - 3.33333 * Mz == pytest.approx(
         constant, abs=0.05
     )
@@ -132,7 +132,7 @@ def test_the_balanced_attitude_counts_what_stuck_thrusters_hold(cube, stuck, con
     health = Health.whole(8)
     for thruster, force in stuck.items():
         health = health.with_thruster(thruster, 0.0, 0.2 * force)
-    left = remaining(cube.actuation_matrix, cube.thrusters.limits, health)
+    left = remaining_capability(cube.actuation_matrix, cube.thrusters.limits, health)
     mode, force = BalancedAttitude(left, cube.dynamics, np.eye(3), time=0.5), np.array([22.0, 9.0, 2.0])
     for _ in range(600):
         desired = mode.attitude(Situation(None, np.eye(3), force, np.zeros(3), left.effort), 0.05)
@@ -159,12 +159,12 @@ def test_thrusters_without_force_are_no_authority(cube):
     A, limits, health = cube.actuation_matrix, cube.thrusters.limits, Health.whole(8)
     for thruster, efficiency in ((0, 0.01), (1, 0.05), (2, 0.099)):
         health = health.with_thruster(thruster, efficiency)
-    weak, gone = remaining(A, limits, health), capability(left_after(A, [0, 1, 2]))
+    weak, gone = remaining_capability(A, limits, health), capability(left_after(A, [0, 1, 2]))
     assert weak.authority is gone.authority is Authority.LINE
     np.testing.assert_array_equal(weak.lost_forces, gone.lost_forces)
     np.testing.assert_array_equal(weak.held, np.zeros(6))
-    assert remaining(A, limits, health.with_thruster(2, 0.1)).authority is Authority.PLANE
-    assert remaining(A, limits, Health.whole(8).with_thruster(0, 0.5)).authority is Authority.HOLONOMIC
+    assert remaining_capability(A, limits, health.with_thruster(2, 0.1)).authority is Authority.PLANE
+    assert remaining_capability(A, limits, Health.whole(8).with_thruster(0, 0.5)).authority is Authority.HOLONOMIC
     blocked = limits.copy()
     blocked[:2, 0], blocked[:2, 3] = blocked[:2, 1], blocked[:2, 2]  # their dead zones end where they saturate
-    assert remaining(A, blocked, Health.whole(8)).authority is Authority.PLANE
+    assert remaining_capability(A, blocked, Health.whole(8)).authority is Authority.PLANE

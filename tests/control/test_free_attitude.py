@@ -5,10 +5,10 @@ import pytest
 from support.places import CUBE, MODELS
 
 import cube_sim
-from cube_sim.control.attitude import Situation
+from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.authority import capability
 from cube_sim.control.effort import effort_matrix
-from cube_sim.control.free_attitude import MOST_RATE, FreeAttitude
+from cube_sim.control.free_attitude import MAX_RATE, FreeAttitude
 from cube_sim.guidance.path import PathPoint
 from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import quaternion_from_euler, rotation_about, rotation_from_quaternion, skew
@@ -105,7 +105,7 @@ def test_its_rate_is_the_damped_step_down_the_true_effort(bluerov2):
         J = np.column_stack([(w(h * axis) - w(-h * axis)) / (2.0 * h) for axis in np.eye(3)])
         step = -np.linalg.solve(J.T @ J + (0.2 * y @ y + 1.0) * np.eye(3), J.T @ y) / TIME
         (_, rates), *_ = settle(bluerov2, R, velocity, current, rest, DT)
-        if np.linalg.norm(step) < MOST_RATE:
+        if np.linalg.norm(step) < MAX_RATE:
             np.testing.assert_allclose(R.T @ rates, step, atol=1e-4)
             assert step @ J.T @ y < 0.0
             checked += 1
@@ -144,7 +144,7 @@ def test_from_upside_down_it_comes_upright_in_one_piece(name, attitude, request)
     R = rotation_from_quaternion(quaternion_from_euler(*np.radians(attitude)))
     tilts = []
     for now, rates in settle(vehicle, R, STILL, STILL, duration=50.0):
-        assert np.linalg.norm(rates) <= MOST_RATE + 1e-12
+        assert np.linalg.norm(rates) <= MAX_RATE + 1e-12
         tilts.append(np.arccos(np.clip(now[2, 2], -1.0, 1.0)))
     assert np.all(np.diff(tilts) <= 1e-7)
     assert tilts[-1] < 0.01
@@ -156,7 +156,7 @@ def test_its_rates_are_the_derivative_of_the_attitude(bluerov2):
     steps = list(settle(bluerov2, R, np.array([0.2, 0.0, 0.0]), current, duration=4.0))
     for k in range(2, len(steps) - 1, 17):
         slope = (steps[k + 1][0] - steps[k - 1][0]) / (2.0 * DT)
-        np.testing.assert_allclose(slope, skew(steps[k][1]) @ steps[k][0], atol=0.01 * MOST_RATE)
+        np.testing.assert_allclose(slope, skew(steps[k][1]) @ steps[k][0], atol=0.01 * MAX_RATE)
 
 
 def test_a_vehicle_with_nothing_to_do_turns_no_way(cube):

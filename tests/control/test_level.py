@@ -9,7 +9,7 @@ import pytest
 from support.places import MODELS, SCENARIOS
 
 import cube_sim
-from cube_sim.control.attitude import Situation
+from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.authority import Authority, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.path_follower import PathFollower
@@ -47,7 +47,7 @@ def test_any_two_motors_of_jack_make_a_unicycle_and_one_makes_nothing(matrix):
 def test_a_unicycle_is_asked_for_its_torque_and_the_nearest_force_that_comes_with_it(matrix):
     for lost in combinations(range(4), 2):
         A = np.delete(matrix, lost, axis=1)
-        asked = capability(A).attainable(np.array([3.0, -2.0, 5.0, 1.0, 1.0, 0.7]))
+        asked = capability(A).project_onto_range(np.array([3.0, -2.0, 5.0, 1.0, 1.0, 0.7]))
         np.testing.assert_allclose(A @ np.linalg.pinv(A) @ asked, asked, atol=1e-12)
         np.testing.assert_array_equal(asked[2:], [0.0, 0.0, 0.0, 0.7])
 
@@ -74,7 +74,7 @@ def test_a_vehicle_built_as_a_unicycle_gets_the_planar_law_unless_told_otherwise
 
 def test_only_what_lies_in_the_plane_is_demanded(matrix):
     level = capability(matrix)
-    np.testing.assert_array_equal(level.attainable(np.arange(1.0, 7.0)), [1.0, 2.0, 0.0, 0.0, 0.0, 6.0])
+    np.testing.assert_array_equal(level.project_onto_range(np.arange(1.0, 7.0)), [1.0, 2.0, 0.0, 0.0, 0.0, 6.0])
     # and all of that can be made
     wrench = np.array([1.0, 2.0, 0.0, 0.0, 0.0, 6.0])
     np.testing.assert_allclose(matrix @ np.linalg.pinv(matrix) @ wrench, wrench, atol=1e-12)

@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cube_sim.control.attitude import Situation
+from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.levelling import levelling_spin
-from cube_sim.control.look_at import MOST_RATE, LookAt, shortest_turn
+from cube_sim.control.look_at import MAX_RATE, LookAt, shortest_turn
 from cube_sim.guidance.path import PathPoint
 from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import quaternion_from_euler, rotation_about, rotation_from_quaternion, skew
@@ -73,7 +73,7 @@ def test_its_rates_are_the_derivative_of_the_attitude_and_bounded():
         for k in range(1, len(steps) - 1, 37):
             slope = (steps[k + 1][0] - steps[k - 1][0]) / (2.0 * dt)
             np.testing.assert_allclose(slope, skew(steps[k][1]) @ steps[k][0], atol=5e-3)
-        assert max(np.linalg.norm(rates) for _, rates in steps) <= 1.4143 * MOST_RATE
+        assert max(np.linalg.norm(rates) for _, rates in steps) <= 1.4143 * MAX_RATE
 
 
 @pytest.mark.parametrize("axis", [X, Y, -Z], ids=["ahead", "left", "down"])
@@ -113,7 +113,7 @@ def test_about_its_axis_it_turns_for_nothing_but_the_level():
         )
         u, side = R[:, 0], R[:, 1]
         spin = levelling_spin(u, np.cross(rates, u), side, 2.0)
-        assert rates @ u == pytest.approx(np.clip(spin, -MOST_RATE, MOST_RATE), abs=1e-12)
+        assert rates @ u == pytest.approx(np.clip(spin, -MAX_RATE, MAX_RATE), abs=1e-12)
 
 
 @pytest.mark.parametrize("height", [2.0, -2.0])
@@ -136,7 +136,7 @@ def test_driving_through_the_point_itself_is_calm(offset):
     for (R, rates), (after, _) in pairwise(steps):
         turned = np.linalg.norm(R.T @ after - np.eye(3)) / np.sqrt(2.0)
         assert turned <= np.linalg.norm(rates) * DT + 1e-9
-        assert np.linalg.norm(rates) <= 1.4143 * MOST_RATE
+        assert np.linalg.norm(rates) <= 1.4143 * MAX_RATE
     np.testing.assert_allclose(steps[-1][0][:, 0], -X, atol=2e-2)
 
 

@@ -7,7 +7,7 @@ from support.places import CUBE
 from support.swimmer import accelerations, moving, push, swimmer
 
 import cube_sim
-from cube_sim.control.attitude import DesiredAttitude
+from cube_sim.control.attitude_mode import DesiredAttitude
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.guidance.approach import DesiredMotion

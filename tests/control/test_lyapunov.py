@@ -14,9 +14,9 @@ import pytest
 from support.planar_flight import GAINS, LAW, SPEED, corrected, derivative, see, step
 from support.swimmer import push, swimmer
 
-from cube_sim.control.attitude import DesiredAttitude
+from cube_sim.control.attitude_mode import DesiredAttitude
 from cube_sim.control.loops import MotionLoops
-from cube_sim.control.planar.dynamic import SpeedWanted
+from cube_sim.control.planar.dynamic import DesiredSpeed
 from cube_sim.control.planar.model import PlanarMotion
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.arc import circle
@@ -71,7 +71,7 @@ def angle_state(path, q):
     """(e, e') of the planar dynamic law, e = psi - delta."""
     motion = PlanarMotion(*q[3:6])
     view = see(path, q[0], q[1], q[2] + motion.side_slip, q[6])
-    k = LAW.kinematics(motion, view, SpeedWanted(SPEED))
+    k = LAW.kinematics(motion, view, DesiredSpeed(SPEED))
     return k.error, k.dpsi - k.ddelta, view
 
 

@@ -7,7 +7,7 @@ import pytest
 from support.planar_flight import GAINS, INFANTE, LAW, SPEED, corrected, derivative, fly, printed, see, start, step
 
 from cube_sim.control.planar.approach_angle import ApproachAngle
-from cube_sim.control.planar.dynamic import SpeedWanted
+from cube_sim.control.planar.dynamic import DesiredSpeed
 from cube_sim.control.planar.kinematic import KinematicLaw
 from cube_sim.control.planar.model import PlanarMotion
 from cube_sim.control.planar.path_view import wrap
@@ -173,7 +173,7 @@ def test_the_target_keeps_to_its_speed_limit_and_the_vehicle_still_converges():
     limited = LAW._replace(target_speed_limit=2.0)
 
     def law(motion, view):
-        command = limited.command(motion, view, SpeedWanted(SPEED))
+        command = limited.command(motion, view, DesiredSpeed(SPEED))
         assert abs(command.ds) <= 2.0
         return command
 
@@ -187,7 +187,7 @@ def test_a_speed_that_changes_is_followed_without_lag():
     ring, q, t = PATHS["circle"], np.array(start(PATHS["circle"], 15.0)), 0.0
 
     def wanted(t):
-        return SpeedWanted(1.5 + 0.3 * np.sin(t / 5.0), 0.06 * np.cos(t / 5.0), -0.012 * np.sin(t / 5.0))
+        return DesiredSpeed(1.5 + 0.3 * np.sin(t / 5.0), 0.06 * np.cos(t / 5.0), -0.012 * np.sin(t / 5.0))
 
     def rate(q):
         moment = q[7]

@@ -6,7 +6,7 @@ from support.flights import FORCES_ONLY, said, thruster_event
 from support.places import HELIX
 
 import cube_sim
-from cube_sim.control.safe_mode import Refuge, SafeMode, Watch
+from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.spatial import State, quaternion_from_euler, rotation_from_quaternion
@@ -26,28 +26,28 @@ def still_at(position, yaw=0.4, pitch=0.3):
 
 
 def test_the_watch_gives_up_only_after_its_patience_and_forgets_when_the_path_is_near_again():
-    watch = Watch(SafeMode(limit=2.0, patience=1.0))
-    assert not any(watch.reason(view_at(9.0), 0.1) for _ in range(99))  # it has yet to come near
-    assert not watch.reason(view_at(1.0), 0.1)
-    assert not any(watch.reason(view_at(2.5), 0.1) for _ in range(9))
-    assert not watch.reason(view_at(1.9), 0.1)
-    reasons = [watch.reason(view_at(2.5), 0.1) for _ in range(12)]
+    monitor = LossOfTargetMonitor(SafeMode(limit=2.0, patience=1.0))
+    assert not any(monitor.reason(view_at(9.0), 0.1) for _ in range(99))  # it has yet to come near
+    assert not monitor.reason(view_at(1.0), 0.1)
+    assert not any(monitor.reason(view_at(2.5), 0.1) for _ in range(9))
+    assert not monitor.reason(view_at(1.9), 0.1)
+    reasons = [monitor.reason(view_at(2.5), 0.1) for _ in range(12)]
     assert not any(reasons[:9])
     assert reasons[-1] == "2.5 m from its target on the path, beyond 2 m for 1 s"
 
 
 def test_a_refuge_is_where_the_vehicle_was_level_with_its_heading():
-    refuge = Refuge(SafeMode(speed=0.2, time=5.0), still_at([1.0, 2.0, -3.0]), "lost")
-    assert refuge.reason == "lost; it holds its position as well as it can"
-    np.testing.assert_allclose(refuge.motion(np.array([1.0, 2.5, -3.0])).velocity, [0.0, -0.1, 0.0], atol=1e-12)
-    assert np.linalg.norm(refuge.motion(np.array([50.0, 2.0, -3.0])).velocity) == pytest.approx(0.2)
-    np.testing.assert_array_equal(refuge.motion(np.array([1.0, 2.0, -3.0])).velocity, np.zeros(3))
+    goal = SafeModeGoal(SafeMode(speed=0.2, time=5.0), still_at([1.0, 2.0, -3.0]), "lost")
+    assert goal.reason == "lost; it holds its position as well as it can"
+    np.testing.assert_allclose(goal.motion(np.array([1.0, 2.5, -3.0])).velocity, [0.0, -0.1, 0.0], atol=1e-12)
+    assert np.linalg.norm(goal.motion(np.array([50.0, 2.0, -3.0])).velocity) == pytest.approx(0.2)
+    np.testing.assert_array_equal(goal.motion(np.array([1.0, 2.0, -3.0])).velocity, np.zeros(3))
 
 
 def test_surfacing_rises_above_the_same_place():
-    refuge = Refuge(SafeMode(surface=0.0), still_at([1.0, 2.0, -3.0]), "lost")
-    np.testing.assert_allclose(refuge.motion(np.array([1.0, 2.0, -3.0])).velocity, [0.0, 0.0, 0.2], atol=1e-12)
-    assert refuge.reason.endswith("it makes for the surface")
+    goal = SafeModeGoal(SafeMode(surface=0.0), still_at([1.0, 2.0, -3.0]), "lost")
+    np.testing.assert_allclose(goal.motion(np.array([1.0, 2.0, -3.0])).velocity, [0.0, 0.0, 0.2], atol=1e-12)
+    assert goal.reason.endswith("it makes for the surface")
 
 
 def flown(tmp_path, changes):

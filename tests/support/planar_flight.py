@@ -7,7 +7,7 @@ from math import cos, inf, pi, sin
 import numpy as np
 
 from cube_sim.control.planar.approach_angle import ApproachAngle
-from cube_sim.control.planar.dynamic import DynamicLaw, Gains, PlanarCommand, SpeedWanted
+from cube_sim.control.planar.dynamic import DesiredSpeed, DynamicLaw, Gains, PlanarCommand
 from cube_sim.control.planar.model import PlanarModel, PlanarMotion
 from cube_sim.control.planar.path_view import plane_view
 from cube_sim.guidance.virtual_target import TargetView
@@ -39,7 +39,7 @@ def see(path, x, y, psi_W, s):
 
 
 def corrected(motion, view):
-    return LAW.command(motion, view, SpeedWanted(SPEED))
+    return LAW.command(motion, view, DesiredSpeed(SPEED))
 
 
 def printed(resistance=-1.0, square=False, loop_solved=False):
@@ -52,7 +52,7 @@ def printed(resistance=-1.0, square=False, loop_solved=False):
     """
 
     def law(motion, view):
-        k = LAW.kinematics(motion, view, SpeedWanted(SPEED))
+        k = LAW.kinematics(motion, view, DesiredSpeed(SPEED))
         k1, _, k3, _, k5 = GAINS
         alpha_r = (
             k.dddelta

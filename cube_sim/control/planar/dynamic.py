@@ -28,7 +28,7 @@ class Gains(NamedTuple):
     k5: float
 
 
-class SpeedWanted(NamedTuple):
+class DesiredSpeed(NamedTuple):
     """u_d and its time derivatives [m/s, m/s^2, m/s^3]."""
 
     value: float
@@ -103,7 +103,7 @@ class DynamicLaw(NamedTuple):
     least_speed: float
     target_speed_limit: float
 
-    def command(self, motion: PlanarMotion, path: PathView, speed: SpeedWanted) -> PlanarCommand:
+    def command(self, motion: PlanarMotion, path: PathView, speed: DesiredSpeed) -> PlanarCommand:
         """Force and torque for a vehicle in this motion, seen from the virtual target."""
         k1, _, k3, _, k5 = self.gains
         model, c_c, g_c = self.model, path.c_c, path.g_c
@@ -123,7 +123,7 @@ class DynamicLaw(NamedTuple):
         """The motion for which side-slip is evaluated."""
         return motion._replace(u=max(motion.u, self.least_speed))
 
-    def kinematics(self, motion: PlanarMotion, path: PathView, speed: SpeedWanted) -> Kinematics:
+    def kinematics(self, motion: PlanarMotion, path: PathView, speed: DesiredSpeed) -> Kinematics:
         """What `command` combines."""
         _, k2, _, k4, _ = self.gains
         model, (s1, y1, psi, c_c, g_c) = self.model, path

@@ -8,11 +8,11 @@ import numpy as np
 
 from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.controller import Decision
-from cube_sim.control.planar.dynamic import DynamicLaw, SpeedWanted
+from cube_sim.control.planar.attainable_set import PlanarAttainableSet
+from cube_sim.control.planar.dynamic import DesiredSpeed, DynamicLaw
 from cube_sim.control.planar.kinematic import KinematicLaw
 from cube_sim.control.planar.model import PlanarMotion
 from cube_sim.control.planar.path_view import heading, plane_view
-from cube_sim.control.planar.reach import Reach
 from cube_sim.guidance.speed import SpeedProfile
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.spatial import State, Vector, quaternion_from_euler
@@ -29,13 +29,13 @@ class PlanarFollower:
         target: the virtual target on the path; its gain is the law's k2.
         profile: u_d along the path; its rate of change is fed forward, the rate of that is not.
         law: equation (6).
-        reach: what the thrusters can make of its demand.
+        attainable: what the thrusters can make of its demand.
     """
 
     target: VirtualTarget
     profile: SpeedProfile
     law: DynamicLaw
-    reach: Reach
+    attainable: PlanarAttainableSet
 
     def __post_init__(self) -> None:
         """Fly with the thrusters of the hull as built."""
@@ -56,11 +56,11 @@ class PlanarFollower:
         if view.remaining <= 0.0:
             path = path._replace(c_c=0.0, g_c=0.0)  # the path goes on straight
         speed = self.profile.at(view.arc_length)
-        command = self.law.command(motion, path, SpeedWanted(speed.value, speed.slope * view.speed))
-        F, Gamma = self.reach.cut(command.F, command.Gamma)
+        command = self.law.command(motion, path, DesiredSpeed(speed.value, speed.slope * view.speed))
+        F, Gamma = self.attainable.saturate(command.F, command.Gamma)
         k1, k2 = self.law.gains.k1, self.law.gains.k2
         wanted = KinematicLaw(self.law.model, self.law.approach, k1, k2).command(flow, path)
-        error = self.law.kinematics(motion, path, SpeedWanted(speed.value)).error
+        error = self.law.kinematics(motion, path, DesiredSpeed(speed.value)).error
         self.target.advance(view.speed, dt)
         follows = self._authority is not Authority.SAFE
         return Decision(

@@ -1,68 +1,12 @@
-"""Which attitude the vehicle is to take."""
+"""The attitude whose nose follows the path."""
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
-
 import numpy as np
 
+from cube_sim.control.attitude_mode import DesiredAttitude, Situation
 from cube_sim.control.levelling import UP, levelling_spin
-from cube_sim.guidance.virtual_target import TargetView
-from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation
-
-
-class DesiredAttitude(NamedTuple):
-    """What the attitude loop is to follow.
-
-    Attributes:
-        quaternion: q_WD (4,) wxyz.
-        rates: its angular velocity (3,) [rad/s], world axes.
-    """
-
-    quaternion: Vector
-    rates: Vector
-
-
-class Situation(NamedTuple):
-    """What an attitude may depend on.
-
-    Attributes:
-        view: the vehicle seen from its target on the path.
-        rotation: R_WB (3,3), its attitude now.
-        force: force (3,) [N] demanded of the thrusters at the tick before, world axes.
-        current: the current (3,) [m/s] as estimated, world axes.
-        effort: Q (6,6) of the thrusters that still work, see `cube_sim.control.effort`.
-    """
-
-    view: TargetView
-    rotation: Matrix
-    force: Vector
-    current: Vector
-    effort: Matrix
-
-
-class AttitudeMode(Protocol):
-    """A rule that gives the desired attitude at each tick."""
-
-    def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
-        """The attitude wanted.
-
-        Args:
-            situation: of the vehicle now.
-            dt: time to the next call [s].
-        """
-        ...
-
-
-class FixedAttitude:
-    """One attitude in the world, q_WD (4,) wxyz."""
-
-    def __init__(self, quaternion: Vector) -> None:
-        self._desired = DesiredAttitude(quaternion, np.zeros(3))
-
-    def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
-        """The same at every tick."""
-        return self._desired
+from cube_sim.spatial import Vector, cross, quaternion_from_rotation
 
 
 class AlongPath:

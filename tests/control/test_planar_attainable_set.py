@@ -10,7 +10,7 @@ from support.flights import FORCES_ONLY
 from support.places import SCENARIOS
 
 import cube_sim
-from cube_sim.control.planar.reach import Reach
+from cube_sim.control.planar.attainable_set import PlanarAttainableSet
 
 CIRCLE = SCENARIOS / "infante_circle.yaml"
 
@@ -26,16 +26,16 @@ def test_what_thrusters_can_make_is_left_as_it_is_and_what_they_cannot_comes_wit
     rng = np.random.default_rng(thrusters)
     for _ in range(20):
         A, limits = hull(rng, thrusters)
-        reach = Reach.of(A, limits)
+        attainable = PlanarAttainableSet.of(A, limits)
         # every edge is touched by a corner of the box of forces, none is passed
         corners = np.array([A[[0, 5]] @ force for force in product(*limits)])
-        np.testing.assert_allclose((corners @ reach.normals.T).max(axis=0), reach.sizes, rtol=1e-12)
+        np.testing.assert_allclose((corners @ attainable.normals.T).max(axis=0), attainable.sizes, rtol=1e-12)
         for force in rng.uniform(limits[:, 0], limits[:, 1], (20, thrusters)):
             F, Gamma = (A[[0, 5]] @ force).tolist()
-            assert reach.cut(F, Gamma) == (F, Gamma)
+            assert attainable.saturate(F, Gamma) == (F, Gamma)
         for demand in rng.normal(size=(20, 2)) * 10.0 ** rng.uniform(2.0, 6.0, (20, 1)):
-            cut = np.array(reach.cut(*demand.tolist()))
-            assert (reach.normals @ cut <= reach.sizes * (1.0 + 1e-9)).all()
+            cut = np.array(attainable.saturate(*demand.tolist()))
+            assert (attainable.normals @ cut <= attainable.sizes * (1.0 + 1e-9)).all()
 
 
 @pytest.mark.parametrize("pairs", [1, 2, 3])
@@ -45,11 +45,11 @@ def test_a_hull_with_two_like_sides_gives_all_it_has(pairs):
     for _ in range(20):
         A, limits = hull(rng, pairs)
         A = np.hstack([A, A * np.array([[1.0], [-1.0], [1.0], [-1.0], [1.0], [-1.0]])])
-        reach = Reach.of(A, np.vstack([limits, limits]))
-        most = reach._range(1, 0.0)[1]
+        attainable = PlanarAttainableSet.of(A, np.vstack([limits, limits]))
+        most = attainable._range(1, 0.0)[1]
         for demand in rng.normal(size=(20, 2)) * 10.0 ** rng.uniform(2.0, 6.0, (20, 1)):
-            cut = np.array(reach.cut(*demand.tolist()))
-            assert (reach.normals @ cut >= reach.sizes * (1.0 - 1e-9)).any() or np.allclose(cut, demand)
+            cut = np.array(attainable.saturate(*demand.tolist()))
+            assert (attainable.normals @ cut >= attainable.sizes * (1.0 - 1e-9)).any() or np.allclose(cut, demand)
             assert cut[1] * demand[1] >= 0.0
             assert abs(cut[1]) >= min(0.5 * most, abs(demand[1])) * (1.0 - 1e-9)
 
@@ -58,12 +58,12 @@ def test_two_stern_thrusters_share_between_pushing_and_turning():
     """|F| + |Gamma| / b <= 2 L: half of it for each, and what one leaves for the other."""
     A = np.zeros((6, 2))
     A[0], A[5] = 1.0, [-0.6, 0.6]
-    reach = Reach.of(A, np.array([[-800.0, 800.0]] * 2))
-    assert reach.cut(1e5, 1e6) == pytest.approx((800.0, 480.0))
-    assert reach.cut(-1e5, 1e6) == pytest.approx((-800.0, 480.0))
-    assert reach.cut(1e5, -60.0) == pytest.approx((1500.0, -60.0))
-    assert reach.cut(100.0, 1e6) == pytest.approx((100.0, 900.0))
-    assert reach.cut(100.0, 900.0) == (100.0, 900.0)
+    attainable = PlanarAttainableSet.of(A, np.array([[-800.0, 800.0]] * 2))
+    assert attainable.saturate(1e5, 1e6) == pytest.approx((800.0, 480.0))
+    assert attainable.saturate(-1e5, 1e6) == pytest.approx((-800.0, 480.0))
+    assert attainable.saturate(1e5, -60.0) == pytest.approx((1500.0, -60.0))
+    assert attainable.saturate(100.0, 1e6) == pytest.approx((100.0, 900.0))
+    assert attainable.saturate(100.0, 900.0) == (100.0, 900.0)
 
 
 @pytest.mark.flight

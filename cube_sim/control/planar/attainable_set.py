@@ -1,4 +1,4 @@
-"""What force ahead and torque a hull can make together, and how a demand beyond it is cut down."""
+"""The forces ahead and torques a hull can make together, and how a demand outside of them is saturated."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class Reach(NamedTuple):
-    """The (F, Gamma) a hull's thrusters can make, whatever else they then do, dead zones left out.
+class PlanarAttainableSet(NamedTuple):
+    """The (F, Gamma) a hull's thrusters can make together.
 
-    It is a zonogon: every edge is square to one of `normals`.
+    The other four components of the wrench are left free, and dead zones are ignored. The set is a zonogon; each of its
+    edges is square to one of `normals`.
 
     Attributes:
         normals: (k, 2) [1, 1/m].
@@ -24,8 +25,8 @@ class Reach(NamedTuple):
     sizes: Array
 
     @classmethod
-    def of(cls, A: Array, limits: Array) -> Reach:
-        """The reach of thrusters with the columns A (6, m) and forces between `limits` (m, 2) [N]."""
+    def of(cls, A: Array, limits: Array) -> PlanarAttainableSet:
+        """The set of thrusters with the columns A (6, m) and forces between `limits` (m, 2) [N]."""
         columns = A[[0, 5]]
         columns = columns[:, np.linalg.norm(columns, axis=0) > 1e-12]
         across = np.column_stack([-columns[1], columns[0]]) / np.linalg.norm(columns, axis=0)[:, None]
@@ -33,13 +34,16 @@ class Reach(NamedTuple):
         each = normals @ A[[0, 5]]
         return cls(normals, np.maximum(each * limits[:, 0], each * limits[:, 1]).sum(axis=1))
 
-    def cut(self, F: float, Gamma: float) -> tuple[float, float]:
-        """A demand [N, N m] within reach: itself where it is, otherwise neither half at the cost of the other.
+    def saturate(self, F: float, Gamma: float) -> tuple[float, float]:
+        """An attainable demand [N, N m]: itself where it is one, otherwise neither part at the cost of the other.
 
-        The closest attainable wrench is no use to the planar law: at low speed it asks for torques a hundred times the
-        hull's, which then take all thrust and leave none to gather the speed at which the law would ask for less. So
-        the torque first takes half of what it could have alone, the force its wish of what remains, and the torque
-        again what that leaves.
+        The closest attainable wrench is no use to the planar law. At low speed the law asks for a hundred times the
+        torque of the hull. All thrust would then go into torque, and none would be left to gather the speed at which
+        the law asks for less. So there are three steps:
+
+        1. The torque takes half of what it could have alone.
+        2. The force takes what it wants of the rest.
+        3. The torque takes what it wants of what that leaves.
         """
         if (self.normals @ (F, Gamma) <= self.sizes * (1.0 + 1e-9) + 1e-9).all():
             return F, Gamma

@@ -1,0 +1,51 @@
+"""What every rule for the desired attitude answers, and what it is told."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.spatial import Matrix, Vector
+
+
+class DesiredAttitude(NamedTuple):
+    """What the attitude loop is to follow.
+
+    Attributes:
+        quaternion: q_WD (4,) wxyz.
+        rates: its angular velocity (3,) [rad/s], world axes.
+    """
+
+    quaternion: Vector
+    rates: Vector
+
+
+class Situation(NamedTuple):
+    """What an attitude may depend on.
+
+    Attributes:
+        view: the vehicle seen from its target on the path.
+        rotation: R_WB (3,3), its attitude now.
+        force: force (3,) [N] demanded of the thrusters at the tick before, world axes.
+        current: the current (3,) [m/s] as estimated, world axes.
+        effort: Q (6,6) of the thrusters that still work, see `cube_sim.control.effort`.
+    """
+
+    view: TargetView
+    rotation: Matrix
+    force: Vector
+    current: Vector
+    effort: Matrix
+
+
+class AttitudeMode(Protocol):
+    """A rule that gives the desired attitude at each tick."""
+
+    def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
+        """The attitude wanted.
+
+        Args:
+            situation: of the vehicle now.
+            dt: time to the next call [s].
+        """
+        ...
