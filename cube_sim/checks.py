@@ -241,13 +241,13 @@ def _allowed_forces(check: AllowedForcesCheckBlock, recorded: _Recorded) -> Chec
         raise _NotJudgedError("actuation.limits are not in the order F_max-, F_DZ-, F_DZ+, F_max+")
     allow_off = check.allow_off is not False
     distance = distance_to_allowed(force, limits, allow_off)
-    tick, motor = np.unravel_index(int(np.argmax(distance)), distance.shape)
+    tick, thruster = np.unravel_index(int(np.argmax(distance)), distance.shape)
     detail = f"{distance.size} forces of {force.shape[1]} thrusters"
-    if distance[tick, motor] > 0:
-        low, dead_low, dead_high, high = limits[tick, motor]
+    if distance[tick, thruster] > 0:
+        low, dead_low, dead_high, high = limits[tick, thruster]
         allowed = f"[{low:g}, {dead_low:g}] u {'{0} u ' if allow_off else ''}[{dead_high:g}, {high:g}] N"
-        detail += f"; worst: thruster {motor + 1} asked for {force[tick, motor]:g} N, allowed {allowed}"
-    return _judge(check, distance[tick, motor], rows[tick, 0], detail)
+        detail += f"; worst: thruster {thruster + 1} asked for {force[tick, thruster]:g} N, allowed {allowed}"
+    return _judge(check, distance[tick, thruster], rows[tick, 0], detail)
 
 
 def _exact_wrench(check: ExactWrenchCheckBlock, recorded: _Recorded) -> CheckResult:

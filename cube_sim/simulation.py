@@ -23,7 +23,7 @@ from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.mission.run_header import header, versions
 from cube_sim.mission.supply import allocate_at
-from cube_sim.mission.unattainable_log import ReachLog
+from cube_sim.mission.unattainable_log import UnattainableLog
 from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import check, claim
 from cube_sim.scenario import Loaded, load
@@ -130,27 +130,27 @@ def _run_ticks(mission: Mission, recorder: Recorder, progress: Progress | None) 
     steps, ticks = scenario.steps_per_tick, scenario.ticks
     ticks_per_second = max(1, round(1.0 / scenario.control_period_s))
     _describe(mission, recorder)
-    applied, reach, told = np.zeros(6), ReachLog(recorder), ""
+    applied, unattainable, logged_reason = np.zeros(6), UnattainableLog(recorder), ""
     for k in range(ticks + 1):
         t = k * scenario.control_period_s
-        for sentence in mission.events.happen(t):
-            recorder.log(t, "WARNING", sentence)
+        for message in mission.events.apply_due(t):
+            recorder.log(t, "WARNING", message)
         mujoco.mj_forward(model, data)
         if not all(np.abs(values).max() < DIVERGED for values in (data.qpos, data.qvel, data.qacc)):
             recorder.log(t, "ERROR", "the state has left all bounds or is not a number: the run ends here")
             return t
         other_voltage = _feed_thrusters(mission, recorder, t)
-        if _take_note_of_faults(mission, recorder, t) or other_voltage or k == 0:
+        if _update_health(mission, recorder, t) or other_voltage or k == 0:
             _record_actuation(mission, recorder, t)
         try:
             applied, status, given_up = _tick(mission, recorder, t, applied)
         except _NotANumberError as error:
             recorder.log(t, "ERROR", f"{error}: the run ends here")
             return t
-        reach.note(t, status)
-        if given_up != told:
-            _give_up(mission, recorder, t, given_up)
-            told = given_up
+        unattainable.note(t, status)
+        if given_up != logged_reason:
+            _log_given_up(mission, recorder, t, given_up)
+            logged_reason = given_up
         mission.drop_weight.lift(data)
         if k < ticks:
             mujoco.mj_step(model, data, nstep=steps)
@@ -160,7 +160,7 @@ def _run_ticks(mission: Mission, recorder: Recorder, progress: Progress | None) 
 
 
 def _feed_thrusters(mission: Mission, recorder: Recorder, t: float) -> bool:
-    """Let the supply answer what the thrusters draw; returns whether their limits have changed with its voltage."""
+    """Update the supply by what the thrusters draw; returns whether its voltage, and so their limits, have changed."""
     supply, before = mission.supply, mission.supply.thrust
     if supply.update(mission.data):
         recorder.log(t, "WARNING", "the battery is empty: the thrusters stand still")
@@ -168,26 +168,26 @@ def _feed_thrusters(mission: Mission, recorder: Recorder, t: float) -> bool:
     return supply.thrust != before
 
 
-def _take_note_of_faults(mission: Mission, recorder: Recorder, t: float) -> bool:
-    """Let the controller learn of faults the way the scenario says, and go on with what is left.
+def _update_health(mission: Mission, recorder: Recorder, t: float) -> bool:
+    """Let the controller learn of thruster faults the way the scenario says, and go on with the thrusters left.
 
     Returns:
-        Whether it believes something else now.
+        Whether the health it believes in has changed.
     """
-    actuators, thrusters = mission.actuators, mission.vehicle.thrusters
+    allocator, thrusters = mission.allocator, mission.vehicle.thrusters
     if mission.diagnosis is not None:
         expected = thrusters.force(mission.diagnosis.activation)
         given = mission.data.actuator_force[thrusters.actuators]
         thrust = mission.supply.thrust
-        health = mission.diagnosis.update(expected, given / thrust) if thrust > 0.0 else actuators.health
+        health = mission.diagnosis.update(expected, given / thrust) if thrust > 0.0 else allocator.health
     elif mission.scenario.control.faults == "told":
         health = mission.events.health
     else:
         return False
-    if health is actuators.health or health.equals(actuators.health):
+    if health is allocator.health or health.equals(allocator.health):
         return False
-    actuators.believe(health)
-    left = remaining_capability(actuators.A, actuators.limits, health, mission.scenario.control.cost_limit)
+    allocator.believe(health)
+    left = remaining_capability(allocator.A, allocator.limits, health, mission.scenario.control.cost_limit)
     mission.controller.reconfigure(left)
     recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
     return True
@@ -204,16 +204,16 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
         t: simulated time [s].
         applied: (6,) wrench commanded over the tick before.
     """
-    vehicle, data, actuators = mission.vehicle, mission.data, mission.actuators
+    vehicle, data, allocator = mission.vehicle, mission.data, mission.allocator
     state = read_state(vehicle, data)
-    known = state if mission.on_estimate is None else mission.on_estimate.see(state, data, recorder, t)
+    known = state if mission.estimation is None else mission.estimation.estimate(state, data, recorder, t)
     decision = mission.controller.decide(known, applied, mission.scenario.control_period_s)
     if not all(np.isfinite(values).all() for values in (decision.wrench, decision.quaternion, decision.view.error)):
         raise _NotANumberError("the controller's answer is not a number")
-    allocation, motor_force = allocate_at(mission.supply.thrust, actuators, decision.wrench, decision.secondary)
+    allocation, thruster_force = allocate_at(mission.supply.thrust, allocator, decision.wrench, decision.secondary)
     if mission.diagnosis is not None:
-        motor_force = mission.diagnosis.probed(motor_force)
-    commands = vehicle.thrusters.command(motor_force)
+        thruster_force = mission.diagnosis.probed(thruster_force)
+    commands = vehicle.thrusters.command(thruster_force)
     data.ctrl[vehicle.thrusters.actuators] = commands
     if mission.diagnosis is not None:
         mission.diagnosis.advance(commands)
@@ -222,7 +222,7 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     recorder.append("velocity", t, state.velocity, state.rates)
     point, error, attitude_error = decision.view.point, decision.view.error, decision.attitude_error
     if known is not state:
-        # What is recorded is where the vehicle truly is, not where it believes to be.
+        # The errors recorded are those of the true state, not of the estimate.
         error = (state.position - point.position) @ point.rotation
         attitude_error = angle_between(decision.quaternion, state.quaternion)
     s1, y1, z1 = error
@@ -234,15 +234,15 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     recorder.append("allocation", t, allocation.residual, allocation.cost, allocation.status, allocation.subset)
     produced = data.actuator_force[vehicle.thrusters.actuators]
     recorder.append("thrusters", t, allocation.force, commands, produced)
-    believed = actuators.health.efficiency
+    believed = allocator.health.efficiency
     recorder.append("health", t, mission.events.health.efficiency, believed, decision.authority)
     water = water_velocity(mission.model, t, state.position[2])
     recorder.append("water", t, water, decision.current)
     return allocation.wrench, allocation.status, decision.given_up
 
 
-def _give_up(mission: Mission, recorder: Recorder, t: float, reason: str) -> None:
-    """Say that the path is given up, and why, or that it is followed again."""
+def _log_given_up(mission: Mission, recorder: Recorder, t: float, reason: str) -> None:
+    """Log that the path is given up, and why, or that it is followed again; drop the ballast where that is asked."""
     recorder.log(t, "WARNING", f"the path is given up: {reason}" if reason else "the path is followed again")
     if reason and mission.scenario.control.safe_mode.action == "surface" and mission.drop_weight.drop():
         recorder.log(t, "WARNING", "the ballast is dropped")
@@ -267,8 +267,8 @@ def _describe(mission: Mission, recorder: Recorder) -> None:
     recorder.append("path", 0.0, points.ravel())
     length = mission.path.length
     recorder.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
-    actuators, limit = mission.actuators, mission.scenario.control.cost_limit
-    left = remaining_capability(actuators.A, actuators.limits, actuators.health, limit)
+    allocator, limit = mission.allocator, mission.scenario.control.cost_limit
+    left = remaining_capability(allocator.A, allocator.limits, allocator.health, limit)
     if left.within_cost_limit is not None:
         recorder.log(
             0.0, "INFO", f"what costs more than {limit:g} N/N is left alone; {left.authority.name}: {left.reason}"
@@ -276,10 +276,13 @@ def _describe(mission: Mission, recorder: Recorder) -> None:
 
 
 def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
-    """The thrusters as the controller believes them: a weak one has narrower limits, a dead or stuck one no choice."""
-    vehicle, health = mission.vehicle, mission.actuators.health
+    """Record A and the limits as the controller believes them.
+
+    A weak thruster has narrower limits; those of a dead or stuck one are all the one force it gives.
+    """
+    vehicle, health = mission.vehicle, mission.allocator.health
     limits = vehicle.thrusters.limits * health.efficiency[:, None]
     stuck = ~np.isnan(health.stuck)
     limits[stuck] = health.stuck[stuck, None]
     limits *= mission.supply.thrust
-    recorder.append("actuation", t, mission.actuators.A.ravel(), limits.ravel())
+    recorder.append("actuation", t, mission.allocator.A.ravel(), limits.ravel())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 from cube_sim.control.authority import Authority, Capability
-from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.guidance.law import TargetView
 from cube_sim.spatial import State, Vector
 
 

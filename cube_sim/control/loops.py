@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cube_sim.control.attitude_mode import DesiredAttitude
-from cube_sim.guidance.approach import DesiredMotion
+from cube_sim.guidance.law import DesiredMotion
 from cube_sim.spatial import State, Vector, conjugate, cross, multiply
 from cube_sim.vehicle.dynamics import Dynamics
 

@@ -15,8 +15,7 @@ from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.priority import path_first
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
-from cube_sim.guidance.law import MotionLaw, Target
-from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.guidance.law import MotionLaw, Target, TargetView
 from cube_sim.spatial import State, Vector
 
 

@@ -8,8 +8,7 @@ from math import atan2
 import numpy as np
 
 from cube_sim.control.fixed_attitude import FixedAttitude
-from cube_sim.guidance.approach import DesiredMotion
-from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.guidance.law import DesiredMotion, TargetView
 from cube_sim.spatial import State, Vector, quaternion_from_euler
 
 

@@ -3,25 +3,11 @@
 from __future__ import annotations
 
 from math import cos, hypot, sin, tanh
-from typing import NamedTuple
 
 import numpy as np
 
+from cube_sim.guidance.law import DesiredMotion, TargetView
 from cube_sim.guidance.speed import SpeedProfile
-from cube_sim.guidance.virtual_target import TargetView
-from cube_sim.spatial import Vector
-
-
-class DesiredMotion(NamedTuple):
-    """What the velocity loop is to follow, world axes.
-
-    Attributes:
-        velocity: over ground (3,) [m/s].
-        acceleration: its time derivative along the present motion (3,) [m/s^2].
-    """
-
-    velocity: Vector
-    acceleration: Vector
 
 
 class Approach:
@@ -63,10 +49,10 @@ class Approach:
         along, dalong = speed * cos(theta), dspeed * cos(theta) - speed * sin(theta) * dtheta
         if self._stop_time is not None and (view.remaining - s1) / self._stop_time < along:
             along, dalong = (view.remaining - s1) / self._stop_time, -(ds + ds1) / self._stop_time
-        share, dshare = self._pull(rho, theta, drho, dtheta)
-        pull, dpull = speed * share, dspeed * share + speed * dshare
-        side_1, side_2 = -pull * y1, -pull * z1
-        dside_1, dside_2 = -dpull * y1 - pull * dy1, -dpull * z1 - pull * dz1
+        share, dshare = self._lateral_share(rho, theta, drho, dtheta)
+        lateral, dlateral = speed * share, dspeed * share + speed * dshare
+        side_1, side_2 = -lateral * y1, -lateral * z1
+        dside_1, dside_2 = -dlateral * y1 - lateral * dy1, -dlateral * z1 - lateral * dz1
 
         # the path frame itself turns at s' [0, -k2, k1] about its own axes
         R = view.point.rotation
@@ -79,7 +65,7 @@ class Approach:
         )
         return DesiredMotion(R @ np.array([along, side_1, side_2]), R @ acceleration)
 
-    def _pull(self, rho: float, theta: float, drho: float, dtheta: float) -> tuple[float, float]:
+    def _lateral_share(self, rho: float, theta: float, drho: float, dtheta: float) -> tuple[float, float]:
         """sin(theta) / rho and its time derivative; smooth through rho = 0, where it is psi_a k_delta."""
         if self._gain * rho < 1e-4:
             return self._angle * self._gain, 0.0  # off by the square of that, 1e-8 of itself

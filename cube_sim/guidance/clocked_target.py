@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import inf
 
+from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import Path, PathPoint
 from cube_sim.guidance.speed import SpeedProfile
-from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import Vector
 
 

@@ -7,11 +7,42 @@ clock (`ClockedTarget` with `Pursuit`); in point stabilisation it has nowhere to
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
-from cube_sim.guidance.approach import DesiredMotion
-from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.guidance.path import PathPoint
 from cube_sim.spatial import Vector
+
+
+class TargetView(NamedTuple):
+    """The vehicle as seen from the target.
+
+    Attributes:
+        arc_length: s of the target [m]; on a closed path it counts on over the laps.
+        remaining: arc length from the target to where its run ends [m]; infinite on endless laps.
+        speed: s' of the target [m/s].
+        point: the path at s.
+        error: (s1, y1, z1) = R_F' (p - p_d(s)) [m].
+        velocity: (v_T, v_1, v_2), the vehicle's velocity in the path frame [m/s].
+    """
+
+    arc_length: float
+    remaining: float
+    speed: float
+    point: PathPoint
+    error: Vector
+    velocity: Vector
+
+
+class DesiredMotion(NamedTuple):
+    """What the velocity loop is to follow, world axes.
+
+    Attributes:
+        velocity: over ground (3,) [m/s].
+        acceleration: its time derivative along the present motion (3,) [m/s^2].
+    """
+
+    velocity: Vector
+    acceleration: Vector
 
 
 class Target(Protocol):

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from math import sqrt, tanh
 
-from cube_sim.guidance.approach import DesiredMotion
+from cube_sim.guidance.law import DesiredMotion, TargetView
 from cube_sim.guidance.speed import SpeedProfile
-from cube_sim.guidance.virtual_target import TargetView
 
 
 class Pursuit:
@@ -32,13 +31,13 @@ class Pursuit:
         dds = self._profile.at(view.arc_length).slope * ds
         e = view.point.rotation @ view.error
         de = view.point.rotation @ view.velocity - ds * T
-        share, dshare = self._pull(sqrt(float(e @ e)), float(e @ de))
+        share, dshare = self._closing_rate(sqrt(float(e @ e)), float(e @ de))
         return DesiredMotion(
             velocity=ds * T - share * e,
             acceleration=dds * T + ds**2 * (k1 * N1 + k2 * N2) - dshare * e - share * de,
         )
 
-    def _pull(self, distance: float, half_slope: float) -> tuple[float, float]:
+    def _closing_rate(self, distance: float, half_slope: float) -> tuple[float, float]:
         """c tanh(|e| / (c T_e)) / |e| [1/s] and its time derivative, smooth through e = 0; half_slope is e e'."""
         saturation = distance / (self._closing_speed * self._time)
         if saturation < 1e-4:

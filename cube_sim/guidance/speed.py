@@ -14,11 +14,11 @@ from cube_sim.guidance.path import Path
 
 Array = NDArray[np.float64]
 
-LOOKS = 32
-"""How often a planned profile looks at the curvature between two edges of a path."""
-MOST_LOOKS = 100_000
-"""Looks at a whole path beyond which there are fewer between two edges, at least `FEWEST_LOOKS`."""
-FEWEST_LOOKS = 4
+SAMPLES = 32
+"""How many times a planned profile samples the curvature between two edges of a path."""
+MAX_SAMPLES = 100_000
+"""Samples of a whole path beyond which there are fewer between two edges, at least `MIN_SAMPLES`."""
+MIN_SAMPLES = 4
 ALIKE = 1e-6
 """Share of itself by which a curvature may vary that counts as one."""
 
@@ -89,9 +89,9 @@ class PlannedSpeed:
     in u_d^2: at each node it is the smallest of what the nodes around allow, plus 2 acceleration times the distance to
     them (the two passes of J. Bobrow et al. 1985, for robot arms), over the seam of a closed path too.
 
-    The curvature is looked at `LOOKS` times between any two edges of the path, so no corner is missed however long the
-    legs, and u_d^2 |curvature| holds within 0.1 %. (A path of more than `MOST_LOOKS` / `LOOKS` edges is looked at less
-    often between them: with four looks the bound holds within 1 %, and the speed may lie 5 % below what it allows.)
+    The curvature is sampled `SAMPLES` times between any two edges of the path, so no corner is missed however long the
+    legs, and u_d^2 |curvature| holds within 0.1 %. A path of more than `MAX_SAMPLES` / `SAMPLES` edges is sampled less
+    often between them. With `MIN_SAMPLES` the bound holds within 1 %, and the speed may lie 5 % below what it allows.
 
     Args:
         path: the path.
@@ -101,7 +101,7 @@ class PlannedSpeed:
     """
 
     def __init__(self, path: Path, speed: float, lateral_acceleration: float, acceleration: float) -> None:
-        s, curvature = _looked_at(path)
+        s, curvature = _sampled_curvature(path)
         # u_d^2 allowed between two nodes, by the tighter one; at a node by the tighter of its two sides
         tighter = np.maximum(curvature[1:], curvature[:-1])
         between = np.minimum(speed**2, lateral_acceleration / np.maximum(tighter, lateral_acceleration / speed**2))
@@ -125,10 +125,10 @@ class PlannedSpeed:
         return Speed(value, rise / (2.0 * value))
 
 
-def _looked_at(path: Path) -> tuple[Array, Array]:
-    """Arc lengths (n,) [m] and curvatures there (n,) [1/m], with nothing between them that they do not show."""
+def _sampled_curvature(path: Path) -> tuple[Array, Array]:
+    """Arc lengths (n,) [m] and curvatures there (n,) [1/m], dense enough to show every corner."""
     edges = np.asarray(path.edges)
-    shares = np.linspace(0.0, 1.0, min(LOOKS, max(FEWEST_LOOKS, MOST_LOOKS // len(edges))) + 1)
+    shares = np.linspace(0.0, 1.0, min(SAMPLES, max(MIN_SAMPLES, MAX_SAMPLES // len(edges))) + 1)
     s: list[float] = [0.0]
     curvature: list[float] = [_curvature(path, 0.0)]
     for first, last in pairwise(edges):

@@ -3,30 +3,10 @@
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
 
-from cube_sim.guidance.path import Path, PathPoint
+from cube_sim.guidance.law import TargetView
+from cube_sim.guidance.path import Path
 from cube_sim.spatial import Vector
-
-
-class TargetView(NamedTuple):
-    """The vehicle as seen from the target.
-
-    Attributes:
-        arc_length: s of the target [m]; on a closed path it counts on over the laps.
-        remaining: arc length from the target to where its run ends [m]; infinite on endless laps.
-        speed: s' of the target [m/s].
-        point: the path at s.
-        error: (s1, y1, z1) = R_F' (p - p_d(s)) [m].
-        velocity: (v_T, v_1, v_2), the vehicle's velocity in the path frame [m/s].
-    """
-
-    arc_length: float
-    remaining: float
-    speed: float
-    point: PathPoint
-    error: Vector
-    velocity: Vector
 
 
 class VirtualTarget:

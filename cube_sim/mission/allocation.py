@@ -13,7 +13,7 @@ from cube_sim.scenario import Scenario
 from cube_sim.vehicle.vehicle import Vehicle
 
 
-def actuators_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
+def allocator_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
     """Wrench to thruster forces, as the `allocation` block says, by the matrix the controller believes in."""
     thrusters, block = vehicle.thrusters, scenario.allocation
 

@@ -19,7 +19,7 @@ from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.mission.attitude import attitude_of, is_path_first
 from cube_sim.mission.guidance import guidance_of
-from cube_sim.mission.hull import Hull
+from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.path import is_level
 from cube_sim.mission.planar import planar_follower
@@ -29,7 +29,7 @@ from cube_sim.spatial import Matrix
 from cube_sim.vehicle.vehicle import Vehicle
 
 
-def controller_of(loaded: Loaded, believed: Hull, path: Path) -> Controller:
+def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Controller:
     """The law from states to wrenches, for the vehicle the controller believes to fly.
 
     Raises:

@@ -20,18 +20,18 @@ class Events:
     """
 
     def __init__(self, events: Sequence[AnyEvent], model: mujoco.MjModel, vehicle: Vehicle) -> None:
-        self._waiting = sorted(events, key=lambda event: event.at_s)
+        self._pending = sorted(events, key=lambda event: event.at_s)
         self._model, self._vehicle = model, vehicle
         self.health = Health.whole(len(vehicle.thrusters.names))
 
-    def happen(self, t: float) -> list[str]:
-        """Carry out what is due at t [s]; one sentence each, for the log."""
-        said = []
-        while self._waiting and self._waiting[0].at_s <= t + 1e-9:
-            said.append(self._carry_out(self._waiting.pop(0)))
-        return said
+    def apply_due(self, t: float) -> list[str]:
+        """Apply the events due at t [s]; returns one message each, for the log."""
+        messages = []
+        while self._pending and self._pending[0].at_s <= t + 1e-9:
+            messages.append(self._apply(self._pending.pop(0)))
+        return messages
 
-    def _carry_out(self, event: AnyEvent) -> str:
+    def _apply(self, event: AnyEvent) -> str:
         match event:
             case CurrentEventBlock():
                 self._model.opt.wind[:] = event.current_m_s

@@ -15,14 +15,14 @@ from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
 
-class Hull(NamedTuple):
-    """A hull and the compiled model it is in."""
+class CompiledHull(NamedTuple):
+    """A hull and the compiled MuJoCo model it is part of."""
 
     model: mujoco.MjModel
     vehicle: Vehicle
 
 
-def flown_hull(loaded: Loaded) -> Hull:
+def flown_hull(loaded: Loaded) -> CompiledHull:
     """The model with water and the vehicle in it that flies, as the scenario changes them.
 
     Raises:
@@ -42,7 +42,7 @@ def flown_hull(loaded: Loaded) -> Hull:
     return hull
 
 
-def believed_hull(loaded: Loaded, flown: Hull) -> Hull:
+def believed_hull(loaded: Loaded, flown: CompiledHull) -> CompiledHull:
     """The vehicle the controller reckons with before the factors of `knowledge`.
 
     Raises:
@@ -59,7 +59,7 @@ def believed_hull(loaded: Loaded, flown: Hull) -> Hull:
     return believed
 
 
-def _hull(loaded: Loaded, file: str, key: str) -> Hull:
+def _hull(loaded: Loaded, file: str, key: str) -> CompiledHull:
     scenario = loaded.scenario
     try:
         model = load_model(file)
@@ -76,7 +76,7 @@ def _hull(loaded: Loaded, file: str, key: str) -> Hull:
     if not vehicle.thrusters.names:
         where = key if scenario.vehicle is None else "vehicle"
         raise ScenarioError([loaded.mistake(where, f"{file}: '{vehicle.name}' has no thruster")])
-    return Hull(model, vehicle)
+    return CompiledHull(model, vehicle)
 
 
 def _chosen_hull(loaded: Loaded, model: mujoco.MjModel, key: str) -> Vehicle:

@@ -10,7 +10,7 @@ import numpy as np
 from cube_sim.navigation.aid import Aid
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
-from cube_sim.navigation.filter import Fusion, Outcome
+from cube_sim.navigation.filter import Fusion, ReadingOutcome
 from cube_sim.navigation.heading import Heading
 from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion, Truth
@@ -27,8 +27,8 @@ from cube_sim.spatial import Matrix, State, Vector
 from cube_sim.vehicle.vehicle import Vehicle
 
 
-class OnEstimate:
-    """What stands between the true state and a controller that flies on sensors.
+class StateEstimation:
+    """Gives a controller that flies on sensors its estimate of the true state, and records both.
 
     Args:
         block: the scenario's `navigation`.
@@ -43,14 +43,14 @@ class OnEstimate:
         self._in_doubt: set[str] = set()
 
     @classmethod
-    def of(cls, scenario: Scenario, vehicle: Vehicle) -> OnEstimate | None:
+    def of(cls, scenario: Scenario, vehicle: Vehicle) -> StateEstimation | None:
         """As the scenario says; None when its controller sees the true state."""
         if scenario.navigation is None:
             return None
         return cls(scenario.navigation, vehicle, scenario.seed, scenario.control_period_s)
 
-    def see(self, true: State, data: mujoco.MjData, recorder: Recorder, t: float) -> State:
-        """The state as the controller knows it; once per tick.
+    def estimate(self, true: State, data: mujoco.MjData, recorder: Recorder, t: float) -> State:
+        """The estimated state; once per tick.
 
         Args:
             true: the vehicle's state.
@@ -60,14 +60,14 @@ class OnEstimate:
         """
         truth = read_truth(true, data, self._vehicle)
         if self._navigator is None:
-            self._navigator = self._set_out(truth.motion, recorder, t)
+            self._navigator = self._start(truth.motion, recorder, t)
         estimate, fusions = self._navigator.update(truth)
         self._record(self._navigator, truth, estimate, recorder, t)
         for fusion in fusions:
             self._record_reading(self._navigator.aids[fusion.reading.aid].name, fusion, recorder, t)
         return estimate.state
 
-    def _set_out(self, truth: Motion, recorder: Recorder, t: float) -> Navigator:
+    def _start(self, truth: Motion, recorder: Recorder, t: float) -> Navigator:
         block = self._block
         recorder.log(t, "INFO", f"navigation: {what_drifts(block.aids)}")
         return Navigator(
@@ -110,12 +110,12 @@ class OnEstimate:
         reading, innovation = fusion.reading.value, fusion.innovation
         taken_at = fusion.reading.tick * self._period
         values = (reading[0], innovation[0]) if len(reading) == 1 else (reading, innovation)
-        recorder.append(f"sensor_{name}", t, values[0], taken_at, values[1], fusion.surprise, fusion.outcome)
-        if fusion.outcome is Outcome.FORCED and name not in self._in_doubt:
+        recorder.append(f"sensor_{name}", t, values[0], taken_at, values[1], fusion.nis, fusion.outcome)
+        if fusion.outcome is ReadingOutcome.ACCEPTED_AFTER_REJECTIONS and name not in self._in_doubt:
             self._in_doubt.add(name)
             text = f"navigation: {name} contradicts the estimate again and again; it is believed, the estimate doubted"
             recorder.log(t, "WARNING", text)
-        elif fusion.outcome is Outcome.FUSED and name in self._in_doubt:
+        elif fusion.outcome is ReadingOutcome.FUSED and name in self._in_doubt:
             self._in_doubt.remove(name)
             recorder.log(t, "INFO", f"navigation: {name} and the estimate agree again")
 

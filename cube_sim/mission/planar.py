@@ -13,10 +13,10 @@ from cube_sim.control.planar.follower import PlanarFollower
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
-from cube_sim.mission.hull import Hull
+from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_planar_model
 from cube_sim.mission.path import is_level, laps_of, speed_of
-from cube_sim.mission.planar_knowledge import planar_model
+from cube_sim.mission.planar_identification import identify_planar_model
 from cube_sim.mission.refusals import too_slow_period, wrong_depth
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.path_blocks import PointBlock
@@ -35,7 +35,7 @@ UNUSED = (
 """Keys of `control` which only the law for all axes knows."""
 
 
-def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollower:
+def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> PlanarFollower:
     """The controller of `control.law: planar_lapierre_2007`.
 
     Raises:
@@ -63,7 +63,7 @@ def planar_follower(loaded: Loaded, believed: Hull, path: Path) -> PlanarFollowe
         text = "a planar law needs a force ahead and a torque about the vertical; these thrusters do not give both"
         mistakes.append(loaded.mistake("model", text))
     try:
-        knowledge = believed_planar_model(planar_model(model, vehicle), vehicle, scenario.knowledge)
+        knowledge = believed_planar_model(identify_planar_model(model, vehicle), vehicle, scenario.knowledge)
     except ModelError as error:
         mistakes.append(loaded.mistake("control.law", str(error)))
         raise ScenarioError(mistakes) from None

@@ -10,13 +10,13 @@ from cube_sim.allocation import FaultTolerant
 from cube_sim.control.controller import Controller
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.guidance.path import Path
-from cube_sim.mission.allocation import actuators_of
+from cube_sim.mission.allocation import allocator_of
 from cube_sim.mission.channels import recorded_channels
 from cube_sim.mission.control import controller_of, diagnosis_of
 from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.events import Events
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
-from cube_sim.mission.navigation import OnEstimate
+from cube_sim.mission.navigation import StateEstimation
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
 from cube_sim.mission.supply import supply_of
@@ -37,12 +37,12 @@ class Mission:
         vehicle: the hull that follows the path.
         path: the path.
         controller: state to wrench.
-        actuators: wrench to thruster forces.
+        allocator: wrench to thruster forces.
         supply: what feeds the thrusters.
         events: what happens on the way.
         diagnosis: finds thruster faults, None when the controller is told of them or ignores them.
         drop_weight: ballast that can be let go.
-        on_estimate: what the controller sees instead of the true state; None when it sees that.
+        estimation: makes the state the controller gets of sensors; None when it gets the true one.
         channels: what will be recorded.
     """
 
@@ -52,12 +52,12 @@ class Mission:
     vehicle: Vehicle
     path: Path
     controller: Controller
-    actuators: FaultTolerant
+    allocator: FaultTolerant
     supply: Supply
     events: Events
     diagnosis: Diagnosis | None
     drop_weight: DropWeight
-    on_estimate: OnEstimate | None
+    estimation: StateEstimation | None
     channels: tuple[Channel, ...]
 
 
@@ -84,11 +84,11 @@ def prepare(loaded: Loaded) -> Mission:
         vehicle=vehicle,
         path=path,
         controller=controller_of(loaded, believed, path),
-        actuators=actuators_of(believed.vehicle, scenario),
+        allocator=allocator_of(believed.vehicle, scenario),
         supply=supply_of(loaded, model, vehicle),
         events=Events(scenario.events, model, vehicle),
         diagnosis=diagnosis_of(vehicle, scenario) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle.body),
-        on_estimate=OnEstimate.of(scenario, vehicle),
+        estimation=StateEstimation.of(scenario, vehicle),
         channels=channels,
     )

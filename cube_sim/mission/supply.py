@@ -32,7 +32,7 @@ def supply_of(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle) -> Supply
 
 
 def allocate_at(
-    thrust: float, actuators: FaultTolerant, wrench: Vector, secondary: Vector | None = None
+    thrust: float, allocator: FaultTolerant, wrench: Vector, secondary: Vector | None = None
 ) -> tuple[Allocation, Vector]:
     """Forces for a demand while every thruster gives a share of the force of its characteristic.
 
@@ -41,16 +41,16 @@ def allocate_at(
 
     Args:
         thrust: the share, (V / V_n)^2.
-        actuators: at V_n.
+        allocator: at V_n.
         wrench: (6,) [N, N m].
         secondary: the part (6,) of it that gives way, as in `FaultTolerant.allocate`.
 
     Returns:
-        The allocation, and the forces (m,) [N] to ask of the motors as if they were whole and fed with V_n.
+        The allocation, and the forces (m,) [N] to ask of the thrusters as if they were whole and fed with V_n.
     """
     if thrust == 0.0:
-        return actuators.without_force(wrench), np.zeros(actuators.count)
-    part = actuators.allocate(wrench / thrust, None if secondary is None else secondary / thrust)
+        return allocator.without_force(wrench), np.zeros(allocator.count)
+    part = allocator.allocate(wrench / thrust, None if secondary is None else secondary / thrust)
     scaled = part._replace(
         force=part.force * thrust,
         wrench=part.wrench * thrust,
@@ -59,4 +59,4 @@ def allocate_at(
         cost=part.cost * thrust**2,
         power_W=None if part.power_W is None else part.power_W * thrust**1.5,
     )
-    return scaled, actuators.motor_force(part.force)
+    return scaled, allocator.motor_force(part.force)

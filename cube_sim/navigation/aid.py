@@ -1,4 +1,4 @@
-"""What every aiding sensor answers: what it reads of a motion, and how that reading changes with it."""
+"""What every aiding sensor answers: the reading it gives of a motion, and the Jacobian of that reading."""
 
 from __future__ import annotations
 
@@ -14,14 +14,28 @@ class Expected(NamedTuple):
 
     Attributes:
         value: h (n,).
-        by_motion: dh / d[dp, dv, phi, db] (n, 12): world position and velocity, rotation vector in world axes with
+        H_motion: dh / d[dp, dv, phi, db] (n, 12): world position and velocity, rotation vector in world axes with
             R_true = Exp(phi) R, gyro bias, by which the true rates are smaller than they seem.
-        by_constants: dh / d constants (n, c).
+        H_constants: dh / d constants (n, c).
     """
 
     value: Vector
-    by_motion: Matrix
-    by_constants: Matrix
+    H_motion: Matrix
+    H_constants: Matrix
+
+
+class Reading(NamedTuple):
+    """One reading of an aiding sensor.
+
+    Attributes:
+        aid: index of the sensor.
+        tick: at which it was taken.
+        value: (n,).
+    """
+
+    aid: int
+    tick: int
+    value: Vector
 
 
 class Aid(Protocol):
@@ -34,7 +48,7 @@ class Aid(Protocol):
 
     @property
     def sampling(self) -> Sampling:
-        """When it looks, and how late its readings are."""
+        """When it takes readings, and how late they arrive."""
         ...
 
     @property
@@ -52,5 +66,5 @@ class Aid(Protocol):
         ...
 
     def innovation(self, reading: Vector, expected: Vector) -> Vector:
-        """What a reading says beyond the expected one."""
+        """The innovation (n,): the reading less the expected one, in its unit."""
         ...

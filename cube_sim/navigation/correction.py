@@ -1,4 +1,4 @@
-"""A reading folded into the state: how surprising it is, and the update."""
+"""A reading fused into the state: its normalised innovation squared (NIS), and the update."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def corrected(x, P, H, innovation, variance):
         variance: of each component of the reading.
 
     Returns:
-        The corrected x and P, new arrays, and the surprise y' S^-1 y with S = H P H' + variance I, which is chi-square
+        The corrected x and P, new arrays, and the NIS y' S^-1 y with S = H P H' + variance I, which is chi-square
         with m degrees of freedom.
     """
     size = len(P)
     later, covariance = x.copy(), P.copy()
     step, g, left, half = np.zeros(size), np.empty(size), np.empty(size), np.empty((size, size))
-    surprise = 0.0
+    nis = 0.0
     for m in range(len(innovation)):
         s, beyond = variance, innovation[m]
         g[:], left[:] = 0.0, 0.0
@@ -45,7 +45,7 @@ def corrected(x, P, H, innovation, variance):
                 beyond -= H[m, j] * step[j]
         for j in range(size):
             s += H[m, j] * g[j]
-        surprise += beyond * beyond / s
+        nis += beyond * beyond / s
         for i in range(size):
             k = g[i] / s
             step[i] += k * beyond
@@ -71,4 +71,4 @@ def corrected(x, P, H, innovation, variance):
     later[6], later[7], later[8], later[9] = q[0], -q[1], -q[2], -q[3]
     for i in range(9, size):
         later[i + 1] += step[i]
-    return later, covariance, surprise
+    return later, covariance, nis

@@ -34,9 +34,9 @@ class Depth:
 
     def expect(self, motion: Motion, constants: Vector) -> Expected:
         """See `Aid.expect`."""
-        by_motion = np.zeros((1, 12))
-        by_motion[0, 2] = -1.0
-        return Expected(constants - motion.position[2], by_motion, np.ones((1, 1)))
+        H_motion = np.zeros((1, 12))
+        H_motion[0, 2] = -1.0
+        return Expected(constants - motion.position[2], H_motion, np.ones((1, 1)))
 
     def innovation(self, reading: Vector, expected: Vector) -> Vector:
         """The difference [m]."""

@@ -42,13 +42,13 @@ class Dvl:
         true = motion.velocity @ motion.rotation + cross(motion.rates, arm)
         gain = 1.0 + float(constants[0])
         to_body = gain * motion.rotation.T
-        by_motion = np.zeros((3, 12))
-        by_motion[:, 3:6] = to_body
-        by_motion[:, 6:9] = to_body @ skew(motion.velocity)
-        by_motion[:, 9:12] = gain * skew(arm)
-        by_constants = np.eye(3, 4, 1)
-        by_constants[:, 0] = true
-        return Expected(gain * true + constants[1:], by_motion, by_constants)
+        H_motion = np.zeros((3, 12))
+        H_motion[:, 3:6] = to_body
+        H_motion[:, 6:9] = to_body @ skew(motion.velocity)
+        H_motion[:, 9:12] = gain * skew(arm)
+        H_constants = np.eye(3, 4, 1)
+        H_constants[:, 0] = true
+        return Expected(gain * true + constants[1:], H_motion, H_constants)
 
     def innovation(self, reading: Vector, expected: Vector) -> Vector:
         """The difference [m/s]."""

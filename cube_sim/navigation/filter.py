@@ -13,42 +13,28 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from cube_sim.navigation.aid import Aid
+from cube_sim.navigation.aid import Aid, Reading
 from cube_sim.navigation.correction import corrected
 from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion
 from cube_sim.navigation.strapdown import ATTITUDE, CONSTANTS, predict, rotation
 from cube_sim.spatial import Matrix, Vector
 
-FALSE_ALARMS = 1e-4
-"""Share of readings of a sensor as good as stated that the gate keeps out."""
-GATES = {n: float(chdtri(n, FALSE_ALARMS)) for n in (1, 2, 3)}
-"""The surprise beyond which a reading of n components is kept out."""
-PATIENCE = 3
-"""Readings of a sensor kept out in a row before the estimate is doubted, not the sensor."""
+FALSE_ALARM_PROBABILITY = 1e-4
+"""Share of the readings of a sensor as good as stated that the gate rejects."""
+GATES = {n: float(chdtri(n, FALSE_ALARM_PROBABILITY)) for n in (1, 2, 3)}
+"""The NIS beyond which a reading of n components is rejected, from the chi-square distribution."""
+MAX_REJECTIONS = 3
+"""Readings of a sensor rejected in a row after which the estimate is doubted, not the sensor."""
 
 
-class Outcome(IntEnum):
+class ReadingOutcome(IntEnum):
     """What became of a reading."""
 
     FUSED = 0
-    KEPT_OUT = 1
-    FORCED = 2
-    """Fused after its predecessors were kept out, position, velocity and attitude being doubted for it."""
-
-
-class Reading(NamedTuple):
-    """What an aiding sensor said.
-
-    Attributes:
-        aid: index of the sensor.
-        tick: at which it looked.
-        value: (n,).
-    """
-
-    aid: int
-    tick: int
-    value: Vector
+    REJECTED = 1
+    ACCEPTED_AFTER_REJECTIONS = 2
+    """Fused after its predecessors were rejected; the covariance of position, velocity and attitude was inflated."""
 
 
 class Fusion(NamedTuple):
@@ -56,15 +42,15 @@ class Fusion(NamedTuple):
 
     Attributes:
         reading: the reading.
-        innovation: (n,) what it said beyond the estimate of its instant.
-        surprise: the innovation's square in units of its own covariance.
+        innovation: (n,) the reading less the one expected by the estimate of its instant.
+        nis: normalised innovation squared y' S^-1 y; y the innovation, S its covariance.
         outcome: fused or not.
     """
 
     reading: Reading
     innovation: Vector
-    surprise: float
-    outcome: Outcome
+    nis: float
+    outcome: ReadingOutcome
 
 
 @dataclass
@@ -74,7 +60,7 @@ class _Epoch:
     x: Vector
     P: Matrix
     inertial: Vector
-    kept_out: tuple[int, ...]
+    rejections: tuple[int, ...]
     readings: list[Reading] = field(default_factory=list)
 
 
@@ -111,7 +97,7 @@ class Filter:
         memory = max((aid.sampling.delay_ticks(period_s) for aid in aids), default=0) + 1
         self._epochs: deque[_Epoch] = deque(maxlen=memory)
         self._tick = -1
-        self._kept_out = (0,) * len(self._aids)
+        self._rejections = (0,) * len(self._aids)
 
     def step(self, inertial: Vector, readings: Sequence[Reading] = ()) -> list[Fusion]:
         """Go on to the next tick (at the first call: to tick 0) and fuse what has arrived by then.
@@ -130,9 +116,9 @@ class Filter:
         if self._tick:
             last = self._epochs[-1]
             x, P = self._predict(self.x, self.P, last.inertial, inertial)
-            self._epochs.append(_Epoch(x, P, inertial, self._kept_out))
+            self._epochs.append(_Epoch(x, P, inertial, self._rejections))
         else:
-            self._epochs.append(_Epoch(self.x, self.P, inertial, self._kept_out))
+            self._epochs.append(_Epoch(self.x, self.P, inertial, self._rejections))
         first = len(self._epochs) - 1
         for reading in readings:
             index = len(self._epochs) - 1 - (self._tick - reading.tick)
@@ -156,8 +142,8 @@ class Filter:
             epoch = self._epochs[index]
             if index > first:
                 epoch.x, epoch.P = self._predict(self.x, self.P, self._epochs[index - 1].inertial, epoch.inertial)
-                epoch.kept_out = self._kept_out
-            self.x, self.P, self._kept_out = epoch.x, epoch.P, epoch.kept_out
+                epoch.rejections = self._rejections
+            self.x, self.P, self._rejections = epoch.x, epoch.P, epoch.rejections
             for reading in epoch.readings:
                 fusion = self._fuse(reading, epoch.inertial)
                 made[reading.aid, reading.tick] = fusion
@@ -173,30 +159,32 @@ class Filter:
         expected = aid.expect(motion, x[place.start + 1 : place.stop + 1])
         if expected is None:
             # The sensor saw a heading where the estimate has none: nothing to compare, nothing to hold against it.
-            return Fusion(reading, np.zeros(len(reading.value)), 0.0, Outcome.KEPT_OUT)
+            return Fusion(reading, np.zeros(len(reading.value)), 0.0, ReadingOutcome.REJECTED)
         H = np.zeros((len(reading.value), len(self.P)))
-        H[:, :12] = expected.by_motion
-        H[:, place] = expected.by_constants
+        H[:, :12] = expected.H_motion
+        H[:, place] = expected.H_constants
         y, variance = aid.innovation(reading.value, expected.value), aid.noise**2
-        x, P, surprise = corrected(self.x, self.P, H, y, variance)
+        x, P, nis = corrected(self.x, self.P, H, y, variance)
         gate = GATES[len(y)]
-        in_a_row = self._kept_out[reading.aid]
-        outcome = Outcome.FUSED
-        if surprise > gate:
-            outcome = Outcome.FORCED if in_a_row >= PATIENCE else Outcome.KEPT_OUT
+        in_a_row = self._rejections[reading.aid]
+        outcome = ReadingOutcome.FUSED
+        if nis > gate:
+            outcome = (
+                ReadingOutcome.ACCEPTED_AFTER_REJECTIONS if in_a_row >= MAX_REJECTIONS else ReadingOutcome.REJECTED
+            )
             in_a_row += 1
         else:
             in_a_row = 0
-        self._kept_out = (*self._kept_out[: reading.aid], in_a_row, *self._kept_out[reading.aid + 1 :])
-        if outcome is Outcome.FORCED:
-            x, P, _ = corrected(self.x, _doubted(self.P, surprise / gate), H, y, variance)
-        if outcome is not Outcome.KEPT_OUT:
+        self._rejections = (*self._rejections[: reading.aid], in_a_row, *self._rejections[reading.aid + 1 :])
+        if outcome is ReadingOutcome.ACCEPTED_AFTER_REJECTIONS:
+            x, P, _ = corrected(self.x, _inflated(self.P, nis / gate), H, y, variance)
+        if outcome is not ReadingOutcome.REJECTED:
             self.x, self.P = x, P
-        return Fusion(reading, y, surprise, outcome)
+        return Fusion(reading, y, nis, outcome)
 
 
-def _doubted(P: Matrix, factor: float) -> Matrix:
-    """Covariance with the variances of position, velocity and attitude raised by a factor.
+def _inflated(P: Matrix, factor: float) -> Matrix:
+    """The covariance with the variances of position, velocity and attitude raised by a factor.
 
     Those of the sensors' own errors stay: a filter that is lost would otherwise explain its being lost by them.
     """

@@ -45,9 +45,9 @@ class Heading:
         level = x * x + y * y
         if level < LEAST_LEVEL_PART**2:
             return None
-        by_motion = np.zeros((1, 12))
-        by_motion[0, 6:9] = -z * x / level, -z * y / level, 1.0
-        return Expected(atan2(y, x) + constants, by_motion, np.ones((1, 1)))
+        H_motion = np.zeros((1, 12))
+        H_motion[0, 6:9] = -z * x / level, -z * y / level, 1.0
+        return Expected(atan2(y, x) + constants, H_motion, np.ones((1, 1)))
 
     def innovation(self, reading: Vector, expected: Vector) -> Vector:
         """The difference, the short way round [rad]."""

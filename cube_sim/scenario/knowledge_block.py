@@ -25,5 +25,5 @@ class KnowledgeBlock(Block):
     added_mass: float = Field(default=1.0, ge=0, description="Factor on the added mass.")
     drag: float = Field(default=1.0, ge=0, description="Factor on linear and quadratic damping.")
     thrust: float = Field(
-        default=1.0, gt=0, description="Factor on the actuation matrix: on what a newton of a motor does."
+        default=1.0, gt=0, description="Factor on the actuation matrix: on what a newton of a thruster does."
     )

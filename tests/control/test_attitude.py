@@ -9,9 +9,10 @@ from cube_sim.control.along_path import AlongPath
 from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.guidance.helix import Helix
+from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.path import PathPoint
-from cube_sim.guidance.virtual_target import TargetView, VirtualTarget
+from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.spatial import rotation_from_quaternion, skew
 
 HELIX = Helix([0.0, 0.0, 0.0], 3.0, 8.0, 2.0)

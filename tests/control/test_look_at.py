@@ -8,8 +8,8 @@ import pytest
 from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.levelling import levelling_spin
 from cube_sim.control.look_at import MAX_RATE, LookAt, shortest_turn
+from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import PathPoint
-from cube_sim.guidance.virtual_target import TargetView
 from cube_sim.spatial import quaternion_from_euler, rotation_about, rotation_from_quaternion, skew
 
 HERE = PathPoint(np.zeros(3), np.eye(3), (0.0, 0.0), (0.0, 0.0))

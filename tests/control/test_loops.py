@@ -10,7 +10,7 @@ import cube_sim
 from cube_sim.control.attitude_mode import DesiredAttitude
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
-from cube_sim.guidance.approach import DesiredMotion
+from cube_sim.guidance.law import DesiredMotion
 from cube_sim.simulation import read_state
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 

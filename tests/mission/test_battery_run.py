@@ -133,9 +133,9 @@ def test_allocation_at_a_share_of_the_thrust_is_that_of_smaller_limits(stuck):
 
 def test_a_whole_voltage_changes_no_bit():
     A = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).actuation_matrix
-    actuators = FaultTolerant(A, np.tile([-39.91, -2.0, 2.0, 51.44], (8, 1)), lambda A, limits, _: Allocator(A, limits))
+    allocator = FaultTolerant(A, np.tile([-39.91, -2.0, 2.0, 51.44], (8, 1)), lambda A, limits, _: Allocator(A, limits))
     wrench = np.array([20.0, -7.0, 3.0, 1.0, -0.5, 2.0])
-    got, plain = allocate_at(1.0, actuators, wrench)[0], actuators.allocate(wrench)
+    got, plain = allocate_at(1.0, allocator, wrench)[0], allocator.allocate(wrench)
     assert np.array_equal(got.force, plain.force)
     assert (got.cost, got.residual, got.power_W) == (plain.cost, plain.residual, plain.power_W)
 

@@ -9,7 +9,7 @@ from cube_sim.errors import ScenarioError
 from cube_sim.mission import prepare
 from cube_sim.mission.hull import believed_hull, flown_hull
 from cube_sim.mission.knowledge import believed_dynamics, believed_planar_model
-from cube_sim.mission.planar_knowledge import planar_model
+from cube_sim.mission.planar_identification import identify_planar_model
 from cube_sim.scenario import load
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
 
@@ -59,7 +59,7 @@ def test_each_factor_scales_what_it_names_and_nothing_else():
 
 def test_thrust_scales_the_matrix_the_allocator_uses_and_the_recording_shows():
     mission = prepare(load(HELIX, {"knowledge.thrust": 0.8}))
-    np.testing.assert_allclose(mission.actuators.A, 0.8 * mission.vehicle.actuation_matrix)
+    np.testing.assert_allclose(mission.allocator.A, 0.8 * mission.vehicle.actuation_matrix)
 
 
 def test_another_model_can_be_believed():
@@ -83,14 +83,14 @@ def test_a_missing_believed_model_is_refused():
 
 def test_the_planar_model_of_true_knowledge_is_the_true_one():
     hull = flown_hull(load(INFANTE))
-    true = planar_model(*hull)
+    true = identify_planar_model(*hull)
     np.testing.assert_allclose(believed_planar_model(true, hull.vehicle, KnowledgeBlock()), true, atol=1e-9)
 
 
 def test_the_planar_model_mixes_its_coefficients_by_their_cause():
     """INFANTE (theory: m_u = m - Xudot, m_ur = m - Yur): rigid mass 2234.5, surge added mass 141.9."""
     hull = flown_hull(load(INFANTE))
-    true = planar_model(*hull)
+    true = identify_planar_model(*hull)
     heavier = believed_planar_model(true, hull.vehicle, KnowledgeBlock(mass=1.1))
     assert heavier.m_u - true.m_u == pytest.approx(223.45)
     assert heavier.m_ur - true.m_ur == pytest.approx(223.45)

@@ -10,7 +10,7 @@ from support.planar_flight import INFANTE
 import cube_sim
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.mission import prepare
-from cube_sim.mission.planar_knowledge import planar_model
+from cube_sim.mission.planar_identification import identify_planar_model
 from cube_sim.scenario import load
 
 MISSION = f"""\
@@ -35,14 +35,14 @@ def vehicle_of(name):
 def test_the_model_read_off_the_compiled_hull_is_the_published_one():
     model, vehicle = vehicle_of("infante")
     model.opt.wind[:] = [0.3, -0.2, 0.0]  # a current must not get into it, and must stay
-    found = planar_model(model, vehicle)
+    found = identify_planar_model(model, vehicle)
     np.testing.assert_allclose(found, INFANTE, atol=1e-9)
     np.testing.assert_array_equal(model.opt.wind, [0.3, -0.2, 0.0])
 
 
 def test_kirchhoffs_terms_are_found_in_a_hull_without_lift():
     model, vehicle = vehicle_of("bluerov2_heavy")
-    found = planar_model(model, vehicle)
+    found = identify_planar_model(model, vehicle)
     m = 13.5
     assert found[:3] == pytest.approx((m + 6.36, m + 7.12, 0.37 + 0.222))
     assert (found.m_ur, found.m_vr) == pytest.approx((found.m_u, found.m_v))
@@ -53,7 +53,7 @@ def test_kirchhoffs_terms_are_found_in_a_hull_without_lift():
 @pytest.mark.parametrize("name", ["jack", "cube"])
 def test_a_hull_that_slips_as_fast_as_it_turns_is_refused(name):
     with pytest.raises(ModelError, match="slips sideways as fast as it turns"):
-        planar_model(*vehicle_of(name))
+        identify_planar_model(*vehicle_of(name))
 
 
 WRONG = {

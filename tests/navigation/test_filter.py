@@ -24,10 +24,11 @@ from support.navigation_motion import (
     weaving,
 )
 
+from cube_sim.navigation.aid import Reading
 from cube_sim.navigation.correction import corrected
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
-from cube_sim.navigation.filter import PATIENCE, Filter, Outcome, Reading
+from cube_sim.navigation.filter import MAX_REJECTIONS, Filter, ReadingOutcome
 from cube_sim.navigation.heading import Heading
 from cube_sim.navigation.motion import Motion
 from cube_sim.navigation.navigator import InitialErrors
@@ -64,8 +65,8 @@ def test_innovations_are_as_large_as_the_filter_says(flights):
         found = [f for run in flights for tick in run for f in tick.fusions if f.reading.aid == aid]
         n = len(found) * len(found[0].innovation)
         low, high = chi2.ppf([1e-4, 1 - 1e-4], n)
-        assert low < sum(f.surprise for f in found) < high
-        assert sum(f.outcome is Outcome.KEPT_OUT for f in found) <= 3  # one in ten thousand is expected
+        assert low < sum(f.nis for f in found) < high
+        assert sum(f.outcome is ReadingOutcome.REJECTED for f in found) <= 3  # one in ten thousand is expected
 
 
 def test_covariances_stay_symmetric_and_positive(flights):
@@ -199,20 +200,22 @@ def test_a_fix_from_nowhere_is_kept_out():
         value = motions[k].motion.position + (30.0 if k == 100 else 0.0)
         fusions = filter_.step(inertial, [Reading(0, k, value)] if k % 25 == 0 else [])
         if k % 25 == 0:
-            assert (fusions[0].outcome is Outcome.KEPT_OUT) == (k == 100)
+            assert (fusions[0].outcome is ReadingOutcome.REJECTED) == (k == 100)
     assert np.abs(filter_.x[:3] - motions[-1].motion.position).max() < 0.2
 
 
 def test_the_gate_does_not_lock_a_sensor_out_for_ever():
-    """The estimate is sure of itself and 20 m off: after PATIENCE readings the sensor is believed."""
+    """The estimate is sure of itself and 20 m off: after MAX_REJECTIONS readings the sensor is believed."""
     motions = truths(weaving, 8.0)
     filter_, inputs = _filter_with_fixes(motions, offset=20.0)
     outcomes = []
     for k, inertial in enumerate(inputs):
         readings = [Reading(0, k, motions[k].motion.position)] if k % 25 == 0 else []
         outcomes += [fusion.outcome for fusion in filter_.step(inertial, readings)]
-    assert outcomes[: PATIENCE + 1] == [Outcome.KEPT_OUT] * PATIENCE + [Outcome.FORCED]
-    assert outcomes[-1] is Outcome.FUSED
+    assert outcomes[: MAX_REJECTIONS + 1] == [ReadingOutcome.REJECTED] * MAX_REJECTIONS + [
+        ReadingOutcome.ACCEPTED_AFTER_REJECTIONS
+    ]
+    assert outcomes[-1] is ReadingOutcome.FUSED
     assert np.abs(filter_.x[:3] - motions[-1].motion.position).max() < 0.5
 
 
@@ -267,10 +270,10 @@ def test_how_a_reading_changes_with_the_error(aid):
     h = 1e-6
     for i in range(12):
         e = h * np.eye(15 + c)[i]
-        np.testing.assert_allclose((reading(e) - reading(-e)) / (2 * h), expected.by_motion[:, i], atol=1e-8)
+        np.testing.assert_allclose((reading(e) - reading(-e)) / (2 * h), expected.H_motion[:, i], atol=1e-8)
     for i in range(c):
         e = h * np.eye(15 + c)[15 + i]
-        np.testing.assert_allclose((reading(e) - reading(-e)) / (2 * h), expected.by_constants[:, i], atol=1e-8)
+        np.testing.assert_allclose((reading(e) - reading(-e)) / (2 * h), expected.H_constants[:, i], atol=1e-8)
 
 
 def test_how_the_error_goes_on_over_a_tick():
@@ -315,14 +318,14 @@ def test_one_component_after_the_other_is_the_textbook_update():
         root = random.normal(size=(n, n))
         P, H, y, variance = root @ root.T, random.normal(size=(m, n)), random.normal(size=m), 0.3
         x = np.concatenate([random.normal(size=6), quaternion_from_euler(0.3, 0.1, 2.0), random.normal(size=n - 9)])
-        later, Q, surprise = corrected(x, P, H, y, variance)
+        later, Q, nis = corrected(x, P, H, y, variance)
         S = H @ P @ H.T + variance * np.eye(m)
         K = P @ H.T @ np.linalg.inv(S)
         np.testing.assert_allclose(later, moved(x, K @ y), atol=1e-10)
         np.testing.assert_allclose(Q, (np.eye(n) - K @ H) @ P, atol=1e-8 * np.abs(P).max())
-        assert surprise == pytest.approx(y @ np.linalg.solve(S, y), rel=1e-10)
+        assert nis == pytest.approx(y @ np.linalg.solve(S, y), rel=1e-10)
         reference = corrected.py_func(x, P, H, y, variance)
-        for a, b in zip((later, Q, surprise), reference, strict=True):
+        for a, b in zip((later, Q, nis), reference, strict=True):
             np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9)
 
 

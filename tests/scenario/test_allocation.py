@@ -22,23 +22,23 @@ def test_targets_and_weights_are_those_of_the_thrusters_in_their_order(options, 
     keys = {"target": "allocation.target_N", "weights": "allocation.thruster_weights"}
     changes = PLAIN | {keys[name]: value for name, value in options.items()}
     objective = "target" if "target" in options else "energy"
-    actuators = prepare(load(HELIX, {**changes, "allocation.objective": objective})).actuators
-    actuators.believe(Health(np.where(np.isin(np.arange(8), lost), 0.0, 1.0), np.full(8, np.nan)))
+    allocator = prepare(load(HELIX, {**changes, "allocation.objective": objective})).allocator
+    allocator.believe(Health(np.where(np.isin(np.arange(8), lost), 0.0, 1.0), np.full(8, np.nan)))
     left = np.delete(np.arange(8), lost)
     given = {name: np.array(value)[left] for name, value in options.items()}
-    alone = Allocator(actuators.A[:, left], actuators.limits[left], objective=objective, **given).allocate(WRENCH)
-    answer = actuators.allocate(WRENCH)
+    alone = Allocator(allocator.A[:, left], allocator.limits[left], objective=objective, **given).allocate(WRENCH)
+    answer = allocator.allocate(WRENCH)
     np.testing.assert_allclose(answer.force[left], alone.force, atol=1e-9)
     assert answer.cost == pytest.approx(alone.cost)
-    plain = prepare(load(HELIX, PLAIN)).actuators.allocate(WRENCH)
+    plain = prepare(load(HELIX, PLAIN)).allocator.allocate(WRENCH)
     assert np.abs(answer.force - plain.force).max() > 0.5
 
 
 def test_power_is_that_of_all_thrusters():
-    actuators = prepare(load(HELIX, PLAIN)).actuators
-    actuators.believe(Health.whole(8).with_thruster(0, stuck=20.0))
+    allocator = prepare(load(HELIX, PLAIN)).allocator
+    allocator.believe(Health.whole(8).with_thruster(0, stuck=20.0))
     thrusters = prepare(load(HELIX, PLAIN)).vehicle.thrusters
-    answer = actuators.allocate(WRENCH)
+    answer = allocator.allocate(WRENCH)
     assert answer.force[0] == 20.0
     assert answer.power_W == pytest.approx(thrusters.power(answer.force).sum())
 
@@ -69,8 +69,8 @@ def test_methods_are_compared_by_one_key(method):
     """The others leave aside what only exact methods know, as the schema says."""
     others = {"change_limit_N": 3.0, "unattainable": "scaled", "torque_weight": 3.0, "thruster_weights": WEIGHTS}
     changes = {f"allocation.{key}": value for key, value in others.items()}
-    with_them = prepare(load(HELIX, {**changes, "allocation.method": method})).actuators.allocate(WRENCH)
-    without = prepare(load(HELIX, {**PLAIN, "allocation.method": method})).actuators.allocate(WRENCH)
+    with_them = prepare(load(HELIX, {**changes, "allocation.method": method})).allocator.allocate(WRENCH)
+    without = prepare(load(HELIX, {**PLAIN, "allocation.method": method})).allocator.allocate(WRENCH)
     assert with_them.force.tobytes() == without.force.tobytes()
 
 

@@ -10,7 +10,7 @@ from cube_sim.control.planar.approach_angle import ApproachAngle
 from cube_sim.control.planar.dynamic import DesiredSpeed, DynamicLaw, Gains, PlanarCommand
 from cube_sim.control.planar.model import PlanarModel, PlanarMotion
 from cube_sim.control.planar.path_view import plane_view
-from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.guidance.law import TargetView
 
 # INFANTE's class: public parameter set, m = 2234.5 kg, Iz = 2000 kg m^2
 INFANTE = PlanarModel(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import atan2, hypot, tau
 from typing import NamedTuple
 
-from cube_sim.guidance.virtual_target import TargetView
+from cube_sim.guidance.law import TargetView
 from cube_sim.spatial import Matrix
 
 

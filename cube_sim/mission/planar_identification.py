@@ -30,7 +30,7 @@ LEAST_TURN = 0.01
 """Smallest part of a yaw rate that has to turn the course, 1 - m_ur / m_v."""
 
 
-def planar_model(model: mujoco.MjModel, vehicle: Vehicle) -> PlanarModel:
+def identify_planar_model(model: mujoco.MjModel, vehicle: Vehicle) -> PlanarModel:
     """The planar equations the hull obeys when it is level in still water.
 
     Raises:
