@@ -31,7 +31,7 @@ class LogLine:
 
 
 @dataclass(frozen=True)
-class Block:
+class Batch:
     """What was recorded in one simulated second, t in [k, k+1).
 
     Attributes:
@@ -44,10 +44,10 @@ class Block:
 
 
 class Sink(Protocol):
-    """Something that takes a run block by block."""
+    """Something that takes a run batch by batch."""
 
-    def write(self, block: Block) -> None:
-        """Take the next block."""
+    def write(self, batch: Batch) -> None:
+        """Take the next batch."""
         ...
 
     def close(self) -> None:
@@ -55,27 +55,27 @@ class Sink(Protocol):
         ...
 
 
-def block_number(t: float) -> int:
-    """Which block an instant t [s] belongs to."""
+def batch_number(t: float) -> int:
+    """Which batch an instant t [s] belongs to."""
     return math.floor(t)
 
 
-def split_blocks(rows: Mapping[str, Rows], log: Sequence[LogLine]) -> Iterator[Block]:
-    """Cut whole columns into the blocks in which they were recorded.
+def split_into_batches(rows: Mapping[str, Rows], log: Sequence[LogLine]) -> Iterator[Batch]:
+    """Cut whole columns into the batches in which they were recorded.
 
     Args:
         rows: all rows of each channel.
         log: all log lines.
 
     Yields:
-        The blocks that hold anything, in time order.
+        The batches that hold anything, in time order.
     """
     numbers = {name: np.floor(r[:, 0]).astype(np.int64) for name, r in rows.items()}
-    logged = np.array([block_number(line.t) for line in log], dtype=np.int64)
+    logged = np.array([batch_number(line.t) for line in log], dtype=np.int64)
     for k in np.unique(np.concatenate([*numbers.values(), logged])):
         parts = {name: rows[name][slice(*np.searchsorted(n, (k, k + 1)))] for name, n in numbers.items()}
         first, last = np.searchsorted(logged, (k, k + 1))
-        yield Block({name: part for name, part in parts.items() if len(part)}, log[first:last])
+        yield Batch({name: part for name, part in parts.items() if len(part)}, log[first:last])
 
 
 def signals(channels: Sequence[Channel], rows: Mapping[str, Rows]) -> dict[str, Rows]:

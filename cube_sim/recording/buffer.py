@@ -1,4 +1,4 @@
-"""Rows of one channel on their way to the files: preallocated, copied into, handed on by the block."""
+"""Rows of one channel on their way to the files: preallocated, copied into, handed on by the batch."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class ChannelBuffer:
 
         Raises:
             RecordingError: the values do not fit the fields. Shapes are looked at in the first row of each
-                block, the number of values always.
+                batch, the number of values always.
         """
         count = self._count
         if count == 0:

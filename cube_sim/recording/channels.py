@@ -1,4 +1,8 @@
-"""The channel table: everything a run records, declared once, with widths and units."""
+"""The channel table: everything a run records, declared once, with widths and units.
+
+The whole table is written into each recording. Names are what checks and readers rely on; a changed text changes the
+bytes of every recording.
+"""
 
 from __future__ import annotations
 
@@ -80,7 +84,7 @@ def channel_table(
     """Declare what a run of a vehicle with these thrusters records.
 
     Args:
-        thrusters: names of the m motors, in the order of the columns of A.
+        thrusters: names of the m thrusters, in the order of the columns of A.
         path_points: n, the points of the polyline by which the path is displayed.
         allocation_status: what the status codes 0, 1, 2 ... of the allocation mean.
         authority: what the codes of the vehicle's authority mean.
@@ -89,15 +93,17 @@ def channel_table(
         The channels in the order in which they are written.
     """
     m = len(thrusters)
-    motor_wrench = tuple(f"{component}/{motor}" for component in WRENCH for motor in thrusters)
-    motor_limits = tuple(f"{motor}/{limit}" for motor in thrusters for limit in LIMITS)
+    thruster_wrench = tuple(f"{component}/{thruster}" for component in WRENCH for thruster in thrusters)
+    thruster_limits = tuple(f"{thruster}/{limit}" for thruster in thrusters for limit in LIMITS)
     path_columns = tuple(f"{i}/{axis}" for i in range(path_points) for axis in XYZ)
     return (
         Channel(
             "actuation",
             (
-                Field("matrix", 6 * m, "N/N, N m/N", "A of F_B = A f as believed, row-major (6, m)", motor_wrench),
-                Field("limits", 4 * m, "N", "dead zone and saturation of each motor as believed, (m, 4)", motor_limits),
+                Field("matrix", 6 * m, "N/N, N m/N", "A of F_B = A f as believed, row-major (6, m)", thruster_wrench),
+                Field(
+                    "limits", 4 * m, "N", "dead zone and saturation of each motor as believed, (m, 4)", thruster_limits
+                ),
             ),
             ON_CHANGE,
         ),

@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import split_blocks
+from cube_sim.recording.batch import split_into_batches
 from cube_sim.recording.reading import read_recording
 from cube_sim.recording.rerun.sink import rerun_sink
 
@@ -30,6 +30,6 @@ def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
         raise RecordingError(f"{mcap}: the recorded model does not compile: {error}") from None
     named = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, recording.vehicle) >= 0
     sink = rerun_sink(rrd, header, recording.channels, model, recording.vehicle if named else None)
-    for block in split_blocks(recording.rows, recording.log):
-        sink.write(block)
+    for batch in split_into_batches(recording.rows, recording.log):
+        sink.write(batch)
     sink.close()

@@ -16,7 +16,7 @@ class ThrusterMounts:
     """Where the thrusters sit.
 
     Attributes:
-        names: of the m actuators.
+        names: of the m thrusters.
         positions: (m, 3) p_BT in body axes [m].
         rotations: (m, 3, 3) site axes to body axes; positive thrust is along the site's z axis.
         sizes: (m, 2) radius and half-length by which each site is drawn [m].

@@ -48,7 +48,7 @@ class Recording:
         vehicle: name of the vehicle's frame.
         channels: the channel table the run was recorded with.
         rows: all rows of each channel, (n, 1+width), column 0 the time [s].
-        log: what was said, in the order of time.
+        log: the messages, in the order of time.
         complete: False when the file ends before its index, as after a crash; all that is whole was read.
     """
 
@@ -143,7 +143,7 @@ def _message_runs(chunk: bytes) -> Iterator[tuple[int, NDArray[np.uint8]]]:
     """Find the messages of a chunk.
 
     The next record with the same channel and length is one record further on as long as the headers agree,
-    so a block that was written as one array is read as one. Interleaved channels are runs of length one.
+    so a batch that was written as one array is read as one. Interleaved channels are runs of length one.
 
     Args:
         chunk: uncompressed records.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Block, LogLine, Rows, Sink, block_number, signals
+from cube_sim.recording.batch import Batch, LogLine, Rows, Sink, batch_number, signals
 from cube_sim.recording.buffer import ChannelBuffer
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
@@ -58,7 +58,7 @@ class Recorder:
         self._written: dict[str, list[Rows]] = {channel.name: [] for channel in self._channels}
         self._log: list[LogLine] = []
         self._time = -np.inf
-        self._block_end = -np.inf
+        self._batch_end = -np.inf
         self._closed = False
         self.mcap = directory / MCAP_NAME
         self.rrd = directory / RRD_NAME
@@ -128,21 +128,21 @@ class Recorder:
         # Written this way round, a NaN is refused too.
         if not t >= self._time:
             raise RecordingError(f"time runs backwards: t = {t} s after t = {self._time} s")
-        if t >= self._block_end:
+        if t >= self._batch_end:
             self._flush()
-            self._block_end = block_number(t) + 1
+            self._batch_end = batch_number(t) + 1
         self._time = t
 
     def _flush(self) -> None:
         rows = {name: buffer.take() for name, buffer in self._buffers.items()}
-        block = Block({name: taken for name, taken in rows.items() if len(taken)}, self._log)
-        if not block.rows and not block.log:
+        batch = Batch({name: taken for name, taken in rows.items() if len(taken)}, self._log)
+        if not batch.rows and not batch.log:
             return
         self._log = []
-        for name, taken in block.rows.items():
+        for name, taken in batch.rows.items():
             self._written[name].append(taken)
         for sink in self._sinks:
-            sink.write(block)
+            sink.write(batch)
 
     def __enter__(self) -> Recorder:
         """Use as a context manager."""

@@ -12,7 +12,7 @@ from rerun.chunk import RrdReader
 from support.helix_run import DT, HEADER, MJCF, THRUSTERS, append_tick, fly, model, table
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Block, LogLine, split_blocks
+from cube_sim.recording.batch import Batch, LogLine, split_into_batches
 from cube_sim.recording.channels import channel_table
 from cube_sim.recording.export import rrd_from_mcap
 from cube_sim.recording.geometry import thruster_mounts, vehicle_name, vehicle_shapes, world_shapes
@@ -319,26 +319,26 @@ def test_splitting_columns_gives_the_blocks_they_were_recorded_in():
         "slow": np.array([[0.0, 1.0], [2.5, 2.0]]),
     }
     log = (LogLine(2.0, "INFO", "two"), LogLine(7.9, "INFO", "late"))
-    blocks = list(split_blocks(rows, log))
+    batches = list(split_into_batches(rows, log))
     for name, whole in rows.items():
-        parts = [block.rows[name] for block in blocks if name in block.rows]
+        parts = [batch.rows[name] for batch in batches if name in batch.rows]
         assert np.array_equal(np.concatenate(parts), whole)
-    for block in blocks:
-        instants = [*(t for part in block.rows.values() for t in part[:, 0]), *(line.t for line in block.log)]
+    for batch in batches:
+        instants = [*(t for part in batch.rows.values() for t in part[:, 0]), *(line.t for line in batch.log)]
         assert len({int(t) for t in instants}) == 1
-    assert [line.text for block in blocks for line in block.log] == ["two", "late"]
-    assert list(split_blocks({}, ())) == []
+    assert [line.text for batch in batches for line in batch.log] == ["two", "late"]
+    assert list(split_into_batches({}, ())) == []
 
 
 @pytest.mark.parametrize("seconds", [1, 2, 5])
 def test_gathered_pieces_end_at_multiples_of_their_length(seconds):
     class Kept:
         def __init__(self) -> None:
-            self.blocks: list[Block] = []
+            self.batches: list[Batch] = []
             self.closed = False
 
-        def write(self, block: Block) -> None:
-            self.blocks.append(block)
+        def write(self, batch: Batch) -> None:
+            self.batches.append(batch)
 
         def close(self) -> None:
             self.closed = True
@@ -347,12 +347,12 @@ def test_gathered_pieces_end_at_multiples_of_their_length(seconds):
     sink = GatheringSink(kept, seconds)
     rows = np.stack([np.arange(650) * DT, np.arange(650)], axis=1)
     log = tuple(LogLine(t, "INFO", str(t)) for t in (0.5, 6.5, 6.6, 12.9))
-    for block in split_blocks({"a": rows}, log):
-        sink.write(block)
+    for batch in split_into_batches({"a": rows}, log):
+        sink.write(batch)
     sink.close()
     assert kept.closed
-    assert np.array_equal(np.concatenate([block.rows["a"] for block in kept.blocks]), rows)
-    assert tuple(line for block in kept.blocks for line in block.log) == log
-    pieces = [np.unique(block.rows["a"][:, 0] // seconds) for block in kept.blocks]
+    assert np.array_equal(np.concatenate([batch.rows["a"] for batch in kept.batches]), rows)
+    assert tuple(line for batch in kept.batches for line in batch.log) == log
+    pieces = [np.unique(batch.rows["a"][:, 0] // seconds) for batch in kept.batches]
     assert [len(piece) for piece in pieces] == [1] * len(pieces)
     assert len(np.unique(pieces)) == len(pieces)

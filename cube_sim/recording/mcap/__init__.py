@@ -1,1 +1,1 @@
-"""The record: MCAP written and read a block at a time."""
+"""The record: MCAP written and read a batch at a time."""

@@ -1,7 +1,7 @@
-"""Protobuf messages of constant length, written and read a block at a time with numpy.
+"""Protobuf messages of constant length, written and read a batch at a time with numpy.
 
 A channel's message is flat: ``double t = 1`` and then each field as ``double`` or packed ``repeated double``.
-Tags and lengths then never change, so a block of n messages is an (n, L) array of bytes in which only the
+Tags and lengths then never change, so a batch of n messages is an (n, L) array of bytes in which only the
 columns of the numbers differ. Any protobuf reader decodes it; none is needed to write it.
 """
 

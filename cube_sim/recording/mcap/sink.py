@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.recording.batch import Block, LogLine, Rows
+from cube_sim.recording.batch import Batch, LogLine, Rows
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.mcap.fixed_width import channel_layout
@@ -23,7 +23,7 @@ from cube_sim.recording.mcap.schemas import (
     frame_transform_schema,
     log_schema,
 )
-from cube_sim.recording.mcap.writer import McapWriter, MessageBlock, message_records
+from cube_sim.recording.mcap.writer import McapWriter, MessageBatch, message_records
 
 # 2000-01-01T00:00:00Z. Simulated time starts here in every recording: a recording has no wall clock.
 EPOCH_NS = 946_684_800 * 1_000_000_000
@@ -37,7 +37,7 @@ CHANNEL_METADATA = "channel"
 
 
 class McapSink:
-    """Writes a run to an MCAP file: the header first, then one chunk per block."""
+    """Writes a run to an MCAP file: the header first, then one chunk per batch."""
 
     def __init__(self, path: Path, header: RunHeader, channels: Sequence[Channel], vehicle: str) -> None:
         self._writer = McapWriter(path)
@@ -58,32 +58,32 @@ class McapSink:
         self._log_id = self._writer.add_channel(LOG_TOPIC, LOG, log_schema())
         self._sequences = dict.fromkeys(range(1, self._log_id + 1), 0)
 
-    def write(self, block: Block) -> None:
-        """Write a block as one chunk and hand it to the operating system."""
-        self._writer.write_chunk(self._encode(block))
+    def write(self, batch: Batch) -> None:
+        """Write a batch as one chunk and hand it to the operating system."""
+        self._writer.write_chunk(self._encode(batch))
 
     def close(self) -> None:
         """Write the index and close the file."""
         self._writer.close()
 
-    def _encode(self, block: Block) -> Iterator[MessageBlock]:
-        for name, rows in block.rows.items():
+    def _encode(self, batch: Batch) -> Iterator[MessageBatch]:
+        for name, rows in batch.rows.items():
             layout, channel_id = self._layouts[name], self._ids[name]
             stamps = _stamps(rows)
             records, messages = message_records(channel_id, stamps, self._count(channel_id, rows), layout.length)
             layout.write(rows, messages)
-            yield _block(channel_id, stamps, records)
-        if "pose" in block.rows:
-            rows = block.rows["pose"]
+            yield _message_batch(channel_id, stamps, records)
+        if "pose" in batch.rows:
+            rows = batch.rows["pose"]
             stamps = _stamps(rows)
             first = self._count(self._transform_id, rows)
             records, messages = message_records(self._transform_id, stamps, first, self._transform.length)
             self._transform.write(rows, stamps, messages)
-            yield _block(self._transform_id, stamps, records)
-        if block.log:
-            yield self._encode_log(block.log)
+            yield _message_batch(self._transform_id, stamps, records)
+        if batch.log:
+            yield self._encode_log(batch.log)
 
-    def _encode_log(self, log: Sequence[LogLine]) -> MessageBlock:
+    def _encode_log(self, log: Sequence[LogLine]) -> MessageBatch:
         stamps = np.array([stamp_ns(line.t) for line in log], np.uint64)
         first, parts = self._count(self._log_id, log), []
         for i, line in enumerate(log):
@@ -92,7 +92,7 @@ class McapSink:
             messages[0] = np.frombuffer(data, np.uint8)
             parts.append(records.tobytes())
         ends = np.cumsum([len(part) for part in parts])
-        return MessageBlock(self._log_id, stamps, b"".join(parts), (ends - ends[0]).astype(np.uint64))
+        return MessageBatch(self._log_id, stamps, b"".join(parts), (ends - ends[0]).astype(np.uint64))
 
     def _count(self, channel_id: int, new: Rows | Sequence[LogLine]) -> int:
         """Give the sequence number of the first of the new messages."""
@@ -127,6 +127,6 @@ def _stamps(rows: Rows) -> NDArray[np.uint64]:
     return (np.rint(rows[:, 0] * 1e9).astype(np.int64) + EPOCH_NS).astype(np.uint64)
 
 
-def _block(channel_id: int, stamps: NDArray[np.uint64], records: NDArray[np.uint8]) -> MessageBlock:
+def _message_batch(channel_id: int, stamps: NDArray[np.uint64], records: NDArray[np.uint8]) -> MessageBatch:
     n, length = records.shape
-    return MessageBlock(channel_id, stamps, records.tobytes(), np.arange(n, dtype=np.uint64) * np.uint64(length))
+    return MessageBatch(channel_id, stamps, records.tobytes(), np.arange(n, dtype=np.uint64) * np.uint64(length))

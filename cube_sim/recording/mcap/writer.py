@@ -1,7 +1,7 @@
-"""An MCAP file written a block at a time.
+"""An MCAP file written a batch at a time.
 
 The public ``mcap`` writer takes one message per call, which is most of the time a recording costs. Messages
-of constant length need no such call: a block of them, and its index, are arrays. Everything else in the file
+of constant length need no such call: a batch of them, and its index, are arrays. Everything else in the file
 is written with the ``mcap`` package's own records (format: mcap.dev/spec).
 """
 
@@ -56,7 +56,7 @@ _COUNTED_HEADER = MESSAGE_HEADER.itemsize - 9
 
 
 @dataclass(frozen=True)
-class MessageBlock:
+class MessageBatch:
     """Messages of one channel, as the bytes of their MCAP records.
 
     Attributes:
@@ -168,19 +168,19 @@ class McapWriter:
         self._channels[-1].write(self._declared)
         return number
 
-    def write_chunk(self, blocks: Iterable[MessageBlock]) -> None:
+    def write_chunk(self, batches: Iterable[MessageBatch]) -> None:
         """Write messages as one chunk with its index, and hand them to the operating system.
 
         Args:
-            blocks: at most one per channel, none of them empty. No chunk is written without messages.
+            batches: at most one per channel, none of them empty. No chunk is written without messages.
         """
-        blocks = tuple(blocks)
-        if not blocks:
+        batches = tuple(batches)
+        if not batches:
             return
         declared = self._declared.end()
-        data = declared + b"".join(block.data for block in blocks)
-        start = min(int(block.log_times.min()) for block in blocks)
-        end = max(int(block.log_times.max()) for block in blocks)
+        data = declared + b"".join(batch.data for batch in batches)
+        start = min(int(batch.log_times.min()) for batch in batches)
+        end = max(int(batch.log_times.max()) for batch in batches)
         compressed = self._compressor.compress(data)
         chunk_start = self._position
         self._write_record(
@@ -195,11 +195,11 @@ class McapWriter:
         )
         chunk_length = self._position - chunk_start
         offset, index_offsets = len(declared), {}
-        for block in blocks:
-            index_offsets[block.channel_id] = self._position
-            self._write(_message_index(block, offset))
-            self._counts[block.channel_id] = self._counts.get(block.channel_id, 0) + len(block.log_times)
-            offset += len(block.data)
+        for batch in batches:
+            index_offsets[batch.channel_id] = self._position
+            self._write(_message_index(batch, offset))
+            self._counts[batch.channel_id] = self._counts.get(batch.channel_id, 0) + len(batch.log_times)
+            offset += len(batch.data)
         self._chunks.append(
             ChunkIndex(
                 message_start_time=start,
@@ -283,11 +283,11 @@ class McapWriter:
         self.close()
 
 
-def _message_index(block: MessageBlock, base: int) -> bytes:
-    """Build the MessageIndex record of a block that starts at byte ``base`` of its chunk."""
-    entries = np.empty(len(block.log_times), _INDEX_ENTRY)
-    entries["log_time"] = block.log_times
-    entries["offset"] = block.offsets + np.uint64(base)
+def _message_index(batch: MessageBatch, base: int) -> bytes:
+    """Build the MessageIndex record of a batch that starts at byte ``base`` of its chunk."""
+    entries = np.empty(len(batch.log_times), _INDEX_ENTRY)
+    entries["log_time"] = batch.log_times
+    entries["offset"] = batch.offsets + np.uint64(base)
     listed = entries.tobytes()
-    body = block.channel_id.to_bytes(2, "little") + len(listed).to_bytes(4, "little") + listed
+    body = batch.channel_id.to_bytes(2, "little") + len(listed).to_bytes(4, "little") + listed
     return bytes([Opcode.MESSAGE_INDEX]) + len(body).to_bytes(8, "little") + body

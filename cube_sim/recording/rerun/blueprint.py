@@ -74,8 +74,8 @@ def blueprint(
         plots.append((3.6, rrb.Tabs(plot(THRUSTERS, "Thruster forces [N]"), *drawn, active_tab=0)))
     log = rrb.TextLogView(origin=LOG, name="Log")
     tabs = [view for name, view in (("allocation", lanes), ("health", health)) if name in names]
-    said = rrb.Tabs(*tabs, log, active_tab=0)
-    below = rrb.Horizontal(close_up, said, column_shares=[4.0, 5.0])
+    messages = rrb.Tabs(*tabs, log, active_tab=0)
+    below = rrb.Horizontal(close_up, messages, column_shares=[4.0, 5.0])
     left = rrb.Vertical(scene, below, row_shares=[0.85, 1.0])
     right = rrb.Vertical(*(view for _, view in plots), row_shares=[share for share, _ in plots])
     return rrb.Blueprint(

@@ -110,10 +110,10 @@ def curves(channels: Sequence[Channel]) -> list[Curves]:
         names = tuple(f"{name} [{force.unit}]" for name in force.columns)
         found.append(Curves("thrusters", "force", THRUSTERS, names, tuple(palette.series(force.width))))
     if power := table.get("power"):
-        motor = power["motor"]
-        names = tuple(f"{name} [{motor.unit}]" for name in motor.columns)
+        drawn = power["motor"]
+        names = tuple(f"{name} [{drawn.unit}]" for name in drawn.columns)
         found += [
-            Curves("power", "motor", f"{POWER}/motor", names, tuple(palette.series(motor.width))),
+            Curves("power", "motor", f"{POWER}/motor", names, tuple(palette.series(drawn.width))),
             _single(power["voltage"], "power", POWER, "voltage", palette.PATH),
         ]
     return found
@@ -122,8 +122,8 @@ def curves(channels: Sequence[Channel]) -> list[Curves]:
 def lanes(channels: Sequence[Channel]) -> list[Lane]:
     """List the state lanes of a run.
 
-    How the allocation ended, how the vehicle flies and the side of each motor's dead zone; and, beside them, what each
-    motor's state truly is and what the controller believes it to be.
+    They show how the allocation ended, how the vehicle flies and on which side of its dead zone each thruster works.
+    Beside them stands the health of each thruster, the true one and the one the controller believes in.
     """
     found = []
     for channel in channels:
@@ -139,8 +139,8 @@ def lanes(channels: Sequence[Channel]) -> list[Lane]:
             elif channel.name == "health":
                 name = "believed" if field.name == "believed" else "true"
                 found += [
-                    Lane(channel.name, field.name, i, f"{HEALTH}/{motor}/{name}", _HEALTH, _HEALTH_BOUNDS)
-                    for i, motor in enumerate(field.columns)
+                    Lane(channel.name, field.name, i, f"{HEALTH}/{thruster}/{name}", _HEALTH, _HEALTH_BOUNDS)
+                    for i, thruster in enumerate(field.columns)
                 ]
     return found
 

@@ -133,8 +133,8 @@ def _log_shape(
         drawn = rr.Mesh3D(vertex_positions=vertices, triangle_indices=faces, albedo_factor=colours[0])
     else:
         # Beside the log and not in it: what is static hides what comes later.
-        said = rr.TextLog(f"{shape.name} is not drawn: its type is {shape.kind.name}", level="WARN")
-        recording.log(f"{LOG}/model/{shape.name}", said, static=True)
+        message = rr.TextLog(f"{shape.name} is not drawn: its type is {shape.kind.name}", level="WARN")
+        recording.log(f"{LOG}/model/{shape.name}", message, static=True)
         return
     recording.log(entity, drawn, static=True)
 

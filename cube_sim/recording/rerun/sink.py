@@ -12,7 +12,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from cube_sim.recording.batch import Block, Rows, Sink
+from cube_sim.recording.batch import Batch, Rows, Sink
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import thruster_mounts
 from cube_sim.recording.header import RunHeader
@@ -48,14 +48,17 @@ PIECE_S = 5
 def rerun_sink(
     path: Path, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel, vehicle: str | None = None
 ) -> Sink:
-    """Start an .rrd file that takes blocks as they come; the vehicle is the body of that name, or the first to swim."""
+    """Start an .rrd file that takes batches as they come.
+
+    The vehicle is the body of that name; without a name the first with a free joint.
+    """
     return GatheringSink(RerunSink(path, header, channels, model, vehicle), PIECE_S)
 
 
 class RerunSink:
     """Writes a run to an .rrd file.
 
-    What it writes depends on the blocks, the channel table and the model, and on nothing else.
+    What it writes depends on the batches, the channel table and the model, and on nothing else.
     """
 
     def __init__(
@@ -85,33 +88,33 @@ class RerunSink:
         self._boxes = log_scene(self._recording, model, vehicle)
         self._log_styles()
 
-    def write(self, block: Block) -> None:
-        """Write one block."""
+    def write(self, batch: Batch) -> None:
+        """Write one batch."""
         if not self._laid_out:
             self._laid_out = True
-            self._lay_out(block)
-        for name, rows in block.rows.items():
+            self._lay_out(batch)
+        for name, rows in batch.rows.items():
             self._draw(name, rows)
         for curve in self._curves:
-            if curve.channel in block.rows:
-                rows = block.rows[curve.channel]
+            if curve.channel in batch.rows:
+                rows = batch.rows[curve.channel]
                 values = self._values(rows, curve.channel, curve.field)
                 values = values[:, list(curve.columns)] if curve.columns else values
                 scalars = rr.Scalars.columns(scalars=np.ascontiguousarray(values).ravel())
                 n = values.shape[1]
                 self._send(curve.entity, rows, scalars if n == 1 else scalars.partition([n] * len(rows)))
         for lane in self._lanes:
-            if lane.channel in block.rows:
-                self._write_lane(lane, block.rows[lane.channel])
-        if block.log:
-            t = np.array([[line.t] for line in block.log])
-            text, level = [line.text for line in block.log], [_LEVELS.get(line.level, line.level) for line in block.log]
+            if lane.channel in batch.rows:
+                self._write_lane(lane, batch.rows[lane.channel])
+        if batch.log:
+            t = np.array([[line.t] for line in batch.log])
+            text, level = [line.text for line in batch.log], [_LEVELS.get(line.level, line.level) for line in batch.log]
             self._send(LOG, t, rr.TextLog.columns(text=text, level=level))
 
     def close(self) -> None:
         """Finish the file."""
         if not self._laid_out:
-            self._lay_out(Block({}))
+            self._lay_out(Batch({}))
         self._recording.flush()
         self._recording.disconnect()
 
@@ -190,13 +193,13 @@ class RerunSink:
             style = rr.StateConfiguration(values=values, labels=labels, colors=colours)
             self._recording.log(lane.entity, style, static=True)
 
-    def _lay_out(self, block: Block) -> None:
-        """Look at the whole path from where it can be seen: only the first block knows where it is."""
+    def _lay_out(self, batch: Batch) -> None:
+        """Look at the whole path from where it can be seen: only the first batch knows where it is."""
         points = [np.empty((0, 3))]
-        if "path" in block.rows:
-            points.append(self._values(block.rows["path"][:1], "path", "points").reshape(-1, 3))
-        if "pose" in block.rows:
-            points.append(self._values(block.rows["pose"][:1], "pose", "position"))
+        if "path" in batch.rows:
+            points.append(self._values(batch.rows["path"][:1], "path", "points").reshape(-1, 3))
+        if "pose" in batch.rows:
+            points.append(self._values(batch.rows["pose"][:1], "pose", "position"))
         layout = blueprint(self._channels, np.vstack(points), self._boxes, self._duration_s)
         self._recording.send_blueprint(layout, make_active=True)
 
