@@ -1,4 +1,4 @@
-"""What every rule for the desired attitude answers, and what it is told."""
+"""What every rule for the desired attitude is given, and what it answers."""
 
 from __future__ import annotations
 

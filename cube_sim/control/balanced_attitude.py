@@ -1,10 +1,10 @@
 """Attitude for a vehicle that has lost part of its wrench: turn until force and righting torque come together.
 
-When thrusters die, some combinations of force and torque can no longer be produced: N_f' F + N_t' M = b always, b = 0
-unless some thruster is stuck at a force. A force then drags a torque along. There are attitudes in which that torque is
-just the one that buoyancy asks for to hold the attitude: in them the vehicle pushes where the path needs it and stays
-as it is. This law steers to such an attitude and along the family of them as the demand turns; heading alone does most
-of it, restoring moments the rest.
+When thrusters die, some combinations of force and torque can no longer be produced. N_f' F + N_t' M = b holds always;
+b = 0 unless a thruster is stuck at a force. A force then comes with a torque. In some attitudes that torque is the very
+one that holds the hull against its righting moment. There the vehicle pushes where the path needs it and keeps its
+attitude. This law steers to such an attitude, and along the family of them as the demand turns. Turning the heading
+does most of it, righting moments do the rest.
 """
 
 from __future__ import annotations

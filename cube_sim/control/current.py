@@ -10,17 +10,17 @@ from cube_sim.vehicle.dynamics import Dynamics
 DIFFERENCE = 1e-3
 """Step of the central differences [m/s]."""
 QUIET = 0.05
-"""Relative speed [m/s] at which drag is as large as what nobody can tell from noise."""
+"""Relative speed [m/s] at which the slope of the drag equals the damping s: slower flow is taken for noise."""
 
 
 class CurrentObserver:
     """Gauss-Newton on the current that would explain the residual force, at the pace of one time constant.
 
-    A wrong current leaves the force d = n(nu, v_hat) - n(nu, v_c) over, which is J (v_c - v_hat) to first order with
-    J = -dn/dv_c from the vehicle's own drag, added mass and Munk moment. So v_hat' = (J' J + s^2 I)^-1 J' d / T, in
-    world axes, where a steady current stands still while the vehicle turns: a wrong drag coefficient, whose force turns
-    with the vehicle, averages out. Where drag has no slope, at rest relative to the water, nothing can be told; the
-    softness s makes the estimate stand still there.
+    A wrong current leaves the force d = n(nu, v_hat) - n(nu, v_c) unexplained. To first order d = J (v_c - v_hat), J =
+    -dn/dv_c of the vehicle's own drag, added mass and Munk moment. So v_hat' = (J' J + s^2 I)^-1 J' d / T. The estimate
+    is kept in world axes, where a steady current stands still while the vehicle turns. The force of a wrong
+    drag coefficient turns with the vehicle and averages out. At rest relative to the water drag has no slope, and the
+    current cannot be observed; the damping s keeps the estimate constant there.
 
     Args:
         dynamics: the controller's knowledge of the vehicle.
@@ -29,7 +29,7 @@ class CurrentObserver:
 
     def __init__(self, dynamics: Dynamics, time: float) -> None:
         self._dynamics, self._time = dynamics, time
-        self._softness = float(np.median(np.abs(np.diag(self._slope(np.eye(3), QUIET * np.ones(6), np.zeros(3))))))
+        self._damping = float(np.median(np.abs(np.diag(self._slope(np.eye(3), QUIET * np.ones(6), np.zeros(3))))))
         self.estimate = np.zeros(3)
 
     def update(self, state: State, residual: Vector, dt: float) -> Vector:
@@ -42,7 +42,7 @@ class CurrentObserver:
         """
         nu = np.concatenate([state.velocity, state.rates])
         J = self._slope(state.rotation, nu, self.estimate)
-        step = np.linalg.solve(J.T @ J + self._softness**2 * np.eye(3), J.T @ residual[:3])
+        step = np.linalg.solve(J.T @ J + self._damping**2 * np.eye(3), J.T @ residual[:3])
         self.estimate = self.estimate + dt / self._time * step
         return self.estimate
 

@@ -13,7 +13,7 @@ The belief stays as long as it fits. When it no longer fits, the window has to s
 
 A weak and a stuck thruster look alike while x stands still, and nearly so while it creeps: y = e x fits any constant.
 So a thruster is believed weak only when its force was seen to move with x. It is believed stuck only when y = e x does
-not fit. In between it is doubtful, and is told something else for a moment (`Probes`). Dead thrusters are probed too:
+not fit. In between it is doubtful, and gets another command for a moment (`Probes`). Dead thrusters are probed too:
 otherwise nothing would show that they recover.
 """
 

@@ -24,14 +24,14 @@ _UNIT, _REST = np.eye(3), np.zeros(6)
 class FreeAttitude:
     """Damped Gauss-Newton descent of the effort E = w' Q w over attitudes, Q = (A A')^+, at the pace of T.
 
-    E is the least |f|^2 [N^2] of thruster forces that make the wrench w, dead zones and limits apart. w(R) is what the
-    motion needs in the attitude R at the velocity over ground and in the current as they are: drag of the hull turned
-    that way, the torque that holds it against its righting moment, and the rest of the force demanded now,
-    which stands still in the world. Forces and velocities are averaged over T before.
+    E is the least |f|^2 [N^2] of thruster forces that make the wrench w; dead zones and limits are ignored. w(R) is the
+    wrench the motion needs in the attitude R, at the present velocity over ground and in the present current. It has
+    three parts: the drag of the hull turned that way, the torque that holds it against its righting moment, and the
+    rest of the force demanded now, which stands still in the world. Forces and velocities are averaged over T before.
 
-    A hull upside down rests as well as an upright one as far as torques go; so its potential energy |r| - r z, r the
-    righting moment at a right angle and z = R' e_z, counts like a torque of that size. Beyond a right angle, where the
-    righting moment falls again, that alone would let it hang: there it is turned back at the pace 1 / T.
+    By torques alone a hull upside down rests as well as an upright one. So its potential energy |r| - r z counts like a
+    torque of that size; r is the righting moment at a right angle, z = R' e_z. Beyond a right angle the righting moment
+    falls again, and the hull could hang there. It is therefore turned back at the pace 1 / T.
 
     Args:
         dynamics: the controller's knowledge of the hull.

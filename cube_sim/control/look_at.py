@@ -17,12 +17,13 @@ MAX_RATE = 1.0
 class LookAt:
     """Two tasks by priority (Nakamura 1987) on the angular velocity w of the desired attitude, world axes.
 
-    First, the axis u = R a comes onto the line of sight l and stays there: as u' = w x u, J1 = -S(u), J1# = S(u), and
-    w_1 = l x l' + psi n / T less its part along u, psi n the shortest turn from u to l. Second, in the null space of
-    the first, I - J1# J1 = u u', the vehicle rolls level about u, as along a path.
+    First, the axis u = R a comes onto the line of sight l and stays there. As u' = w x u, J1 = -S(u) and J1# = S(u);
+    w_1 = l x l' + psi n / T less its part along u, where psi n is the shortest turn from u to l. Second, in the null
+    space of the first, I - J1# J1 = u u', the vehicle rolls level about u, as along a path.
 
-    The angle psi decays with the time constant T, whichever way the vehicle faced. Near the point, where its direction
-    means little, w_1 is faded out, to nothing at the point itself; straight above and below it the roll is left alone.
+    The angle psi decays with the time constant T, whichever way the vehicle faced. The direction of the point means
+    little near the point: there w_1 is faded out, to nothing at the point itself. Straight above and below it the roll
+    is left alone.
 
     Args:
         point: (3,) [m], world axes.

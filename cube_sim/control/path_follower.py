@@ -21,7 +21,7 @@ from cube_sim.spatial import State, Vector
 
 @dataclass
 class PathFollower:
-    """Virtual target -> approach velocity and attitude -> loops -> wrench, with what is unknown estimated.
+    """Virtual target -> approach velocity and attitude -> loops -> wrench; disturbance and current are estimated.
 
     Attributes:
         target: the target on the path.

@@ -1,7 +1,7 @@
 """Asking a silent or doubtful thruster for a force of its own, to learn from what it gives.
 
-A thruster believed dead is told nothing, so nothing it does can show that it is whole again. One that is told the same
-all the time gives the same whether it is weak or stuck. Now and then such a thruster is told something else for a
+A thruster believed dead is commanded nothing, so nothing it does can show that it is whole again. One under a constant
+command gives the same force whether it is weak or stuck. Now and then such a thruster gets another command for a
 moment. The allocation does not count on what comes of it: a thruster that is dead or stuck adds nothing, and one that
 answers is known within a few control periods. Then its probe ends.
 """
@@ -19,7 +19,7 @@ class Probes:
 
     Args:
         force: (m,) [N] what a silent thruster is asked for. A doubtful one is asked for it too, or for nothing when
-            that is farther from what it is told.
+            that is farther from its command.
         dt: control period [s].
         period_s: between two probes of one thruster, and from its loss to the first [s].
         length_s: the most a probe takes [s].
@@ -40,9 +40,9 @@ class Probes:
         To be called at every tick.
 
         Args:
-            force: (m,) [N] what the thrusters are to be told, as if they were whole.
+            force: (m,) [N] what the thrusters are to be commanded, as if they were whole.
             health: what is believed of them.
-            doubtful: (m,) bool, which ones need to be told something else to be judged.
+            doubtful: (m,) bool, which ones need another command to be judged.
         """
         silent = (health.efficiency == 0.0) & np.isnan(health.stuck)
         self._wait = np.maximum(0, self._wait - 1)

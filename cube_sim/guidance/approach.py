@@ -14,8 +14,8 @@ class Approach:
     """The 3-D form of the approach angle delta (Lapierre and Soetanto 2007).
 
     With rho = |(y1, z1)| and theta = psi_a tanh(k_delta rho) the desired velocity in the path frame is
-    u_d(s) [cos theta, -sin theta (y1, z1) / rho]: from far away it points at the path under the angle psi_a, on the
-    path along it, and y1 v_1 + z1 v_2 = -u_d rho sin theta <= 0 everywhere. Towards the end of the path the speed along
+    u_d(s) [cos theta, -sin theta (y1, z1) / rho]. Far away it points at the path under the angle psi_a; on the path it
+    points along it. y1 v_1 + z1 v_2 = -u_d rho sin theta <= 0 everywhere. Towards the end of the path the speed along
     it falls as the remaining length over `stop_time`, and changes sign beyond: the vehicle comes to rest at the end.
 
     Args:

@@ -1,10 +1,10 @@
 """The rounding of a polyline's corners.
 
-Between its two legs a corner turns by theta along a curve whose heading is the quintic phi = theta (10 x^3 - 15 x^4 +
-6 x^5) of x, its share of arc length. A clothoid pair would be continuous in curvature too, but its curvature rate jumps
-three times per corner, and with it the yaw moment a dynamic law asks for; here the rate is continuous and zero at both
-ends, and as the heading is given by arc length itself nothing needs to be reparametrised. It is no longer for that:
-1.875 theta R for a smallest radius of curvature R, against the clothoid pair's 2 theta R.
+Between its two legs a corner turns by theta. Its heading is the quintic phi = theta (10 x^3 - 15 x^4 + 6 x^5) of x, the
+share of its arc length. The curvature rate is continuous, and zero at both ends. A clothoid pair is continuous in
+curvature too, but its curvature rate jumps three times per corner, and with it the yaw moment of a dynamic law. The
+heading is given by arc length itself, so nothing needs to be reparametrised. The corner is shorter, too: 1.875 theta R
+for a smallest radius of curvature R, against 2 theta R.
 """
 
 from __future__ import annotations

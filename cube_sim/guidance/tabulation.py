@@ -1,9 +1,9 @@
 """From smooth pieces of a curve, in whatever parameter, to a table in arc length.
 
-Every piece is halved until on each cell its speed, as a function of the parameter, and its unit tangent, as a function
-of arc length, are polynomials of the given degrees to `ACCURACY`. Arc length, position and the angle of the
-parallel-transport frame are then exact integrals of polynomials. Position, tangent and arc length are so within about
-1e-12 of the curve's size, the curvature within about 1e-9 and its derivative within about 1e-6 of theirs.
+Every piece is halved until two functions on each cell are polynomials of the given degrees to `ACCURACY`: the speed as
+a function of the parameter, and the unit tangent as a function of arc length. Arc length, position and the angle of the
+parallel-transport frame are then exact integrals of polynomials. Position, tangent and arc length are right to about
+1e-12 of the curve's size, the curvature to about 1e-9 and its derivative to about 1e-6 of their own.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def tabulate(start: ArrayLike, pieces: Sequence[Piece], closed: bool = False) ->
 
 
 def _resolve(pieces: Sequence[Piece]) -> list[_Resolved]:
-    """Cells that cover all pieces, in order: a round tries all open stretches and halves those that fail."""
+    """Cells that cover all pieces, in order. Each round tries all open stretches and halves those that fail."""
     resolved: list[_Resolved] = []
     open_stretches = [_Stretch(i, 0.0, piece.end) for i, piece in enumerate(pieces)]
     for _ in range(MOST_HALVINGS):

@@ -102,7 +102,7 @@ def _safe_mode(block: schema.SafeModeBlock) -> SafeMode:
 
 
 def diagnosis_of(vehicle: Vehicle, scenario: Scenario) -> Diagnosis:
-    """Half a second of evidence, and differences beyond the dead zone, where no motor's force is certain."""
+    """Half a second of evidence, and differences beyond the dead zone, within which no thruster's force is certain."""
     thrusters = vehicle.thrusters
     threshold = max(0.5, 1.2 * float(np.abs(thrusters.limits[:, 1:3]).max()))
     least, most = thrusters.limits[:, 0], thrusters.limits[:, 3]

@@ -84,7 +84,7 @@ def make_path(block: blocks.AnyPath) -> Path:
 
 
 def laps_of(block: blocks.AnyPath) -> float:
-    """How many times the virtual target runs round a closed path; infinite when it is not said."""
+    """How many times the virtual target runs round a closed path; infinite where the scenario gives no number."""
     match block:
         case blocks.CircleBlock() | blocks.ClosablePathBlock():
             return inf if block.laps is None else block.laps

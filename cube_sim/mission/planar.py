@@ -39,7 +39,7 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
     """The controller of `control.law: planar_lapierre_2007`.
 
     Raises:
-        ScenarioError: the path is not level, the vehicle cannot stop or steer as told; with position.
+        ScenarioError: the path is not level, the vehicle cannot stop or steer as the scenario asks; with position.
     """
     scenario, (model, vehicle) = loaded.scenario, believed
     guidance, planar = scenario.guidance, scenario.control.planar

@@ -40,7 +40,7 @@ class Mission:
         allocator: wrench to thruster forces.
         supply: what feeds the thrusters.
         events: what happens on the way.
-        diagnosis: finds thruster faults, None when the controller is told of them or ignores them.
+        diagnosis: finds thruster faults; None when the scenario reports them to the controller or lets it ignore them.
         drop_weight: ballast that can be let go.
         estimation: makes the state the controller gets of sensors; None when it gets the true one.
         channels: what will be recorded.

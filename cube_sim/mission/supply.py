@@ -36,8 +36,8 @@ def allocate_at(
 ) -> tuple[Allocation, Vector]:
     """Forces for a demand while every thruster gives a share of the force of its characteristic.
 
-    All allowed sets shrink by the same factor, so the answer is the factor times the answer for a demand as much
-    larger: exact, with the limits of this moment, and no allocator has to be built anew.
+    All allowed sets shrink by the same factor. So the answer is the factor times the answer for a demand that is larger
+    by its inverse. It is exact, within the limits of this moment, and no allocator has to be built anew.
 
     Args:
         thrust: the share, (V / V_n)^2.

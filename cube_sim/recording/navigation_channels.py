@@ -1,4 +1,4 @@
-"""The channels of a run that is flown on an estimate: the estimate, its error, and what each sensor said."""
+"""The channels of a run that is flown on an estimate: the estimate, its error, and the readings of each sensor."""
 
 from __future__ import annotations
 

@@ -83,9 +83,9 @@ def load(path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = Non
     data, applied, wrong_paths = apply(document.data, overrides or {})
     scenario, refusals = _validate(data, path)
     # Where the YAML itself is wrong, the schema need not say so again.
-    told = {mistake.position for mistake in document.mistakes}
+    reported = {mistake.position for mistake in document.mistakes}
     found = [_place(refusal, document, applied) for refusal in refusals]
-    found = [mistake for mistake in found if mistake.position not in told]
+    found = [mistake for mistake in found if mistake.position not in reported]
     in_file = sorted([*document.mistakes, *(mistake for mistake in found if mistake.position)], key=_by_position)
     in_overrides = [mistake.message for mistake in found if not mistake.position]
     lines = [_line(path, mistake) for mistake in in_file] + in_overrides
