@@ -143,9 +143,9 @@ def capability(
     everything = A if whole is None else whole
     if A.shape[1] > 0 and not np.any(np.abs(A[OUT_OF_PLANE]) > 1e-9):
         rows = ~OUT_OF_PLANE
-        found = _in_plane(A[rows], constant[rows], _cut(cost_limit, everything[rows], PLANAR))
+        found = _in_plane(A[rows], constant[rows], _cost_arguments(cost_limit, everything[rows], PLANAR))
     else:
-        found = _in_space(A, constant, _cut(cost_limit, everything, SPATIAL))
+        found = _in_space(A, constant, _cost_arguments(cost_limit, everything, SPATIAL))
     return Capability(
         authority=found.authority,
         pure_forces=found.pure_forces,
@@ -168,14 +168,14 @@ class _Finding(NamedTuple):
     within_cost_limit: Matrix | None = None
 
 
-class _Cut(TypedDict, total=False):
+class _CostArguments(TypedDict, total=False):
     """Arguments of `subspaces`."""
 
     cost_limit: float
     length_m: float
 
 
-def _cut(cost_limit: float | None, whole: Matrix, axes: WrenchAxes) -> _Cut:
+def _cost_arguments(cost_limit: float | None, whole: Matrix, axes: WrenchAxes) -> _CostArguments:
     return {} if cost_limit is None else {"cost_limit": cost_limit, "length_m": lever_arm(whole, axes)}
 
 
@@ -188,10 +188,10 @@ def _cost_projector(space: Subspaces, rows: NDArray[np.bool_]) -> Matrix | None:
     return projector
 
 
-def _in_space(A: Matrix, held: Vector, cut: _Cut) -> _Finding:
+def _in_space(A: Matrix, held: Vector, cost: _CostArguments) -> _Finding:
     if A.shape[1] == 0:
         return _Finding(Authority.SAFE, np.zeros((3, 0)), np.eye(6), "no thruster is left")
-    space = subspaces(A, **cut)
+    space = subspaces(A, **cost)
     within = _cost_projector(space, np.ones(6, dtype=bool))
     lost = np.array([combination.coefficients for combination in space.unreachable]).reshape(-1, 6).T
     if space.rank == 6:
@@ -204,9 +204,9 @@ def _in_space(A: Matrix, held: Vector, cut: _Cut) -> _Finding:
     return _Finding(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust", within)
 
 
-def _in_plane(A: Matrix, held: Vector, cut: _Cut) -> _Finding:
+def _in_plane(A: Matrix, held: Vector, cost: _CostArguments) -> _Finding:
     """The same for surge, sway and yaw (3,m); to stay upright is the hull's own business."""
-    space = subspaces(A, **cut)
+    space = subspaces(A, **cost)
     within = _cost_projector(space, ~OUT_OF_PLANE)
     lost = np.zeros((6, len(space.unreachable)))
     for column, combination in zip(lost.T, space.unreachable, strict=True):

@@ -96,7 +96,7 @@ class Diagnosis:
         misfit = float(np.linalg.norm(y - share * x))
         swing = float(np.linalg.norm(y - y.mean()))
         proportional = energy > size**2 and misfit <= 0.5 * size
-        if proportional and share >= self.DEAD and not self._still(i, share):
+        if proportional and share >= self.DEAD and not self._holds_for_newer_half(i, share):
             return  # the fault came amid the window, which mixes two truths
         if np.all(np.abs(y) <= self._threshold):
             # So little that it does not matter whether it is weak or stuck at that; or a stuck one that has let go.
@@ -110,7 +110,7 @@ class Diagnosis:
         elif swing < 0.2 * size and np.all(np.abs(y) > self._threshold):
             self._believe(i, 0.0, float(y.mean()))
 
-    def _still(self, i: int, share: float) -> bool:
+    def _holds_for_newer_half(self, i: int, share: float) -> bool:
         """Whether y = share x, found over the window, holds for its newer half too."""
         n = len(self._expected)
         newer = (self._row + np.arange(n // 2, n)) % n

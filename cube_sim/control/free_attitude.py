@@ -52,12 +52,12 @@ class FreeAttitude:
         if self._rotation is None:
             self._rotation, self._force, self._velocity = situation.rotation, situation.force, velocity
         if situation.effort is not self._effort:
-            self._take(situation.effort)
+            self._set_effort(situation.effort)
         share = min(1.0, dt / self._time)
         self._force = self._force + share * (situation.force - self._force)
         self._velocity = self._velocity + share * (velocity - self._velocity)
         R = self._rotation
-        rates = self._descent(R, situation) + self._out_of_upside_down(R[2])
+        rates = self._descent(R, situation) + self._righting_rate(R[2])
         speed = float(np.linalg.norm(rates))
         if speed > MAX_RATE:
             rates, speed = rates * (MAX_RATE / speed), MAX_RATE
@@ -65,8 +65,8 @@ class FreeAttitude:
             self._rotation = R @ rotation_about(rates / speed, speed * dt)
         return DesiredAttitude(quaternion_from_rotation(R), R @ rates)
 
-    def _take(self, effort: Matrix) -> None:
-        """Reckon with these thrusters from now on."""
+    def _set_effort(self, effort: Matrix) -> None:
+        """Take Q (6,6) of the thrusters that work from now on."""
         self._effort = effort
         sizes, axes = np.linalg.eigh(effort)
         self._root = (axes * np.sqrt(np.maximum(sizes, 0.0))).T  # root' root = Q
@@ -75,7 +75,7 @@ class FreeAttitude:
     def _descent(self, R: Matrix, situation: Situation) -> Vector:
         """Turning rate (3,) [rad/s], body axes."""
         current = situation.current
-        known = self._water(situation.rotation, current)
+        known = self._steady_wrench(situation.rotation, current)
         rest = self._force - situation.rotation @ known[:3]
         y = self._efforts(R, current, rest)
         slopes = np.array([(self._efforts(R @ turn, current, rest) - y) / STEP for turn in _TURNS])  # J'
@@ -85,21 +85,21 @@ class FreeAttitude:
 
     def _efforts(self, R: Matrix, current: Vector, rest: Vector) -> Vector:
         """y (7,) [N], whose square is E and the share of the potential energy."""
-        wrench = self._water(R, current)
+        wrench = self._steady_wrench(R, current)
         wrench[:3] += rest @ R
         y = np.empty(7)
         y[:6] = self._root @ wrench
         y[6] = self._lift_root * (self._lift - float(self._righting @ R[2]))
         return y
 
-    def _water(self, R: Matrix, current: Vector) -> Vector:
+    def _steady_wrench(self, R: Matrix, current: Vector) -> Vector:
         """The wrench (6,) that keeps the hull going as it goes, without turning, body axes."""
         nu = np.zeros(6)
         nu[:3] = self._velocity @ R
         return self._dynamics.wrench(R, nu, _REST, current)
 
-    def _out_of_upside_down(self, z: Vector) -> Vector:
-        """What the righting moment lacks beyond a right angle (3,) [rad/s], body axes."""
+    def _righting_rate(self, z: Vector) -> Vector:
+        """The rate that turns a hull back which lies beyond a right angle (3,) [rad/s], body axes."""
         if not self._lift > 0.0:
             return np.zeros(3)
         upright = self._righting / self._lift

@@ -13,7 +13,7 @@ from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
-from cube_sim.control.priority import path_first
+from cube_sim.control.priority import split_path_first
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.guidance.law import MotionLaw, Target, TargetView
 from cube_sim.spatial import State, Vector
@@ -125,7 +125,7 @@ class PathFollower:
         if not self.path_first or self._balanced is not None or self.capability.within_cost_limit is not None:
             return np.zeros(6)
         dynamics = self.loops.dynamics
-        return path_first(wrench, dynamics.mass_matrix + dynamics.added_mass).secondary
+        return split_path_first(wrench, dynamics.mass_matrix + dynamics.added_mass).secondary
 
     def _unknowns(self, state: State, applied: Vector, dt: float) -> tuple[Vector, Vector]:
         """The estimated disturbance and current: what the current explains is taken out of the disturbance."""

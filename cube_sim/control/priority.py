@@ -21,7 +21,7 @@ class Split(NamedTuple):
     secondary: Vector
 
 
-def path_first(wrench: Vector, mass: Matrix) -> Split:
+def split_path_first(wrench: Vector, mass: Matrix) -> Split:
     """Split a wrench into a primary task of three rows and a secondary one in its null space (Nakamura 1987).
 
     The path needs the linear acceleration v', three rows of nu' = M^-1 tau + ...; J = [I 0] M^-1. The wrenches with

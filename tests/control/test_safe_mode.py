@@ -36,7 +36,7 @@ def test_the_watch_gives_up_only_after_its_patience_and_forgets_when_the_path_is
     assert reasons[-1] == "2.5 m from its target on the path, beyond 2 m for 1 s"
 
 
-def test_a_refuge_is_where_the_vehicle_was_level_with_its_heading():
+def test_a_safe_mode_goal_is_where_the_vehicle_was_level_with_its_heading():
     goal = SafeModeGoal(SafeMode(speed=0.2, time=5.0), still_at([1.0, 2.0, -3.0]), "lost")
     assert goal.reason == "lost; it holds its position as well as it can"
     np.testing.assert_allclose(goal.motion(np.array([1.0, 2.5, -3.0])).velocity, [0.0, -0.1, 0.0], atol=1e-12)
