@@ -126,6 +126,7 @@ def test_lost_and_malformed_thrusters_are_named():
         analyse(A, [1, 0, 0, -1], lost=["T1"])
 
 
+@pytest.mark.flight
 def test_every_loss_of_up_to_three_thrusters_is_listed_once_and_the_cube_survives_what_its_rank_promises():
     vehicle = cube()
     table = survivability(
@@ -165,6 +166,7 @@ def test_a_vehicle_never_loses_its_last_thruster():
         table.case("T1", "T2")
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("m", [1, 2, 5, 8])
 @pytest.mark.parametrize("n", [3, 6])
 def test_any_matrix_of_finite_numbers_is_analysed(n, m):

@@ -90,6 +90,7 @@ def brute_intervals(A, limits, d, rest):
     return np.array(joined).reshape(-1, 2)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("rest", [True, False])
 @pytest.mark.parametrize("component", [0, 1, 2])
 def test_dead_zone_intervals_agree_with_one_linear_program_per_cell(rest, component):

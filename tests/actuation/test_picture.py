@@ -38,6 +38,7 @@ def colour_share(image, colour):
     return float(np.mean(np.max(np.abs(np.asarray(image, dtype=float) - colour), axis=2) < 12))
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("suffix", [".png", ".svg"])
 def test_the_same_numbers_give_the_same_file(tmp_path, suffix):
     table = survivability(JACK, LIMITS, most=2)
@@ -47,6 +48,7 @@ def test_the_same_numbers_give_the_same_file(tmp_path, suffix):
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
+@pytest.mark.flight
 def test_picture_shows_intact_and_damaged_sets_and_marks_what_cannot_follow(tmp_path):
     file = tmp_path / "jack.png"
     names = ["T1", "T2", "T3", "T4"]

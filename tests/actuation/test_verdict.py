@@ -116,6 +116,7 @@ def judged(lost, limits=None, mission=None):
     return judge(actuation, vehicle.dynamics, allowed, mission)
 
 
+@pytest.mark.flight
 def test_cube_follows_after_every_single_and_double_loss():
     assert judged([]).outcome is Outcome.HOLONOMIC
     singles = [judged([lost]) for lost in range(8)]
@@ -313,6 +314,7 @@ def shares_of(R, hull, reach, course_W):
     return reach.share(np.array([steady_wrench(hull, np.r_[r.T @ course_W, 0, 0, 0], r[2]) for r in R]))
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(
     ("name", "lost", "speed", "ballast_N", "least"),
     [
@@ -353,6 +355,7 @@ def producible(R, hull, actuation, course_W):
     return [r @ Rotation.from_rotvec(f.x).as_matrix() for r, f in zip(R, found, strict=True) if f.cost < 1e-12]
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(
     ("name", "lost", "speed", "ballast_N", "rank", "least"),
     [

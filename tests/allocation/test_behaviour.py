@@ -75,6 +75,7 @@ def test_the_penalty_remembers_through_rest():
     assert allocator.allocate([-10, 0, 0]).cost == pytest.approx(100.0)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("objective", ["energy", "reactivity_by_side"])
 def test_switching_penalty_is_part_of_the_optimum(objective):
     """Cost with prices of starts, stops and reversals against all 3^4 subsets, and decisions it did change."""
@@ -273,6 +274,7 @@ def test_what_lies_exactly_one_change_limit_away_is_within_reach(limit, steps):
 COPIES = {"deepcopy": copy.deepcopy, "copy": copy.copy, "pickle": lambda it: pickle.loads(pickle.dumps(it))}
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("duplicate", COPIES.values(), ids=COPIES)
 @pytest.mark.parametrize("method", ["search+proxqp", "search", "enumerate"])
 def test_a_copy_goes_on_as_its_original_does(method, duplicate):

@@ -110,6 +110,7 @@ def test_unreachable_rows_do_not_disturb_reachable_ones():
     assert with_sway.residual == pytest.approx(7.0)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(("method", "calls"), [("search", 40), ("enumerate", 1)])
 def test_of_many_equally_close_wrenches_the_cheapest_is_made(method, calls):
     """One motor per axis that may not rest: up to 64 wrenches lie around a small demand; reversals tell them apart."""
@@ -160,6 +161,7 @@ def test_what_can_be_made_is_made_to_rounding_beside_what_cannot():
         np.testing.assert_allclose(answer.wrench, [-4.0, sway, -4.0], atol=1e-6)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("size", [1e2, 1e4, 1e6, 1e8])
 @pytest.mark.parametrize(
     ("A", "allow_off"),

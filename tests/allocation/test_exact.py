@@ -15,6 +15,7 @@ VEHICLES = {
 }
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 @pytest.mark.parametrize("vehicle", VEHICLES)
 def test_costs_what_exhaustive_pinning_says(vehicle, allow_off):

@@ -236,6 +236,7 @@ def test_a_change_limit_holds_across_a_fault(health):
         assert min(steps) < 1e-6  # it settles
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 @pytest.mark.parametrize(
     "A", [jack(), [[1, 0.5, -0.8, 0.3], [0, 0, 0, 0], [-0.2, 0.3, 0.1, -0.4]]], ids=["jack", "flat"]

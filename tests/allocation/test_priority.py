@@ -32,6 +32,7 @@ def check(allocator, allow_off, primary, secondary):
     return answer.status
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("method", ["search+proxqp", "enumerate"])
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 def test_planar_vehicle_against_linear_programmes(allow_off, method):

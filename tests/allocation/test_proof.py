@@ -14,6 +14,7 @@ from cube_sim.errors import AllocationError
 LIMITS = np.array([-40.0, -6.0, 7.0, 50.0])
 
 
+@pytest.mark.flight
 def test_a_part_of_the_proof():
     tallies = dict(campaign(20, solver_share=0.15, method="search+proxqp"))
     assert sum(tally.wrenches for tally in tallies.values()) > 1900
@@ -59,6 +60,7 @@ def test_the_whole_proof(capsys):
     assert [line for tally in tallies.values() for line in tally.disagreements] == []
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 @pytest.mark.parametrize("A", [jack(), BUILT[:, :5], cube()[:, [0, 2, 4, 5]], jack()[:, [0, 0, 1]]], ids="abcd")
 def test_reference_for_the_closest_wrench_is_scipy_without_leaving_out_a_subset(A, allow_off):

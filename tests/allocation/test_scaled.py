@@ -37,6 +37,7 @@ def check_scaled(allocator, allow_off, wrench):
     return True
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 def test_planar_vehicle_against_linear_programmes(allow_off):
     allocator = Allocator(jack(), LIMITS, allow_off=allow_off, unattainable="scaled")
@@ -92,6 +93,7 @@ def test_what_no_forces_can_make_is_left_out_first():
     )
 
 
+@pytest.mark.flight
 def test_methods_faults_and_change_limits_scale_alike():
     A, rng = jack(), np.random.default_rng(5)
     for options in ({}, {"change_limit": 3.0}, {"objective": "reactivity_by_side", "reactivity": [-9.0, 9.0]}):

@@ -101,6 +101,7 @@ def test_planar_vehicle_is_judged_in_its_plane():
     assert [c["text"] for c in swimming["unreachable"]] == ["cannot push sideways: Fy = 0 always"]
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("model", ["models/infante.xml", "models/jack.xml"])
 def test_a_vehicle_kept_at_its_depth_is_pointed_to_its_plane(model):
     assert "by other means it follows planar paths (--planar)" in analyze(model).output
@@ -110,6 +111,7 @@ def test_a_vehicle_kept_at_its_depth_is_pointed_to_its_plane(model):
     assert "--planar" not in analyze(CUBE, "--speed", "5").output
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("limit", ["0.1", "1", "2"])
 @pytest.mark.parametrize("model", ["models/infante.xml", "models/jack.xml"])
 def test_the_plane_is_pointed_to_where_a_path_can_be_followed_there_at_the_same_cost(model, limit):
@@ -118,6 +120,7 @@ def test_the_plane_is_pointed_to_where_a_path_can_be_followed_there_at_the_same_
     assert ("(--planar)" in said) == ("path following: yes" in planar)
 
 
+@pytest.mark.flight
 @pytest.mark.filterwarnings("error")
 def test_thrusters_across_the_plane_do_nothing_in_it():
     upright = ["models/bluerov2_heavy.xml", "--planar", "--lost", "T1,T2,T3,T4", "--losses", "1"]

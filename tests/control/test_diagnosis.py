@@ -76,6 +76,7 @@ def test_a_fault_is_found_from_command_and_response(state, efficiency, stuck, wa
         assert bench.beliefs[-1][0] <= 2.0 + 1.2
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("rate", [0.05, 0.3, 1.0])
 @pytest.mark.parametrize("held", [6.0, 10.0, 14.0])
 def test_a_stuck_motor_is_never_taken_for_a_weak_one_however_slowly_it_is_told_something_else(held, rate):

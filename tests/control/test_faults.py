@@ -69,6 +69,7 @@ def settled(cube, lost, force, seconds=30.0, dt=0.05):
     return rotation_from_quaternion(desired.quaternion), desired.rates
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("lost", LOSSES)
 def test_at_the_balanced_attitude_the_force_and_what_holds_the_hull_are_both_there(cube, lost):
     """Checked with the hull's own equations of motion and the columns of A, not with the law's formula."""
@@ -83,6 +84,7 @@ def test_at_the_balanced_attitude_the_force_and_what_holds_the_hull_are_both_the
         np.testing.assert_allclose(A @ np.linalg.pinv(A) @ wrench, wrench, atol=0.02 * np.linalg.norm(force))
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("lost", LOSSES)
 def test_it_tilts_little_for_a_force_near_the_horizontal(cube, lost):
     for bearing in np.linspace(0.0, 2.0 * np.pi, 7)[:-1]:

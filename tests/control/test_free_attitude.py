@@ -112,6 +112,7 @@ def test_its_rate_is_the_damped_step_down_the_true_effort(bluerov2):
     assert checked > 10
 
 
+@pytest.mark.flight
 def test_the_effort_falls_all_the_way_and_ends_lower_than_any_heading_of_a_level_vehicle(bluerov2):
     """A BlueROV2 that stands in a current of 0.45 m/s, from attitudes up to a right angle from upright."""
     current = np.array([0.0, 0.45, 0.0])
@@ -136,6 +137,7 @@ def test_the_cube_has_no_cheap_axis_and_only_rights_itself(cube):
         assert np.linalg.norm(rates) < 1e-3
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("attitude", [(180, 0, 0), (0, 180, 0), (180, 0, 77), (179.9, 0, 0), (90, 0, 0), (0, -90, 0)])
 @pytest.mark.parametrize("name", ["cube", "bluerov2"])
 def test_from_upside_down_it_comes_upright_in_one_piece(name, attitude, request):

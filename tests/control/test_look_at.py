@@ -41,6 +41,7 @@ def random_rotations(seed, n):
 AXES = {"ahead": X, "left": Y, "down": -Z, "up": Z, "aslant": np.array([2.0, -1.0, -2.0]) / 3.0}
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("axis", AXES.values(), ids=AXES.keys())
 def test_the_angle_to_the_point_falls_to_nothing_the_short_way_from_any_attitude(axis):
     """psi' = -psi / T as long as the bound on the rate allows, at rest and under way alike."""
@@ -62,6 +63,7 @@ def test_the_angle_to_the_point_falls_to_nothing_the_short_way_from_any_attitude
         np.testing.assert_allclose(np.diff(angles)[free] / DT, -angles[:-1][free], atol=0.02)
 
 
+@pytest.mark.flight
 def test_its_rates_are_the_derivative_of_the_attitude_and_bounded():
     dt = 1e-3
 
@@ -76,6 +78,7 @@ def test_its_rates_are_the_derivative_of_the_attitude_and_bounded():
         assert max(np.linalg.norm(rates) for _, rates in steps) <= 1.4143 * MAX_RATE
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("axis", [X, Y, -Z], ids=["ahead", "left", "down"])
 def test_the_rest_of_the_attitude_is_level(axis):
     """Someone who looks along the axis has the horizon level and the body's top, or for an axis down its nose, up."""

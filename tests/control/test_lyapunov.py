@@ -82,6 +82,7 @@ PLANAR = {
 }
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("path", PLANAR.values(), ids=PLANAR.keys())
 def test_the_planar_dynamic_law(path):
     """W = k5 e^2 / 2 + z^2 / 2 with z = e' + k1 e: W' = -k1 k5 e^2 - k3 z^2. Then the distance falls, too."""
@@ -122,6 +123,7 @@ TARGETS = {
 }
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(("path", "profile"), TARGETS.values(), ids=TARGETS.keys())
 def test_the_tracking_loop_and_the_attitude_loop_of_the_hull(coupled, path, profile):
     """Two energies that fall at every step in MuJoCo, from any attitude and motion.

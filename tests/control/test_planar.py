@@ -67,6 +67,7 @@ def test_the_kinematic_law_lets_the_angle_error_decay_at_k1_whatever_the_state(p
         assert wrap(after - before) / (2.0 * h) == pytest.approx(-GAINS.k1 * e, abs=2e-6)
 
 
+@pytest.mark.flight
 def test_lyapunov_functions_decrease_along_the_kinematic_law_from_everywhere(path):
     """V1 = (psi - delta)^2 / 2 at every step; V2 = (s1^2 + y1^2) / 2 from when the angle error has gone."""
     for q in random_states(path, 2, 6):
@@ -94,6 +95,7 @@ def test_the_dynamic_law_makes_the_angle_error_a_damped_oscillator(path):
         assert bend + (k1 + k3) * rate + (k5 + k1 * k3) * wrap(e1) == pytest.approx(0.0, abs=2e-4)
 
 
+@pytest.mark.flight
 def test_it_converges_from_farther_than_the_smallest_radius_of_curvature(path):
     """The point of the 2007 result; s1, y1, psi and u - u_d all vanish."""
     tightest = min(1.0 / max(np.hypot(*path.at(s).curvature), 1e-9) for s in np.linspace(0.0, path.length, 2001))
@@ -148,6 +150,7 @@ def test_turned_away_from_the_path_it_takes_the_short_way_round():
     assert again == pytest.approx(left, rel=1e-9)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("u", [0.0, -0.5])
 def test_it_starts_from_rest_and_from_going_astern(u):
     for v in (0.0, 0.2):

@@ -77,6 +77,7 @@ def test_on_the_path_itself_the_motion_is_smooth_and_the_centripetal_acceleratio
     np.testing.assert_allclose(motion.acceleration @ point.rotation, [0.0, SPEED**2 * k1, SPEED**2 * k2], atol=1e-12)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("seed", range(8))
 def test_a_vehicle_that_moves_as_wanted_converges_from_beyond_the_radius_of_curvature(seed):
     """The point of the 2007 result: no condition on the initial error."""

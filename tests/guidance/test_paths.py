@@ -293,6 +293,7 @@ def test_a_curve_that_bends_without_end_is_refused_and_not_tabulated(monkeypatch
         tabulate([0.0, 0.0, 0.0], wild)
 
 
+@pytest.mark.flight
 def test_no_accepted_path_through_points_has_a_frame_that_is_none():
     """Random walks, among them ones that run back the way they came, exactly or nearly."""
     rng = np.random.default_rng(11)

@@ -48,6 +48,7 @@ def flights(request):
     return [navigate(motions, seed) for seed in range(RUNS)]
 
 
+@pytest.mark.flight
 def test_errors_are_as_large_as_the_filter_says(flights):
     """NEES: e' P^-1 e over the runs is chi-square, for the whole error and for its parts."""
     parts = {"position": slice(0, 3), "velocity": slice(3, 6), "attitude": slice(6, 9), "all": slice(0, 21)}
@@ -156,6 +157,7 @@ def test_it_finds_the_biases():
     assert accelerometer.max() < 0.2 * IMU.accelerometer_bias
 
 
+@pytest.mark.flight
 def test_dead_reckoning_wanders_as_the_square_root_of_time():
     """Noise s of a DVL of rate r alone: the position's variance grows by s^2 / r per second."""
     dvl = Dvl(Sampling(5.0), 0.05, 0.0, 0.0)

@@ -10,6 +10,7 @@ import pytest
 from support.water_bodies import flown, fossen, get_state, random_body, reference, set_state, tumbling
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(("seed", "ratio"), [(0, 0.5), (1, 1.5), (2, 5.8), (3, 3.0)])
 def test_tumbling_body_follows_the_reference(seed, ratio):
     rng = np.random.default_rng(seed)

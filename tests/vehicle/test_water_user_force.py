@@ -129,6 +129,7 @@ def awkward_failure(time, position, rotation, velocity, through_water):
 FAILURES = [(fails_late, True), (raises_late, True), (reads_past_the_end_late, True), (awkward_failure, False)]
 
 
+@pytest.mark.flight
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize(("function", "compiled"), FAILURES)
 def test_a_force_that_fails_is_not_a_number_compiled_or_not(function, compiled):
