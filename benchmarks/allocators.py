@@ -18,9 +18,10 @@ import matplotlib as mpl
 import numpy as np
 
 import cube_sim
-from cube_sim.allocation.exact.solutions import lever_length
 from cube_sim.errors import CubeSimError
 from cube_sim.scenario.loading import load
+from cube_sim.wrench.axes import SPATIAL
+from cube_sim.wrench.matrix import lever_arm
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -74,7 +75,7 @@ def fly(scenario: Path, changes: dict, duration: float, directory: Path, vehicle
     force = signals["thrusters.force_demanded"][:, 1:]
     time, made = signals["thrusters.force"][:, 0], signals["thrusters.force"][:, 1:]
     error = signals["wrench.demanded"][:, 1:] - signals["wrench.allocated"][:, 1:]
-    error[:, 3:] /= lever_length(vehicle.actuation_matrix)
+    error[:, 3:] /= lever_arm(vehicle.actuation_matrix, SPATIAL)
     cross = signals["path_error.cross_track"]
     late = cross[cross[:, 0] > 0.5 * time[-1], 1]
     return {

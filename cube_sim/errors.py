@@ -55,6 +55,13 @@ class AllocationError(CubeSimError):
     """An allocator was built from a matrix or limits that mean nothing (crossed limits, NaN, wrong shape)."""
 
 
+class WrenchError(ActuationError, AllocationError):
+    """A matrix, limits, names or numbers that mean nothing to the analysis and to an allocator alike.
+
+    It is both of their errors, because both read the same matrix and the same limits by the same checks.
+    """
+
+
 class RecordingError(CubeSimError):
     """A recording cannot be written or read."""
 

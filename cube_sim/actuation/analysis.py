@@ -16,7 +16,8 @@ from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
 from cube_sim.actuation.path_following.verdict import Mission, Verdict, judge
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
-from cube_sim.wrench.axes import Matrix, Vector, actuation_matrix, lever_arm
+from cube_sim.wrench.axes import Matrix, Vector
+from cube_sim.wrench.matrix import actuation_matrix, lever_arm
 from cube_sim.wrench.names import left_after, thruster_names
 
 

@@ -13,13 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from cube_sim.allocation.allocation import Allocation, Allocations, Status
 from cube_sim.allocation.exact.packing import pack, previous_answer_rows
 from cube_sim.allocation.exact.problem import closest_wrench_data, make_problem
-from cube_sim.allocation.exact.solutions import (
-    actuation_matrix,
-    force_solutions,
-    lever_length,
-    torque_rows,
-    wrench_metric,
-)
+from cube_sim.allocation.exact.solutions import force_solutions, wrench_metric
 from cube_sim.allocation.exact.solve import answer_size, solve_each
 from cube_sim.allocation.exact.step import no_previous_answer
 from cube_sim.allocation.objectives import Objective, side_targets
@@ -28,7 +22,10 @@ from cube_sim.allocation.subset_qp.enumeration import Enumeration
 from cube_sim.allocation.subset_qp.solver import Confirmer
 from cube_sim.errors import AllocationError
 from cube_sim.wrench.arguments import comparable, flag, numbers, one_of, pairs, row, scalar
+from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.limits import side_table, thruster_limits
+from cube_sim.wrench.matrix import effective_matrix, lever_arm
+from cube_sim.wrench.tolerances import FORCE_ROUNDING
 
 Method = Literal["search+proxqp", "search", "enumerate", "enumerate_parallel"]
 """``search+proxqp``: the exact search decides the subset, ProxQP solves it and must agree. ``search``: without ProxQP.
@@ -44,9 +41,6 @@ heavy ones."""
 
 FARTHEST_TARGET = 1e6
 """Most a preferred force may exceed the largest limit: its square is what the forces' differences are seen beside."""
-
-ROUNDING = 1e-10
-"""Least force that may count as rounding, part of the largest limit."""
 
 Unattainable = Literal["closest", "scaled"]
 """``closest``: the closest attainable wrench in the weighted norm. ``scaled``: the largest attainable part of the
@@ -134,8 +128,9 @@ class Allocator:
         tolerance_N: float | None = None,
         power_coefficients: ArrayLike | None = None,
     ) -> None:
-        self.A = actuation_matrix(A)
+        self.A = effective_matrix(A)
         n, m = self.A.shape
+        axes = axes_of(n)
         self.limits = thruster_limits(limits, m)
         self.allow_off = flag("allow_off", allow_off)
         self.method = one_of("method", method, get_args(Method))
@@ -144,7 +139,7 @@ class Allocator:
         self.weights = row("weights", 1.0 if weights is None else weights, m, positive=True)
         comparable("weights", self.weights, WEIGHTS_SPAN)
         attitude_first = np.ones(n)
-        attitude_first[torque_rows(n)] = 30.0
+        attitude_first[axes.torques] = 30.0
         self.wrench_weights = row(
             "wrench_weights", attitude_first if wrench_weights is None else wrench_weights, n, positive=True
         )
@@ -153,13 +148,14 @@ class Allocator:
         self.reversal_penalty = scalar("reversal_penalty", reversal_penalty)
         self.switching_penalty = scalar("switching_penalty", switching_penalty)
         self.change_limit = inf if change_limit is None else scalar("change_limit", change_limit, positive=True)
-        self.length_m = scalar("length_m", lever_length(self.A) if length_m is None else length_m, positive=True)
+        self.length_m = scalar("length_m", lever_arm(self.A, axes) if length_m is None else length_m, positive=True)
         largest = float(np.max(np.abs(self.limits)))
         default = max(1e-9 * largest, 1e-12)
         self.tolerance_N = scalar("tolerance_N", default if tolerance_N is None else tolerance_N, positive=True)
-        if self.tolerance_N < ROUNDING * largest:
+        if self.tolerance_N < FORCE_ROUNDING * largest:
             raise AllocationError(
-                f"tolerance_N is {self.tolerance_N:g}; forces of {largest:g} N need {ROUNDING * largest:g} at least"
+                f"tolerance_N is {self.tolerance_N:g}; forces of {largest:g} N need {FORCE_ROUNDING * largest:g} "
+                "at least"
             )
         if targets.size and np.max(np.abs(targets)) > FARTHEST_TARGET * max(largest, 1e-30):
             raise AllocationError(

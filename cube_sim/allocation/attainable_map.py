@@ -7,13 +7,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation.exact.solutions import actuation_matrix, force_solutions, lever_length
+from cube_sim.allocation.exact.solutions import force_solutions
 from cube_sim.allocation.subset_qp.enumeration import every_subset
 from cube_sim.errors import AllocationError
 from cube_sim.native.compiled import compiled
 from cube_sim.wrench.arguments import numbers
+from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.facets import facet_normals
 from cube_sim.wrench.limits import side_table, thruster_limits
+from cube_sim.wrench.matrix import effective_matrix, lever_arm
 
 
 class HalfSpaces(NamedTuple):
@@ -40,9 +42,9 @@ def half_spaces(A: ArrayLike, limits: ArrayLike, *, allow_off: bool = True) -> H
         limits: see `Allocator`.
         allow_off: see `Allocator`.
     """
-    matrix = actuation_matrix(A)
+    matrix = effective_matrix(A)
     m = matrix.shape[1]
-    solutions = force_solutions(matrix, np.ones(m), lever_length(matrix))
+    solutions = force_solutions(matrix, np.ones(m), lever_arm(matrix, axes_of(len(matrix))))
     columns = solutions.equations  # (r, m) the columns of A in coordinates of range(A)
     normals = facet_normals(columns)
     low, high = side_table(thruster_limits(limits, m), allow_off)

@@ -8,14 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Status
-from cube_sim.allocation.allocator import ROUNDING, Allocator, electrical_power
-from cube_sim.allocation.exact.solutions import actuation_matrix, error_size, lever_length
+from cube_sim.allocation.allocator import Allocator, electrical_power
 from cube_sim.allocation.methods import WrenchAllocator
 from cube_sim.allocation.previous import Standing
 from cube_sim.errors import AllocationError
 from cube_sim.wrench.arguments import bounded, numbers, pairs
+from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.health import Health
 from cube_sim.wrench.limits import thruster_limits
+from cube_sim.wrench.matrix import effective_matrix, error_size, lever_arm
+from cube_sim.wrench.tolerances import FORCE_ROUNDING
 
 Build = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int_]], WrenchAllocator]
 """(A (n, k), limits (k, 4) [N], which motors (k,), from 0) -> an allocator for k motors."""
@@ -50,11 +52,11 @@ class FaultTolerant:
     def __init__(
         self, A: ArrayLike, limits: ArrayLike, build: Build, power_coefficients: ArrayLike | None = None
     ) -> None:
-        self.A = actuation_matrix(A)
+        self.A = effective_matrix(A)
         m = self.A.shape[1]
         self.limits, self._build = thruster_limits(limits, m), build
         self._power = None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
-        self._rounding_N = ROUNDING * float(np.max(np.abs(self.limits)))
+        self._rounding_N = FORCE_ROUNDING * float(np.max(np.abs(self.limits)))
         self._standing = Standing.at_rest(m)
         self.health = Health.whole(m)
         self.believe(self.health)
@@ -157,7 +159,7 @@ class FaultTolerant:
 
     def _forceless(self, demand: NDArray[np.float64], motors: int) -> Allocation:
         """The answer of so many motors without force to a finite demand (n,), which is met when it is a rounding."""
-        residual = error_size(demand, lever_length(self.A))
+        residual = error_size(demand, lever_arm(self.A, axes_of(len(self.A))))
         return Allocation(
             force=np.zeros(motors),
             wrench=np.zeros_like(demand),

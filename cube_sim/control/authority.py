@@ -21,11 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
-from cube_sim.actuation.directions.threshold import RANK_TOLERANCE
 from cube_sim.control.effort import effort_matrix
 from cube_sim.spatial import Matrix, Vector
-from cube_sim.wrench.axes import PLANAR, SPATIAL, WrenchAxes, lever_arm
+from cube_sim.wrench.axes import PLANAR, SPATIAL, WrenchAxes
 from cube_sim.wrench.health import Health
+from cube_sim.wrench.matrix import lever_arm
+from cube_sim.wrench.tolerances import RANK_TOLERANCE
 
 OUT_OF_PLANE = np.array([False, False, True, True, True, False])
 """Heave, roll and pitch among the components of a wrench."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.actuation.directions.threshold import RANK_TOLERANCE, ZERO
 from cube_sim.spatial import Matrix
+from cube_sim.wrench.tolerances import RANK_ROUNDING, RANK_TOLERANCE
 
 
 def effort_matrix(A: Matrix, cost_limit: float | None = None) -> Matrix:
@@ -18,5 +18,5 @@ def effort_matrix(A: Matrix, cost_limit: float | None = None) -> Matrix:
         A: (6,k) actuation matrix.
         cost_limit: of the directions the controller works with [N/N]; default none.
     """
-    root = np.linalg.pinv(A, rcond=RANK_TOLERANCE if cost_limit is None else ZERO)
+    root = np.linalg.pinv(A, rcond=RANK_TOLERANCE if cost_limit is None else RANK_ROUNDING)
     return root.T @ root

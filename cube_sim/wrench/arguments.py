@@ -1,51 +1,56 @@
-"""Checks of what an allocator is built from, with one clear line per mistake."""
+"""Checks of what an allocator or an analysis is built from, with one clear line per mistake."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.errors import AllocationError
-
-LARGEST = 1e30
-"""Largest number an allocator is built from: beyond it, squares of products leave double precision."""
+from cube_sim.errors import WrenchError
+from cube_sim.wrench.tolerances import LARGEST
 
 
-def numbers(name: str, value: ArrayLike, kind: str) -> NDArray[np.float64]:
+def numbers(name: str, value: ArrayLike, kind: str, order: Literal["C", "K"] = "C") -> NDArray[np.float64]:
     """A new array of real numbers, of any shape.
 
+    Args:
+        name: what the message calls it.
+        value: the numbers.
+        kind: what it should have been: a vector, a table.
+        order: how it lies in memory: row by row, or as the value does.
+
     Raises:
-        AllocationError: it holds something else, rows of different lengths, or a number beyond double precision.
+        WrenchError: it holds something else, rows of different lengths, or a number beyond double precision.
     """
     try:
         if np.iscomplexobj(value):
             raise TypeError("its entries must be real")
-        return np.array(value, dtype=np.float64, order="C")
+        return np.array(value, dtype=np.float64, order=order)
     except (TypeError, ValueError, OverflowError) as error:
-        raise AllocationError(f"{name} is not a {kind} of numbers: {error}") from None
+        raise WrenchError(f"{name} is not a {kind} of numbers: {error}") from None
 
 
 def bounded(name: str, values: NDArray[np.float64]) -> None:
     """Refuse finite numbers of absurd size.
 
     Raises:
-        AllocationError: one is.
+        WrenchError: one is.
     """
     size = float(np.max(np.abs(values), initial=0.0))
     if LARGEST < size < np.inf:
-        raise AllocationError(f"{name} holds {size:g}; numbers beyond {LARGEST:g} leave double precision")
+        raise WrenchError(f"{name} holds {size:g}; numbers beyond {LARGEST:g} leave double precision")
 
 
 def flag(name: str, value: bool) -> bool:
     """A checked yes or no.
 
     Raises:
-        AllocationError: it is neither True nor False.
+        WrenchError: it is neither True nor False.
     """
     if not isinstance(value, bool | np.bool_):
-        raise AllocationError(f"{name} is {value!r}; it must be True or False")
+        raise WrenchError(f"{name} is {value!r}; it must be True or False")
     return bool(value)
 
 
@@ -53,11 +58,11 @@ def comparable(name: str, weights: NDArray[np.float64], most: float) -> None:
     """Refuse positive weights that double precision cannot hold beside each other, or beside penalties and roundings.
 
     Raises:
-        AllocationError: one is not within ``1 / most`` to ``most``, or two are in a larger ratio than that.
+        WrenchError: one is not within ``1 / most`` to ``most``, or two are in a larger ratio than that.
     """
     least, largest = float(np.min(weights)), float(np.max(weights))
     if largest > most * min(least, 1.0) or least < 1.0 / most:
-        raise AllocationError(
+        raise WrenchError(
             f"{name} spans {least:g} to {largest:g}; give weights within {1.0 / most:g} to {most:g}, "
             f"in a ratio of {most:g} at most"
         )
@@ -67,10 +72,10 @@ def one_of(name: str, value: str, known: Sequence[str]) -> str:
     """Pass a known name on.
 
     Raises:
-        AllocationError: it is not known; the message lists what is.
+        WrenchError: it is not known; the message lists what is.
     """
     if not isinstance(value, str) or value not in known:
-        raise AllocationError(f"no {name} {value!r}; there are {', '.join(known)}")
+        raise WrenchError(f"no {name} {value!r}; there are {', '.join(known)}")
     return value
 
 
@@ -78,17 +83,15 @@ def row(name: str, value: ArrayLike, length: int, *, positive: bool = False) -> 
     """A checked (length,) vector; a scalar fills it.
 
     Raises:
-        AllocationError: another shape, not numbers, not finite, or not positive where that is asked for.
+        WrenchError: another shape, not numbers, not finite, or not positive where that is asked for.
     """
     vector = numbers(name, value, "vector")
     if vector.ndim == 0:
         vector = np.full(length, vector)
     if vector.shape != (length,):
-        raise AllocationError(f"{name} has shape {vector.shape}; it needs ({length},)")
+        raise WrenchError(f"{name} has shape {vector.shape}; it needs ({length},)")
     if not np.all(np.isfinite(vector)) or (positive and not np.all(vector > 0.0)):
-        raise AllocationError(
-            f"{name} is {vector.tolist()}; every entry must be finite" + (" and > 0" if positive else "")
-        )
+        raise WrenchError(f"{name} is {vector.tolist()}; every entry must be finite" + (" and > 0" if positive else ""))
     bounded(name, vector)
     return vector
 
@@ -97,26 +100,26 @@ def scalar(name: str, value: float, *, positive: bool = False) -> float:
     """A checked number, >= 0, or > 0 where that is asked for.
 
     Raises:
-        AllocationError: it is not.
+        WrenchError: it is not.
     """
     number = float(row(name, value, 1, positive=positive)[0])
     if number < 0.0:
-        raise AllocationError(f"{name} is {value}; it must be >= 0")
+        raise WrenchError(f"{name} is {value}; it must be >= 0")
     return number
 
 
-def pairs(name: str, value: ArrayLike, motors: int) -> NDArray[np.float64]:
-    """A checked (motors, 2) table of one number for reverse and one for forward; one pair fills it.
+def pairs(name: str, value: ArrayLike, m: int) -> NDArray[np.float64]:
+    """A checked (m, 2) table of one number for reverse and one for forward; one pair fills it.
 
     Raises:
-        AllocationError: another shape, not numbers, or not finite.
+        WrenchError: another shape, not numbers, or not finite.
     """
     table = numbers(name, value, "table")
     if table.shape == (2,):
-        table = np.tile(table, (motors, 1))
-    if table.shape != (motors, 2):
-        raise AllocationError(f"{name} has shape {table.shape}; it needs ({motors}, 2) or (2,)")
+        table = np.tile(table, (m, 1))
+    if table.shape != (m, 2):
+        raise WrenchError(f"{name} has shape {table.shape}; it needs ({m}, 2) or (2,)")
     if not np.all(np.isfinite(table)):
-        raise AllocationError(f"{name} must be finite")
+        raise WrenchError(f"{name} must be finite")
     bounded(name, table)
     return table

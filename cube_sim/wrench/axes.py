@@ -1,13 +1,11 @@
-"""The components of a wrench: their names, their words, and the length that makes torques comparable with forces."""
+"""The components of a wrench: their names, their words, and which of them are torques."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from cube_sim.errors import ActuationError
+from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -29,6 +27,11 @@ class WrenchAxes:
     forces: int
     rows: tuple[int, ...]
 
+    @property
+    def torques(self) -> slice:
+        """Where the torques are among the n components."""
+        return slice(self.forces, len(self.names))
+
     def scale(self, length_m: float) -> Vector:
         """(n,) diagonal of W: W F_B has every component in newtons."""
         return np.array([1.0] * self.forces + [1.0 / length_m] * (len(self.names) - self.forces))
@@ -48,44 +51,6 @@ SPATIAL = WrenchAxes(
 )
 
 
-def actuation_matrix(A: ArrayLike) -> tuple[Matrix, WrenchAxes]:
-    """Check an actuation matrix and say how its rows are to be read.
-
-    Args:
-        A: (6,m) rows Fx Fy Fz Mx My Mz, or (3,m) rows Fx Fy Mz; F_B = A F_m.
-
-    Raises:
-        ActuationError: another shape, no column, or a value that is not finite.
-    """
-    try:
-        matrix = np.array(A, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ActuationError(f"the actuation matrix is not a table of numbers: {error}") from None
-    if matrix.ndim != 2 or matrix.shape[0] not in (3, 6):
-        raise ActuationError(
-            f"the actuation matrix has shape {matrix.shape}; it needs 6 rows (Fx Fy Fz Mx My Mz) or 3 (Fx Fy Mz) "
-            "and one column per thruster"
-        )
-    if matrix.shape[1] == 0:
-        raise ActuationError("the actuation matrix has no column: no thruster is left")
-    if not np.all(np.isfinite(matrix)):
-        row, column = np.argwhere(~np.isfinite(matrix))[0]
-        raise ActuationError(f"the actuation matrix has {matrix[row, column]} in row {row + 1}, column {column + 1}")
-    return matrix, SPATIAL if len(matrix) == 6 else PLANAR
-
-
-def lever_arm(A: Matrix, axes: WrenchAxes) -> float:
-    """Root-mean-square lever arm of the thrusters [m]: torque per force over all columns of A; 1 when undefined."""
-    force, torque = np.linalg.norm(A[: axes.forces]), np.linalg.norm(A[axes.forces :])
-    return float(torque / force) if force > 0.0 and torque > 0.0 else 1.0
-
-
-def positive_length(length_m: float) -> float:
-    """Return the length.
-
-    Raises:
-        ActuationError: it is not a positive finite number.
-    """
-    if not (np.isfinite(length_m) and length_m > 0.0):
-        raise ActuationError(f"the torque length is {length_m} m; it must be positive")
-    return float(length_m)
+def axes_of(rows: int) -> WrenchAxes:
+    """The axes of a wrench of 3 rows (Fx Fy Mz) or 6 (Fx Fy Fz Mx My Mz)."""
+    return PLANAR if rows == len(PLANAR.names) else SPATIAL

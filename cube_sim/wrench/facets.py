@@ -10,11 +10,7 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-FLAT = 1e-10
-"""Least height over the span of those before it at which a column, made 1 long, adds a dimension."""
-
-ROUNDED = 1e-9
-"""Difference of two unit vectors that counts as none."""
+from cube_sim.wrench.tolerances import SAME_DIRECTION, SAME_SPAN
 
 
 def facet_normals(columns: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -34,13 +30,13 @@ def facet_normals(columns: NDArray[np.float64]) -> NDArray[np.float64]:
     chosen = np.array(sets, np.intp).reshape(len(sets), r - 1)
     Q, R = np.linalg.qr(np.swapaxes(unit[chosen], 1, 2), mode="complete")
     rises = np.abs(np.diagonal(R, axis1=1, axis2=2)).min(axis=1, initial=1.0)
-    normals = Q[rises >= FLAT, :, -1]
+    normals = Q[rises >= SAME_SPAN, :, -1]
     return np.ascontiguousarray(normals[_distinct(normals)])
 
 
 def _distinct(lines: NDArray[np.float64]) -> NDArray[np.intp]:
     """Where unit vectors (h, r) are the first of their direction, up to sign and rounding; a few may be left double."""
-    first = np.argmax(np.abs(lines) > ROUNDED, axis=1)
+    first = np.argmax(np.abs(lines) > SAME_DIRECTION, axis=1)
     upright = lines * np.sign(lines[np.arange(len(lines)), first])[:, None]
-    _, found = np.unique(np.round(upright / ROUNDED), axis=0, return_index=True)
+    _, found = np.unique(np.round(upright / SAME_DIRECTION), axis=0, return_index=True)
     return np.sort(found)

@@ -145,7 +145,7 @@ def test_a_huge_demand_saturates_in_its_direction(size):
 
 def test_one_sided_and_fixed_motors():
     limits = [[0, 0, 4, 50], [-40, -4, 0, 0], [0, 0, 0, 0], [7, 7, 7, 7]]
-    with pytest.raises(AllocationError, match=r"motor 4: limits \[7.0"):
+    with pytest.raises(AllocationError, match=r"thruster 4: limits \[7.0"):
         Allocator(jack(), limits)
     allocator = Allocator(jack(), [*limits[:3], [-7, -7, 7, 7]], allow_off=False)
     for wrench in np.random.default_rng(0).normal(size=(20, 3)) * 10:
@@ -158,16 +158,16 @@ def test_one_sided_and_fixed_motors():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"limits": [-1, 2, 3]}, r"limits have shape \(3,\); A has 4 motors"),
+        ({"limits": [-1, 2, 3]}, r"limits have shape \(3,\); 4 thrusters need \(4, 4\)"),
         ({"limits": [[-9, -1, 1, 9]] * 3}, r"limits have shape \(3, 4\)"),
-        ({"limits": [-9, -1, 2, 1]}, "motor 1: .* must be ordered"),
-        ({"limits": [-9, 1, 2, 9]}, "must be ordered"),
-        ({"limits": [-9, -1, 1, np.inf]}, "are not finite"),
+        ({"limits": [-9, -1, 2, 1]}, "thruster 1: .* must be finite and ordered"),
+        ({"limits": [-9, 1, 2, 9]}, "must be finite and ordered"),
+        ({"limits": [-9, -1, 1, np.inf]}, "must be finite"),
         ({"limits": "strong"}, "limits is not a table of numbers"),
-        ({"A": np.zeros((4, 4))}, r"A has shape \(4, 4\)"),
-        ({"A": np.zeros((3, 4))}, "A is zero"),
-        ({"A": np.full((3, 4), np.nan)}, r"A\[0, 0\] is nan"),
-        ({"A": np.zeros((3, 0))}, "at least one motor"),
+        ({"A": np.zeros((4, 4))}, r"the actuation matrix has shape \(4, 4\); it needs 6 rows"),
+        ({"A": np.zeros((3, 4))}, "the actuation matrix is zero: no thruster makes"),
+        ({"A": np.full((3, 4), np.nan)}, "nan in row 1, column 1"),
+        ({"A": np.zeros((3, 0))}, "no thruster is left"),
         ({"method": "magic"}, r"no method 'magic'; there are search\+proxqp, search, enumerate"),
         ({"objective": "speed"}, "no objective 'speed'; there are energy, target, reactivity, reactivity_by_side"),
         ({"objective": "target"}, "go together"),
@@ -179,10 +179,10 @@ def test_one_sided_and_fixed_motors():
         ({"switching_penalty": -1.0}, "switching_penalty is -1.0; it must be >= 0"),
         ({"tolerance_N": 0.0}, "> 0"),
         ({"tolerance_N": 1e-30}, "tolerance_N is 1e-30; forces of 50 N need 5e-09 at least"),
-        ({"A": jack() * 1e160}, r"A holds 9.66e\+159; numbers beyond 1e\+30 leave double precision"),
-        ({"A": jack() * 1e-160}, "A holds 9.66e-161 at most; below 1e-30"),
-        ({"A": jack() + 1j}, "A is not a matrix of numbers: its entries must be real"),
-        ({"A": [[10**400, 1, 1, 1]] * 3}, "A is not a matrix of numbers"),
+        ({"A": jack() * 1e160}, r"the actuation matrix holds 9.66e\+159; numbers beyond 1e\+30 leave double precision"),
+        ({"A": jack() * 1e-160}, "the actuation matrix holds 9.66e-161 at most; below 1e-30"),
+        ({"A": jack() + 1j}, "the actuation matrix is not a table of numbers: its entries must be real"),
+        ({"A": [[10**400, 1, 1, 1]] * 3}, "the actuation matrix is not a table of numbers"),
         ({"limits": np.array(LIMITS) * 1e160}, r"limits holds 5e\+161; numbers beyond"),
         ({"limits": [-9, -1, 1, 10**400]}, "limits is not a table of numbers"),
         ({"reversal_penalty": 1e200}, "reversal_penalty holds 1e\\+200"),

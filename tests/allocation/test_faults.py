@@ -7,9 +7,10 @@ import pytest
 from support.allocation_reference import cells, cube, in_allowed_set, jack, least_cost, least_distance
 
 from cube_sim.allocation import Allocator, FaultTolerant, Health, Status, make_allocator
-from cube_sim.allocation.exact.solutions import lever_length
 from cube_sim.allocation.methods import methods
 from cube_sim.errors import AllocationError
+from cube_sim.wrench.axes import SPATIAL
+from cube_sim.wrench.matrix import lever_arm
 
 LIMITS = np.array([-40.0, -3.2, 4.0, 50.0])
 BUILT = cube(direction_noise=0.05, position_noise_m=0.01, seed=4)
@@ -124,7 +125,7 @@ def test_all_motors_lost_is_answered():
     answer = allocator.allocate(np.array([1.0, 2, 3, 0, 0, 0.6]))
     assert answer.status == Status.CLOSEST
     assert not answer.force.any()
-    assert answer.residual == pytest.approx(np.sqrt(14.0 + (0.6 / lever_length(BUILT)) ** 2))
+    assert answer.residual == pytest.approx(np.sqrt(14.0 + (0.6 / lever_arm(BUILT, SPATIAL)) ** 2))
     allocator.believe(WHOLE.with_thruster(0, stuck=9.0)._replace(efficiency=np.zeros(8)))
     answer = allocator.allocate(10.0 * BUILT[:, 0])
     np.testing.assert_allclose(answer.wrench_error, BUILT[:, 0])

@@ -13,8 +13,9 @@ from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import ScenarioError
 from cube_sim.mission import prepare
 from cube_sim.scenario import load
-from cube_sim.wrench.axes import SPATIAL, lever_arm
+from cube_sim.wrench.axes import SPATIAL
 from cube_sim.wrench.health import Health
+from cube_sim.wrench.matrix import lever_arm
 
 LOST = [1, 2]
 """T2 and T3 of the CUBE as built: what is left has rank 6, but one direction costs 35 N/N, the others 0.85 at most."""

@@ -9,9 +9,9 @@ import numpy as np
 from cube_sim.actuation.directions.subspaces import Subspaces
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import Matrix, Vector
+from cube_sim.wrench.tolerances import RANK_THRESHOLD
 from cube_sim.wrench.zonotope import facets
 
-_IN_RANGE = 1e-9
 _NO_WRENCH = 1e-12
 _NO_DEMAND = 1e-9
 _NO_REACH = 1e-12
@@ -55,7 +55,7 @@ def attainable(actuation: Subspaces, allowed: AllowedForces) -> Attainable:
     """
     W = actuation.axes.scale(actuation.length_m)
     U, sigma, _ = np.linalg.svd(W[:, None] * actuation.matrix)
-    U_r = U[:, : np.count_nonzero(sigma > _IN_RANGE * max(sigma[0], np.finfo(float).tiny))]
+    U_r = U[:, : np.count_nonzero(sigma > RANK_THRESHOLD * max(sigma[0], np.finfo(float).tiny))]
     if U_r.shape[1] == 0:
         return Attainable(np.zeros((0, len(W))), np.zeros(0))
     generators = U_r.T @ (W[:, None] * actuation.matrix)
@@ -78,7 +78,7 @@ def holding_forces(A: Matrix, allowed: AllowedForces, wrench: Vector) -> Vector:
     from scipy.optimize import linprog
 
     U, sigma, Vt = np.linalg.svd(A, full_matrices=False)
-    rank = np.count_nonzero(sigma > _IN_RANGE * sigma[0])
+    rank = np.count_nonzero(sigma > RANK_THRESHOLD * sigma[0])
     scale = float(np.max(np.abs([allowed.minimum, allowed.maximum])))
     rows = np.column_stack([Vt[:rank], -(U[:, :rank].T @ wrench) / sigma[:rank] / scale])
     found = linprog(

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.wrench.axes import Matrix, Vector
+from cube_sim.wrench.tolerances import RANK_THRESHOLD
 
-_INDEPENDENT = 1e-9
 _TOLERANCE = 1e-9
 _AT_ONCE = 2_000_000
 """Forces worked out at once: what fits a processor's memory caches, more or less."""
@@ -36,7 +36,7 @@ def basic_points(conditions: Matrix, low: Vector, high: Vector) -> Matrix:
     tolerance = _TOLERANCE * max(1.0, float(np.max(np.abs([low, high]))))
     solved = np.array(list(combinations(range(m), rank)), dtype=int).reshape(comb(m, rank), rank)
     if rank:
-        solved = solved[np.linalg.cond(_columns(C, solved)) <= 1.0 / _INDEPENDENT]
+        solved = solved[np.linalg.cond(_columns(C, solved)) <= 1.0 / RANK_THRESHOLD]
     at_top = ((np.arange(2 ** (m - rank))[:, None] >> np.arange(m - rank)) % 2).astype(float)
     share = max(1, _AT_ONCE // max(1, len(at_top) * rank))
     parts = [solved[k : k + share] for k in range(0, len(solved), share)]
@@ -82,4 +82,5 @@ def _columns(C: Matrix, chosen: NDArray[np.int_]) -> Matrix:
 def _independent(conditions: Matrix) -> Matrix:
     """(rank,m) orthonormal rows with the same kernel."""
     _, sigma, Vt = np.linalg.svd(conditions)
-    return Vt[: np.count_nonzero(sigma > _INDEPENDENT * max(sigma[0], np.finfo(float).tiny))] if len(sigma) else Vt[:0]
+    largest = max(sigma[0], np.finfo(float).tiny) if len(sigma) else 0.0
+    return Vt[: np.count_nonzero(sigma > RANK_THRESHOLD * largest)]

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from cube_sim.actuation.attainable.basic_points import basic_points
 from cube_sim.errors import ActuationError
 from cube_sim.wrench.allowed_forces import AllowedForces
-from cube_sim.wrench.axes import Matrix, Vector, WrenchAxes, actuation_matrix
+from cube_sim.wrench.axes import Matrix, Vector, WrenchAxes
 from cube_sim.wrench.line_interval import WrenchSet
+from cube_sim.wrench.matrix import actuation_matrix
 from cube_sim.wrench.zonotope import support
 
 _ROUNDING = 1e-9

@@ -12,16 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cube_sim.actuation.directions.threshold import ZERO, Threshold
+from cube_sim.actuation.directions.threshold import Threshold
 from cube_sim.errors import ActuationError
-from cube_sim.wrench.axes import (
-    Matrix,
-    Vector,
-    WrenchAxes,
-    actuation_matrix,
-    lever_arm,
-    positive_length,
-)
+from cube_sim.wrench.axes import Matrix, Vector, WrenchAxes
+from cube_sim.wrench.matrix import actuation_matrix, lever_arm, positive_length
+from cube_sim.wrench.tolerances import RANK_ROUNDING
 
 _EXACT = 1e-9
 
@@ -168,4 +163,4 @@ def _scaled(A: ArrayLike, length_m: float | None) -> tuple[Matrix, WrenchAxes, f
 
 
 def _rank(sigma: Vector) -> int:
-    return int(np.count_nonzero(sigma > ZERO * sigma[0]))
+    return int(np.count_nonzero(sigma > RANK_ROUNDING * sigma[0]))

@@ -10,14 +10,8 @@ from numpy.typing import ArrayLike
 from cube_sim.actuation.directions.lost_combinations import Combination, combinations
 from cube_sim.actuation.directions.threshold import Threshold
 from cube_sim.errors import ActuationError
-from cube_sim.wrench.axes import (
-    Matrix,
-    Vector,
-    WrenchAxes,
-    actuation_matrix,
-    lever_arm,
-    positive_length,
-)
+from cube_sim.wrench.axes import Matrix, Vector, WrenchAxes
+from cube_sim.wrench.matrix import actuation_matrix, lever_arm, positive_length
 
 _EXACT = 1e-6
 

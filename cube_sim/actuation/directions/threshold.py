@@ -10,11 +10,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ActuationError
 from cube_sim.wrench.axes import Matrix, Vector
-
-RANK_TOLERANCE = 1e-2
-"""Smaller relative singular values count as lost: as built, a lost direction is nearly, never exactly, out of reach."""
-ZERO = 1e-12
-"""Smaller relative singular values are rounding."""
+from cube_sim.wrench.tolerances import RANK_ROUNDING, RANK_TOLERANCE
 
 
 @dataclass(frozen=True)
@@ -55,10 +51,10 @@ class Threshold:
     def all_count(self, gains: Matrix) -> NDArray[np.bool_]:
         """(k,) of which rows of gains (k,d), each descending, every direction counts."""
         least, largest = gains[:, -1], gains[:, 0]
-        reached = least > max(self.rank_tolerance, ZERO) * largest
+        reached = least > max(self.rank_tolerance, RANK_ROUNDING) * largest
         return reached & (1.0 / np.where(reached, least, 1.0) <= self.cost_limit)
 
     def _reason(self, gain: float, largest: float) -> str:
-        if gain <= max(self.rank_tolerance, ZERO) * largest:
+        if gain <= max(self.rank_tolerance, RANK_ROUNDING) * largest:
             return "rank"
         return "cost" if 1.0 / gain > self.cost_limit else ""

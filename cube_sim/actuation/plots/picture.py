@@ -14,7 +14,8 @@ from cube_sim.actuation.attainable.extents import force_corners, torque_corners
 from cube_sim.actuation.plots.convex_shape import convex_shape
 from cube_sim.actuation.survivability import LossCase, Survivability
 from cube_sim.errors import ActuationError
-from cube_sim.wrench.axes import Matrix, actuation_matrix
+from cube_sim.wrench.axes import Matrix
+from cube_sim.wrench.matrix import actuation_matrix
 
 FORMATS = (".png", ".svg", ".pdf")
 _INTACT, _DAMAGED, _BAD = "#4a6fa5", "#d9822b", "#c0392b"

@@ -7,10 +7,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Status
 from cube_sim.allocation.allocator import electrical_power
-from cube_sim.allocation.exact.solutions import actuation_matrix, error_size, force_solutions, lever_length
+from cube_sim.allocation.exact.solutions import force_solutions
 from cube_sim.errors import AllocationError
 from cube_sim.wrench.arguments import flag, numbers, pairs
+from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.limits import thruster_limits
+from cube_sim.wrench.matrix import effective_matrix, error_size, lever_arm
 
 EXACT_N = 1e-6
 """Residual up to which a wrench counts as made, part of the largest limit."""
@@ -32,11 +34,11 @@ class Judge:
     """
 
     def __init__(self, A: ArrayLike, limits: ArrayLike, allow_off: bool, power_coefficients: ArrayLike | None) -> None:
-        self.A = actuation_matrix(A)
+        self.A = effective_matrix(A)
         m = self.A.shape[1]
         self.limits = thruster_limits(limits, m)
         self.allow_off = flag("allow_off", allow_off)
-        self.length_m = lever_length(self.A)
+        self.length_m = lever_arm(self.A, axes_of(len(self.A)))
         solutions = force_solutions(self.A, np.ones(m), self.length_m)
         self._pseudo_inverse, self.kernel = solutions.particular, solutions.null_space
         self.power_coefficients = (

@@ -8,12 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.native.compiled import compiled
+from cube_sim.wrench.tolerances import NO_NEW_DIRECTION
 
 OPTIMAL, INFEASIBLE, CUT, STALLED = 0, 1, 2, 3
 """Outcomes: solved; no point satisfies the strips; the distance exceeds the cutoff; the iteration limit was hit."""
-
-_PARALLEL = 1e-10
-"""Sine of the angle below which a strip adds no new direction to the active ones."""
 
 
 @compiled
@@ -106,7 +104,7 @@ def project(
             for j in range(count):
                 if r[j] > 1e-12 * norm and u[j] / r[j] < partial:
                     partial, dropped = u[j] / r[j], j
-            independent = count < k and square > (_PARALLEL * norm) ** 2
+            independent = count < k and square > (NO_NEW_DIRECTION * norm) ** 2
             full = math.inf
             if independent:
                 slack = -end

@@ -11,9 +11,7 @@ from cube_sim.allocation.exact.sides import SideCost, SideIntervals
 from cube_sim.allocation.exact.ties import tie_tolerance
 from cube_sim.allocation.exact.workspace import Workspace
 from cube_sim.native.compiled import bits, compiled
-
-PARALLEL, CROSSING = 1e-12, 1e-6
-"""Two thrusters' lines in the plane count as parallel below the first sine and must cross above the second."""
+from cube_sim.wrench.tolerances import CROSSING, PARALLEL
 
 SINE = math.sqrt(PARALLEL * CROSSING)
 """Tells the two apart."""

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.exact.sides import SideIntervals
-from cube_sim.allocation.exact.solutions import RANK_THRESHOLD, WrenchMetric
+from cube_sim.allocation.exact.solutions import WrenchMetric
 from cube_sim.native.compiled import compiled
+from cube_sim.wrench.tolerances import RANK_THRESHOLD
 
 
 @compiled

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.exact.planar_vertices import suits_planar_search
 from cube_sim.allocation.exact.relaxation import relax
-from cube_sim.allocation.exact.solutions import ForceSolutions, WrenchMetric, torque_rows
+from cube_sim.allocation.exact.solutions import ForceSolutions, WrenchMetric
+from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.facets import facet_normals
 
 
@@ -108,8 +109,6 @@ def make_problem(
     plane = np.zeros((m, 2))
     if k <= 2:
         plane[:, :k] = solutions.null_space
-    error_scale = np.ones(n)
-    error_scale[torque_rows(n)] = 1.0 / length_m
     uniform = bool(np.all(targets == targets[:, :, :1]))
     relaxed, penalty = np.empty((len(targets), m, 8, 4)), np.zeros((m, 3))
     for target, table in zip(targets, relaxed, strict=True):
@@ -119,7 +118,7 @@ def make_problem(
     edges = np.where(open_side[:, 0], high[:, 0], 0.0), np.zeros(m), np.where(open_side[:, 2], low[:, 2], 0.0)
     return AllocationProblem(
         A=A,
-        error_scale=error_scale,
+        error_scale=axes_of(n).scale(length_m),
         solutions=solutions,
         plane=plane,
         planar=bool(uniform and k <= 2 and suits_planar_search(plane)),

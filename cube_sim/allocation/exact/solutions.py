@@ -5,21 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from cube_sim.errors import AllocationError
-from cube_sim.wrench.arguments import bounded, numbers
-
-RANK_THRESHOLD = 1e-9
-"""Singular values below this part of the largest one are rounding, not authority.
-
-Deliberately near machine precision: a nearly singular vehicle (thrusters lost, built imperfectly) keeps its weak
-direction, and a demand along it that exceeds the limits is answered as unattainable, exactly.
-"""
-
-
-SMALLEST = 1e-30
-"""Least size of an actuation matrix, for the same reason as `arguments.LARGEST`."""
+from cube_sim.wrench.axes import axes_of
+from cube_sim.wrench.tolerances import RANK_THRESHOLD
 
 
 class ForceSolutions(NamedTuple):
@@ -63,50 +52,6 @@ class WrenchMetric(NamedTuple):
     weights: NDArray[np.float64]
 
 
-def actuation_matrix(A: ArrayLike) -> NDArray[np.float64]:
-    """Check an actuation matrix: (3, m) rows ``[Fx Fy Mz]`` or (6, m) rows ``[Fx Fy Fz Mx My Mz]``.
-
-    Raises:
-        AllocationError: another shape, no thruster, an entry that is not finite, nothing but zeros, or absurd sizes.
-    """
-    matrix = numbers("A", A, "matrix")
-    if matrix.ndim != 2 or matrix.shape[0] not in (3, 6) or matrix.shape[1] == 0:
-        raise AllocationError(f"A has shape {matrix.shape}; it must be (3, m) or (6, m) with at least one thruster")
-    if not np.all(np.isfinite(matrix)):
-        row, column = np.argwhere(~np.isfinite(matrix))[0]
-        raise AllocationError(f"A[{row}, {column}] is {matrix[row, column]}; every entry must be finite")
-    if not np.any(matrix):
-        raise AllocationError("A is zero: no thruster makes any wrench")
-    bounded("A", matrix)
-    if np.max(np.abs(matrix)) < SMALLEST:
-        raise AllocationError(
-            f"A holds {np.max(np.abs(matrix)):g} at most; below {SMALLEST:g} squares leave double precision"
-        )
-    return matrix
-
-
-def torque_rows(n: int) -> slice:
-    """Rows of an n-row wrench that hold torques."""
-    return slice(2, 3) if n == 3 else slice(3, 6)
-
-
-def lever_length(A: NDArray[np.float64]) -> float:
-    """Length that turns torques into comparable forces [m]: rms torque per rms force over A's columns, 1 if none."""
-    torque = np.linalg.norm(A[torque_rows(len(A))])
-    force = np.linalg.norm(np.delete(A, np.r_[torque_rows(len(A))], axis=0))
-    return float(torque / force) if torque > 0.0 and force > 0.0 else 1.0
-
-
-def error_size(error: NDArray[np.float64], length_m: float) -> float:
-    """Norm of a wrench error (n,) [N], torques divided by a length; entries beyond 1e300 count as that, and no more."""
-    scaled = error.copy()
-    with np.errstate(over="ignore"):
-        scaled[torque_rows(len(error))] /= length_m
-    scaled = np.clip(scaled, -1e300, 1e300)
-    largest = float(np.max(np.abs(scaled)))
-    return largest * float(np.linalg.norm(scaled / largest)) if largest > 0.0 else 0.0
-
-
 def force_solutions(A: NDArray[np.float64], thruster_weights: NDArray[np.float64], length_m: float) -> ForceSolutions:
     """Solve ``A f = F`` once for every F, by the singular value decomposition of the scaled matrix.
 
@@ -115,8 +60,7 @@ def force_solutions(A: NDArray[np.float64], thruster_weights: NDArray[np.float64
         thruster_weights: (m,) positive cost weights w.
         length_m: length dividing the torque rows before ranks are judged.
     """
-    scale = np.ones(len(A))
-    scale[torque_rows(len(A))] = 1.0 / length_m
+    scale = axes_of(len(A)).scale(length_m)
     root = np.sqrt(thruster_weights)
     U, sigma, Vt, rank = _decompose(scale[:, None] * A / root)
     _, _, plain_Vt, _ = _decompose(scale[:, None] * A)
