@@ -28,7 +28,7 @@ from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import check, claim
 from cube_sim.scenario import Loaded, load
 from cube_sim.spatial import State, angle_between, quaternion_from_rotation
-from cube_sim.vehicle.flow import water_velocity
+from cube_sim.vehicle.current import water_velocity
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, Verdict, overall, to_json
 

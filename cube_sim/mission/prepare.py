@@ -22,7 +22,7 @@ from cube_sim.mission.refusals import require_a_value_per_thruster, require_poss
 from cube_sim.mission.supply import supply_of
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded, Scenario
-from cube_sim.vehicle.power_supply import Supply
+from cube_sim.vehicle.power_supply import PowerSupply
 from cube_sim.vehicle.vehicle import Vehicle
 
 
@@ -53,7 +53,7 @@ class Mission:
     path: Path
     controller: Controller
     allocator: FaultTolerant
-    supply: Supply
+    supply: PowerSupply
     events: Events
     diagnosis: Diagnosis | None
     drop_weight: DropWeight

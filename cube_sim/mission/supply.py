@@ -10,11 +10,11 @@ from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.scenario import Loaded
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.battery import Battery
-from cube_sim.vehicle.power_supply import Supply
+from cube_sim.vehicle.power_supply import PowerSupply
 from cube_sim.vehicle.vehicle import Vehicle
 
 
-def supply_of(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle) -> Supply:
+def supply_of(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle) -> PowerSupply:
     """The `battery` block's battery, or without one the voltage of the characteristics.
 
     Raises:
@@ -22,11 +22,11 @@ def supply_of(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle) -> Supply
     """
     block = loaded.scenario.battery
     if block is None:
-        return Supply(model, vehicle.thrusters)
+        return PowerSupply(model, vehicle.thrusters)
     empty, full = block.open_circuit_V
     battery = Battery(full, block.resistance_ohm, empty, block.capacity_Wh * 3600.0)
     try:
-        return Supply(model, vehicle.thrusters, battery, block.charge)
+        return PowerSupply(model, vehicle.thrusters, battery, block.charge)
     except ModelError as error:
         raise ScenarioError([loaded.mistake("battery", f"{loaded.scenario.model}: {error}")]) from None
 

@@ -30,16 +30,21 @@ class Battery:
     def voltage(self, propellers: float, charge: float = 1.0) -> float:
         """Terminal voltage V [V] while propellers draw the current I = k V^2.
 
-        The power of a propeller at constant command goes with the cube of its speed, and so of V; its current with the
-        square. V = E - R k V^2 has one positive root, at any load: V = 2 E / (1 + sqrt(1 + 4 R k E)).
+        At constant command the power of a propeller goes with the cube of its speed, so with the cube of V; its current
+        goes with the square. V = E - R k V^2 has one positive root at any load: V = 2 E / (1 + sqrt(1 + 4 R k E)).
 
         Args:
             propellers: k [A/V^2].
-            charge: of the battery.
+            charge: of the battery, 0 empty, 1 full.
         """
         E = self.open_voltage_at(charge)
         return 2.0 * E / (1.0 + sqrt(1.0 + 4.0 * self.resistance * propellers * E))
 
     def drain(self, power: float, voltage: float) -> float:
-        """Power [W] its cells lose while it delivers `power` [W] at `voltage` [V]: P + R I^2, I = P / V."""
+        """Power [W] that the cells lose: P + R I^2, I = P / V.
+
+        Args:
+            power: P delivered [W].
+            voltage: V at the terminals [V].
+        """
         return power + self.resistance * (power / voltage) ** 2 if power > 0.0 else 0.0

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 class Characteristic:
     """A measured curve with a dead zone.
 
-    Outside the dead zone the force is the piecewise linear curve through the measured points; inside, it is zero. At
-    the edges of the dead zone the force jumps to F_DZ+ and F_DZ-, the smallest forces the motor can hold.
+    Outside the dead zone the force is the piecewise linear curve through the measured points. Inside it is zero. At the
+    edges of the dead zone it jumps to F_DZ+ and F_DZ-, the smallest forces the thruster can hold.
 
     Attributes:
         commands: (n,) normalised commands, strictly increasing, c = 1 full forward.
@@ -41,10 +41,10 @@ class Characteristic:
 
     @cached_property
     def reactivity(self) -> tuple[float, float]:
-        """(F_react-, F_react+) [N]: on each side the force where the curve is steepest, so a motor answers fastest.
+        """(F_react-, F_react+) [N]: on each side the force at which the curve is steepest.
 
-        That is the middle of the steepest measured segment, or of what the dead zone leaves of it: a motor cannot hold
-        the forces it jumps over.
+        There a thruster answers fastest. It is the middle of the steepest measured segment, or of what the dead zone
+        leaves of it: a thruster cannot hold the forces it jumps over.
         """
         (low, high), (c_low, c_high) = self.force_dead_zone, self.command_dead_zone
         (c_reverse, F_reverse), (c_forward, F_forward) = self._sides
@@ -55,7 +55,7 @@ class Characteristic:
         )
 
     def force(self, command: ArrayLike) -> NDArray[np.float64]:
-        """Steady force [N] at each command; commands beyond the curve saturate."""
+        """Steady force [N] of each normalised command, any shape; commands beyond the curve saturate."""
         c = np.asarray(command, dtype=float)
         low, high = self.command_dead_zone
         return np.where((c < low) | (c > high), np.interp(c, self.commands, self.forces), 0.0)
@@ -64,7 +64,7 @@ class Characteristic:
         """Command whose steady force is `force` [N]; forces beyond the curve saturate.
 
         A force inside the dead zone has no command: the nearest of 0, F_DZ- and F_DZ+ is commanded. Commands for a
-        non-zero force lie strictly outside the command dead zone, so that rounding never stops the motor.
+        non-zero force lie strictly outside the command dead zone, so that rounding never stops the thruster.
         """
         low, high = self.force_dead_zone
         (c_reverse, F_reverse), (c_forward, F_forward) = self._sides

@@ -8,7 +8,8 @@ import numpy as np
 
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Vector, skew
-from cube_sim.vehicle.laws.hydrodynamics import coriolis, cross, times, to_body, water_wrench
+from cube_sim.vehicle.laws.hydrodynamics import coriolis, water_wrench
+from cube_sim.vehicle.laws.tuples import cross_tuples, matrix_times_tuple, to_body
 
 
 @dataclass(frozen=True)
@@ -153,16 +154,16 @@ def inverse_dynamics(M_RB, M_A, D, D_q, displaced_mass, r_CG, r_CB, gravity, R_W
     """
     velocity = (nu[0], nu[1], nu[2], nu[3], nu[4], nu[5])
     rate = (nu_dot[0], nu_dot[1], nu_dot[2], nu_dot[3], nu_dot[4], nu_dot[5])
-    turning = cross(velocity[3:], velocity[:3])
+    turning = cross_tuples(velocity[3:], velocity[:3])
     classical = (rate[0] + turning[0], rate[1] + turning[1], rate[2] + turning[2], rate[3], rate[4], rate[5])
-    rigid, c = times(M_RB, rate), coriolis(M_RB, velocity)
-    added = times(M_A, classical)
+    rigid, c = matrix_times_tuple(M_RB, rate), coriolis(M_RB, velocity)
+    added = matrix_times_tuple(M_A, classical)
     lift = (-displaced_mass * gravity[0], -displaced_mass * gravity[1], -displaced_mass * gravity[2])
     current = (v_c_W[0], v_c_W[1], v_c_W[2])
     water = water_wrench(M_A, D, D_q, R_WB, velocity, current, lift, (r_CB[0], r_CB[1], r_CB[2]))
     m = M_RB[0, 0]
     weight = to_body(R_WB, (m * gravity[0], m * gravity[1], m * gravity[2]))
-    moment = cross((r_CG[0], r_CG[1], r_CG[2]), weight)
+    moment = cross_tuples((r_CG[0], r_CG[1], r_CG[2]), weight)
     return (
         rigid[0] + c[0] + added[0] - water[0] - weight[0],
         rigid[1] + c[1] + added[1] - water[1] - weight[1],

@@ -1,7 +1,7 @@
-"""The state a model's thrusters and current are in while it is used: faults and supply, without compiling again.
+"""Faults and supply of a model's thrusters while it is used, without compiling it again.
 
-Each function writes a few numbers inside the model (`cube_sim.vehicle.plugin.layout`); every MjData that steps it
-sees them from its next step on. Copy the model first where only some simulations are to have the fault.
+Each function writes a few numbers inside the model (`cube_sim.vehicle.plugin.layout`). Every MjData that steps the
+model sees them from its next step on. Copy the model first where only some simulations are to have the fault.
 """
 
 from __future__ import annotations
@@ -17,9 +17,15 @@ from cube_sim.vehicle.plugin import layout, packing
 
 
 def set_efficiency(model: mujoco.MjModel, thruster: str, efficiency: float) -> None:
-    """A thruster that gives a fraction of its force: 1 is whole, 0 is dead. Frees it when it was stuck.
+    """Let a thruster give a fraction of its force: 1 is whole, 0 is dead. A stuck one is freed.
 
-    A fraction is a propeller's loss: the motor turns as before and draws as before. A dead motor draws nothing.
+    A fraction is what its propeller loses: the motor turns and draws as before. The motor of a dead thruster draws
+    nothing.
+
+    Args:
+        model: made by `load_model`; changed here.
+        thruster: name of its actuator.
+        efficiency: fraction of the force, 0 to 1.
 
     Raises:
         ModelError: no such thruster, or an efficiency outside [0, 1].
@@ -32,10 +38,18 @@ def set_efficiency(model: mujoco.MjModel, thruster: str, efficiency: float) -> N
     packed[start + layout.STUCK] = np.nan
 
 
-def whole_forces(model: mujoco.MjModel, thrusters: Sequence[str], forces: ArrayLike) -> NDArray[np.float64]:
-    """(m,) forces [N] that whole propellers would give where these give (m,) `forces` [N]; 0 for a dead motor.
+def healthy_propeller_forces(model: mujoco.MjModel, thrusters: Sequence[str], forces: ArrayLike) -> NDArray[np.float64]:
+    """(m,) forces [N] that healthy propellers would give on the same motors.
 
     Electrical power follows from these: what a damaged propeller loses, its motor draws all the same.
+
+    Args:
+        model: made by `load_model`.
+        thrusters: names of m actuators.
+        forces: (m,) [N] that these thrusters give.
+
+    Returns:
+        F / efficiency; F itself for a stuck thruster, 0 for a dead one.
     """
     F = np.array(forces, dtype=float)
     packed = packing.packed_parameters(model)
@@ -48,9 +62,12 @@ def whole_forces(model: mujoco.MjModel, thrusters: Sequence[str], forces: ArrayL
 
 
 def set_stuck(model: mujoco.MjModel, thruster: str, force: float) -> None:
-    """A thruster that holds `force` [N] whatever it is commanded, until `set_efficiency` frees it.
+    """Let a thruster hold a force whatever it is commanded, until `set_efficiency` frees it.
 
-    The force is that at the voltage of its characteristic; another supply scales it as it scales any other.
+    Args:
+        model: made by `load_model`; changed here.
+        thruster: name of its actuator.
+        force: at the voltage of its characteristic [N]; another supply scales it as it scales any other force.
 
     Raises:
         ModelError: no such thruster, or a force it could never give.
@@ -65,9 +82,14 @@ def set_stuck(model: mujoco.MjModel, thruster: str, force: float) -> None:
 
 
 def set_supply(model: mujoco.MjModel, thruster: str, ratio: float) -> None:
-    """Supply voltage over the voltage the characteristic was measured at; 0 is no supply.
+    """Feed a thruster with another voltage.
 
-    Propeller speed follows voltage and thrust its square, so forces scale with ratio^2 (F = k n |n|).
+    A propeller's speed n follows the voltage, and its thrust is F = k n |n|. So forces scale with ratio^2.
+
+    Args:
+        model: made by `load_model`; changed here.
+        thruster: name of its actuator.
+        ratio: supply voltage over the voltage its characteristic was measured at; 0 is no supply.
 
     Raises:
         ModelError: no such thruster, or a ratio that is negative or not finite.
@@ -75,24 +97,6 @@ def set_supply(model: mujoco.MjModel, thruster: str, ratio: float) -> None:
     if not 0.0 <= ratio < np.inf:
         raise ModelError(thruster, f"supply ratio {ratio:g} is negative or not finite")
     packing.packed_parameters(model)[_curve(model, thruster) + layout.SUPPLY] = ratio**2
-
-
-def set_current(model: mujoco.MjModel, velocities: ArrayLike) -> None:
-    """Replace the velocities of `water:current` (n_t, n_z, 3) [m/s] on the model's own times and heights.
-
-    Raises:
-        ModelError: the model has no `water:current`, or the shape is another.
-    """
-    packed = packing.packed_parameters(model)
-    start = int(packed[layout.CURRENT])
-    if start < 0:
-        raise ModelError("water:current", "is not in the model, so it has no times and heights; use model.opt.wind")
-    n_t, n_z = int(packed[start]), int(packed[start + 1])
-    v = np.asarray(velocities, dtype=float)
-    if v.shape != (n_t, n_z, 3) or not np.all(np.isfinite(v)):
-        raise ModelError("water:current", f"takes finite velocities of shape ({n_t}, {n_z}, 3), not {v.shape}")
-    begin = start + 2 + n_t + n_z
-    packed[begin : begin + v.size] = v.ravel()
 
 
 def _curve(model: mujoco.MjModel, thruster: str) -> int:

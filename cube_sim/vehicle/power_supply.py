@@ -12,18 +12,21 @@ from cube_sim.vehicle.battery import Battery
 from cube_sim.vehicle.thrusters import Thrusters
 
 
-class Supply:
-    """The bus of one hull: a battery that sags, or, without one, the voltage the characteristics hold at.
+class PowerSupply:
+    """The bus of one hull: a battery that sags or, without one, the voltage of the characteristics.
 
-    Between two calls of `update` the voltage stays; a call gives voltage, forces and power that satisfy
-    F = F_n (V/V_n)^2, P = k_P |F|^1.5 and V = E - R P / V together, F_n being the forces at V_n, the voltage of the
-    characteristics.
+    The voltage stays between two calls of `update`. A call gives voltage, forces and power that satisfy together
+
+        F = F_n (V / V_n)^2,  P = k_P |F|^1.5,  V = E - R P / V.
+
+    F_n are the forces at V_n, the voltage of the characteristics; E and R are the battery's
+    (`cube_sim.vehicle.battery`).
 
     Attributes:
         voltage: V [V]; V_n without a battery, 0 where the model does not say it, and 0 from an empty battery.
         thrust: (V / V_n)^2, what is left of the forces of the characteristics.
-        power: (m,) electrical power of each motor [W].
-        energy: drawn by the motors since the first update [J].
+        power: (m,) electrical power of each thruster [W].
+        energy: drawn by the thrusters since the first update [J].
         charge: of the battery, 1 full, 0 empty; 1 without one.
     """
 
@@ -33,8 +36,8 @@ class Supply:
         """Connect the thrusters.
 
         Args:
-            model: made by `load_model`; with a battery, the supply of these thrusters in it changes now, to its
-                voltage without load, and at every update.
+            model: made by `load_model`. With a battery, the supply of these thrusters in it changes: now to the
+                battery's voltage without load, and at every update.
             thrusters: of one hull.
             battery: None for a constant voltage.
             charge: of the battery at the start, 0 < charge <= 1.
@@ -61,7 +64,7 @@ class Supply:
         """Feed the thrusters according to what they draw now, and count it.
 
         Args:
-            data: up to date (mj_forward); with a battery it is so again afterwards, at the new voltage.
+            data: of the model, up to date (mj_forward). With a battery it is up to date again at the new voltage.
 
         Returns:
             Whether the battery has just run empty.
@@ -80,9 +83,9 @@ class Supply:
         return emptied
 
     def _power(self, data: mujoco.MjData) -> NDArray[np.float64]:
-        """(m,) [W], of motors whose propellers may be damaged."""
+        """(m,) electrical power [W] of thrusters whose propellers may be damaged."""
         forces = data.actuator_force[self._thrusters.actuators]
-        return self._thrusters.power(faults.whole_forces(self._model, self._thrusters.names, forces))
+        return self._thrusters.power(faults.healthy_propeller_forces(self._model, self._thrusters.names, forces))
 
     def _discharge(self, battery: Battery, time: float) -> None:
         """Take from the charge what the cells have lost since the last update, at that update's rate."""
@@ -90,7 +93,7 @@ class Supply:
             self.charge = max(0.0, self.charge - self._drain * (time - self._time) / battery.capacity)
 
     def _feed(self, battery: Battery, data: mujoco.MjData) -> None:
-        """Set the voltage under which propellers at their present speed per volt and the battery agree."""
+        """Set the voltage at which the battery and the propellers agree, each at its present speed per volt."""
         if self.thrust == 0.0:
             return
         if self.charge == 0.0:

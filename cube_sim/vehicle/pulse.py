@@ -1,4 +1,4 @@
-"""Servo pulses: how the commands of a thruster travel on the wire to its motor controller."""
+"""Servo pulses: how the commands of a thruster travel on the wire to its speed controller."""
 
 from __future__ import annotations
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.pulse import PulseRange
 
 
@@ -34,6 +36,30 @@ class Thrusters:
     voltage: NDArray[np.float64]
     pulse_ranges: tuple[PulseRange | None, ...]
 
+    @staticmethod
+    def from_model(model: mujoco.MjModel, body: int) -> Thrusters:
+        """Read the thrusters that push one hull, in the order of the model's actuators.
+
+        Args:
+            model: made by `load_model`.
+            body: index of the hull.
+
+        Raises:
+            ModelError: the model has no water.
+        """
+        packed = packing.packed_parameters(model)
+        actuators = [i for i in range(model.nu) if _pushes(model, packed, i, body)]
+        curves = [packed[_curve_start(packed, i) :] for i in actuators]
+        return Thrusters(
+            names=tuple(model.actuator(i).name for i in actuators),
+            actuators=np.array(actuators, dtype=int),
+            characteristics=tuple(_characteristic(curve) for curve in curves),
+            power_coefficients=np.array([curve[layout.POWER :][:2] for curve in curves]).reshape(-1, 2),
+            lag_s=np.array([model.actuator_dynprm[i, 0] for i in actuators]),
+            voltage=np.array([curve[layout.VOLTAGE] for curve in curves]),
+            pulse_ranges=tuple(_pulse_range(curve) for curve in curves),
+        )
+
     @property
     def limits(self) -> NDArray[np.float64]:
         """(m,4) [F_max-, F_DZ-, F_DZ+, F_max+] [N] per thruster."""
@@ -48,7 +74,8 @@ class Thrusters:
         """(..., m) electrical power [W] of steady forces (..., m) [N]: k_P |F|^1.5.
 
         A propeller's ideal power is thrust times induced speed, and that speed goes with the root of the thrust.
-        Of whole propellers: a damaged one takes what a whole one would (`condition.whole_forces`), for less thrust.
+        Of healthy propellers: a damaged one draws what a healthy one would, for less thrust
+        (`cube_sim.vehicle.faults.healthy_propeller_forces`).
         """
         F = np.asarray(force, dtype=float)
         k = np.where(F < 0.0, self.power_coefficients[:, 0], self.power_coefficients[:, 1])
@@ -71,8 +98,8 @@ class Thrusters:
     def pwm(self, force: ArrayLike) -> NDArray[np.float64]:
         """(m,) pulse widths [us] whose steady forces are `force` (m,) [N].
 
-        Not rounded: a controller that sends whole microseconds rounds them itself, away from rest at the edges of the
-        dead zone, where the motor stands still.
+        They are not rounded. Round them yourself where whole microseconds are sent, and away from rest at the edges of
+        the dead zone, where the thruster stands still.
 
         Raises:
             ModelError: a thruster has no `thruster_pwm`.
@@ -114,6 +141,30 @@ class Thrusters:
             name = self.names[self.pulse_ranges.index(None)]
             raise ModelError(f"{name}:thruster_pwm", "is not in the model, for this thruster or for its hull")
         return known
+
+
+def _curve_start(packed: NDArray[np.float64], actuator: int) -> int:
+    """Where the curve record of an actuator starts; negative for one that is no thruster."""
+    return int(packed[int(packed[layout.THRUSTERS]) + actuator])
+
+
+def _pushes(model: mujoco.MjModel, packed: NDArray[np.float64], actuator: int, body: int) -> bool:
+    if _curve_start(packed, actuator) < 0:
+        return False
+    site = model.actuator_trnid[actuator, 0]
+    return bool(model.body_rootid[model.site_bodyid[site]] == body)
+
+
+def _characteristic(curve: NDArray[np.float64]) -> Characteristic:
+    n = int(curve[layout.POINTS])
+    commands, forces = curve[layout.CURVE : layout.CURVE + 2 * n].reshape(2, n).copy()
+    zone = float(curve[layout.ZONE_LOW]), float(curve[layout.ZONE_HIGH])
+    return Characteristic(commands, forces, force_dead_zone=zone)
+
+
+def _pulse_range(curve: NDArray[np.float64]) -> PulseRange | None:
+    widths = curve[layout.PULSE : layout.PULSE + 3]
+    return None if np.isnan(widths[0]) else PulseRange(*widths.tolist())
 
 
 def _outside_dead_zone(curve: Characteristic, pulses: PulseRange, command: float, pulse_us: float) -> float:

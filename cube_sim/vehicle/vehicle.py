@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from cube_sim.errors import ModelError
 from cube_sim.spatial import skew
 from cube_sim.vehicle.plugin import layout, packing
-from cube_sim.vehicle.thruster_reading import thrusters_of
 from cube_sim.vehicle.thrusters import Thrusters
 
 if TYPE_CHECKING:
@@ -95,7 +94,7 @@ class Vehicle:
         chosen = next(iter(names)) if name is None else name
         if chosen not in names:
             raise ModelError(chosen, f"is no hull; the model has {', '.join(names)}")
-        return _vehicle(model, packed, names[chosen], chosen)
+        return _vehicle(model, names[chosen], chosen)
 
 
 def hull_names(model: mujoco.MjModel) -> tuple[str, ...]:
@@ -114,13 +113,13 @@ def _hull_records(packed: NDArray[np.float64]) -> NDArray[np.float64]:
     return packed[start : start + count * layout.HULL_SIZE].reshape(count, layout.HULL_SIZE)
 
 
-def _vehicle(model: mujoco.MjModel, packed: NDArray[np.float64], record: NDArray[np.float64], name: str) -> Vehicle:
+def _vehicle(model: mujoco.MjModel, record: NDArray[np.float64], name: str) -> Vehicle:
     body, dof = int(record[layout.BODY]), int(record[layout.DOF])
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
     mujoco.mj_forward(model, data)
     mass_matrix, centre_of_mass = _rigid_body(model, data, body)
-    thrusters = thrusters_of(model, packed, body)
+    thrusters = Thrusters.from_model(model, body)
     R = data.xmat[body].reshape(3, 3)
     moment = np.zeros((model.nu, model.nv))
     mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)

@@ -115,8 +115,7 @@ class _Plain:
         return module
 
     def _import(self, name, globals_=None, locals_=None, fromlist=(), level=0):
-        laws = ("hydrodynamics", "current", "thrust_law")
-        if name not in self._modules and name in [f"cube_sim.vehicle.laws.{law}" for law in laws]:
+        if name not in self._modules and name.startswith("cube_sim.vehicle.laws."):
             self.module(name)
         if name in self._modules:
             return self._modules[name]

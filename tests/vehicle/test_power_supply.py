@@ -12,7 +12,7 @@ import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.battery import Battery
-from cube_sim.vehicle.power_supply import Supply
+from cube_sim.vehicle.power_supply import PowerSupply
 
 FULL_AHEAD_W = 8 * 0.997 * 51.44**1.5  # of eight T200 at 16 V, by the fit in the model
 
@@ -50,7 +50,7 @@ def test_one_update_finds_voltage_forces_and_power_that_fit(cube, resistance):
     model, data, thrusters = cube
     ahead(data, model)
     whole, seen = data.actuator_force.copy(), []
-    supply = Supply(model, thrusters, Battery(16.8, resistance))
+    supply = PowerSupply(model, thrusters, Battery(16.8, resistance))
     ahead(data, model)
     np.testing.assert_allclose(data.actuator_force, whole * (16.8 / 16.0) ** 2, rtol=1e-13)  # nothing drawn yet
     for _ in range(3):
@@ -71,7 +71,7 @@ def test_sag_takes_account_of_faults(cube):
     faults.set_efficiency(model, "T1", 0.5)
     faults.set_efficiency(model, "T2", 0.0)
     faults.set_stuck(model, "T3", -20.0)
-    supply = Supply(model, thrusters, Battery(16.0, 0.1))
+    supply = PowerSupply(model, thrusters, Battery(16.0, 0.1))
     ahead(data, model)
     supply.update(data)
     s = supply.thrust
@@ -82,7 +82,7 @@ def test_sag_takes_account_of_faults(cube):
 def test_energy_is_the_integral_of_power(cube):
     """Commands that come and go, without a battery: trapezoidal rule, and the analysis' own sum."""
     model, data, thrusters = cube
-    supply = Supply(model, thrusters)
+    supply = PowerSupply(model, thrusters)
     times, forces = [], []
     for k in range(200):
         data.ctrl[:] = 0.6 * np.sin(0.1 * k + np.arange(8))
@@ -101,7 +101,7 @@ def test_discharge_follows_its_differential_equation(cube):
     """Full ahead from a small battery: q' = -E(q) k V(q)^2 / capacity, integrated by other means; then it is empty."""
     model, data, thrusters = cube
     battery = Battery(open_voltage=16.8, resistance=0.02, empty_voltage=12.8, capacity=20e3)
-    supply, k = Supply(model, thrusters, battery, charge=0.9), FULL_AHEAD_W / 16.0**3
+    supply, k = PowerSupply(model, thrusters, battery, charge=0.9), FULL_AHEAD_W / 16.0**3
 
     def rate(_, q):
         E = 12.8 + 4.0 * q[0]
@@ -140,15 +140,15 @@ def test_thrusters_a_battery_cannot_feed(changes, reason):
     model = cube_sim.load_model(CUBE, changes)
     thrusters = cube_sim.Vehicle.from_model(model).thrusters
     with pytest.raises(ModelError, match=reason):
-        Supply(model, thrusters, Battery(16.0, 0.1))
-    assert Supply(model, thrusters).voltage == (16.0 if "T3:thruster_power" in changes else 0.0)
+        PowerSupply(model, thrusters, Battery(16.0, 0.1))
+    assert PowerSupply(model, thrusters).voltage == (16.0 if "T3:thruster_power" in changes else 0.0)
 
 
 def test_thrusters_that_do_not_say_their_voltage():
     model = cube_sim.load_model(CUBE.with_stem("jack"))
     thrusters = cube_sim.Vehicle.from_model(model).thrusters
     with pytest.raises(ModelError, match="T1:thruster_voltage: is not in the model"):
-        Supply(model, thrusters, Battery(16.0, 0.1))
+        PowerSupply(model, thrusters, Battery(16.0, 0.1))
 
 
 def test_a_damaged_propeller_draws_what_a_whole_one_does_and_a_dead_motor_nothing():
@@ -162,7 +162,7 @@ def test_a_damaged_propeller_draws_what_a_whole_one_does_and_a_dead_motor_nothin
     data = mujoco.MjData(model)
     data.act[:] = [1.0, 1.0, 1.0, 1.0, -1.0, 0.0, 0.5, 0.5]
     mujoco.mj_forward(model, data)
-    supply = Supply(model, thrusters)
+    supply = PowerSupply(model, thrusters)
     supply.update(data)
     assert data.actuator_force[0] == pytest.approx(0.5 * 51.44)
     k_reverse, k_forward = thrusters.power_coefficients[0]

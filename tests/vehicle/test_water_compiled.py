@@ -27,7 +27,7 @@ def equal(fast, plain) -> None:
 
 
 def test_nothing_in_the_plain_modules_is_compiled():
-    for name in ("laws.hydrodynamics", "laws.current", "laws.thrust_law", "plugin.callbacks"):
+    for name in ("laws.tuples", "laws.hydrodynamics", "laws.current", "laws.thrust_law", "plugin.callbacks"):
         module = plain_callbacks.plain(f"cube_sim.vehicle.{name}")
         functions = [f for f in vars(module).values() if hasattr(f, "__code__")]
         assert len(functions) > 1

@@ -13,8 +13,7 @@ from support.water_bodies import DENSITY, Body, flown, fossen, get_state, random
 import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.spatial import rotation_from_quaternion
-from cube_sim.vehicle import faults
-from cube_sim.vehicle.flow import water_velocity
+from cube_sim.vehicle.current import set_current, water_velocity
 from cube_sim.vehicle.laws import current
 
 
@@ -158,13 +157,13 @@ def test_the_current_changes_while_the_model_is_in_use():
     body = Body(volume=0.01, linear=np.eye(6) * 20.0)
     model = with_current(body, table([0.0], [0.0], np.zeros((1, 1, 3))), 0.01)
     data = mujoco.MjData(model)
-    faults.set_current(model, [[[0.0, 0.5, 0.0]]])
+    set_current(model, [[[0.0, 0.5, 0.0]]])
     mujoco.mj_step(model, data, nstep=1000)
     np.testing.assert_allclose(get_state(data)[7:10], [0.0, 0.5, 0.0], atol=1e-6)
     with pytest.raises(ModelError, match=r"shape \(1, 1, 3\), not \(3,\)"):
-        faults.set_current(model, [0.0, 0.0, 0.0])
+        set_current(model, [0.0, 0.0, 0.0])
     with pytest.raises(ModelError, match=r"use model\.opt\.wind"):
-        faults.set_current(body.model(), [[[0.0, 0.0, 0.0]]])
+        set_current(body.model(), [[[0.0, 0.0, 0.0]]])
 
 
 @pytest.mark.parametrize(

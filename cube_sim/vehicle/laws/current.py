@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from cube_sim.native.compiled import compiled
-from cube_sim.vehicle.laws.hydrodynamics import cross, times, to_body
+from cube_sim.vehicle.laws.tuples import cross_tuples, matrix_times_tuple, to_body
 
 
 @compiled
 def bracket(x, xs):
-    """Where x lies among increasing xs (n,): index of the point before it, of the one after it, fraction between.
+    """Where x lies among increasing xs (n,): the index before it, the index after it, the fraction between them.
 
-    Beyond the ends the nearest point holds.
+    Beyond the ends both indices are that of the nearest point.
     """
     last = xs.shape[0] - 1
     if x <= xs[0]:
@@ -29,7 +29,7 @@ def bracket(x, xs):
 
 @compiled
 def velocity_at(time, height, times_s, heights, velocities):
-    """The table's velocity at a time and a height, a 3-tuple; arguments as in `current_at`."""
+    """The table's velocity [m/s] at a time and a height, a 3-tuple in world axes; arguments as in `current_at`."""
     n_z = heights.shape[0]
     i, next_i, a = bracket(time, times_s)
     j, next_j, b = bracket(height, heights)
@@ -53,11 +53,11 @@ def _bilinear(values, axis, i, next_i, j, next_j, a, b):
 def current_at(time, height, times_s, heights, velocities, steady, step):
     """Current and its acceleration at a place, from a table that is bilinear in time and height.
 
-    The acceleration of a piecewise linear current jumps at the table's points, and an integrator that meets a jump
-    within a step is off by a share of that step. So it is the mean over one time step, from half a step before to half
-    a step after, of D v_c / Dt along the path of the water that passes the place; nothing before time 0, where a
-    simulation starts, is in it. Wherever in a step a jump lies, the weights of Runge-Kutta's stages and of Euler's
-    steps then add up to all of it.
+    The acceleration of a piecewise linear current jumps at the table's points. An integrator that meets a jump within
+    a step is off by a share of that step. So the acceleration is the mean of D v_c / Dt over one time step, from half a
+    step before to half a step after, along the path of the water that passes the place. Nothing before time 0 is in
+    it, where a simulation starts. The weights of Runge-Kutta's stages and of Euler's steps then add up to the whole
+    jump, wherever in a step it lies.
 
     Args:
         time: [s].
@@ -84,15 +84,25 @@ def current_at(time, height, times_s, heights, velocities, steady, step):
 
 @compiled
 def accelerating_water(M_A, displaced_mass, r_CB, R_WB, acceleration_W):
-    """Wrench of water that accelerates as a whole: (M_A + rho V) times its acceleration (6-tuple, body axes) [N, N m].
+    """Wrench of water that accelerates as a whole: (M_A + rho V) times its acceleration [N, N m].
 
-    The water would push its own displaced part along with rho V Dv_c/Dt at the centre of buoyancy, and the added mass
-    follows the difference of accelerations (Auton, Hunt and Prud'homme 1988, J. Fluid Mech. 197, eq. 4.1).
+    The water pushes the hull as it would the water displaced, with rho V Dv_c/Dt at the centre of buoyancy. The added
+    mass follows the difference of the accelerations (Auton, Hunt and Prud'homme 1988, J. Fluid Mech. 197, eq. 4.1).
+
+    Args:
+        M_A: added mass (6,6) [kg, kg m, kg m^2], symmetric.
+        displaced_mass: rho V [kg].
+        r_CB: centre of buoyancy, 3-tuple, in body axes [m].
+        R_WB: attitude (3,3), body to world.
+        acceleration_W: Dv_c/Dt, 3-tuple, in world axes [m/s^2].
+
+    Returns:
+        The wrench in body axes at the body origin as a 6-tuple.
     """
     a = to_body(R_WB, acceleration_W)
-    carried = times(M_A, (a[0], a[1], a[2], 0.0, 0.0, 0.0))
+    carried = matrix_times_tuple(M_A, (a[0], a[1], a[2], 0.0, 0.0, 0.0))
     f = (displaced_mass * a[0], displaced_mass * a[1], displaced_mass * a[2])
-    moment = cross(r_CB, f)
+    moment = cross_tuples(r_CB, f)
     return (
         carried[0] + f[0],
         carried[1] + f[1],

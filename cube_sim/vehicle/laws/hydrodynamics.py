@@ -1,8 +1,7 @@
 """The force of the water on a rigid hull, written once.
 
-Every function here is plain Python on arrays and tuples: run as it stands it is the readable reference, compiled by
-numba (`cube_sim.vehicle.plugin.hook`) it is MuJoCo's callback. 3-vectors inside are tuples of scalars, which the
-compiler keeps in registers; arrays are only read.
+Every function here is plain Python on arrays and tuples. Run as it stands it is the readable reference; compiled by
+numba (`cube_sim.vehicle.plugin.hook`) it is MuJoCo's callback.
 
 Source: T. I. Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control (2011), chapters 6 to 8, in body axes
 with z up:  (M_RB + M_A) nu_r' + C_RB(nu) nu + C_A(nu_r) nu_r + D nu_r + D_q |nu_r| nu_r + g(eta) = tau,
@@ -12,58 +11,29 @@ nu_r = nu - [v_c; 0] for a uniform irrotational current v_c, whose body-axes com
 from __future__ import annotations
 
 from cube_sim.native.compiled import compiled
-
-
-@compiled
-def cross(a, b):
-    """a x b of two 3-tuples."""
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-@compiled
-def times(M, x):
-    """M x for a (6,6) array and a 6-tuple, as a 6-tuple."""
-    return (
-        _row(M, 0, x),
-        _row(M, 1, x),
-        _row(M, 2, x),
-        _row(M, 3, x),
-        _row(M, 4, x),
-        _row(M, 5, x),
-    )
-
-
-@compiled
-def _row(M, i, x):
-    return M[i, 0] * x[0] + M[i, 1] * x[1] + M[i, 2] * x[2] + M[i, 3] * x[3] + M[i, 4] * x[4] + M[i, 5] * x[5]
-
-
-@compiled
-def to_body(R_WB, a_W):
-    """R_WB' a_W as a 3-tuple: a world vector in body axes."""
-    return (
-        R_WB[0, 0] * a_W[0] + R_WB[1, 0] * a_W[1] + R_WB[2, 0] * a_W[2],
-        R_WB[0, 1] * a_W[0] + R_WB[1, 1] * a_W[1] + R_WB[2, 1] * a_W[2],
-        R_WB[0, 2] * a_W[0] + R_WB[1, 2] * a_W[1] + R_WB[2, 2] * a_W[2],
-    )
+from cube_sim.vehicle.laws.tuples import cross_tuples, matrix_times_tuple, to_body
 
 
 @compiled
 def coriolis(M, nu):
-    """C(nu) nu [N, N m] for any symmetric (6,6) mass matrix M and a 6-tuple nu = [v; w].
+    """C(nu) nu [N, N m], a 6-tuple, for any symmetric (6,6) mass matrix M.
 
     With the momenta p = M11 v + M12 w and h = M21 v + M22 w it is [w x p; v x p + w x h] (Fossen 2011, theorem 3.2).
     For added mass and relative velocity, v x p is the Munk moment.
+
+    Args:
+        M: (6,6) [kg, kg m, kg m^2], symmetric.
+        nu: velocity [v; w], a 6-tuple, body axes [m/s, rad/s].
     """
-    m = times(M, nu)
+    m = matrix_times_tuple(M, nu)
     p, h, v, w = m[:3], m[3:], nu[:3], nu[3:]
-    force, munk, gyro = cross(w, p), cross(v, p), cross(w, h)
+    force, munk, gyro = cross_tuples(w, p), cross_tuples(v, p), cross_tuples(w, h)
     return (force[0], force[1], force[2], munk[0] + gyro[0], munk[1] + gyro[1], munk[2] + gyro[2])
 
 
 @compiled
 def damping(D, D_q, nu_r):
-    """D nu_r + D_q |nu_r| nu_r [N, N m]: linear and quadratic drag, (6,6) each, of a 6-tuple nu_r."""
+    """D nu_r + D_q |nu_r| nu_r [N, N m], a 6-tuple: linear and quadratic drag; arguments as in `water_wrench`."""
     squares = (
         abs(nu_r[0]) * nu_r[0],
         abs(nu_r[1]) * nu_r[1],
@@ -72,13 +42,13 @@ def damping(D, D_q, nu_r):
         abs(nu_r[4]) * nu_r[4],
         abs(nu_r[5]) * nu_r[5],
     )
-    a, b = times(D, nu_r), times(D_q, squares)
+    a, b = matrix_times_tuple(D, nu_r), matrix_times_tuple(D_q, squares)
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5])
 
 
 @compiled
 def relative_velocity(R_WB, nu, v_c_W):
-    """nu_r = nu - [R_WB' v_c; 0] as a 6-tuple."""
+    """nu_r = nu - [R_WB' v_c; 0] [m/s, rad/s], a 6-tuple in body axes; arguments as in `water_wrench`."""
     v_c = to_body(R_WB, v_c_W)
     return (nu[0] - v_c[0], nu[1] - v_c[1], nu[2] - v_c[2], nu[3], nu[4], nu[5])
 
@@ -87,9 +57,9 @@ def relative_velocity(R_WB, nu, v_c_W):
 def water_wrench(M_A, D, D_q, R_WB, nu, v_c_W, buoyancy_W, r_CB):
     """Everything the water does to a hull except the term that multiplies its acceleration.
 
-    With a = [v' + w x v; w'] (the classical acceleration in body axes, which is what MuJoCo integrates) the water's
-    wrench is -M_A a plus what is returned. The current turns in body axes, so M_A nu_r' = M_A a - M_A [w x v_r; 0],
-    and that last term is part of it.
+    MuJoCo integrates the classical acceleration, a = [v' + w x v; w'] in body axes. The water's wrench is -M_A a plus
+    what is returned. The current turns in body axes, so M_A nu_r' = M_A a - M_A [w x v_r; 0]: the last term is part of
+    what is returned.
 
     Args:
         M_A: added mass (6,6) [kg, kg m, kg m^2], symmetric.
@@ -105,12 +75,12 @@ def water_wrench(M_A, D, D_q, R_WB, nu, v_c_W, buoyancy_W, r_CB):
         The wrench in body axes at the body origin as a 6-tuple [N, N m].
     """
     nu_r = relative_velocity(R_WB, nu, v_c_W)
-    turning = cross(nu_r[3:], nu_r[:3])
-    carried = times(M_A, (turning[0], turning[1], turning[2], 0.0, 0.0, 0.0))
+    turning = cross_tuples(nu_r[3:], nu_r[:3])
+    carried = matrix_times_tuple(M_A, (turning[0], turning[1], turning[2], 0.0, 0.0, 0.0))
     c = coriolis(M_A, nu_r)
     d = damping(D, D_q, nu_r)
     f = to_body(R_WB, buoyancy_W)
-    moment = cross(r_CB, f)
+    moment = cross_tuples(r_CB, f)
     return (
         carried[0] - c[0] - d[0] + f[0],
         carried[1] - c[1] - d[1] + f[1],

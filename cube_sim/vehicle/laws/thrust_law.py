@@ -1,4 +1,7 @@
-"""The thruster characteristic as a law for the compiled callback: plain Python on scalars and arrays."""
+"""The thruster characteristic as a law for the compiled callback: plain Python on scalars and arrays.
+
+It is the steady curve of `cube_sim.vehicle.characteristic` (report 3.3.3, figure 4).
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from cube_sim.native.compiled import compiled
 
 @compiled
 def interpolate(x, xs, ys):
-    """Piecewise linear y(x) through (xs, ys), xs increasing; constant beyond the ends."""
+    """Piecewise linear y(x) through the points xs (n,), increasing, and ys (n,); constant beyond the ends."""
     last = xs.shape[0] - 1
     if x <= xs[0]:
         return ys[0]
@@ -29,8 +32,8 @@ def force_of_command(command, dead_low, dead_high, commands, forces):
 
     Args:
         command: normalised command after the motor's lag.
-        dead_low: c_DZ-.
-        dead_high: c_DZ+.
+        dead_low: c_DZ-, the command at which the dead zone begins.
+        dead_high: c_DZ+, the command at which it ends.
         commands: (n,) increasing commands of the curve.
         forces: (n,) forces [N].
     """

@@ -40,8 +40,8 @@ def require_pairwise_dissipative(name: str, matrix: Matrix) -> None:
     """Refuse quadratic damping that feeds energy into a motion along, or about, one or two axes.
 
     Its power nu'D_q(|nu| nu) is a cubic form in every orthant. For two axes it is, up to a positive factor,
-    a t^3 +- d t^2 +- c t + b with t > 0 the ratio of their speeds, which is exact to check. Three and more axes moving
-    together are left to the author: deciding those is a hard problem, and identified tables rarely meet it.
+    a t^3 +- d t^2 +- c t + b, where t > 0 is the ratio of their speeds. That is checked exactly. Three and more axes
+    moving together are left to the author: deciding those is a hard problem, and identified tables rarely meet it.
 
     Args:
         name: of the numeric, for the error.

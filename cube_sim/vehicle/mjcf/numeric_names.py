@@ -1,9 +1,13 @@
 """Which custom numerics of a model are the water's, and whose they are.
 
-An MJCF may carry other numerics too, with colons in their names or without; they are nobody's business here. A name is
-judged when its last part is a parameter of the water or nearly one (`hul:aded_mass` is a slip of the pen), when what
-stands before the last colon is a hull, a thruster or the water itself, or when a colon was meant (`hull_added_mass`).
-What is judged and not right is refused, since the water would otherwise be without it and nobody would know.
+An MJCF may carry other numerics too, with colons in their names or without. They are nobody's business here. A name is
+judged in three cases:
+
+- its last part is a parameter of the water, or nearly one (`hul:aded_mass` is a slip of the pen);
+- what stands before the last colon is a hull, a thruster or the water itself;
+- a colon was meant (`hull_added_mass`).
+
+What is judged and not right is refused. Otherwise the water would be without it and nobody would know.
 """
 
 from __future__ import annotations
@@ -39,7 +43,7 @@ Numerics = Mapping[str, NDArray[np.float64]]
 
 
 def one_water(numerics: Numerics) -> dict[str, NDArray[np.float64]]:
-    """The numerics with the `water:` entries of attached vehicles, which carry a prefix, merged into one of each.
+    """The numerics, with one `water:` entry of each kind in place of those that attached vehicles bring with a prefix.
 
     Raises:
         ModelError: two of them differ.
@@ -53,8 +57,8 @@ def one_water(numerics: Numerics) -> dict[str, NDArray[np.float64]]:
     return merged
 
 
-def hull_names(numerics: Numerics, bodies: Sequence[str], thrusters: Collection[str]) -> list[str]:
-    """Names of the hulls in body order.
+def hulls_in_water(numerics: Numerics, bodies: Sequence[str], thrusters: Collection[str]) -> list[str]:
+    """Names of the bodies that have parameters of a hull, in body order.
 
     Args:
         numerics: as `one_water` returns them.

@@ -31,21 +31,21 @@ from numpy.typing import NDArray
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
 from cube_sim.vehicle.mjcf.damping import require_dissipative, require_pairwise_dissipative
-from cube_sim.vehicle.mjcf.numeric_names import CURRENT, DENSITY, HULL_PARAMETERS, hull_names, one_water
+from cube_sim.vehicle.mjcf.numeric_names import CURRENT, DENSITY, HULL_PARAMETERS, hulls_in_water, one_water
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
 
 
 @dataclass(frozen=True)
 class HullParameters:
-    """One body in the water.
+    """One body in the water; matrices are in body axes at the body origin.
 
     Attributes:
         body: its name.
         displaced_mass: rho V [kg].
-        centre_of_buoyancy: (3,) [m], body axes.
-        added_mass: (6,6), symmetric positive semidefinite.
-        linear_damping: (6,6).
-        quadratic_damping: (6,6).
+        centre_of_buoyancy: r_CB (3,) [m], body axes.
+        added_mass: M_A (6,6) [kg, kg m, kg m^2], symmetric positive semidefinite.
+        linear_damping: D (6,6) [N s/m, N s, N m s].
+        quadratic_damping: D_q (6,6) [N s^2/m^2, ...], acting on |nu_r| nu_r.
     """
 
     body: str
@@ -61,7 +61,7 @@ class ThrusterParameters:
     """One thruster.
 
     Attributes:
-        characteristic: command to force.
+        characteristic: command to steady force.
         power: (k_P-, k_P+) of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 when not known.
         voltage: at which the characteristic holds [V]; None when not known.
         pulse_us: (3,) pulse widths of the commands -1, 0 and 1 [us]; None when not known.
@@ -90,7 +90,13 @@ class CurrentProfile:
 
 @dataclass(frozen=True)
 class WaterParameters:
-    """All hulls of a model, one entry per actuator (None: not a thruster of ours), and the current, if it varies."""
+    """What the MJCF says of the water, validated.
+
+    Attributes:
+        hulls: all hulls, in body order.
+        thrusters: one entry per actuator of the model; None for one that is no thruster.
+        current: None for a current that does not vary.
+    """
 
     hulls: tuple[HullParameters, ...]
     thrusters: tuple[ThrusterParameters | None, ...]
@@ -105,16 +111,16 @@ def read_parameters(
     """Validate the numerics of a model.
 
     Args:
-        numerics: name -> values.
-        bodies: names of the bodies, and whether each is a free body of the world.
-        thrusters: per actuator, None where it is not a thruster.
+        numerics: name -> values (n,), all numerics of the model.
+        bodies: name -> whether it is a free body of the world, for every named body but the world.
+        thrusters: one entry per actuator of the model; None for one that is no thruster.
 
     Raises:
         ModelError: names the numeric at fault and says what would be right.
     """
     numerics = one_water(numerics)
     actuators = [thruster.name for thruster in thrusters if thruster]
-    names = hull_names(numerics, list(bodies), actuators)
+    names = hulls_in_water(numerics, list(bodies), actuators)
     if not names:
         raise ModelError(
             "custom", f"no numeric '<body>:{HULL_PARAMETERS[0]}', so there is no hull to put into the water"
@@ -128,8 +134,8 @@ def read_parameters(
     if density <= 0.0:
         raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
     hulls = tuple(_hull(numerics, name, density) for name in names)
-    motors = tuple(_thruster(numerics, element.name, element.body) if element else None for element in thrusters)
-    return WaterParameters(hulls, motors, _current(numerics))
+    described = tuple(_thruster(numerics, element.name, element.body) if element else None for element in thrusters)
+    return WaterParameters(hulls, described, _current(numerics))
 
 
 def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> HullParameters:
@@ -232,7 +238,7 @@ def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, 
             "its forces [N] must never decrease and must run from reverse (<= 0) to forward (>= 0)",
         )
     if not np.any(forces == 0.0):
-        raise ModelError(curve_name, "no pair has force 0, so there is no command at which the motor rests")
+        raise ModelError(curve_name, "no pair has force 0, so there is no command at which the thruster rests")
     zone = _vector(numerics, zone_name, 2)
     if not forces[0] <= zone[0] <= 0.0 <= zone[1] <= forces[-1]:
         raise ModelError(
@@ -245,7 +251,7 @@ def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, 
     if at_rest != 0.0:
         raise ModelError(
             curve_name,
-            f"gives {at_rest:g} N at command 0, where the lag starts and a motor rests; normalise its commands, "
+            f"gives {at_rest:g} N at command 0, where the lag starts and a thruster rests; normalise its commands, "
             "pulse widths as (pulse - rest) / (full - rest), and put the widths in thruster_pwm",
         )
     return curve

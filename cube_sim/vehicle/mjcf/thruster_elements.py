@@ -1,8 +1,8 @@
 """Which actuators of an MJCF are thrusters, and what MuJoCo must be told about one for its force to be the curve's.
 
 A thruster is ``biastype="user"`` on a site of a vehicle: command -> lag -> characteristic -> force along the site's z
-axis. Whatever else MuJoCo can do to an actuator would change that force behind the back of `Vehicle.thrusters`, on
-which allocation and analysis rely, so it is refused.
+axis. Allocation and analysis rely on that force, as `Vehicle.thrusters` gives it. Whatever else MuJoCo can do to an
+actuator would change it, so it is refused.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class ThrusterElement:
 
 
 def thruster_elements(spec: mujoco.MjSpec) -> list[ThrusterElement | None]:
-    """One entry per actuator, None where it is not a thruster.
+    """One entry per actuator of the spec; None for one that is no thruster.
 
     Raises:
         ModelError: a thruster MuJoCo would not run as its characteristic says; names the actuator.
@@ -48,12 +48,12 @@ def thruster_elements(spec: mujoco.MjSpec) -> list[ThrusterElement | None]:
 def limit_commands(spec: mujoco.MjSpec, curves: Sequence[Characteristic | None]) -> None:
     """Hold every command to the ends of its curve, also where the MJCF allows more.
 
-    The curve saturates anyway; but a command beyond its end would pass the lag faster than a motor does, and keep it
-    from turning back.
+    The curve saturates anyway. But a command beyond its end would pass the lag faster than a motor does, and would keep
+    it from turning back.
 
     Args:
         spec: changed here.
-        curves: per actuator, None where it is not a thruster.
+        curves: one entry per actuator; None for one that is no thruster.
 
     Raises:
         ModelError: a range of the MJCF cuts off a part of the curve, which `Vehicle.thrusters` would promise.

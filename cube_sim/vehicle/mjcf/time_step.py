@@ -1,7 +1,7 @@
-"""Whether a time step is short enough for the lags of the motors, and their buffers long enough for their delays.
+"""Whether a time step is short enough for the motors' lags, and the thrusters' buffers long enough for their delays.
 
-MuJoCo goes on without a word in both cases: a lag under Euler with a step of twice its time constant swings for ever,
-beyond that it grows without bound; a buffer that is too short cuts the delay off.
+MuJoCo goes on without a word in both cases. Under Euler, a lag with a step of twice its time constant swings for ever,
+and with a longer step it grows without bound. A buffer that is too short cuts the delay off.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _ROUNDING = 1e-9
 def require_time_step(model: mujoco.MjModel) -> None:
     """Refuse a lag that the model's time step and integrator make unstable, and a delay that its buffer cuts off.
 
-    `load_model` asks this of the time step in the file; whoever sets another one on the compiled model asks again.
+    `load_model` asks this of the time step in the file. Ask again where you set another one on the compiled model.
 
     Args:
         model: compiled; only its actuators with ``biastype="user"``, the thrusters, are looked at.
