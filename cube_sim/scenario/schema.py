@@ -1,7 +1,7 @@
 """The scenario file as one frozen object; a block per class, a unit in every key name.
 
-To add a key: add a Field with bounds and a description to its block, then write the JSON schema anew with
-`cube-sim schema > scenarios/scenario.schema.json`.
+To add a key: add a Field with bounds and a description to its block, then write the JSON schema and the page of all
+keys anew with `cube-sim schema > scenarios/scenario.schema.json` and `cube-sim reference scenario > docs/scenario.md`.
 """
 
 from __future__ import annotations
