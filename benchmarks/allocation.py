@@ -48,7 +48,9 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3, help="times every wrench is allocated by the quick methods")
     parser.add_argument("--enumerated", type=int, default=20, help="wrenches the slow references also solve")
     parser.add_argument("--dead-zone", type=float, default=0.1, help="part of the maximum force")
-    parser.add_argument("--off", action="store_true", help="motors may rest: 3^m subsets in place of the report's 2^m")
+    parser.add_argument(
+        "--off", action="store_true", help="thrusters may rest: 3^m subsets in place of the report's 2^m"
+    )
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if min(options.wrenches, options.rounds) < 1:

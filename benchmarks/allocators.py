@@ -2,9 +2,9 @@
 
     python benchmarks/allocators.py [--scenario scenarios/cube_helix.yaml] [--duration 60] [--plot docs/allocators.png]
 
-Flies the scenario once per allocator and prints reversals, and starts and stops, per minute and motor, mean |F|^2,
-the electrical energy of the forces the motors made, wrench error (rms of demanded minus allocated, torques divided by
-the rms lever arm), and what it did to the path: rms cross-track error over the last half. Saves the plot. The two
+Flies the scenario once per allocator and prints reversals, and starts and stops, per minute and thruster, mean |F|^2,
+the electrical energy of the forces made, wrench error (rms of demanded minus allocated, torques divided by the rms
+lever arm), and what it did to the path: rms cross-track error over the last half. Saves the plot. The two
 enumerations are left out: they make the forces of the exact search, in a third of a second a tick.
 """
 
@@ -31,9 +31,9 @@ REVERSAL, SWITCHING = "allocation.reversal_penalty_N2", "allocation.switching_pe
 FREE = {REVERSAL: 0.0, SWITCHING: 0.0}
 
 
-def variants(motors: int) -> dict[str, dict]:
+def variants(thrusters: int) -> dict[str, dict]:
     """Every way of allocating, and what it changes in the scenario."""
-    alternating = [15.0 * (-1) ** motor for motor in range(motors)]
+    alternating = [15.0 * (-1) ** thruster for thruster in range(thrusters)]
     return {
         "exact, energy, may rest": FREE,
         "exact, energy, strict": {**FREE, "allocation.allow_off": False},
@@ -55,7 +55,7 @@ def variants(motors: int) -> dict[str, dict]:
 
 
 def reversals(force: np.ndarray) -> int:
-    """Times a motor pushes against the direction it last pushed to, rests passed over."""
+    """Times a thruster pushes against the direction it last pushed to, rests passed over."""
     count = 0
     for column in force.T:
         signs = np.sign(column[column != 0.0])
@@ -64,7 +64,7 @@ def reversals(force: np.ndarray) -> int:
 
 
 def switches(force: np.ndarray) -> int:
-    """Times a motor starts from rest or comes to rest."""
+    """Times a thruster starts from rest or comes to rest."""
     running = force != 0.0
     return int(np.sum(running[1:] != running[:-1]))
 

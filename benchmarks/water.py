@@ -4,7 +4,7 @@
 
 Variants of the CUBE, each under Euler at 2 ms and RK4 at 10 ms:
 
-    bare            MuJoCo alone: no water, motors as plain forces; the hull's inertia is diagonal, and MuJoCo knows it
+    bare            MuJoCo alone: no water, thrust as plain forces; the hull's inertia is diagonal, and MuJoCo knows it
     bare, full      the same with all 21 entries of the hull's inertia, which is where water starts from
     water           added mass, drag, buoyancy, current
     water+thrusters and the thruster characteristics
@@ -48,7 +48,7 @@ def spring_as_python(time, position, rotation, velocity, through_water):
 
 
 def plain_motors() -> mujoco.MjSpec:
-    """The CUBE with motors whose force is the lagged command itself, so that no callback has any work."""
+    """The CUBE with thrusters whose force is the lagged command itself, so that no callback has any work."""
     spec = mujoco.MjSpec.from_file(str(CUBE))
     for actuator in spec.actuators:
         actuator.biastype = mujoco.mjtBias.mjBIAS_NONE

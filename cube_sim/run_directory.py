@@ -19,7 +19,7 @@ FILES = ("run.mcap", "run.rrd", "resolved.yaml", "verdict.json")
 """Everything a run leaves behind."""
 
 
-def check(directory: Path) -> None:
+def require_writable(directory: Path) -> None:
     """Make sure that a run may write here: a new folder, an empty one, or an earlier run's. Writes nothing.
 
     Raises:
@@ -57,17 +57,17 @@ def claim(directory: Path | None, name: str) -> Iterator[Path]:
         name: the scenario's.
 
     Raises:
-        DirectoryError: see `check`; or another run is writing there.
+        DirectoryError: see `require_writable`; or another run is writing there.
     """
     if directory is None:
         directory = _make_new(name)
     else:
-        check(directory)
+        require_writable(directory)
         with _as_directory_error(directory):
             directory.mkdir(parents=True, exist_ok=True)
     with _locked(directory):
         # Only now is it certain that nobody else writes here.
-        check(directory)
+        require_writable(directory)
         with _as_directory_error(directory):
             for file in FILES:
                 (directory / file).unlink(missing_ok=True)

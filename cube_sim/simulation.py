@@ -25,7 +25,7 @@ from cube_sim.mission.run_header import header, versions
 from cube_sim.mission.supply import allocate_at
 from cube_sim.mission.unattainable_log import UnattainableLog
 from cube_sim.recording.recorder import Recorder
-from cube_sim.run_directory import check, claim
+from cube_sim.run_directory import claim, require_writable
 from cube_sim.scenario import Loaded, load
 from cube_sim.spatial import State, angle_between, quaternion_from_rotation
 from cube_sim.vehicle.current import water_velocity
@@ -90,7 +90,7 @@ def fly(loaded: Loaded, out: str | Path | None = None, progress: Progress | None
     """Fly a scenario that is loaded already; arguments, result and errors are those of `run`."""
     wanted = None if out is None else Path(out)
     if wanted is not None:
-        check(wanted)
+        require_writable(wanted)
     mission = prepare(loaded)
     with claim(wanted, loaded.scenario.name) as directory:
         try:

@@ -21,7 +21,7 @@ def test_allocators_are_compared_on_the_vehicle_of_the_scenario(monkeypatch, tmp
     monkeypatch.setattr(sys, "argv", ["", "--scenario", str(jack), "--duration", "31", "--plot", str(plot)])
     benchmark = script("allocators")
     every, names = benchmark.variants, ("exact, F_opt of +-15 N (11)", "contraction")
-    monkeypatch.setattr(benchmark, "variants", lambda motors: {name: every(motors)[name] for name in names})
+    monkeypatch.setattr(benchmark, "variants", lambda thrusters: {name: every(thrusters)[name] for name in names})
     benchmark.main()
     head, *rows = capsys.readouterr().out.splitlines()
     assert "energy [kJ]" in head

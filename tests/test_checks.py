@@ -217,12 +217,12 @@ def test_zero_is_allowed_only_where_thrusters_may_rest():
 
 def test_one_violation_at_one_tick_is_found():
     """Every (tick, thruster) in turn."""
-    for tick, motor in itertools.product(range(5), range(3)):
+    for tick, thruster in itertools.product(range(5), range(3)):
         force = np.full((5, 3), 10.0)
-        force[tick, motor] = 1.5
+        force[tick, thruster] = 1.5
         result = forces(force)
         assert (result.verdict, result.value, result.at_s) == ("FAIL", 0.5, tick * DT)
-        assert f"thruster {motor + 1} asked for 1.5 N" in result.detail
+        assert f"thruster {thruster + 1} asked for 1.5 N" in result.detail
 
 
 def test_limits_hold_until_they_change():

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from cube_sim.errors import DirectoryError
-from cube_sim.run_directory import FILES, check, claim
+from cube_sim.run_directory import FILES, claim, require_writable
 
 
 def prepare(folder):
@@ -30,7 +30,7 @@ def test_an_earlier_run_is_replaced_but_not_by_a_check(tmp_path, kept):
     for name in kept:
         (tmp_path / name).write_text("earlier")
     before = contents(tmp_path)
-    check(tmp_path)
+    require_writable(tmp_path)
     assert contents(tmp_path) == before
     prepare(tmp_path)
     assert contents(tmp_path) == {}
@@ -38,7 +38,7 @@ def test_an_earlier_run_is_replaced_but_not_by_a_check(tmp_path, kept):
 
 def test_a_new_folder_is_made_with_its_parents_but_not_by_a_check(tmp_path):
     folder = tmp_path / "a" / "b"
-    check(folder)
+    require_writable(folder)
     assert not folder.parent.exists()
     prepare(folder)
     assert folder.is_dir()
@@ -49,7 +49,7 @@ def test_anything_else_is_refused_and_kept(tmp_path, name):
     (tmp_path / "run.mcap").write_text("earlier")
     (tmp_path / name).write_text("mine")
     before = contents(tmp_path)
-    for attempt in (check, prepare):
+    for attempt in (require_writable, prepare):
         with pytest.raises(DirectoryError, match=re.escape(f"{tmp_path}: holds {name}, which no run wrote")):
             attempt(tmp_path)
     assert contents(tmp_path) == before
@@ -65,9 +65,9 @@ def test_files_in_the_way_are_refused(tmp_path):
     file = tmp_path / "file"
     file.write_text("mine")
     with pytest.raises(DirectoryError, match="Not a directory"):
-        check(file)
+        require_writable(file)
     with pytest.raises(DirectoryError, match="Not a directory"):
-        check(file / "below")
+        require_writable(file / "below")
     assert file.read_text() == "mine"
 
 
@@ -79,7 +79,7 @@ def test_a_folder_without_write_permission_is_refused(tmp_path, monkeypatch):
         monkeypatch.setattr(os, "access", lambda path, mode: not mode & os.W_OK or Path(path) != closed)
     for folder in (closed, closed / "below"):
         with pytest.raises(DirectoryError, match="no permission to write"):
-            check(folder)
+            require_writable(folder)
 
 
 def test_default_folders_differ_and_name_the_scenario(tmp_path, monkeypatch):
@@ -136,6 +136,6 @@ def test_links_that_lead_nowhere_and_folders_nobody_can_make_are_refused(tmp_pat
     link = tmp_path / "link"
     link.symlink_to(tmp_path / "nowhere")
     with pytest.raises(DirectoryError, match="a link that leads nowhere"):
-        check(link)
+        require_writable(link)
     with pytest.raises(DirectoryError, match="cannot"):
         prepare(Path("/proc/cube_sim_run"))

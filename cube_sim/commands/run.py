@@ -49,14 +49,14 @@ def run(
 
 def _fly(scenario: Path, settings: list[str] | None, out: Path | None, *, hidden: bool) -> tuple[str, float, Run]:
     """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
-    from cube_sim.run_directory import check
+    from cube_sim.run_directory import require_writable
     from cube_sim.scenario import load
 
     try:
         loaded = load(scenario, overrides(settings))
         if out is not None:
             # Before anything slow is imported; the run looks again.
-            check(out)
+            require_writable(out)
         from cube_sim import simulation
 
         name, duration_s = loaded.scenario.name, loaded.scenario.duration_s

@@ -12,10 +12,10 @@ from cube_sim.spatial import Vector, cross, quaternion_from_rotation
 class AlongPath:
     """Body x along the path's tangent T, body y level, no roll.
 
-    Level means nothing where the path is vertical, so it is not read off the tangent but steered to: the side axis is
-    carried along without spin (parallel transport) and turned about T by `levelling_spin`. On ordinary paths it stays
-    level; through a vertical stretch the heading is kept; after a half loop the vehicle rolls out of its upside-down
-    attitude instead of jumping.
+    Level means nothing where the path is vertical, so the law steers to it instead of reading it off the tangent. The
+    side axis is carried along without spin (parallel transport) and turned about T by `levelling_spin`. On ordinary
+    paths it stays level. Through a vertical stretch the heading is kept. After a half loop the vehicle rolls out of its
+    upside-down attitude instead of jumping.
 
     Args:
         levelling_time: [s].

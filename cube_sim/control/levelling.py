@@ -14,9 +14,9 @@ STEEP = 0.1
 def levelling_spin(axis: Vector, axis_rate: Vector, side: Vector, time: float) -> float:
     """The spin about an axis [rad/s], beyond carrying its side along without spin, that brings the side to the level.
 
-    Level means nothing where the axis is vertical, so it is steered to:  w spin_level + (h^2 / time) phi, with phi the
-    angle to level, h the sine of the angle between the axis and the vertical, spin_level the rate, growing as 1 / h,
-    that keeps a level side level, and w = 1 away from the vertical and 0 on it.
+    Level means nothing where the axis is vertical, so the spin is w spin_level + (h^2 / time) phi. phi is the angle to
+    level, h the sine of the angle between the axis and the vertical. spin_level is the rate that keeps a level side
+    level; it grows as 1 / h. The weight w is 1 away from the vertical and 0 on it.
 
     Args:
         axis: unit vector (3,), world axes.

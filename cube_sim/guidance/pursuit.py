@@ -11,8 +11,8 @@ from cube_sim.guidance.speed import SpeedProfile
 class Pursuit:
     """The target's own velocity and a pull towards it: v_d = s' T - c tanh(|e| / (c T_e)) e / |e|.
 
-    With e = p - p_d, V = |e|^2 / 2 and v = v_d it is V' = -c |e| tanh(|e| / (c T_e)): close by the error decays with
-    the time constant T_e, from far away it is run down at the speed c.
+    With e = p - p_d, V = |e|^2 / 2 and v = v_d: V' = -c |e| tanh(|e| / (c T_e)). A small error decays with the time
+    constant T_e, a large one is run down at the speed c.
 
     Args:
         profile: s' of the target at each arc length.

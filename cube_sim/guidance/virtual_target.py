@@ -12,9 +12,9 @@ from cube_sim.spatial import Vector
 class VirtualTarget:
     """s' = v_T + k2 s1, saturated and kept on the path.
 
-    With V = |e|^2 / 2 the curvature terms of the error dynamics cancel, V' = s1 (v_T - s') + y1 v_1 + z1 v_2, so this
-    choice leaves V' = -k2 s1^2 plus the lateral part, whatever the curvature and however large the initial error: there
-    is no division by 1 - k1 y1 - k2 z1 (the 3-D form of Lapierre and Soetanto 2007, Ocean Eng. 34, equation 5).
+    With V = |e|^2 / 2 the curvature terms of the error dynamics cancel: V' = s1 (v_T - s') + y1 v_1 + z1 v_2. This
+    choice leaves V' = -k2 s1^2 plus the lateral part, whatever the curvature and however large the initial error.
+    Nothing is divided by 1 - k1 y1 - k2 z1 (the 3-D form of Lapierre and Soetanto 2007, Ocean Eng. 34, equation 5).
 
     Args:
         path: what to run along.

@@ -1,4 +1,4 @@
-"""What a scenario asks for and this vehicle, or any run, cannot give: found before the run, not after it."""
+"""Refusals before the run: what a scenario asks for that its vehicle, or any run, cannot give."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def too_slow_period(loaded: Loaded, times: Mapping[str, float]) -> list[str]:
 
 
 def wrong_depth(loaded: Loaded, path: Path) -> list[str]:
-    """Mistakes, at most one: a start that is not at the depth of the path, of a vehicle that stays at its depth."""
+    """Mistakes, at most one: a vehicle that cannot change its depth starts at another depth than the path's."""
     at, there = loaded.scenario.initial.position_m[2], float(path.at(0.0).position[2])
     if abs(at - there) <= SAME_DEPTH_M:
         return []

@@ -89,7 +89,7 @@ def test_a_path_that_climbs_is_refused_at_its_place():
 
 
 def flown(tmp_path, method, penalty=0.0):
-    """Reversals of all motors, and rms of the wrench missed [N], over 12 s of cruise."""
+    """Reversals of all thrusters, and rms of the wrench missed [N], over 12 s of cruise."""
     changes = {
         "duration_s": 20,
         "checks.0.from_s": 8,
@@ -99,7 +99,7 @@ def flown(tmp_path, method, penalty=0.0):
     signals = cube_sim.run(JACK, changes, out=tmp_path / method).signals
     cruise = signals["thrusters.force_demanded"][:, 0] > 8.0
     force = signals["thrusters.force_demanded"][cruise, 1:]
-    reversals = sum(np.count_nonzero(np.diff(np.sign(motor[motor != 0.0]))) for motor in force.T)
+    reversals = sum(np.count_nonzero(np.diff(np.sign(column[column != 0.0]))) for column in force.T)
     missed = signals["allocation.residual"][cruise, 1]
     return reversals, float(np.sqrt(np.mean(missed**2)))
 

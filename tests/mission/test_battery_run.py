@@ -58,7 +58,7 @@ def test_allocation_stays_inside_the_limits_of_the_moment(weak):
     assert np.all(s["health.believed"] == 1.0)
     A = s["actuation.matrix"][0].reshape(6, 8)
     np.testing.assert_allclose(force @ A.T, s["wrench.allocated"], atol=1e-9)
-    settled = slice(20, 30)  # a lag of 20 ms later the motors give what was asked for
+    settled = slice(20, 30)  # a lag of 20 ms later the thrusters give what was asked for
     given, asked = s["thrusters.force"][1:][settled], force[:-1][settled]
     assert np.median(np.abs(given - asked)) < 0.05 * np.abs(asked).max()
 
@@ -116,7 +116,7 @@ def test_allocation_at_a_share_of_the_thrust_is_that_of_smaller_limits(stuck):
         for size in (5.0, 20.0, 80.0):
             for _ in range(5):
                 wrench = size * rng.normal(size=6) * [1, 1, 1, 0.2, 0.2, 0.2]
-                got, motors = allocate_at(thrust, nominal, wrench)
+                got, thruster_force = allocate_at(thrust, nominal, wrench)
                 expected = smaller.allocate(wrench)
                 np.testing.assert_allclose(got.force, expected.force, atol=1e-6)
                 np.testing.assert_allclose(got.wrench, A @ got.force, atol=1e-9)
@@ -125,7 +125,7 @@ def test_allocation_at_a_share_of_the_thrust_is_that_of_smaller_limits(stuck):
                 assert got.status == expected.status
                 np.testing.assert_array_equal(got.subset, expected.subset)
                 obeys = np.arange(8) != 5 if stuck else np.ones(8, bool)
-                given = motors * np.where(np.arange(8) == 2, 0.5, 1.0) * thrust
+                given = thruster_force * np.where(np.arange(8) == 2, 0.5, 1.0) * thrust
                 np.testing.assert_allclose(given[obeys], got.force[obeys], atol=1e-9)
                 seen.add(got.status)
     assert {Status.EXACT, Status.CLOSEST} <= seen

@@ -119,7 +119,7 @@ def test_without_sensors_nothing_of_them_is_recorded_and_with_perfect_ones_the_f
 
 @pytest.mark.flight
 def test_a_lost_thruster_is_found_and_flown_without_on_the_estimate(tmp_path):
-    """Diagnosis looks at motors, reconfiguration at the estimate."""
+    """Diagnosis looks at thrusters, reconfiguration at the estimate."""
     events = [thruster_event(2.0, ["T1", "T4"])]
     run = cube_sim.run(NAVIGATED, {**SHORT, "duration_s": 12.0, "events": events}, tmp_path / "run")
     believed = run.signals["health.believed"][-1, 1:]

@@ -82,11 +82,11 @@ class DynamicLaw(NamedTuple):
         s'    = v_t cos psi + k2 s1
         alpha_r = delta'' - beta'' - (k1 + k3)(psi' - delta') - (k5 + k1 k3)(psi - delta) + c_c s'' + g_c s'^2
 
-    In print there stand -d_u, -d_r and g_c s'; with (2) as written the resistances have to be added, and c_c' s' is
-    g_c s'^2. Then psi - delta obeys e'' + (k1 + k3) e' + (k5 + k1 k3) e = 0. beta'' depends on r' = alpha_r through
-    v''; the law is affine in it and is solved for it.
+    Printed are -d_u, -d_r and g_c s'. With (2) as written the resistances have to be added, and c_c' s' is g_c s'^2.
+    Then psi - delta obeys e'' + (k1 + k3) e' + (k5 + k1 k3) e = 0. beta'' depends on r' = alpha_r through v''; the law
+    is affine in it and is solved for it.
 
-    At low surge speed side-slip means nothing: the law is then evaluated as if u were `least_speed`, until its force
+    At low surge speed side-slip means nothing. The law is then evaluated as if u were `least_speed`, until its force
     has brought the vehicle to speed.
 
     Attributes:

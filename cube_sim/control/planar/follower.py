@@ -22,7 +22,7 @@ from cube_sim.spatial import State, Vector, quaternion_from_euler
 class PlanarFollower:
     """Follows a level path with a force ahead and a torque about the vertical; depth, roll and pitch are left alone.
 
-    It steers by moving ahead, so it does not stop: after the end of a path it runs on along the last tangent. The water
+    It steers by moving ahead, so it does not stop. After the end of a path it runs on along the last tangent. The water
     is taken to be at rest.
 
     Attributes:
