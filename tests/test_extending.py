@@ -1,0 +1,58 @@
+"""Every recipe of docs/extending.md, followed word by word in a copy of the repository."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support.recipes import recipes
+
+ROOT = Path(__file__).parents[1]
+DOCUMENT = ROOT / "docs" / "extending.md"
+RECIPES = recipes(DOCUMENT)
+NEEDED = ("cube_sim", "models", "scenarios", "tests", "docs", "pyproject.toml", "conftest.py")
+TOOLS = Path(sys.executable).parent
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """The repository without its history; machine code comes along, its sources are as old as before."""
+    for name in NEEDED:
+        source = ROOT / name
+        (shutil.copytree if source.is_dir() else shutil.copy2)(source, tmp_path / name)
+    return tmp_path
+
+
+def run(command: str, directory: Path) -> None:
+    """A command line as a reader types it, but for the number of processes."""
+    environment = {
+        **os.environ,
+        "PATH": f"{TOOLS}{os.pathsep}{os.environ['PATH']}",
+        "PYTHONPATH": str(directory),
+        "PYTEST_ADDOPTS": "-n 0 -p no:cacheprovider",
+    }
+    done = subprocess.run(
+        ["bash", "-c", command], cwd=directory, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+
+
+@pytest.mark.parametrize("recipe", RECIPES, ids=lambda recipe: recipe.title.replace(" ", "_"))
+def test_recipe(recipe, copy):
+    for step in recipe.steps:
+        step.apply(copy)
+    run("ruff check . && ruff format --check .", copy)
+    for command in recipe.commands:
+        run(command, copy)
+
+
+def test_the_table_counts_the_files():
+    rows = re.findall(r"^\| \[([^\]]+)\]\(#\S+\) \| (\d+) \| (\d+) \|$", DOCUMENT.read_text(encoding="utf-8"), re.M)
+    generated = [{c.split("> ")[1] for c in recipe.commands if "> " in c} for recipe in RECIPES]
+    assert rows == [
+        (recipe.title.lower(), str(len(recipe.steps) + len(made)), str(len(made)))
+        for recipe, made in zip(RECIPES, generated, strict=True)
+    ]
