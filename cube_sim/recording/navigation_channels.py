@@ -6,12 +6,13 @@ from collections.abc import Mapping
 
 from cube_sim.recording.channels import WXYZ, XYZ, Channel, Field
 
-_READINGS = {
+READINGS = {
     "dvl": Field("velocity", 3, "m/s", "velocity of the sensor over ground as read, body axes", XYZ),
     "depth": Field("depth", 1, "m", "depth below z = 0 as read, positive downwards"),
     "heading": Field("heading", 1, "rad", "azimuth of the body's x axis as read, from world x towards y"),
     "position": Field("position", 3, "m", "position fix as read, world axes", XYZ),
 }
+"""What each sensor beside the inertial unit reads, by its name."""
 
 
 def navigation_channels(rates_hz: Mapping[str, float]) -> tuple[Channel, ...]:
@@ -60,7 +61,7 @@ def navigation_channels(rates_hz: Mapping[str, float]) -> tuple[Channel, ...]:
 
 def _sensor(name: str, rate_hz: float) -> Channel:
     """Rows come when readings arrive."""
-    reading = _READINGS[name]
+    reading = READINGS[name]
     return Channel(
         f"sensor_{name}",
         (

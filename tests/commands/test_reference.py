@@ -16,7 +16,7 @@ from cube_sim.commands.pages.scenario_page import scenario_page
 from cube_sim.commands.pages.schema_words import allowed, number, unit_and_meaning
 from cube_sim.mission import prepare
 from cube_sim.recording.channels import channel_table
-from cube_sim.recording.navigation_channels import navigation_channels
+from cube_sim.recording.navigation_channels import READINGS, navigation_channels
 from cube_sim.scenario import Scenario, load
 from cube_sim.scenario.document import parse
 
@@ -117,7 +117,7 @@ def test_every_example_can_be_flown(where, tmp_path):
 
 
 def test_every_channel_says_who_writes_it():
-    sensors = dict.fromkeys(("dvl", "depth", "heading", "position"), 1.0)
+    sensors = dict.fromkeys(READINGS, 1.0)
     channels = (*channel_table(("T1",), 2), *navigation_channels(sensors))
     assert {channel.name for channel in channels} == WRITTEN_BY.keys()
     text = recording_page()

@@ -25,7 +25,7 @@ from cube_sim.recording.mcap.sink import (
     VERSIONS_METADATA,
     topic,
 )
-from cube_sim.recording.navigation_channels import navigation_channels
+from cube_sim.recording.navigation_channels import READINGS, navigation_channels
 from cube_sim.verdict import CheckResult, to_json
 
 WRITTEN_BY = {
@@ -55,7 +55,6 @@ WRITTEN_BY = {
 
 _CHECK = CheckResult("rms of path_error.cross_track", "PASS", 0.031, "<=", 0.1, 0.069, 52.36, "4001 samples")
 _EPOCH = f"{datetime.fromtimestamp(EPOCH_NS // 10**9, UTC):%Y-%m-%dT%H:%M:%SZ}"
-_SENSORS = ("dvl", "depth", "heading", "position")
 _FEW = 6
 _INTRODUCTION = f"""\
 <!-- Made by `cube-sim reference recording > docs/recording.md` from the channel tables in cube_sim/recording/. -->
@@ -112,7 +111,7 @@ the scenario sets `control_period_s`. A row "on change" holds until the next; no
 
 def recording_page() -> str:
     """The page as Markdown text, ending in a newline."""
-    usual, navigation = _tables(1), navigation_channels(dict.fromkeys(_SENSORS, 0.0))
+    usual, navigation = _tables(1), navigation_channels(dict.fromkeys(READINGS, 0.0))
     wider = {channel.name: channel for channel in _tables(2)}
     parts = [
         _INTRODUCTION.rstrip(),
@@ -151,7 +150,7 @@ def _line(channel: Channel) -> tuple[str, str, str]:
 
 
 def _rate(channel: Channel) -> str:
-    if channel.name.removeprefix("sensor_") in _SENSORS:
+    if channel.name.removeprefix("sensor_") in READINGS:
         return "per reading"
     return "on change" if channel.rate == ON_CHANGE else "every period"
 
