@@ -61,38 +61,20 @@ def _evaluate(check: AnyCheck, recorded: _Recorded) -> CheckResult:
             case PathEndCheckBlock():
                 return _path_end(check, recorded)
     except _NotJudgedError as reason:
-        at_least, limit = _limit(check)
-        return CheckResult(check.title, "ERROR", None, ">=" if at_least else "<=", limit, None, None, str(reason))
-
-
-def _limit(check: AnyCheck) -> tuple[bool, float]:
-    """Whether the check asks for "at least", and its limit."""
-    match check:
-        case SignalCheckBlock():
-            if check.at_most is not None:
-                return False, check.at_most
-            if check.at_least is not None:
-                return True, check.at_least
-            raise ValueError("a signal check holds at_most or at_least")
-        case AllowedForcesCheckBlock():
-            return False, check.tolerance_N
-        case ExactWrenchCheckBlock():
-            return False, check.at_most
-        case PathEndCheckBlock():
-            return False, check.reach_m
+        relation, limit = check.bound
+        return CheckResult(check.title, "ERROR", None, relation, limit, None, None, str(reason))
 
 
 def _judge(check: AnyCheck, value: float, at_s: float, detail: str) -> CheckResult:
     if not np.isfinite(value):
         raise _NotJudgedError(f"the value is not finite ({detail})")
-    at_least, limit = _limit(check)
+    relation, limit = check.bound
+    at_least = relation == ">="
     value, at_s = float(value), float(at_s)
     margin = value - limit if at_least else limit - value
     # Spelled so that anything that does not compare fails.
     failed = not (value >= limit) if at_least else not (value <= limit)
-    return CheckResult(
-        check.title, "FAIL" if failed else "PASS", value, ">=" if at_least else "<=", limit, margin, at_s, detail
-    )
+    return CheckResult(check.title, "FAIL" if failed else "PASS", value, relation, limit, margin, at_s, detail)
 
 
 class _Recorded:

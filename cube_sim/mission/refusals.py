@@ -9,7 +9,6 @@ from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded
-from cube_sim.scenario.check_blocks import SignalCheckBlock
 from cube_sim.scenario.event_blocks import ThrusterEventBlock
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -22,15 +21,16 @@ def require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
     widths = {f"{channel.name}.{field.name}": field.width for channel in channels for field in channel.fields}
     mistakes = []
     for i, check in enumerate(loaded.scenario.checks):
-        if not isinstance(check, SignalCheckBlock):
+        if check.named_signal is None:
             continue
-        if check.signal not in widths:
-            near = get_close_matches(check.signal, widths, n=1)
+        signal, component = check.named_signal
+        if signal not in widths:
+            near = get_close_matches(signal, widths, n=1)
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(widths)}"
-            mistakes.append(loaded.mistake(f"checks.{i}.signal", f"no signal '{check.signal}' is recorded, {hint}"))
-        elif check.component is not None and check.component >= widths[check.signal]:
-            last = widths[check.signal] - 1
-            mistakes.append(loaded.mistake(f"checks.{i}.component", f"{check.signal} has columns 0 to {last}"))
+            mistakes.append(loaded.mistake(f"checks.{i}.signal", f"no signal '{signal}' is recorded, {hint}"))
+        elif component is not None and component >= widths[signal]:
+            text = f"{signal} has columns 0 to {widths[signal] - 1}"
+            mistakes.append(loaded.mistake(f"checks.{i}.component", text))
     if mistakes:
         raise ScenarioError(mistakes)
 

@@ -5,7 +5,7 @@ These blocks only say what is asked; `cube_sim.checks` answers it from the recor
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, StringConstraints, model_validator
 
@@ -15,13 +15,30 @@ Statistic = Literal["rms", "mean", "max", "min", "max_abs", "final"]
 SignalName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+\.[a-z0-9_]+$")]
 
 
+class Bound(NamedTuple):
+    """What the value of a check is compared with.
+
+    Attributes:
+        relation: how the value must compare with the limit.
+        limit: in the value's unit.
+    """
+
+    relation: Literal["<=", ">="]
+    limit: float
+
+
 class CheckBlock(Block):
-    """What every check has."""
+    """What every check has; each also has a `title` and a `bound`."""
 
     name: Title | None = Field(
         default=None,
         description="Shown in results; must differ between checks. Default: made from what is asked.",
     )
+
+    @property
+    def named_signal(self) -> tuple[str, int | None] | None:
+        """The signal that the scenario names, and the column; None where the check itself knows what to look at."""
+        return None
 
 
 class SignalCheckBlock(CheckBlock):
@@ -57,6 +74,20 @@ class SignalCheckBlock(CheckBlock):
         column = "" if self.component is None else f"[{self.component}]"
         return self.name or f"{self.statistic} of {self.signal}{column}"
 
+    @property
+    def bound(self) -> Bound:
+        """The one limit that is given."""
+        if self.at_most is not None:
+            return Bound("<=", self.at_most)
+        if self.at_least is not None:
+            return Bound(">=", self.at_least)
+        raise ValueError("a signal check holds at_most or at_least")
+
+    @property
+    def named_signal(self) -> tuple[str, int | None]:
+        """See `CheckBlock.named_signal`."""
+        return self.signal, self.component
+
 
 class AllowedForcesCheckBlock(CheckBlock):
     """Every demanded thruster force lies in its allowed set at every tick.
@@ -77,6 +108,11 @@ class AllowedForcesCheckBlock(CheckBlock):
         """Name shown in results."""
         return self.name or "thruster forces inside their allowed sets"
 
+    @property
+    def bound(self) -> Bound:
+        """The largest distance [N]."""
+        return Bound("<=", self.tolerance_N)
+
 
 class ExactWrenchCheckBlock(CheckBlock):
     """|A f - F| stays small at every tick whose wrench the allocation calls attainable."""
@@ -93,6 +129,11 @@ class ExactWrenchCheckBlock(CheckBlock):
         """Name shown in results."""
         return self.name or "|A f - F| wherever attainable"
 
+    @property
+    def bound(self) -> Bound:
+        """The largest norm."""
+        return Bound("<=", self.at_most)
+
 
 class PathEndCheckBlock(CheckBlock):
     """The vehicle arrives at the end of the path, having followed the virtual target there.
@@ -108,6 +149,11 @@ class PathEndCheckBlock(CheckBlock):
     def title(self) -> str:
         """Name shown in results."""
         return self.name or "end of the path reached"
+
+    @property
+    def bound(self) -> Bound:
+        """The largest distance [m]."""
+        return Bound("<=", self.reach_m)
 
 
 AnyCheck = Annotated[
