@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from support.actuation_vehicles import cube
+from support.vehicles import cube
 
 from cube_sim.actuation import Mission, Outcome, analyse, survivability
 from cube_sim.actuation.attainable.extents import extent

@@ -7,20 +7,21 @@ import numpy as np
 import pytest
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 from scipy.spatial import ConvexHull
+from support.layouts import jack
+from support.vehicles import vehicle
 
-from cube_sim import Vehicle, load_model
 from cube_sim.actuation.attainable.extents import extent, extents, force_corners, torque_corners
 from cube_sim.errors import ActuationError
 from cube_sim.wrench import line_interval
 from cube_sim.wrench.zonotope import inscribed_radius, support, volume
 
-JACK = np.array([[0.966, 0.966, -0.966, -0.966], [-0.259, 0.259, -0.259, 0.259], [-0.245, 0.245, 0.245, -0.245]])
+JACK = jack()
 T200 = [-39.91, -0.356, 0.400, 51.44]
 
 
 @pytest.fixture(scope="module")
 def cube():
-    return Vehicle.from_model(load_model("models/cube.xml")).actuation_matrix
+    return vehicle("cube").actuation_matrix
 
 
 def lp_extent(A, low, high, d, sign):
@@ -62,7 +63,7 @@ def test_random_feasible_forces_never_leave_the_extents(cube):
 
 def test_cube_surge_alone_is_what_its_symmetry_gives():
     # One newton each of the four x-driving pairs: A A' = 8/3 I, least-norm forces of Fx are 3/8 of the row.
-    cube = Vehicle.from_model(load_model("models/cube.xml")).actuation_matrix
+    cube = vehicle("cube").actuation_matrix
     row = cube[0]
     symmetric = extents(cube, [-40.0, 40.0])[0]
     assert symmetric.alone[1] >= 40 / np.max(np.abs(row)) / (3 / 8) - 1e-9

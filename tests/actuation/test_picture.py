@@ -5,13 +5,14 @@ from itertools import product
 import numpy as np
 import pytest
 from PIL import Image
+from support.layouts import jack
 
 from cube_sim.actuation import survivability
 from cube_sim.actuation.plots.convex_shape import convex_shape
 from cube_sim.actuation.plots.picture import save_picture
 from cube_sim.errors import ActuationError
 
-JACK = np.array([[0.966, 0.966, -0.966, -0.966], [-0.259, 0.259, -0.259, 0.259], [-0.245, 0.245, 0.245, -0.245]])
+JACK = jack()
 LIMITS = [-40, -2, 2, 40]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 from scipy.optimize import linprog
-from support.actuation_vehicles import random_hull, vehicle, weightless
+from support.vehicles import random_hull, vehicle, weightless
 
 from cube_sim.actuation.directions.subspaces import subspaces
 from cube_sim.actuation.path_following.linear_motion import linearise

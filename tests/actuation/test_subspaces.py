@@ -5,8 +5,8 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from support.vehicles import vehicle
 
-from cube_sim import Vehicle, load_model
 from cube_sim.actuation.directions.subspaces import subspaces
 from cube_sim.errors import ActuationError
 
@@ -19,7 +19,7 @@ def random_matrix(rng, n, m, rank):
 
 @pytest.fixture(scope="module")
 def cube():
-    return Vehicle.from_model(load_model("models/cube.xml")).actuation_matrix
+    return vehicle("cube").actuation_matrix
 
 
 def test_example_411_loses_sway_and_says_so():

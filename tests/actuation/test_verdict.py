@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares, linprog
 from scipy.spatial.transform import Rotation
-from support.actuation_vehicles import (
+from support.vehicles import (
     ballasted,
     cube,
     random_hull,

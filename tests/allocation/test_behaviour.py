@@ -7,7 +7,8 @@ import pickle
 
 import numpy as np
 import pytest
-from support.allocation_reference import cells, cube, in_allowed_set, jack, least_cost
+from support.allocation_reference import cells, in_allowed_set, least_cost
+from support.layouts import cube, jack
 
 from cube_sim.allocation import Allocator, FaultTolerant, Status, make_allocator
 from cube_sim.allocation.exact.solve import solve_each

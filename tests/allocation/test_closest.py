@@ -2,15 +2,8 @@
 
 import numpy as np
 import pytest
-from support.allocation_reference import (
-    bluerov2_heavy,
-    closest_forces,
-    cube,
-    in_allowed_set,
-    jack,
-    least_cost,
-    least_distance,
-)
+from support.allocation_reference import closest_forces, in_allowed_set, least_cost, least_distance
+from support.layouts import bluerov2_heavy, cube, jack
 
 from cube_sim.allocation import Allocator, Status
 from cube_sim.allocation.exact import closest_wrench

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.allocation_reference import cube
+from support.layouts import cube
 
 from cube_sim.allocation import Allocator
 from cube_sim.allocation.exact.active_set import CUT, INFEASIBLE, OPTIMAL, project

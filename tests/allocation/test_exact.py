@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from support.allocation_reference import cube, in_allowed_set, jack, least_cost, probing_wrenches
+from support.allocation_reference import in_allowed_set, least_cost, probing_wrenches
+from support.layouts import cube, jack
 
 from cube_sim.allocation import Allocator, Status
 

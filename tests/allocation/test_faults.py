@@ -4,7 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-from support.allocation_reference import cells, cube, in_allowed_set, jack, least_cost, least_distance
+from support.allocation_reference import cells, in_allowed_set, least_cost, least_distance
+from support.layouts import cube, jack
 
 from cube_sim.allocation import Allocator, FaultTolerant, Health, Status, make_allocator
 from cube_sim.allocation.methods import methods

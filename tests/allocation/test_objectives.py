@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from support.allocation_reference import cells, cube, in_allowed_set, jack, least_cost
+from support.allocation_reference import cells, in_allowed_set, least_cost
+from support.layouts import cube, jack
 
 from cube_sim.allocation import Allocator, Status
 from cube_sim.allocation.exact.packing import pack, unpack, unpack_closest_wrench_data

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from support.allocation_reference import cube, in_allowed_set, jack, largest_share, least_cost, least_distance
+from support.allocation_reference import in_allowed_set, largest_share, least_cost, least_distance
+from support.layouts import cube, jack
 
 from cube_sim.allocation import Allocator, FaultTolerant, Status
 from cube_sim.errors import AllocationError

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from support.allocation_proof import BUILT, Tally, campaign, compare_closest
-from support.allocation_reference import cube, jack, least_cost, least_distance
+from support.allocation_reference import least_cost, least_distance
 from support.closest_reference import LESS, MORE, USUAL, ClosestOfEverySubset
 from support.every_subset import EverySubset
+from support.layouts import cube, jack
 
 from cube_sim.allocation import Allocator, Status
 from cube_sim.allocation.attainable_map import attainable_map, half_spaces

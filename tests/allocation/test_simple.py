@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from support.allocation_reference import cube, in_allowed_set, jack
+from support.allocation_reference import in_allowed_set
 from support.flights import FORCES_ONLY
+from support.layouts import cube, jack
 from support.places import HELIX
 
 import cube_sim

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from support.places import MODELS
+from support.vehicles import vehicle
 
-import cube_sim
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.spatial import State, quaternion_from_rotation, rotation_about
@@ -18,7 +17,7 @@ DT = 0.02
 
 @pytest.fixture(scope="module", params=["cube", "bluerov2_heavy", "infante"])
 def dynamics(request):
-    return cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / f"{request.param}.xml")).dynamics
+    return vehicle(request.param).dynamics
 
 
 def circling(t: float, speed: float = 0.4, rate: float = 0.13) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

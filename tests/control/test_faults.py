@@ -4,9 +4,8 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from support.places import CUBE
+from support.vehicles import vehicle
 
-import cube_sim
 from cube_sim.allocation import Health
 from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.authority import Authority, capability, remaining_capability
@@ -16,7 +15,7 @@ from cube_sim.spatial import rotation_from_quaternion
 
 @pytest.fixture(scope="module")
 def cube():
-    return cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE))
+    return vehicle("cube")
 
 
 def left_after(A, lost):

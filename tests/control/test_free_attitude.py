@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from support.places import CUBE, MODELS
+from support.vehicles import vehicle
 
-import cube_sim
 from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.authority import capability
 from cube_sim.control.effort import effort_matrix
@@ -19,12 +18,12 @@ STILL, DT, TIME = np.zeros(3), 0.05, 3.0
 
 @pytest.fixture(scope="module")
 def cube():
-    return cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE))
+    return vehicle("cube")
 
 
 @pytest.fixture(scope="module")
 def bluerov2():
-    return cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "bluerov2_heavy.xml"))
+    return vehicle("bluerov2_heavy")
 
 
 def needed(vehicle, R, velocity, current):

@@ -6,7 +6,8 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from support.places import MODELS, SCENARIOS
+from support.places import SCENARIOS
+from support.vehicles import vehicle
 
 import cube_sim
 from cube_sim.control.attitude_mode import Situation
@@ -26,7 +27,7 @@ JACK, INFANTE = SCENARIOS / "jack_exact.yaml", SCENARIOS / "infante_circle.yaml"
 
 @pytest.fixture(scope="module")
 def matrix():
-    return cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "jack.xml")).actuation_matrix
+    return vehicle("jack").actuation_matrix
 
 
 def test_jack_moves_in_a_level_plane_also_with_any_one_motor_lost(matrix):
@@ -53,9 +54,8 @@ def test_a_unicycle_is_asked_for_its_torque_and_the_nearest_force_that_comes_wit
 
 
 def test_a_unicycle_turns_about_the_vertical_only_until_its_thrust_points_where_force_is_needed(matrix):
-    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "jack.xml"))
     left = capability(np.delete(matrix, [1, 2], axis=1))
-    law = BalancedAttitude(left, vehicle.dynamics, np.eye(3), time=0.5)
+    law = BalancedAttitude(left, vehicle("jack").dynamics, np.eye(3), time=0.5)
     force = np.array([3.0, 9.0, -4.0])  # world axes; the vertical part is nobody's business
     view = VirtualTarget(Line([0, 0, 0], [10, 0, 0]), 0.5).view(np.zeros(3), np.zeros(3))
     for _ in range(1500):

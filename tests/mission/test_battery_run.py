@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.flights import FORCES_ONLY, values
-from support.places import CUBE, HELIX, SCENARIOS
+from support.places import HELIX, SCENARIOS
+from support.vehicles import vehicle
 
 import cube_sim
 from cube_sim.allocation import Allocator, FaultTolerant, Health, Status
@@ -101,7 +102,7 @@ def test_an_empty_battery_stops_the_thrusters_and_says_so(tmp_path):
 @pytest.mark.parametrize("stuck", [False, True])
 def test_allocation_at_a_share_of_the_thrust_is_that_of_smaller_limits(stuck):
     """Attainable or not: as an allocator built for what is left of the limits."""
-    A = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).actuation_matrix
+    A = vehicle("cube").actuation_matrix
     limits = np.tile([-39.91, -2.0, 2.0, 51.44], (8, 1))
 
     def build(A, limits, which):
@@ -132,7 +133,7 @@ def test_allocation_at_a_share_of_the_thrust_is_that_of_smaller_limits(stuck):
 
 
 def test_a_whole_voltage_changes_no_bit():
-    A = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).actuation_matrix
+    A = vehicle("cube").actuation_matrix
     allocator = FaultTolerant(A, np.tile([-39.91, -2.0, 2.0, 51.44], (8, 1)), lambda A, limits, _: Allocator(A, limits))
     wrench = np.array([20.0, -7.0, 3.0, 1.0, -0.5, 2.0])
     got, plain = allocate_at(1.0, allocator, wrench)[0], allocator.allocate(wrench)

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from support.places import CUBE, HELIX, SCENARIOS
+from support.places import HELIX, SCENARIOS
+from support.vehicles import vehicle
 
 import cube_sim
 from cube_sim.errors import ScenarioError
@@ -67,7 +68,7 @@ def test_another_model_can_be_believed():
     flown = flown_hull(loaded)
     believed = believed_hull(loaded, flown)
     assert not np.allclose(believed.vehicle.actuation_matrix, flown.vehicle.actuation_matrix)
-    ideal = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE))
+    ideal = vehicle("cube")
     np.testing.assert_array_equal(believed.vehicle.actuation_matrix, ideal.actuation_matrix)
 
 

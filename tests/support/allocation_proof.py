@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cube_sim.allocation import Allocator, Status
-from support.allocation_reference import bluerov2_heavy, cube, in_allowed_set, jack
+from support.allocation_reference import in_allowed_set
 from support.closest_reference import LESS, MORE, USUAL, ClosestOfEverySubset, closest_subsets
 from support.every_subset import EverySubset
+from support.layouts import bluerov2_heavy, cube, jack
 
 BUILT = cube(direction_noise=0.05, position_noise_m=0.01, seed=4)
 REACTIVITY = np.array([-32.0, 44.0])

@@ -7,8 +7,9 @@ import runpy
 import mujoco
 import numpy as np
 import pytest
-from support import allocation_reference
+from support import layouts
 from support.places import CUBE, MODELS, REPO
+from support.vehicles import vehicle
 
 import cube_sim
 from cube_sim.vehicle.infante import planar_lift
@@ -32,7 +33,7 @@ def test_cube():
     assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
 
     A = cube.actuation_matrix
-    np.testing.assert_allclose(A, allocation_reference.cube(a), atol=1e-15)
+    np.testing.assert_allclose(A, layouts.cube(a), atol=1e-15)
     np.testing.assert_allclose(A @ A.T, np.diag([8 / 3] * 3 + [8 * a**2] * 3), atol=1e-14)
     np.testing.assert_allclose(A @ [1, -1, 1, -1, -1, 1, -1, 1], 0.0, atol=1e-14)
     assert cube.thrusters.names == tuple(f"T{i}" for i in range(1, 9))
@@ -68,8 +69,8 @@ def planar(matrix: np.ndarray) -> np.ndarray:
 
 
 def test_cube_as_built_is_the_cube_with_imprecise_thrusters():
-    cube = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE))
-    built = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "cube_as_built.xml"))
+    cube = vehicle("cube")
+    built = vehicle("cube_as_built")
     rng = np.random.default_rng(2021)
     gain, shift = 1.0 + 0.05 * rng.standard_normal(8), 0.01 * rng.standard_normal((8, 3))
     expected = cube.actuation_matrix.copy()
@@ -88,7 +89,7 @@ FLIP = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])  # FRD to FLU: y and z change
 
 def test_bluerov2_heavy_is_its_table():
     """Von Benzon et al. 2022, table A1 and the allocation matrix, as published in FRD."""
-    rov = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "bluerov2_heavy.xml"))
+    rov = vehicle("bluerov2_heavy")
     h = np.sqrt(0.5)
     published = np.array(
         [
@@ -149,8 +150,8 @@ def test_infante_feeds_energy_in_astern():
 
 
 def test_jack_is_its_matrix():
-    jack = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "jack.xml"))
-    np.testing.assert_allclose(planar(jack.actuation_matrix), allocation_reference.jack(), atol=5e-4)
+    jack = vehicle("jack")
+    np.testing.assert_allclose(planar(jack.actuation_matrix), layouts.jack(), atol=5e-4)
     np.testing.assert_allclose(jack.actuation_matrix[2:5], 0.0, atol=1e-15)
     np.testing.assert_allclose(jack.actuation_matrix @ np.ones(4), 0.0, atol=1e-15)
     m, (a, b, c) = 40.0, (0.6, 0.6, 0.2)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.actuation_vehicles import cube, random_hull, random_rotation, steady_wrench, turned
+from support.vehicles import cube, random_hull, random_rotation, steady_wrench, turned
 
 H = 1e-6
 

@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 from support.edited_cube import T1, edited
-from support.places import CUBE, MODELS
+from support.places import CUBE
+from support.vehicles import vehicle
 
 import cube_sim
 from cube_sim.errors import ModelError
@@ -105,7 +106,7 @@ def test_transport_delay_comes_before_the_lag():
 
 def test_reaction_torque_is_a_column_of_the_actuation_matrix():
     """gear="0 0 1 0 0 k": a propeller turns the hull against itself with k F about its axis."""
-    plain = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).actuation_matrix
+    plain = vehicle("cube").actuation_matrix
     turned = cube_sim.Vehicle.from_model(
         cube_sim.load_model(edited(('<general name="T4"', '<general gear="0 0 1 0 0 0.02" name="T4"')))
     ).actuation_matrix
@@ -136,7 +137,7 @@ def test_reactivity_points(model):
 
 def test_reactivity_points_lie_outside_the_dead_zone():
     """Jack's jump from 0 to 5 N is steeper than anything it can hold; its steepest part is 18 to 25 N, 35 N a unit."""
-    jack = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "jack.xml")).thrusters
+    jack = vehicle("jack").thrusters
     np.testing.assert_allclose(jack.reactivity, [[-21.5, 21.5]] * 4)
     curve = Characteristic(np.array([-1.0, -0.4, 0.0, 0.2, 1.0]), np.array([-10.0, -9.0, 0.0, 8.0, 16.0]), (-6.0, 12.0))
     assert curve.reactivity == pytest.approx(

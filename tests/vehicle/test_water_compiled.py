@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from support import plain_callbacks
 from support.places import CUBE
+from support.vehicles import vehicle
 from support.water_bodies import DENSITY, GRAVITY, coriolis_matrix, random_body, scene, set_state, tumbling
 
 import cube_sim
@@ -71,7 +72,7 @@ def test_the_current_is_the_uncompiled_law():
 
 def test_thrust_is_the_uncompiled_law_and_numpys():
     plain = plain_callbacks.plain("cube_sim.vehicle.laws.thrust_law")
-    curve = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).thrusters.characteristics[0]
+    curve = vehicle("cube").thrusters.characteristics[0]
     for c in np.linspace(-1.2, 1.2, 241).tolist():
         arguments = c, *curve.command_dead_zone, curve.commands, curve.forces
         equal(thrust_law.force_of_command(*arguments), plain.force_of_command(*arguments))

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from support.edited_cube import T1, edited
-from support.places import CUBE
+from support.vehicles import vehicle
 
 import cube_sim
 from cube_sim.errors import ModelError
@@ -76,7 +76,7 @@ def test_thrust_and_reaction_torque_are_scaled_by_the_gear():
     """gear "0 0 g 0 0 k": g times the curve's force along the site's z axis, k times it about that axis."""
     g, k = -0.9, 0.03
     model = cube_sim.load_model(edited((T1, f'{T1} gear="0 0 {g} 0 0 {k}"')))
-    whole = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).actuation_matrix[:, 0]
+    whole = vehicle("cube").actuation_matrix[:, 0]
     column = cube_sim.Vehicle.from_model(model).actuation_matrix[:, 0]
     np.testing.assert_allclose(column, g * whole + np.concatenate([np.zeros(3), k * whole[:3]]), atol=1e-15)
 
