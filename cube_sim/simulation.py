@@ -186,7 +186,7 @@ def _update_health(mission: Mission, recorder: Recorder, t: float) -> bool:
         return False
     if health is allocator.health or health.equals(allocator.health):
         return False
-    allocator.believe(health)
+    allocator.set_health(health)
     left = remaining_capability(allocator.A, allocator.limits, health, mission.scenario.control.cost_limit)
     mission.controller.reconfigure(left)
     recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")

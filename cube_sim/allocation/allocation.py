@@ -15,15 +15,15 @@ class Status(IntEnum):
     Attributes:
         EXACT: the forces make the demanded wrench at the least cost over every subset. Nothing to mend.
         CLOSEST: no allowed forces make the demanded wrench; these make the closest attainable one.
-            Remedy: ask for less, allow motors to rest, or change ``wrench_weights`` to say which rows may give.
+            Remedy: ask for less, allow thrusters to rest, or change ``wrench_weights`` to say which rows may give.
         INVALID_WRENCH: the demand holds a NaN or an infinity, so it was answered as a zero demand.
             Remedy: mend the controller that produced it; the vehicle coasts meanwhile.
         MISSED: a method that is not exact made another wrench than the demanded one; whether that was attainable it
             does not know. Remedy: an exact method, or a controller that makes up for the error.
-        FORBIDDEN_FORCE: a method blind to limits asks a motor for a force outside its allowed set; the motor will
+        FORBIDDEN_FORCE: a method blind to limits asks a thruster for a force outside its allowed set, which will
             make another. Remedy: a method that knows the limits.
         UNPROVEN: the forces make the demanded wrench, but the search gave up before it had proof that none do at
-            less cost. Remedy: the objective ``energy``, fewer motors to choose between, or patience with the cost.
+            less cost. Remedy: the objective ``energy``, fewer thrusters to choose between, or patience with the cost.
         UNPROVEN_CLOSEST: no forces that make the demanded wrench were found; these make the closest wrench found (or
             the largest scale found), without proof. Remedy: as for ``UNPROVEN`` and ``CLOSEST``.
         SCALED: no allowed forces make the demanded wrench; these make the largest part of it that keeps its direction
@@ -72,9 +72,8 @@ class Allocation(NamedTuple):
             which counts as zero.
         residual: norm of ``wrench_error`` [N], its torque rows divided by ``Allocator.length_m``.
         cost: ``sum w (f - target)^2`` of the objective plus reversal penalties [N^2].
-        subset: (m,) int8, the side each motor works on: -1 negative, 0 off, +1 positive.
+        subset: (m,) int8, the side each thruster works on: -1 negative, 0 off, +1 positive.
         status: how the allocation ended.
-        power_W: electrical power of the forces [W], None unless the allocator knows the power coefficients.
     """
 
     force: NDArray[np.float64]
@@ -84,7 +83,6 @@ class Allocation(NamedTuple):
     cost: float
     subset: NDArray[np.int8]
     status: Status
-    power_W: float | None = None  # noqa: N815 - W is the watt
 
 
 class Allocations(NamedTuple):

@@ -16,21 +16,17 @@ from cube_sim.allocation.exact.problem import closest_wrench_data, make_problem
 from cube_sim.allocation.exact.solutions import force_solutions, wrench_metric
 from cube_sim.allocation.exact.solve import answer_size, solve_each
 from cube_sim.allocation.exact.step import no_previous_answer
+from cube_sim.allocation.methods import Method
 from cube_sim.allocation.objectives import Objective, side_targets
-from cube_sim.allocation.previous import Standing
+from cube_sim.allocation.previous import PreviousForces
 from cube_sim.allocation.subset_qp.enumeration import Enumeration
 from cube_sim.allocation.subset_qp.solver import Confirmer
 from cube_sim.errors import AllocationError
-from cube_sim.wrench.arguments import comparable, flag, numbers, one_of, pairs, row, scalar
+from cube_sim.wrench.arguments import comparable, flag, numbers, one_of, row, scalar
 from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.limits import side_table, thruster_limits
 from cube_sim.wrench.matrix import effective_matrix, lever_arm
 from cube_sim.wrench.tolerances import FORCE_ROUNDING
-
-Method = Literal["search+proxqp", "search", "enumerate", "enumerate_parallel"]
-"""``search+proxqp``: the exact search decides the subset, ProxQP solves it and must agree. ``search``: without ProxQP.
-``enumerate``: the report's own algorithm, one ProxQP for each of the 2^m or 3^m subsets. ``enumerate_parallel``: the
-same spread over the processor's cores."""
 
 AGREEMENT = 1e-4
 """Largest difference between the search's and ProxQP's forces that counts as agreement, part of the largest limit."""
@@ -72,7 +68,7 @@ class Allocator:
     """Exact dead-zone thruster allocation for one vehicle.
 
     Minimises ``sum w (f - f_opt)^2`` subject to ``A f = F`` with every f_i in
-    ``[F_max-, F_DZ-] u [F_DZ+, F_max+]``, and ``u {0}`` where motors may rest: the global optimum over the union
+    ``[F_max-, F_DZ-] u [F_DZ+, F_max+]``, and ``u {0}`` where thrusters may rest: the global optimum over the union
     of 2^m or 3^m boxes (report section 4.3). A wrench no allowed forces can make is answered by the closest one
     they can, in the norm ``|W (A f - F)|``, exactly over the union as well, and then by the least cost; or, with
     ``unattainable="scaled"``, by the largest attainable ``scale F`` with 0 <= scale < 1. What no forces of any size
@@ -86,23 +82,21 @@ class Allocator:
     Args:
         A: (3, m) rows ``[Fx Fy Mz]`` or (6, m) rows ``[Fx Fy Fz Mx My Mz]`` [1], [m].
         limits: (m, 4) rows ``[F_max-, F_DZ-, F_DZ+, F_max+]`` [N], or (m, 2) without dead zones; one row for all.
-        allow_off: whether a motor may rest at zero inside its dead zone.
+        allow_off: whether a thruster may rest at zero inside its dead zone.
         objective: see `Objective`.
         target: (m,) F_opt [N], required by, and only for, ``target``.
         reactivity: (m, 2) or (2,) F_react-, F_react+ [N], required by, and only for, the reactivity objectives.
-        weights: (m,) positive w of the motors, 1e-6 to 1e6 in a ratio of 1e6 at most; 1 unless told.
+        weights: (m,) positive w of the thrusters, 1e-6 to 1e6 in a ratio of 1e6 at most; 1 unless told.
         wrench_weights: (n,) positive diagonal of W, [1] for forces and [1/m] for torques, likewise; 1 and 30 unless
             told: a vehicle that keeps its attitude keeps its path, one that saves its forces loses both.
         unattainable: see `Unattainable`.
-        reversal_penalty: cost of pushing against the side a motor last pushed to [N^2].
-        switching_penalty: cost of a motor starting from rest or coming to rest [N^2].
-        change_limit: most a motor's force may change in one call [N], the dead zone not counted: a reversal is
-            walked through the zone's edges, so a small limit delays it and never locks the motor. None: no limit.
+        reversal_penalty: cost of pushing against the side a thruster last pushed to [N^2].
+        switching_penalty: cost of a thruster starting from rest or coming to rest [N^2].
+        change_limit: most a thruster's force may change in one call [N], the dead zone not counted: a reversal is
+            walked through the zone's edges, so a small limit delays it and never locks the thruster. None: no limit.
         method: see `Method`.
         length_m: divides torques wherever a wrench error is one number; the rms lever arm of A unless told.
         tolerance_N: force that counts as rounding, 1e-10 of the largest limit at least; 1e-9 of it unless told.
-        power_coefficients: (m, 2) or (2,) k_P-, k_P+ of the electrical power ``k_P |f|^1.5`` [W/N^1.5]; with them
-            every answer says its power. It is reported, not minimised.
 
     Raises:
         AllocationError: an argument has the wrong shape, is not finite, or means nothing.
@@ -126,7 +120,6 @@ class Allocator:
         method: Method = "search+proxqp",
         length_m: float | None = None,
         tolerance_N: float | None = None,
-        power_coefficients: ArrayLike | None = None,
     ) -> None:
         self.A = effective_matrix(A)
         n, m = self.A.shape
@@ -162,9 +155,6 @@ class Allocator:
                 f"forces of {np.max(np.abs(targets)):g} N are preferred; beyond {FARTHEST_TARGET:g} times the largest "
                 f"limit, {largest:g} N, nothing is seen beside them"
             )
-        self.power_coefficients = (
-            None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
-        )
         self.effort = Effort()
         preferred = {"target": target, "reactivity": reactivity}
         self._preferred = {name: None if value is None else np.array(value) for name, value in preferred.items()}
@@ -194,7 +184,7 @@ class Allocator:
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles are built anew and told what to remember: ProxQP's memory cannot be copied."""
         same = "allow_off", "objective", "weights", "wrench_weights", "unattainable", "reversal_penalty"
-        same += "switching_penalty", "method", "length_m", "tolerance_N", "power_coefficients"
+        same += "switching_penalty", "method", "length_m", "tolerance_N"
         options = {name: getattr(self, name) for name in same} | self._preferred
         options["change_limit"] = None if self.change_limit == inf else self.change_limit
         return partial(Allocator, **options), (self.A, self.limits), (self._memory.copy(), replace(self.effort))
@@ -216,17 +206,17 @@ class Allocator:
         """Forget the previous answer, as at the start of a run."""
         self._memory[:] = 0.0
 
-    def resume(self, standing: Standing) -> None:
+    def resume(self, previous: PreviousForces) -> None:
         """Go on from forces of another allocator's as if they were this one's previous answer.
 
         Args:
-            standing: of the m motors. A force outside its side's interval counts as the nearest end of it.
+            previous: of the m thrusters. A force outside its side's interval counts as the nearest end of it.
         """
-        at = np.arange(len(standing.force)), standing.subset.astype(np.intp) + 1
+        at = np.arange(len(previous.force)), previous.subset.astype(np.intp) + 1
         t = self._tables
-        force = np.clip(standing.force, t.low[at], t.high[at])
+        force = np.clip(previous.force, t.low[at], t.high[at])
         travel = np.where(t.low[at] <= t.high[at], force - t.edge[at], 0.0)
-        self._memory[:] = standing.subset, standing.push, travel
+        self._memory[:] = previous.subset, previous.push, travel
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench.
@@ -295,9 +285,8 @@ class Allocator:
             if not self._confirmer.confirms(row, demand):
                 effort.disagreements += 1
         force, status = row[:m], _STATUS[int(status)]
-        power = None if self.power_coefficients is None else electrical_power(self.power_coefficients, force)
         # A named tuple's own constructor takes longer than the arrays it is given.
-        return tuple.__new__(Allocation, (force, row[m:a], row[a:b], residual, cost, subset, status, power))
+        return tuple.__new__(Allocation, (force, row[m:a], row[a:b], residual, cost, subset, status))
 
     def allocate_many(self, wrenches: ArrayLike) -> Allocations:
         """Find the forces for N demanded wrenches in order, in one compiled call.
@@ -329,8 +318,3 @@ class Allocator:
             subsets,
             rest[:, 2].astype(np.int8),
         )
-
-
-def electrical_power(coefficients: NDArray[np.float64], force: NDArray[np.float64]) -> float:
-    """Electrical power ``sum k_P |f|^1.5`` of steady forces (m,) [W], k_P by direction from (m, 2) [W/N^1.5]."""
-    return float(np.where(force < 0.0, coefficients[:, 0], coefficients[:, 1]) @ np.abs(force) ** 1.5)

@@ -1,4 +1,4 @@
-"""Any allocator over the motors that obey, rebuilt whenever the belief about them changes."""
+"""Any allocator over the thrusters that respond, rebuilt whenever more is known about their health."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Status
-from cube_sim.allocation.allocator import Allocator, electrical_power
-from cube_sim.allocation.methods import WrenchAllocator
-from cube_sim.allocation.previous import Standing
+from cube_sim.allocation.previous import PreviousForces
+from cube_sim.allocation.protocol import WrenchAllocator
 from cube_sim.errors import AllocationError
-from cube_sim.wrench.arguments import bounded, numbers, pairs
+from cube_sim.wrench.arguments import bounded, numbers
 from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.health import Health
 from cube_sim.wrench.limits import thruster_limits
@@ -20,79 +19,80 @@ from cube_sim.wrench.matrix import effective_matrix, error_size, lever_arm
 from cube_sim.wrench.tolerances import FORCE_ROUNDING
 
 Build = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int_]], WrenchAllocator]
-"""(A (n, k), limits (k, 4) [N], which motors (k,), from 0) -> an allocator for k motors."""
+"""(A (n, k), limits (k, 4) [N], which thrusters (k,), from 0) -> an allocator for k thrusters."""
 
 LEAST_EFFICIENCY = 1e-6
-"""A motor with less of its force counts as dead: what it was told would be a millionfold of what it makes."""
+"""Share of its force below which a thruster counts as dead: it would be told a million times what it makes."""
 
 
 class FaultTolerant:
-    """One vehicle's allocation through the loss of motors.
+    """One vehicle's allocation through the loss of thrusters.
 
-    A dead motor's column is dropped; a weak one keeps its column with its limits scaled; a stuck one's wrench is taken
-    off every demand. Motors that together make no wrench at all rest. The allocator built for the others goes on from
-    where they stand: what a reversal is, and what a change is counted from, outlives the event.
+    The column of a dead thruster is dropped. A weak one keeps its column with its limits scaled. The wrench of a stuck
+    one is taken off every demand. Thrusters that together make no wrench at all rest. The allocator built for the
+    others goes on from their previous forces: what a reversal is, and what a change is counted from, outlives the
+    event.
 
     Args:
         A: (n, m) actuation matrix, see `Allocator`.
-        limits: (m, 4) of whole motors [N], see `Allocator`.
-        build: makes the allocator for the motors that obey.
-        power_coefficients: (m, 2) or (2,) see `Allocator`; with them every answer says the power of all motors, stuck
-            ones included. Without, it says what the built allocator does, as long as no other motor draws power.
+        limits: (m, 4) of whole thrusters [N], see `Allocator`.
+        build: makes the allocator for the thrusters that respond.
 
     Attributes:
         A: (n, m).
-        limits: (m, 4) of whole motors [N].
-        health: what is believed.
+        limits: (m, 4) of whole thrusters [N].
+        health: of the thrusters, as last set.
 
     Raises:
         AllocationError: an argument has the wrong shape or means nothing.
     """
 
-    def __init__(
-        self, A: ArrayLike, limits: ArrayLike, build: Build, power_coefficients: ArrayLike | None = None
-    ) -> None:
+    def __init__(self, A: ArrayLike, limits: ArrayLike, build: Build) -> None:
         self.A = effective_matrix(A)
         m = self.A.shape[1]
         self.limits, self._build = thruster_limits(limits, m), build
-        self._power = None if power_coefficients is None else pairs("power_coefficients", power_coefficients, m)
         self._rounding_N = FORCE_ROUNDING * float(np.max(np.abs(self.limits)))
-        self._standing = Standing.at_rest(m)
+        self._previous = PreviousForces.at_rest(m)
         self.health = Health.whole(m)
-        self.believe(self.health)
+        self.set_health(self.health)
 
-    def believe(self, health: Health) -> None:
-        """Allocate from now on for motors in this state, whatever was believed before.
+    def set_health(self, health: Health) -> None:
+        """Allocate from now on for thrusters in this state, whatever it was before.
+
+        Args:
+            health: of all m thrusters.
 
         Raises:
-            AllocationError: it speaks of another number of motors, or of an efficiency outside 0 to 1.
+            AllocationError: it speaks of another number of thrusters, or of an efficiency outside 0 to 1.
         """
         m = self.A.shape[1]
         health = Health(numbers("efficiency", health.efficiency, "row"), numbers("stuck", health.stuck, "row"))
         for name, values in zip(health._fields, health, strict=True):
             if values.shape != (m,):
-                raise AllocationError(f"{name} has shape {values.shape}; the vehicle has {m} motors")
+                raise AllocationError(f"{name} has shape {values.shape}; the vehicle has {m} thrusters")
         if not np.all((health.efficiency >= 0.0) & (health.efficiency <= 1.0)):
             raise AllocationError(f"efficiency is {health.efficiency.tolist()}; every entry must lie in 0 to 1")
         if np.any(np.isinf(health.stuck)):
-            raise AllocationError(f"stuck is {health.stuck.tolist()}; a motor holds a finite force, or obeys (NaN)")
+            raise AllocationError(
+                f"stuck is {health.stuck.tolist()}; a thruster holds a finite force, or responds (NaN)"
+            )
         bounded("stuck", np.nan_to_num(health.stuck))
         weakest = health.efficiency < LEAST_EFFICIENCY
         health = health._replace(efficiency=np.where(weakest, 0.0, health.efficiency))
-        standing, obedient = stand(self._standing, self.health, health), np.flatnonzero(health.obedient)
+        previous, responsive = carried_over(self._previous, self.health, health), np.flatnonzero(health.responsive)
         allocator = None
-        if not (self.A[:, obedient].any() and self.limits[obedient].any()):
-            obedient = obedient[:0]
-        if obedient.size:
-            limits = self.limits[obedient] * health.efficiency[obedient, None]
-            allocator = self._build(self.A[:, obedient], limits, obedient)
-            allocator.resume(standing.of(obedient))
-        self.health, self._standing, self._obedient, self._allocator = health, standing, obedient, allocator
+        if not (self.A[:, responsive].any() and self.limits[responsive].any()):
+            responsive = responsive[:0]
+        if responsive.size:
+            limits = self.limits[responsive] * health.efficiency[responsive, None]
+            allocator = self._build(self.A[:, responsive], limits, responsive)
+            allocator.resume(previous.of(responsive))
+        self.health, self._previous, self._responsive, self._allocator = health, previous, responsive, allocator
         self._held = np.where(np.isnan(health.stuck), 0.0, health.stuck)
 
     def reset(self) -> None:
         """Forget the previous answer, not the faults."""
-        self._standing = Standing.at_rest(self.count)
+        self._previous = PreviousForces.at_rest(self.count)
         if self._allocator is not None:
             self._allocator.reset()
 
@@ -101,20 +101,15 @@ class FaultTolerant:
         """m, dead and stuck ones included."""
         return self.A.shape[1]
 
-    @property
-    def working_matrix(self) -> NDArray[np.float64]:
-        """(n, k) columns of the motors that obey."""
-        return self.A[:, self._obedient]
-
     def allocate(self, wrench: ArrayLike, secondary: ArrayLike | None = None) -> Allocation:
-        """Forces (m,) of all motors for a demand (n,): dead ones 0, stuck ones what they hold.
+        """Forces (m,) of all thrusters for a demand (n,): dead ones 0, stuck ones what they hold.
 
         Args:
             wrench: all that is demanded [N, N m]; one that is not finite counts as zero.
-            secondary: the part (n,) of it that gives way to the rest, to an allocator that knows parts; None for none.
+            secondary: the part (n,) of it that gives way to the rest, see `WrenchAllocator`; None for none.
 
         Returns:
-            An answer whose forces are what motors make, weak ones included; its cost counts those that obey.
+            An answer whose forces are what thrusters make, weak ones included; its cost counts those that respond.
 
         Raises:
             AllocationError: the wrench or its part is not n numbers.
@@ -128,26 +123,24 @@ class FaultTolerant:
         left = (demand if valid else np.zeros_like(demand)) - held
         if self._allocator is None:
             part = self._forceless(left, 0)
-        elif valid and yielding is not None and yielding.any() and isinstance(self._allocator, Allocator):
+        elif valid and yielding is not None and yielding.any():
             with np.errstate(over="ignore"):
                 primary = left - yielding
             part = self._allocator.allocate_by_priority(primary, yielding)
         else:
             part = self._allocator.allocate(left)
         force, subset = self._held.copy(), np.sign(self._held).astype(np.int8)
-        force[self._obedient], subset[self._obedient] = part.force, part.subset
-        self._standing = self._standing.then(force, subset)
-        power = None if self._held.any() else part.power_W
+        force[self._responsive], subset[self._responsive] = part.force, part.subset
+        self._previous = self._previous.followed_by(force, subset)
         return part._replace(
             force=force,
             wrench=part.wrench + held,
             subset=subset,
             status=part.status if valid else Status.INVALID_WRENCH,
-            power_W=power if self._power is None else electrical_power(self._power, force),
         )
 
     def without_force(self, wrench: ArrayLike) -> Allocation:
-        """The answer of m motors that make no force whatever they are told: without voltage. It is not remembered.
+        """The answer of m thrusters that make no force whatever they are told: without voltage. It is not remembered.
 
         Args:
             wrench: (n,) as for `allocate`.
@@ -157,18 +150,17 @@ class FaultTolerant:
             return self._forceless(demand, self.count)
         return self._forceless(np.zeros_like(demand), self.count)._replace(status=Status.INVALID_WRENCH)
 
-    def _forceless(self, demand: NDArray[np.float64], motors: int) -> Allocation:
-        """The answer of so many motors without force to a finite demand (n,), which is met when it is a rounding."""
+    def _forceless(self, demand: NDArray[np.float64], thrusters: int) -> Allocation:
+        """The answer of so many thrusters without force to a finite demand (n,), which is met when it is a rounding."""
         residual = error_size(demand, lever_arm(self.A, axes_of(len(self.A))))
         return Allocation(
-            force=np.zeros(motors),
+            force=np.zeros(thrusters),
             wrench=np.zeros_like(demand),
             wrench_error=demand.copy(),
             residual=residual,
             cost=0.0,
-            subset=np.zeros(motors, np.int8),
+            subset=np.zeros(thrusters, np.int8),
             status=Status.EXACT if residual <= self._rounding_N else Status.CLOSEST,
-            power_W=None if self._power is None else 0.0,
         )
 
     def _checked(self, name: str, wrench: ArrayLike) -> NDArray[np.float64]:
@@ -178,26 +170,37 @@ class FaultTolerant:
             raise AllocationError(f"{name} has shape {checked.shape}; A has {len(self.A)} rows")
         return checked
 
-    def motor_force(self, force: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Forces (m,) to ask of the motors as if they were whole, so that weak ones make `force`; 0 of the others.
+    def force_if_whole(self, force: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Forces to ask of the thrusters as if they were whole, so that weak ones make what is wanted of them.
 
-        What is a rounding off a whole motor's interval is moved to its end.
+        What is a rounding off a whole thruster's interval is moved to its end.
+
+        Args:
+            force: (m,) wanted [N].
+
+        Returns:
+            (m,) [N], 0 of those that do not respond.
         """
         asked, low, edge_low, edge_high, high = np.zeros_like(force), *self.limits.T
-        asked[self._obedient] = force[self._obedient] / self.health.efficiency[self._obedient]
+        asked[self._responsive] = force[self._responsive] / self.health.efficiency[self._responsive]
         inside = np.where(asked < 0.0, np.clip(asked, low, edge_low), np.clip(asked, edge_high, high))
         return np.where((asked != 0.0) & (np.abs(inside - asked) <= self._rounding_N), inside, asked)
 
 
-def stand(standing: Standing, before: Health, now: Health) -> Standing:
-    """Where motors stand when their health changes while what they are told does not.
+def carried_over(previous: PreviousForces, before: Health, now: Health) -> PreviousForces:
+    """The forces thrusters make when their health changes while what they are told does not.
 
-    A motor that grows weaker makes less of what it is told, on the same side. One that was stuck starts from the force
-    it held, one that was dead from rest.
+    A thruster that grows weaker makes less of what it is told, on the same side. One that was stuck starts from the
+    force it held, one that was dead from rest.
+
+    Args:
+        previous: of the m thrusters, in the health before.
+        before: their health then.
+        now: their health from now on.
     """
-    share = np.divide(now.efficiency, before.efficiency, out=np.zeros_like(now.efficiency), where=before.obedient)
-    force = np.where(now.obedient & before.obedient, standing.force * share, 0.0)
-    force = np.where(now.obedient & ~np.isnan(before.stuck), before.stuck, force)
+    share = np.divide(now.efficiency, before.efficiency, out=np.zeros_like(now.efficiency), where=before.responsive)
+    kept = now.responsive & before.responsive
+    force = np.where(kept, previous.force * share, 0.0)
+    force = np.where(now.responsive & ~np.isnan(before.stuck), before.stuck, force)
     force = np.where(np.isnan(now.stuck), force, now.stuck)
-    kept = now.obedient & before.obedient
-    return standing.then(force, np.where(kept, standing.subset, np.sign(force)))
+    return previous.followed_by(force, np.where(kept, previous.subset, np.sign(force)))

@@ -1,4 +1,4 @@
-"""What decides among the forces that make a wrench: a preferred force for each motor, or for each of its sides."""
+"""What decides among the forces that make a wrench: a preferred force for each thruster, or for each of its sides."""
 
 from __future__ import annotations
 
@@ -13,24 +13,22 @@ from cube_sim.wrench.arguments import one_of, pairs, row
 Objective = Literal["energy", "target", "reactivity", "reactivity_by_side"]
 """``energy``: least ``sum w f^2``, equation (7) of the report.
 ``target``: closest to a given F_opt (11).
-``reactivity``: closest to F_react+ of all motors or to F_react- of all motors, whichever is closer (10).
-``reactivity_by_side``: each motor close to the reactivity point of the side it works on, a motor at rest to zero;
-what (10) is after, without turning all motors round together."""
+``reactivity``: closest to F_react+ of all thrusters or to F_react- of all thrusters, whichever is closer (10).
+``reactivity_by_side``: each thruster close to the reactivity point of the side it works on, a thruster at rest to zero;
+what (10) is after, without turning all thrusters round together."""
 
 
-def side_targets(
-    objective: str, target: ArrayLike | None, reactivity: ArrayLike | None, motors: int
-) -> NDArray[np.float64]:
+def side_targets(objective: str, target: ArrayLike | None, reactivity: ArrayLike | None, m: int) -> NDArray[np.float64]:
     """Preferred forces of an objective.
 
     Args:
         objective: see `Objective`.
         target: (m,) F_opt [N], for ``target`` only.
         reactivity: (m, 2) or (2,) F_react-, F_react+ [N], for the two reactivity objectives only.
-        motors: number of motors m.
+        m: number of thrusters.
 
     Returns:
-        (t, m, 3) t alternatives, each the preferred force per motor on its negative side, off, positive side [N];
+        (t, m, 3) t alternatives, each the preferred force per thruster on its negative side, off, positive side [N];
         the best allocation over all alternatives is wanted.
 
     Raises:
@@ -43,12 +41,12 @@ def side_targets(
     if reactive != (reactivity is not None):
         raise AllocationError("a reactivity objective and the argument reactivity go together: give both or neither")
     if objective == "energy":
-        return np.zeros((1, motors, 3))
+        return np.zeros((1, m, 3))
     if target is not None:
-        return np.ascontiguousarray(np.tile(row("target", target, motors)[:, None], (1, 1, 3)))
-    points = pairs("reactivity", reactivity if reactivity is not None else (), motors)
+        return np.ascontiguousarray(np.tile(row("target", target, m)[:, None], (1, 1, 3)))
+    points = pairs("reactivity", reactivity if reactivity is not None else (), m)
     if np.any(points[:, 0] > 0.0) or np.any(points[:, 1] < 0.0):
-        raise AllocationError("reactivity must hold F_react- <= 0 <= F_react+ for every motor")
+        raise AllocationError("reactivity must hold F_react- <= 0 <= F_react+ for every thruster")
     if objective == "reactivity":
         return np.ascontiguousarray(np.stack([np.tile(points[:, [1]], (1, 3)), np.tile(points[:, [0]], (1, 3))]))
-    return np.column_stack([points[:, 0], np.zeros(motors), points[:, 1]])[None]
+    return np.column_stack([points[:, 0], np.zeros(m), points[:, 1]])[None]

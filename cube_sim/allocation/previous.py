@@ -1,4 +1,4 @@
-"""Where motors stand between two control periods: what an allocator built anew goes on from."""
+"""The forces of the previous answer: what an allocator built anew goes on from."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-class Standing(NamedTuple):
-    """The last answer for m motors.
+class PreviousForces(NamedTuple):
+    """The last answer for m thrusters.
 
     Attributes:
         force: (m,) [N].
-        subset: (m,) the side each motor is on: -1, 0, +1.
-        push: (m,) direction each motor last pushed to, rests passed over; 0 if it never has.
+        subset: (m,) the side each thruster is on: -1, 0, +1.
+        push: (m,) direction each thruster last pushed to, rests passed over; 0 if it never has.
     """
 
     force: NDArray[np.float64]
@@ -22,14 +22,14 @@ class Standing(NamedTuple):
     push: NDArray[np.float64]
 
     @staticmethod
-    def at_rest(m: int) -> Standing:
+    def at_rest(m: int) -> PreviousForces:
         """As at the start of a run."""
-        return Standing(np.zeros(m), np.zeros(m), np.zeros(m))
+        return PreviousForces(np.zeros(m), np.zeros(m), np.zeros(m))
 
-    def then(self, force: NDArray[np.float64], subset: NDArray[np.number]) -> Standing:
-        """The standing after forces (m,) on sides (m,)."""
-        return Standing(force.copy(), subset.astype(np.float64), np.where(subset != 0, subset, self.push))
+    def followed_by(self, force: NDArray[np.float64], subset: NDArray[np.number]) -> PreviousForces:
+        """The same after an answer with forces (m,) [N] on sides (m,)."""
+        return PreviousForces(force.copy(), subset.astype(np.float64), np.where(subset != 0, subset, self.push))
 
-    def of(self, motors: NDArray[np.int_]) -> Standing:
-        """The standing of some motors (k,), numbered from 0."""
-        return Standing(self.force[motors], self.subset[motors], self.push[motors])
+    def of(self, thrusters: NDArray[np.int_]) -> PreviousForces:
+        """Those of some thrusters (k,), numbered from 0."""
+        return PreviousForces(self.force[thrusters], self.subset[thrusters], self.push[thrusters])

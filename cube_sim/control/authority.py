@@ -124,7 +124,7 @@ def remaining_capability(A: Matrix, limits: Matrix, health: Health, cost_limit: 
         cost_limit: see `capability`.
     """
     passes_dead_zone = (limits[:, 0] < limits[:, 1]) | (limits[:, 3] > limits[:, 2])
-    counts = health.obedient & (health.efficiency >= LEAST_SHARE) & passes_dead_zone
+    counts = health.responsive & (health.efficiency >= LEAST_SHARE) & passes_dead_zone
     return capability(A[:, counts], A @ np.nan_to_num(health.stuck), cost_limit=cost_limit, whole=A)
 
 

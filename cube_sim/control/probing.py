@@ -47,7 +47,7 @@ class Probes:
         silent = (health.efficiency == 0.0) & np.isnan(health.stuck)
         self._wait = np.maximum(0, self._wait - 1)
         self._wait[silent & self._was_responsive] = self._period
-        self._was_responsive = health.obedient
+        self._was_responsive = health.responsive
         if self._left > 0 and not self._unchanged(health):
             self._left = 0
         if self._left == 0:

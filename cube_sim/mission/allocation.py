@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation import FaultTolerant
-from cube_sim.allocation.methods import WrenchAllocator, is_exact, make_allocator
+from cube_sim.allocation.by_name import make_allocator
+from cube_sim.allocation.methods import is_exact
+from cube_sim.allocation.protocol import WrenchAllocator
 from cube_sim.scenario import Scenario
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -40,7 +42,7 @@ def allocator_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
 
     limits = clear_of_dead_zone(thrusters.limits, block.dead_zone_margin)
     A = scenario.knowledge.thrust * vehicle.actuation_matrix
-    return FaultTolerant(A, limits, build, thrusters.power_coefficients)
+    return FaultTolerant(A, limits, build)
 
 
 def clear_of_dead_zone(limits: NDArray[np.float64], margin: float) -> NDArray[np.float64]:

@@ -57,6 +57,5 @@ def allocate_at(
         wrench_error=part.wrench_error * thrust,
         residual=part.residual * thrust,
         cost=part.cost * thrust**2,
-        power_W=None if part.power_W is None else part.power_W * thrust**1.5,
     )
-    return scaled, allocator.motor_force(part.force)
+    return scaled, allocator.force_if_whole(part.force)

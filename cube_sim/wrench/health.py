@@ -14,7 +14,7 @@ class Health(NamedTuple):
 
     Attributes:
         efficiency: (m,) share of its force a thruster gives: 1 whole, 0 dead.
-        stuck: (m,) force [N] a thruster holds whatever it is told; NaN where it obeys.
+        stuck: (m,) force [N] a thruster holds whatever it is told; NaN where it responds.
     """
 
     efficiency: Vector
@@ -26,8 +26,8 @@ class Health(NamedTuple):
         return Health(np.ones(m), np.full(m, np.nan))
 
     @property
-    def obedient(self) -> np.ndarray:
-        """(m,) bool: which thrusters still do something when told to."""
+    def responsive(self) -> np.ndarray:
+        """(m,) bool: which thrusters still do what they are told, weakly perhaps."""
         return (self.efficiency > 0.0) & np.isnan(self.stuck)
 
     def with_thruster(self, index: int, efficiency: float = 1.0, stuck: float = np.nan) -> Health:

@@ -304,6 +304,6 @@ def test_a_copy_is_given_every_option():
 def test_a_copied_fault_tolerant_allocator_goes_on_too():
     original = FaultTolerant(jack(), LIMITS, lambda A, limits, _: Allocator(A, limits, reversal_penalty=300.0))
     original.allocate(np.array([-20.0, 0, 0]))
-    original.believe(original.health.with_thruster(1, 0.5))
+    original.set_health(original.health.with_thruster(1, 0.5))
     twin, wrench = copy.deepcopy(original), np.array([9.0, 1, 0])
     assert twin.allocate(wrench).force.tobytes() == original.allocate(wrench).force.tobytes()

@@ -140,14 +140,6 @@ def test_change_limit_gives_the_closest_wrench_in_reach():
     assert [allocator.allocate([-5, 0, 0]).force[0] for _ in range(5)] == pytest.approx([8, 6, -3, -5, -5], abs=1e-6)
 
 
-def test_power_is_the_sum_over_motors_by_direction():
-    coefficients = [1.449, 0.997]
-    answer = Allocator(BUILT, LIMITS, power_coefficients=coefficients).allocate([20, 10, 0, 1, 0, 0])
-    by_hand = sum((1.449 if f < 0 else 0.997) * abs(f) ** 1.5 for f in answer.force)
-    assert answer.power_W == pytest.approx(by_hand)
-    assert Allocator(BUILT, LIMITS).allocate(np.zeros(6)).power_W is None
-
-
 def test_the_enumeration_in_parallel_is_the_serial_one():
     serial = Allocator(jack(), LIMITS, method="enumerate", reversal_penalty=40.0)
     parallel = Allocator(jack(), LIMITS, method="enumerate_parallel", reversal_penalty=40.0)
@@ -169,7 +161,7 @@ def test_the_enumeration_in_parallel_is_the_serial_one():
         ({"objective": "reactivity", "reactivity": [1, 2, 3]}, r"reactivity has shape \(3,\)"),
         ({"objective": "reactivity", "reactivity": [np.nan, 1]}, "finite"),
         ({"change_limit": 0.0}, "> 0"),
-        ({"power_coefficients": "a lot"}, "not a table of numbers"),
+        ({"objective": "reactivity", "reactivity": "a lot"}, "not a table of numbers"),
     ],
 )
 def test_a_mistake_is_named(arguments, message):

@@ -106,7 +106,7 @@ def test_methods_faults_and_change_limits_scale_alike():
             FaultTolerant(A, LIMITS, partial(build, method=method)) for method in ("search", "enumerate")
         )
         for allocator in (search, enumerate_):
-            allocator.believe(Health.whole(4).with_thruster(1, 0.5))
+            allocator.set_health(Health.whole(4).with_thruster(1, 0.5))
         for wrench in rng.normal(size=(6, 3)) * [60, 20, 15]:
             one, other = search.allocate(wrench), enumerate_.allocate(wrench)
             assert one.status == other.status

@@ -39,7 +39,7 @@ class Bench:
             if not health.equals(before):
                 self.beliefs.append((t, health))
             asked = np.zeros(1)
-            if health.obedient[0]:
+            if health.responsive[0]:
                 asked[0] = wanted(t) / health.efficiency[0]
             asked = diagnosis.probed(asked)
             diagnosis.advance(asked / FULL)

@@ -23,7 +23,7 @@ def test_targets_and_weights_are_those_of_the_thrusters_in_their_order(options, 
     changes = PLAIN | {keys[name]: value for name, value in options.items()}
     objective = "target" if "target" in options else "energy"
     allocator = prepare(load(HELIX, {**changes, "allocation.objective": objective})).allocator
-    allocator.believe(Health(np.where(np.isin(np.arange(8), lost), 0.0, 1.0), np.full(8, np.nan)))
+    allocator.set_health(Health(np.where(np.isin(np.arange(8), lost), 0.0, 1.0), np.full(8, np.nan)))
     left = np.delete(np.arange(8), lost)
     given = {name: np.array(value)[left] for name, value in options.items()}
     alone = Allocator(allocator.A[:, left], allocator.limits[left], objective=objective, **given).allocate(WRENCH)
@@ -32,15 +32,6 @@ def test_targets_and_weights_are_those_of_the_thrusters_in_their_order(options, 
     assert answer.cost == pytest.approx(alone.cost)
     plain = prepare(load(HELIX, PLAIN)).allocator.allocate(WRENCH)
     assert np.abs(answer.force - plain.force).max() > 0.5
-
-
-def test_power_is_that_of_all_thrusters():
-    allocator = prepare(load(HELIX, PLAIN)).allocator
-    allocator.believe(Health.whole(8).with_thruster(0, stuck=20.0))
-    thrusters = prepare(load(HELIX, PLAIN)).vehicle.thrusters
-    answer = allocator.allocate(WRENCH)
-    assert answer.force[0] == 20.0
-    assert answer.power_W == pytest.approx(thrusters.power(answer.force).sum())
 
 
 @pytest.mark.parametrize(

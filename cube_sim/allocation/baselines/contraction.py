@@ -6,48 +6,47 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.allocation.allocation import Allocation
-from cube_sim.allocation.baselines.model import Judge
-from cube_sim.allocation.previous import Standing
+from cube_sim.allocation.baselines.model import BaselineModel
+from cube_sim.allocation.previous import PreviousForces
+
+NO_FORCE = 1e-12
+"""Force that counts as none asked for, part of the largest limit."""
 
 
 class Contraction:
-    """``A^+ F`` with the dead zone cut out of every motor's axis: forward forces move up by F_DZ+, reverse by F_DZ-.
+    """``A^+ F`` with the dead zone cut out of each thruster's axis: forward forces move up by F_DZ+, reverse by F_DZ-.
 
-    The motors never stand in their dead zone, but every one of them makes more than it was asked for, so the wrench
-    is missed by up to ``sum |F_DZ|`` and the controller must make up for it; around zero the forces jump from side
+    The thrusters never work in their dead zone, but every one of them makes more than it was asked for. So the wrench
+    is missed by up to ``sum |F_DZ|``, and the controller must make up for it; around zero the forces jump from side
     to side. Ropars shifts commands; a shift of forces is the same on a characteristic that is linear beyond its
     dead zone.
 
     Args:
         A: see `Allocator`.
         limits: see `Allocator`.
-        allow_off: whether a motor asked for no force at all rests; else it runs forward at F_DZ+.
-        power_coefficients: see `Allocator`.
+        allow_off: whether a thruster asked for no force at all rests; else it runs forward at F_DZ+.
     """
 
-    def __init__(
-        self,
-        A: ArrayLike,
-        limits: ArrayLike,
-        *,
-        allow_off: bool = True,
-        power_coefficients: ArrayLike | None = None,
-    ) -> None:
-        self._judge = Judge(A, limits, allow_off, power_coefficients)
-        self._rounding_N = 1e-12 * float(np.max(np.abs(self._judge.limits)))
+    def __init__(self, A: ArrayLike, limits: ArrayLike, *, allow_off: bool = True) -> None:
+        self._model = BaselineModel(A, limits, allow_off)
+        self._rounding_N = NO_FORCE * float(np.max(np.abs(self._model.limits)))
 
     def reset(self) -> None:
         """Nothing is remembered."""
 
-    def resume(self, standing: Standing) -> None:
+    def resume(self, previous: PreviousForces) -> None:
         """Nothing is remembered."""
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench (n,)."""
-        demand, finite = self._judge.demand(wrench)
-        low, edge_low, edge_high, high = self._judge.limits.T
-        asked = self._judge.least(demand)
+        demand, finite = self._model.demand(wrench)
+        low, edge_low, edge_high, high = self._model.limits.T
+        asked = self._model.least_squares_forces(demand)
         force = np.where(asked < 0.0, asked + edge_low, asked + edge_high)
-        if self._judge.allow_off:
+        if self._model.allow_off:
             force = np.where(np.abs(asked) <= self._rounding_N, 0.0, force)
-        return self._judge.judge(demand, finite, np.clip(force, low, high))
+        return self._model.assess(demand, finite, np.clip(force, low, high))
+
+    def allocate_by_priority(self, primary: ArrayLike, secondary: ArrayLike) -> Allocation:
+        """Find the forces for the sum of both parts (n,), which this method does not tell apart."""
+        return self.allocate(self._model.sum_of_parts(primary, secondary))

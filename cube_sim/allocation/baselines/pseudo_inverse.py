@@ -6,52 +6,47 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.allocation.allocation import Allocation
-from cube_sim.allocation.baselines.model import Judge
-from cube_sim.allocation.previous import Standing
+from cube_sim.allocation.baselines.model import BaselineModel
+from cube_sim.allocation.previous import PreviousForces
 
 
 class PseudoInverse:
     """``f = A^+ F``: least ``|f|^2``, blind to saturation and dead zones unless it is clipped.
 
-    Unclipped forces may lie outside the allowed set; `Status.FORBIDDEN_FORCE` says when. What the motors make of them
-    is for their characteristic to say: they saturate, and rest in the dead zone. Clipped, each force is cut off at
-    saturation and, inside the dead zone, replaced by what a motor makes, 0; where motors may not rest, it moves to
-    the nearer edge.
+    Unclipped forces may lie outside the allowed set; `Status.FORBIDDEN_FORCE` says when. What the thrusters make of
+    them is for their characteristic to say: they saturate, and rest in the dead zone. Clipped, each force is cut off at
+    saturation. Inside the dead zone it is replaced by what a thruster makes there, 0; where thrusters may not rest, it
+    moves to the nearer edge.
 
     Args:
         A: see `Allocator`.
         limits: see `Allocator`.
         clipped: whether forces keep to the allowed set.
         allow_off: see `Allocator`.
-        power_coefficients: see `Allocator`.
     """
 
-    def __init__(
-        self,
-        A: ArrayLike,
-        limits: ArrayLike,
-        *,
-        clipped: bool = False,
-        allow_off: bool = True,
-        power_coefficients: ArrayLike | None = None,
-    ) -> None:
-        self._judge = Judge(A, limits, allow_off, power_coefficients)
+    def __init__(self, A: ArrayLike, limits: ArrayLike, *, clipped: bool = False, allow_off: bool = True) -> None:
+        self._model = BaselineModel(A, limits, allow_off)
         self._clipped = clipped
 
     def reset(self) -> None:
         """Nothing is remembered."""
 
-    def resume(self, standing: Standing) -> None:
+    def resume(self, previous: PreviousForces) -> None:
         """Nothing is remembered."""
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench (n,)."""
-        demand, finite = self._judge.demand(wrench)
-        force = self._judge.least(demand)
+        demand, finite = self._model.demand(wrench)
+        force = self._model.least_squares_forces(demand)
         if self._clipped:
-            low, edge_low, edge_high, high = self._judge.limits.T
+            low, edge_low, edge_high, high = self._model.limits.T
             force = np.clip(force, low, high)
             inside = (force > edge_low) & (force < edge_high)
             nearer = np.where(force - edge_low < edge_high - force, edge_low, edge_high)
-            force = np.where(inside, 0.0 if self._judge.allow_off else nearer, force)
-        return self._judge.judge(demand, finite, force)
+            force = np.where(inside, 0.0 if self._model.allow_off else nearer, force)
+        return self._model.assess(demand, finite, force)
+
+    def allocate_by_priority(self, primary: ArrayLike, secondary: ArrayLike) -> Allocation:
+        """Find the forces for the sum of both parts (n,), which this method does not tell apart."""
+        return self.allocate(self._model.sum_of_parts(primary, secondary))

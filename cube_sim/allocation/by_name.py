@@ -1,0 +1,54 @@
+"""An allocator by the name of its method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from inspect import signature
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from cube_sim.allocation.baselines.compensation import Compensation
+from cube_sim.allocation.baselines.contraction import Contraction
+from cube_sim.allocation.baselines.pseudo_inverse import PseudoInverse
+from cube_sim.allocation.methods import is_exact
+from cube_sim.allocation.protocol import WrenchAllocator
+from cube_sim.errors import AllocationError
+
+_BASELINES: dict[str, Callable[..., WrenchAllocator]] = {
+    "contraction": Contraction,
+    "compensation": Compensation,
+    "pseudo_inverse": partial(PseudoInverse, clipped=False),
+    "clipped_pseudo_inverse": partial(PseudoInverse, clipped=True),
+}
+_NOT_OPTIONS = ("A", "limits", "method", "clipped")
+
+
+def make_allocator(
+    method: str, A: ArrayLike, limits: ArrayLike, options: Mapping[str, Any] | None = None
+) -> WrenchAllocator:
+    """Build an allocator by the name of its method.
+
+    The exact ones need the compiled search and ProxQP, which are loaded when the first of them is built.
+
+    Args:
+        method: one of `methods`.
+        A: see `Allocator`.
+        limits: see `Allocator`.
+        options: keyword arguments of `Allocator`; the baselines take ``allow_off`` only.
+
+    Raises:
+        AllocationError: an unknown method, an option the method does not know, or one that means nothing.
+    """
+    if is_exact(method):
+        from cube_sim.allocation.allocator import Allocator
+
+        build = partial(Allocator, method=method)  # type: ignore[arg-type]
+    else:
+        build = _BASELINES[method]
+    given, known = dict(options or {}), [name for name in signature(build).parameters if name not in _NOT_OPTIONS]
+    unknown = sorted(set(given) - set(known))
+    if unknown:
+        raise AllocationError(f"{method} knows no {', '.join(unknown)}; it takes {', '.join(known)}")
+    return build(A, limits, **given)
