@@ -27,9 +27,10 @@ from cube_sim.mission.unattainable_log import UnattainableLog
 from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import claim, require_writable
 from cube_sim.scenario import Loaded, load
-from cube_sim.spatial import State, angle_between, quaternion_from_rotation
+from cube_sim.spatial import angle_between, quaternion_from_rotation
 from cube_sim.vehicle.current import water_velocity
 from cube_sim.vehicle.plugin.warnings import collect_warnings
+from cube_sim.vehicle.state import read_state
 from cube_sim.verdict import CheckResult, Verdict, overall, to_json
 
 DIVERGED = 1e6
@@ -161,11 +162,11 @@ def _run_ticks(mission: Mission, recorder: Recorder, progress: Progress | None) 
 
 def _feed_thrusters(mission: Mission, recorder: Recorder, t: float) -> bool:
     """Update the supply by what the thrusters draw; returns whether its voltage, and so their limits, have changed."""
-    supply, before = mission.supply, mission.supply.thrust
+    supply, before = mission.supply, mission.supply.force_ratio
     if supply.update(mission.data):
         recorder.log(t, "WARNING", "the battery is empty: the thrusters stand still")
     recorder.append("power", t, supply.power, supply.energy, supply.voltage, supply.charge)
-    return supply.thrust != before
+    return supply.force_ratio != before
 
 
 def _update_health(mission: Mission, recorder: Recorder, t: float) -> bool:
@@ -178,8 +179,8 @@ def _update_health(mission: Mission, recorder: Recorder, t: float) -> bool:
     if mission.diagnosis is not None:
         expected = thrusters.force(mission.diagnosis.activation)
         given = mission.data.actuator_force[thrusters.actuators]
-        thrust = mission.supply.thrust
-        health = mission.diagnosis.update(expected, given / thrust) if thrust > 0.0 else allocator.health
+        ratio = mission.supply.force_ratio
+        health = mission.diagnosis.update(expected, given / ratio) if ratio > 0.0 else allocator.health
     elif mission.scenario.control.faults == "told":
         health = mission.events.health
     else:
@@ -210,7 +211,7 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     decision = mission.controller.decide(known, applied, mission.scenario.control_period_s)
     if not all(np.isfinite(values).all() for values in (decision.wrench, decision.quaternion, decision.view.error)):
         raise _NotANumberError("the controller's answer is not a number")
-    allocation, thruster_force = allocate_at(mission.supply.thrust, allocator, decision.wrench, decision.secondary)
+    allocation, thruster_force = allocate_at(mission.supply.force_ratio, allocator, decision.wrench, decision.secondary)
     if mission.diagnosis is not None:
         thruster_force = mission.diagnosis.probed(thruster_force)
     commands = vehicle.thrusters.command(thruster_force)
@@ -248,19 +249,6 @@ def _log_given_up(mission: Mission, recorder: Recorder, t: float, reason: str) -
         recorder.log(t, "WARNING", "the ballast is dropped")
 
 
-def read_state(vehicle, data: mujoco.MjData) -> State:
-    """The vehicle's state from MuJoCo's, whose free joint has its linear velocity in world axes."""
-    at, dof = vehicle.qpos_address, vehicle.dof_address
-    rotation = data.xmat[vehicle.body].reshape(3, 3).copy()
-    return State(
-        position=data.qpos[at : at + 3].copy(),
-        quaternion=data.xquat[vehicle.body].copy(),
-        rotation=rotation,
-        velocity=data.qvel[dof : dof + 3] @ rotation,
-        rates=data.qvel[dof + 3 : dof + 6].copy(),
-    )
-
-
 def _describe(mission: Mission, recorder: Recorder) -> None:
     """What a reader of the recording must know before the first row."""
     points = np.array([mission.path.at(s).position for s in np.linspace(0.0, mission.path.length, PATH_POINTS)])
@@ -284,5 +272,5 @@ def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
     limits = vehicle.thrusters.limits * health.efficiency[:, None]
     stuck = ~np.isnan(health.stuck)
     limits[stuck] = health.stuck[stuck, None]
-    limits *= mission.supply.thrust
+    limits *= mission.supply.force_ratio
     recorder.append("actuation", t, mission.allocator.A.ravel(), limits.ravel())

@@ -32,7 +32,7 @@ def supply_of(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle) -> PowerS
 
 
 def allocate_at(
-    thrust: float, allocator: FaultTolerant, wrench: Vector, secondary: Vector | None = None
+    force_ratio: float, allocator: FaultTolerant, wrench: Vector, secondary: Vector | None = None
 ) -> tuple[Allocation, Vector]:
     """Forces for a demand while every thruster gives a share of the force of its characteristic.
 
@@ -40,7 +40,7 @@ def allocate_at(
     by its inverse. It is exact, within the limits of this moment, and no allocator has to be built anew.
 
     Args:
-        thrust: the share, (V / V_n)^2.
+        force_ratio: the share, (V / V_n)^2.
         allocator: at V_n.
         wrench: (6,) [N, N m].
         secondary: the part (6,) of it that gives way, as in `FaultTolerant.allocate`.
@@ -48,14 +48,14 @@ def allocate_at(
     Returns:
         The allocation, and the forces (m,) [N] to ask of the thrusters as if they were whole and fed with V_n.
     """
-    if thrust == 0.0:
+    if force_ratio == 0.0:
         return allocator.without_force(wrench), np.zeros(allocator.count)
-    part = allocator.allocate(wrench / thrust, None if secondary is None else secondary / thrust)
+    part = allocator.allocate(wrench / force_ratio, None if secondary is None else secondary / force_ratio)
     scaled = part._replace(
-        force=part.force * thrust,
-        wrench=part.wrench * thrust,
-        wrench_error=part.wrench_error * thrust,
-        residual=part.residual * thrust,
-        cost=part.cost * thrust**2,
+        force=part.force * force_ratio,
+        wrench=part.wrench * force_ratio,
+        wrench_error=part.wrench_error * force_ratio,
+        residual=part.residual * force_ratio,
+        cost=part.cost * force_ratio**2,
     )
     return scaled, allocator.force_if_whole(part.force)

@@ -24,7 +24,7 @@ class PowerSupply:
 
     Attributes:
         voltage: V [V]; V_n without a battery, 0 where the model does not say it, and 0 from an empty battery.
-        thrust: (V / V_n)^2, what is left of the forces of the characteristics.
+        force_ratio: (V / V_n)^2, the share of the characteristics' forces that the thrusters give.
         power: (m,) electrical power of each thruster [W].
         energy: drawn by the thrusters since the first update [J].
         charge: of the battery, 1 full, 0 empty; 1 without one.
@@ -51,7 +51,7 @@ class PowerSupply:
         self._nominal = float(nominal[0]) if nominal.size == 1 and np.isfinite(nominal[0]) else 0.0
         if battery is not None:
             _require_known(thrusters, self._nominal)
-        self.voltage, self.thrust, self.charge = self._nominal, 1.0, 1.0
+        self.voltage, self.force_ratio, self.charge = self._nominal, 1.0, 1.0
         if battery is not None:
             self.charge = charge
             self._switch_to(battery.open_voltage_at(charge))
@@ -72,13 +72,13 @@ class PowerSupply:
         emptied = False
         if self._battery is not None:
             self._discharge(self._battery, data.time)
-            emptied = self.charge == 0.0 and self.thrust > 0.0
+            emptied = self.charge == 0.0 and self.force_ratio > 0.0
             self._feed(self._battery, data)
         power = self._power(data)
         if self._time is not None:
             self.energy += 0.5 * float(self.power.sum() + power.sum()) * (data.time - self._time)
         self.power, self._time = power, data.time
-        if self._battery is not None and self.thrust > 0.0:
+        if self._battery is not None and self.force_ratio > 0.0:
             self._drain = self._battery.drain(float(power.sum()), self.voltage)
         return emptied
 
@@ -94,18 +94,18 @@ class PowerSupply:
 
     def _feed(self, battery: Battery, data: mujoco.MjData) -> None:
         """Set the voltage at which the battery and the propellers agree, each at its present speed per volt."""
-        if self.thrust == 0.0:
+        if self.force_ratio == 0.0:
             return
         if self.charge == 0.0:
             self._switch_to(0.0)
         else:
             power = float(self._power(data).sum())
-            at_nominal = power / self.thrust**1.5
+            at_nominal = power / self.force_ratio**1.5
             self._switch_to(battery.voltage(at_nominal / self._nominal**3, self.charge))
         mujoco.mj_forward(self._model, data)
 
     def _switch_to(self, voltage: float) -> None:
-        self.voltage, self.thrust = voltage, (voltage / self._nominal) ** 2
+        self.voltage, self.force_ratio = voltage, (voltage / self._nominal) ** 2
         for name in self._thrusters.names:
             faults.set_supply(self._model, name, voltage / self._nominal)
 

@@ -11,8 +11,8 @@ from cube_sim.control.attitude_mode import DesiredAttitude
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.guidance.law import DesiredMotion
-from cube_sim.simulation import read_state
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
+from cube_sim.vehicle.state import read_state
 
 STILL_WATER = np.zeros(3)
 

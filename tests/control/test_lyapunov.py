@@ -28,8 +28,8 @@ from cube_sim.guidance.sinusoid import sinusoid
 from cube_sim.guidance.speed import ConstantSpeed, StoppingSpeed
 from cube_sim.guidance.spline import spline
 from cube_sim.guidance.virtual_target import VirtualTarget
-from cube_sim.simulation import read_state
 from cube_sim.spatial import conjugate, multiply, quaternion_from_euler
+from cube_sim.vehicle.state import read_state
 
 PATHS = {
     "helix": Helix([0.0, 0.0, -8.0], 3.0, 3.0, 2.0),

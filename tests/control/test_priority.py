@@ -23,8 +23,8 @@ from cube_sim.guidance.speed import ConstantSpeed
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.mission import prepare
 from cube_sim.scenario import load
-from cube_sim.simulation import read_state
 from cube_sim.spatial import quaternion_from_euler
+from cube_sim.vehicle.state import read_state
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,8 @@ from cube_sim.mission.hull import flown_hull, initial_state
 from cube_sim.mission.navigation import read_truth, rotation_vector
 from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
-from cube_sim.simulation import read_state
 from cube_sim.spatial import angle_between, rotation_about, rotation_from_quaternion
+from cube_sim.vehicle.state import read_state
 
 NAVIGATED = SCENARIOS / "cube_navigated.yaml"
 SHORT = {"duration_s": 4.0, "checks": FORCES_ONLY}

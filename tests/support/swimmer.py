@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 import cube_sim
-from cube_sim.simulation import read_state
 from cube_sim.spatial import quaternion_from_euler
+from cube_sim.vehicle.state import read_state
 from support.edited_cube import edited
 
 

@@ -62,7 +62,7 @@ def test_one_update_finds_voltage_forces_and_power_that_fit(cube, resistance):
     np.testing.assert_allclose(supply.power, thrusters.power(data.actuator_force), rtol=0)
     assert supply.power.sum() == pytest.approx(FULL_AHEAD_W * (voltage / 16.0) ** 3, rel=1e-12)
     assert voltage == pytest.approx(16.8 - resistance * supply.power.sum() / voltage, rel=1e-12)
-    assert supply.thrust == pytest.approx((voltage / 16.0) ** 2, rel=1e-15)
+    assert supply.force_ratio == pytest.approx((voltage / 16.0) ** 2, rel=1e-15)
     assert (voltage < 0.8 * 16.8) == (resistance > 0.05)
 
 
@@ -74,7 +74,7 @@ def test_sag_takes_account_of_faults(cube):
     supply = PowerSupply(model, thrusters, Battery(16.0, 0.1))
     ahead(data, model)
     supply.update(data)
-    s = supply.thrust
+    s = supply.force_ratio
     np.testing.assert_allclose(data.actuator_force, s * np.array([25.72, 0.0, -20.0] + [51.44] * 5), rtol=1e-12)
     assert supply.voltage == pytest.approx(16.0 - 0.1 * supply.power.sum() / supply.voltage, rel=1e-12)
 
@@ -91,7 +91,7 @@ def test_energy_is_the_integral_of_power(cube):
         supply.update(data)
         times.append(data.time)
         forces.append(data.actuator_force.copy())
-        assert (supply.voltage, supply.thrust, supply.charge) == (16.0, 1.0, 1.0)
+        assert (supply.voltage, supply.force_ratio, supply.charge) == (16.0, 1.0, 1.0)
     assert supply.energy == pytest.approx(thrusters.energy(times, forces), rel=1e-12)
     assert supply.energy > 100.0
     np.testing.assert_array_equal(supply.power, thrusters.power(forces[-1]))
@@ -123,7 +123,7 @@ def test_discharge_follows_its_differential_equation(cube):
         if step % 50 == 0 and data.time < end - 0.1:
             assert supply.charge == pytest.approx(exact.sol(data.time)[0], abs=2e-4)
     assert emptied == [pytest.approx(end, abs=0.02)]
-    assert (supply.charge, supply.voltage, supply.thrust) == (0.0, 0.0, 0.0)
+    assert (supply.charge, supply.voltage, supply.force_ratio) == (0.0, 0.0, 0.0)
     assert np.all(data.actuator_force == 0.0)
     assert supply.power.sum() == 0.0
     assert 0.7 * 0.9 * 20e3 < supply.energy < 0.9 * 20e3  # the rest became heat in the cells
