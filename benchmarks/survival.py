@@ -74,7 +74,7 @@ def fly(lost: tuple[str, ...]) -> tuple[str, float | None, float | None]:
 
 def predictions() -> dict[tuple[str, ...], tuple[bool, str]]:
     """Lost thrusters -> what the analysis expects of the vehicle, at the mission's own speed and limits."""
-    from cube_sim.actuation import Mission, survivability
+    from cube_sim.actuation import PathRequirements, survivability
     from cube_sim.scenario import load
     from cube_sim.vehicle.loading import load_model
     from cube_sim.vehicle.vehicle import Vehicle
@@ -90,7 +90,7 @@ def predictions() -> dict[tuple[str, ...], tuple[bool, str]]:
         limits,
         names=vehicle.thrusters.names,
         hull=vehicle.dynamics,
-        mission=Mission(speed_m_s=scenario.guidance.speed_m_s),
+        requirements=PathRequirements(speed_m_s=scenario.guidance.speed_m_s),
     )
     return {case.lost: (case.verdict.follows, case.verdict.reason) for case in table.cases if case.lost}
 

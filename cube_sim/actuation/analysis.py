@@ -13,7 +13,8 @@ from cube_sim.actuation.directions.design_indices import Indices, indices
 from cube_sim.actuation.directions.lost_combinations import Combination
 from cube_sim.actuation.directions.selection_criteria import Directions, final_approach, first_approach, second_approach
 from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
-from cube_sim.actuation.path_following.verdict import Mission, Verdict, judge
+from cube_sim.actuation.path_following.requirements import PathRequirements
+from cube_sim.actuation.path_following.verdict import Verdict, judge
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import Matrix, Vector
@@ -31,8 +32,8 @@ class Analysis:
         subspaces: range, kernel, projector, all solutions, of the thrusters that are left.
         gains: (rank,) the report's first approach with singular vectors [N/N].
         component_costs: (n,) second approach: least thruster-force norm per scaled newton of each component alone.
-        directions: final approach: eigen directions and their costs, cheapest first.
-        kept: the `rank` cheapest of them, those that count, for a controller to work with.
+        directions: final approach: eigen directions and their costs, least costly first.
+        kept: the `rank` least costly of them: those that count, for a controller to work with.
         dropped: (d,) why each of the directions is not among these: "rank", "cost", or "" for one that is.
         extents: attainable range of each component; None without limits.
         indices: figures of merit of the layout.
@@ -79,7 +80,7 @@ def analyse(
     names: Sequence[str] | None = None,
     lost: Sequence[str] = (),
     hull: Dynamics | None = None,
-    mission: Mission | None = None,
+    requirements: PathRequirements | None = None,
     length_m: float | None = None,
     rank_tolerance: float | None = None,
     cost_limit: float | None = None,
@@ -92,8 +93,8 @@ def analyse(
         limits: (m,4) [F_max-, F_DZ-, F_DZ+, F_max+] [N], (m,2), or one row; without them no extents.
         names: of the thrusters, default T1..Tm.
         lost: names of thrusters that are dead.
-        hull: the moving body for the verdict; without one, `Dynamics.neutral`.
-        mission: what the verdict asks for.
+        hull: the moving body for the verdict, a vehicle's `dynamics`; without one, `Dynamics.neutral`.
+        requirements: what the verdict asks for; default `PathRequirements()`.
         length_m: what torques are divided by [m]; default the rms lever arm of all thrusters, lost ones included.
         rank_tolerance: relative to the largest singular value; by default 1 %, and with a cost limit nothing but
             rounding: cost then decides alone.
@@ -123,9 +124,9 @@ def analyse(
         gains=first_approach(left, length_m=length),
         component_costs=second_approach(left, length_m=length),
         directions=directions,
-        kept=directions.cheapest(spaces.rank),
+        kept=directions.least_costly(spaces.rank),
         dropped=spaces.threshold.dropped(directions.gains),
         extents=None if table is None else extents(left, table, rest=rest),
         indices=indices(spaces, allowed),
-        verdict=judge(spaces, hull, allowed, mission),
+        verdict=judge(spaces, hull, allowed, requirements),
     )

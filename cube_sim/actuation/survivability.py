@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from cube_sim.actuation.attainable.extents import Extent, extents, force_corners, torque_corners
 from cube_sim.actuation.directions.subspaces import subspaces
-from cube_sim.actuation.path_following.verdict import Mission, Verdict, judge
+from cube_sim.actuation.path_following.requirements import PathRequirements
+from cube_sim.actuation.path_following.verdict import Verdict, judge
 from cube_sim.errors import ActuationError
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
@@ -88,7 +89,7 @@ def survivability(
     names: Sequence[str] | None = None,
     lost: Sequence[str] = (),
     hull: Dynamics | None = None,
-    mission: Mission | None = None,
+    requirements: PathRequirements | None = None,
     most: int = 3,
     length_m: float | None = None,
     rank_tolerance: float | None = None,
@@ -105,8 +106,8 @@ def survivability(
         limits: (m,4), (m,2) or one row [N].
         names: of the thrusters, default T1..Tm.
         lost: names of thrusters that are dead already.
-        hull: the moving body.
-        mission: what the verdict asks for.
+        hull: the moving body, a vehicle's `dynamics`.
+        requirements: what the verdict asks for.
         most: thrusters lost together at most; one is always left.
         length_m: default the rms lever arm of the intact vehicle, for all cases.
         rank_tolerance: relative to the largest singular value of each case.
@@ -145,7 +146,7 @@ def survivability(
                     strongest_force=float(np.max(np.linalg.norm(force_corners(left, left_limits), axis=1))),
                     strongest_torque=float(np.max(np.linalg.norm(torque_corners(left, left_limits), axis=1))),
                     extents=extents(left, left_limits, rest=rest),
-                    verdict=judge(spaces, hull, allowed, mission),
+                    verdict=judge(spaces, hull, allowed, requirements),
                 )
             )
             if progress is not None:

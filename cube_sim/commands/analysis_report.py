@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cube_sim.actuation import Analysis, Mission, Survivability, analyse, survivability
+from cube_sim.actuation import Analysis, PathRequirements, Survivability, analyse, survivability
 from cube_sim.actuation.attainable.extents import Extent
 from cube_sim.actuation.path_following.requirements import SPEEDS_M_S
 from cube_sim.actuation.path_following.verdict import Verdict
@@ -64,7 +64,7 @@ def report_on(
         lost: comma-separated names of dead thrusters.
         losses: tabulate every loss of up to this many thrusters, on top of the lost ones.
         planar: look at Fx, Fy and Mz only, for a vehicle kept at its depth.
-        speed_m_s: at which path following is judged; default that of `Mission`.
+        speed_m_s: at which path following is judged; default that of `PathRequirements`.
         cost_limit: drop the directions that cost more than this [N/N], and judge what is left.
         picture: PNG, SVG or PDF to write; it shows losses of up to three.
         progress: called with (cases done, all cases) while losses are tabulated.
@@ -90,10 +90,12 @@ def report_on(
     title = model.stem if hull is None else f"{model.stem}, {vehicle.name}"
     gone = _names(lost)
     body = vehicle.dynamics
-    mission = Mission() if speed_m_s is None else Mission(speed_m_s=speed_m_s)
+    requirements = PathRequirements() if speed_m_s is None else PathRequirements(speed_m_s=speed_m_s)
 
     def analysis_of(matrix: Matrix) -> Analysis:
-        return analyse(matrix, limits, names=names, lost=gone, hull=body, mission=mission, cost_limit=cost_limit)
+        return analyse(
+            matrix, limits, names=names, lost=gone, hull=body, requirements=requirements, cost_limit=cost_limit
+        )
 
     analysis = analysis_of(A)
     if not planar and not analysis.verdict.follows and analysis_of(_in_plane(A)).verdict.follows:
@@ -106,7 +108,7 @@ def report_on(
             names=names,
             lost=gone,
             hull=body,
-            mission=mission,
+            requirements=requirements,
             most=most,
             cost_limit=cost_limit,
             progress=progress,
@@ -120,7 +122,10 @@ def report_on(
 
 
 def _in_plane(A: Matrix) -> Matrix:
-    """(3,m) what thrusters A (6,m) do in the plane: nothing where it is but rounding of one that stands across it."""
+    """(3,m) what thrusters A (6,m) do in the plane.
+
+    A thruster that stands across it does nothing there: rounding is taken out.
+    """
     rows = A[list(PLANAR.rows)]
     return np.where(np.abs(rows) > ROUNDING * np.max(np.abs(A), axis=0), rows, 0.0)
 
@@ -140,7 +145,10 @@ def _with_hint(verdict: Verdict) -> Verdict:
 
 
 def to_dict(report: Report) -> dict[str, Any]:
-    """The report as JSON-ready values; what is infinite or unknown is null."""
+    """The report as JSON-ready values; what is infinite or unknown is null.
+
+    The keys are those of files on users' disks; docs/actuation.md says which names of the code they stand for.
+    """
     a = report.analysis
     s = a.subspaces
     content = {
@@ -182,10 +190,10 @@ def to_dict(report: Report) -> dict[str, Any]:
 def _extent(e: Extent) -> dict[str, Any]:
     return {
         "component": e.name,
-        "at_most": e.at_most,
-        "alone": e.alone,
-        "alone_with_dead_zones": e.alone_with_dead_zones,
-        "finest": e.finest,
+        "at_most": e.unconstrained,
+        "alone": e.isolated,
+        "alone_with_dead_zones": e.isolated_with_dead_zones,
+        "finest": e.smallest_nonzero,
     }
 
 
@@ -196,16 +204,16 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
         "reason": verdict.reason,
         "courses": [
             {
-                "inclination_rad": steered.course.inclination_rad,
-                "velocity": steered.course.velocity,
-                "up": steered.course.up,
-                "forces": steered.course.forces,
-                "share": steered.share,
-                "within_limits": steered.within_limits,
-                "loose": steered.loose,
-                "side_step_m": steered.side_step_m,
+                "inclination_rad": trim.condition.inclination_rad,
+                "velocity": trim.condition.velocity,
+                "up": trim.condition.up,
+                "forces": trim.condition.forces,
+                "share": trim.share,
+                "within_limits": trim.within_limits,
+                "loose": trim.uncontrolled_modes,
+                "side_step_m": trim.side_step_m,
             }
-            for steered in verdict.courses
+            for trim in verdict.trims
         ],
     }
 

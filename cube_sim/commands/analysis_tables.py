@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 from rich.table import Table
 
-from cube_sim.actuation import Analysis, Mission, Survivability
+from cube_sim.actuation import Analysis, PathRequirements, Survivability
 from cube_sim.actuation.path_following.controllable_trim import FURTHEST
 from cube_sim.commands.analysis_report import Report
 from cube_sim.commands.output import console_for_tables
@@ -46,7 +46,7 @@ def print_report(report: Report) -> None:
 
 def _components(a: Analysis) -> Table:
     table = Table(box=None, pad_edge=False, header_style="dim")
-    for header in ("component", "alone", "at most", "finest alone", "cost [N/N]"):
+    for header in ("component", "isolated", "unconstrained", "smallest nonzero", "cost [N/N]"):
         table.add_column(header, justify="left" if header == "component" else "right")
     for i, (name, cost) in enumerate(zip(a.subspaces.axes.names, a.component_costs, strict=True)):
         e = a.extents[i] if a.extents is not None else None
@@ -54,12 +54,13 @@ def _components(a: Analysis) -> Table:
         if e is None:
             table.add_row(name, "", "", "", _number(cost))
             continue
-        finest = "not computed" if e.finest is None else " / ".join(_number(value) for value in e.finest)
+        least = e.smallest_nonzero
+        smallest = "not computed" if least is None else " / ".join(_number(value) for value in least)
         table.add_row(
             f"{name} [[{unit}]]".replace("[[", "\\[").replace("]]", "]"),
-            f"{_number(e.alone[0])} .. {_number(e.alone[1])}",
-            f"{_number(e.at_most[0])} .. {_number(e.at_most[1])}",
-            finest,
+            f"{_number(e.isolated[0])} .. {_number(e.isolated[1])}",
+            f"{_number(e.unconstrained[0])} .. {_number(e.unconstrained[1])}",
+            smallest,
             _number(cost),
         )
     return table
@@ -84,7 +85,7 @@ def _reason(a: Analysis, why: str) -> str:
     if why == "cost":
         return f"dropped by cost: above {threshold.cost_limit:g} N/N"
     times = 1.0 / threshold.rank_tolerance
-    return f"dropped by rank: more than {times:.4g} times as dear as the cheapest; --cost-limit decides instead"
+    return f"dropped by rank: more than {times:.4g} times as costly as the least costly; --cost-limit decides instead"
 
 
 def _indices(a: Analysis) -> str:
@@ -117,7 +118,7 @@ def _losses(survived: Survivability) -> Table:
         text = header in (more, "follows")
         table.add_column(header.replace("[", "\\["), justify="left" if text else "right", no_wrap=text)
     for case in survived.cases:
-        steps = [steered.side_step_m for steered in case.verdict.courses]
+        steps = [steered.side_step_m for steered in case.verdict.trims]
         table.add_row(
             " ".join(case.lost) or "none",
             str(case.rank),
@@ -139,8 +140,8 @@ def _count(survived: Survivability, losses: int) -> str:
 
 
 def _step(metres: float) -> str:
-    """A side step; the command judges by the default mission, and further than this none is looked for."""
-    furthest = FURTHEST * Mission().side_step_m
+    """A side step. The command requires the default one, and none is looked for that is much longer."""
+    furthest = FURTHEST * PathRequirements().side_step_m
     return f">= {furthest:g}" if metres >= furthest else _number(metres)
 
 

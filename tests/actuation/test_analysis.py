@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from support.vehicles import cube
 
-from cube_sim.actuation import Mission, Outcome, analyse, survivability
+from cube_sim.actuation import Outcome, PathRequirements, analyse, survivability
 from cube_sim.actuation.attainable.extents import extent
 from cube_sim.actuation.directions.design_indices import indices
 from cube_sim.actuation.directions.subspaces import subspaces
@@ -54,12 +54,12 @@ def test_weakest_wrench_bounds_every_component_alone():
     assert analysis.indices.weakest is not None
     assert analysis.extents is not None
     W = analysis.subspaces.axes.scale(analysis.subspaces.length_m)
-    reach = [min(-e.alone[0], e.alone[1]) * w for e, w in zip(analysis.extents, W, strict=True)]
+    reach = [min(-e.isolated[0], e.isolated[1]) * w for e, w in zip(analysis.extents, W, strict=True)]
     assert 0 < analysis.indices.weakest <= min(reach)
     rng = np.random.default_rng(8)
     for direction in rng.normal(size=(10, 6)):
         d = direction / np.linalg.norm(direction)
-        assert extent(A, T200, d / W).alone[1] >= analysis.indices.weakest - 1e-9
+        assert extent(A, T200, d / W).isolated[1] >= analysis.indices.weakest - 1e-9
 
 
 def test_lost_thrusters_are_left_out_and_the_length_stays():
@@ -74,7 +74,7 @@ def test_lost_thrusters_are_left_out_and_the_length_stays():
     assert len(damaged.unreachable) == 6 - damaged.rank
 
 
-def test_analysis_hands_on_the_cheap_directions():
+def test_analysis_hands_on_the_least_costly_directions():
     analysis = analyse([[1, 1, 1, 1], [1e-4, 0, 0, 0], [-1, 1, -1, 1]], cost_limit=100)
     assert analysis.rank == 2
     assert analysis.component_costs == pytest.approx([0.6124, 14142, 0.6124], rel=1e-4)
@@ -103,14 +103,14 @@ def test_a_direction_is_dropped_by_rank_or_by_the_cost_limit_in_its_place(option
     assert np.allclose(analysis.kept.projector, analysis.subspaces.projector)
 
 
-def test_what_is_possible_but_dear_is_not_called_impossible():
+def test_what_is_possible_but_costly_is_not_called_impossible():
     A = np.array([[1, 1, 1, 1], [1e-4, 0, 0, 0], [-1, 1, -1, 1]])
     analysis = analyse(A, [-40, 40])
     (sway,) = analysis.unreachable
-    assert sway.text == "too dear to push sideways: Fy = 0, but for 7.1e-05 N per N of thruster force"
+    assert sway.text == "too costly to push sideways: Fy = 0, but for 7.1e-05 N per N of thruster force"
     assert sway.gain == pytest.approx(1 / 14142, rel=1e-4)
     assert analysis.extents is not None
-    assert 0 < analysis.extents[1].alone[1] <= 40 * 2 * sway.gain
+    assert 0 < analysis.extents[1].isolated[1] <= 40 * 2 * sway.gain
     assert analyse(A * [[1], [0], [1]]).unreachable[0].text == "cannot push sideways: Fy = 0 always"
 
 
@@ -134,7 +134,7 @@ def test_every_loss_of_up_to_three_thrusters_is_listed_once_and_the_cube_survive
         vehicle.thrusters.limits,
         names=vehicle.thrusters.names,
         hull=vehicle.dynamics,
-        mission=Mission(inclinations_rad=(0.0,)),
+        requirements=PathRequirements(inclinations_rad=(0.0,)),
     )
     wanted = [set(lost) for k in range(4) for lost in combinations(vehicle.thrusters.names, k)]
     assert [set(case.lost) for case in table.cases] == wanted
@@ -155,7 +155,7 @@ def test_every_loss_of_up_to_three_thrusters_is_listed_once_and_the_cube_survive
         assert case.strongest_torque <= intact.strongest_torque + 1e-9
         assert len(case.unreachable) == 6 - case.rank
         for before, after in zip(intact.extents, case.extents, strict=True):
-            assert before.alone[0] - 1e-9 <= after.alone[0] <= 0 <= after.alone[1] <= before.alone[1] + 1e-9
+            assert before.isolated[0] - 1e-9 <= after.isolated[0] <= 0 <= after.isolated[1] <= before.isolated[1] + 1e-9
 
 
 def test_a_vehicle_never_loses_its_last_thruster():
@@ -182,11 +182,11 @@ def test_any_matrix_of_finite_numbers_is_analysed(n, m):
 
 def test_losses_are_judged_within_the_cost_limit_and_on_top_of_what_is_lost():
     A = cube().actuation_matrix + 0.01 * np.random.default_rng(1).normal(size=(6, 8))
-    free, cheap = (survivability(A, T200, most=1, lost=["T1"], cost_limit=limit) for limit in (1e6, 5.0))
-    assert free.already == cheap.already == ("T1",)
+    free, limited = (survivability(A, T200, most=1, lost=["T1"], cost_limit=limit) for limit in (1e6, 5.0))
+    assert free.already == limited.already == ("T1",)
     assert free.names == tuple(f"T{i}" for i in range(2, 9))
     assert {case.rank for case in free.cases} == {6}
-    assert [case.lost[0] for case in cheap.of(1) if case.rank == 5] == ["T2", "T3", "T4"]
+    assert [case.lost[0] for case in limited.of(1) if case.rank == 5] == ["T2", "T3", "T4"]
     with pytest.raises(ActuationError, match="no case"):
         free.case("T1", "T2")
     with pytest.raises(ActuationError, match="no thruster 'T9'"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from cube_sim.actuation.attainable.attainable_set import attainable, holding_forces
+from cube_sim.actuation.attainable.attainable_set import attainable_set, holding_forces
 from cube_sim.actuation.directions.subspaces import subspaces
 from cube_sim.wrench.allowed_forces import AllowedForces
 
@@ -31,7 +31,7 @@ def test_share_is_that_of_a_linear_programme(n, m, rank, limits):
     table = limits(m)
     allowed = AllowedForces.from_limits(table, m, dead_zones=False)
     wrenches = rng.normal(size=(20, m)) @ A.T * 30.0
-    shares = attainable(subspaces(A), allowed).share(wrenches)
+    shares = attainable_set(subspaces(A), allowed).share(wrenches)
     wanted = [share_by_programme(A, *table.T, wrench) for wrench in wrenches]
     assert np.allclose(shares, wanted, rtol=1e-6, atol=1e-7)
     for wrench, share in zip(wrenches, shares, strict=True):
@@ -44,5 +44,5 @@ def test_share_is_that_of_a_linear_programme(n, m, rank, limits):
 
 def test_no_wrench_is_held_by_anything():
     allowed = AllowedForces.from_limits([0, 0], 2, dead_zones=False)
-    reach = attainable(subspaces(np.zeros((3, 2))), allowed)
-    assert reach.share(np.zeros((1, 3))).tolist() == [np.inf]
+    nothing = attainable_set(subspaces(np.zeros((3, 2))), allowed)
+    assert nothing.share(np.zeros((1, 3))).tolist() == [np.inf]

@@ -6,8 +6,8 @@ import pytest
 from cube_sim.actuation.directions.selection_criteria import (
     final_approach,
     first_approach,
-    motor_space,
     second_approach,
+    thruster_space,
 )
 from cube_sim.actuation.directions.threshold import Threshold
 from cube_sim.errors import ActuationError
@@ -54,10 +54,10 @@ def test_printed_q_is_orthogonal_only_after_its_two_corrections():
     assert np.max(np.abs(PRINTED_Q @ PRINTED_Q.T - np.eye(4))) > 0.4
 
 
-def test_q_diagonalises_the_projector_on_the_motor_space():
+def test_q_diagonalises_the_projector_on_the_thruster_space():
     projector = np.linalg.pinv(REPORT_422, rcond=1e-12) @ REPORT_422
     D = np.diag([0, 1, 1, 1])
-    ours = motor_space(REPORT_422)
+    ours = thruster_space(REPORT_422)
     assert np.allclose(ours @ ours.T, np.eye(4))
     assert np.allclose(ours.T @ D @ ours, projector, atol=1e-9)
     assert np.allclose(corrected_q().T @ D @ corrected_q(), projector, atol=2e-4)
@@ -75,7 +75,7 @@ def test_final_approach_costs_are_exactly_one_over_the_square_root_of_the_eigenv
 
 
 def test_directions_above_the_cost_limit_are_dropped_and_the_rest_handed_on():
-    kept = final_approach(REPORT_422).keep(cost_limit=10)
+    kept = final_approach(REPORT_422).within_cost_limit(cost_limit=10)
     assert kept.vectors.shape == (3, 2)
     assert np.max(np.abs(kept.vectors[1])) < 1e-4
     assert np.allclose(kept.projector, np.diag([1, 0, 1]), atol=1e-4)
@@ -83,15 +83,15 @@ def test_directions_above_the_cost_limit_are_dropped_and_the_rest_handed_on():
     F_B = np.array([1.0, 5.0, -2.0])
     assert np.allclose(kept.wrenches @ kept.coordinates(F_B), kept.projector @ F_B)
     with pytest.raises(ActuationError, match="cost limit"):
-        kept.keep(0)
+        kept.within_cost_limit(0)
 
 
 def test_dropping_works_on_the_matrix_of_section_42_too():
     A = [[1, 1, 1, 1], [1e-3, 0, 0, 0], [-1, 1, -1, 1]]
     directions = final_approach(A)
     assert directions.costs == pytest.approx([0.5, 0.5, 1414.2], rel=1e-4)
-    assert directions.keep(1000).vectors.shape[1] == 2
-    assert directions.keep(2000).vectors.shape[1] == 3
+    assert directions.within_cost_limit(1000).vectors.shape[1] == 2
+    assert directions.within_cost_limit(2000).vectors.shape[1] == 3
 
 
 def test_first_approach_with_singular_vectors_gives_gains_inverse_to_the_final_costs():
@@ -148,4 +148,4 @@ def test_one_row_of_gains_is_judged_as_many_are(options):
 def test_a_direction_at_the_limit_is_kept():
     directions = final_approach(np.random.default_rng(2).normal(size=(6, 8)))
     for count, cost in enumerate(directions.costs, start=1):
-        assert len(directions.keep(cost).gains) == count
+        assert len(directions.within_cost_limit(cost).gains) == count

@@ -37,7 +37,7 @@ def lp_extent(A, low, high, d, sign):
 
 
 @pytest.mark.parametrize("n", [3, 6])
-def test_alone_and_at_most_agree_with_linear_programs(n):
+def test_isolated_and_unconstrained_agree_with_linear_programs(n):
     rng = np.random.default_rng(n)
     for _ in range(6):
         m = int(rng.integers(n - 1, 9))
@@ -46,9 +46,9 @@ def test_alone_and_at_most_agree_with_linear_programs(n):
         d = rng.normal(size=n)
         e = extent(A, limits, d)
         for end, sign in ((0, -1), (1, 1)):
-            assert e.alone[end] == pytest.approx(lp_extent(A, *limits.T, d, sign), abs=1e-6)
+            assert e.isolated[end] == pytest.approx(lp_extent(A, *limits.T, d, sign), abs=1e-6)
             free = linprog(-sign * (d @ A) / (d @ d), bounds=limits)
-            assert e.at_most[end] == pytest.approx(-sign * free.fun)
+            assert e.unconstrained[end] == pytest.approx(-sign * free.fun)
 
 
 def test_random_feasible_forces_never_leave_the_extents(cube):
@@ -56,9 +56,9 @@ def test_random_feasible_forces_never_leave_the_extents(cube):
     F = rng.uniform(T200[0], T200[3], size=(2000, 8))
     for j, e in enumerate(extents(cube, T200)):
         values = F @ cube[j]
-        assert e.at_most[0] <= values.min()
-        assert values.max() <= e.at_most[1]
-        assert e.at_most[0] - 1e-9 <= e.alone[0] < 0 < e.alone[1] <= e.at_most[1] + 1e-9
+        assert e.unconstrained[0] <= values.min()
+        assert values.max() <= e.unconstrained[1]
+        assert e.unconstrained[0] - 1e-9 <= e.isolated[0] < 0 < e.isolated[1] <= e.unconstrained[1] + 1e-9
 
 
 def test_cube_surge_alone_is_what_its_symmetry_gives():
@@ -66,9 +66,9 @@ def test_cube_surge_alone_is_what_its_symmetry_gives():
     cube = vehicle("cube").actuation_matrix
     row = cube[0]
     symmetric = extents(cube, [-40.0, 40.0])[0]
-    assert symmetric.alone[1] >= 40 / np.max(np.abs(row)) / (3 / 8) - 1e-9
-    assert symmetric.alone[0] == pytest.approx(-symmetric.alone[1])
-    assert symmetric.at_most[1] == pytest.approx(40 * np.sum(np.abs(row)))
+    assert symmetric.isolated[1] >= 40 / np.max(np.abs(row)) / (3 / 8) - 1e-9
+    assert symmetric.isolated[0] == pytest.approx(-symmetric.isolated[1])
+    assert symmetric.unconstrained[1] == pytest.approx(40 * np.sum(np.abs(row)))
 
 
 def cells(limits, rest):
@@ -99,37 +99,37 @@ def test_dead_zone_intervals_agree_with_one_linear_program_per_cell(rest, compon
     rng = np.random.default_rng(component)
     for A in (JACK, JACK + 0.05 * rng.normal(size=JACK.shape)):
         d = np.eye(3)[component]
-        ours = extent(A, limits, d, rest=rest).alone_with_dead_zones
+        ours = extent(A, limits, d, rest=rest).isolated_with_dead_zones
         assert ours is not None
         assert np.allclose(ours, brute_intervals(A, limits, d, rest), atol=1e-6)
 
 
-def test_common_regime_makes_the_finest_force_zero_and_its_loss_brings_the_dead_zone_back():
-    # Jack's kernel (1,1,1,1) lifts all four motors out of their dead zones at zero wrench ...
+def test_common_regime_makes_the_smallest_force_zero_and_its_loss_brings_the_dead_zone_back():
+    # Jack's kernel (1,1,1,1) lifts all four thrusters out of their dead zones at zero wrench ...
     intact = extent(JACK, [-40, -2, 2, 40], [1, 0, 0])
-    assert intact.finest == (0.0, 0.0)
-    # ... with three motors F_m follows from F_B, and the weakest motor's dead zone bounds the force.
+    assert intact.smallest_nonzero == (0.0, 0.0)
+    # ... with three thrusters F_m follows from F_B, and the weakest thruster's dead zone bounds the force.
     A = JACK[:, :3]
     share = np.linalg.solve(A, [1, 0, 0])
     moved = np.abs(share) > 1e-12
     least = 2 / np.min(np.abs(share[moved]))
-    assert extent(A, [-40, -2, 2, 40], [1, 0, 0]).finest == pytest.approx((least, least))
+    assert extent(A, [-40, -2, 2, 40], [1, 0, 0]).smallest_nonzero == pytest.approx((least, least))
 
 
 def test_lost_component_is_attainable_at_zero_only():
     e = extent([[1, 1, 1, 1], [0, 0, 0, 0], [-1, 1, -1, 1]], T200, [0, 1, 0])
-    assert e.alone == (0.0, 0.0)
-    assert e.at_most == (0.0, 0.0)
-    assert np.array_equal(e.alone_with_dead_zones, [[0, 0]])
-    assert e.finest == (np.inf, np.inf)
+    assert e.isolated == (0.0, 0.0)
+    assert e.unconstrained == (0.0, 0.0)
+    assert np.array_equal(e.isolated_with_dead_zones, [[0, 0]])
+    assert e.smallest_nonzero == (np.inf, np.inf)
 
 
 def test_without_rest_a_wrench_set_can_be_empty():
     # One thruster alone on its row of wrench space cannot produce zero when it may not stand still.
     e = extent(np.eye(3), [-10, -1, 1, 10], [1, 0, 0], rest=False)
-    assert e.alone == (-10, 10)
-    assert e.alone_with_dead_zones is not None
-    assert e.alone_with_dead_zones.shape == (0, 2)
+    assert e.isolated == (-10, 10)
+    assert e.isolated_with_dead_zones is not None
+    assert e.isolated_with_dead_zones.shape == (0, 2)
 
 
 def test_thrusters_at_round_angles_keep_the_intervals_that_rounding_makes_thin():
@@ -137,8 +137,8 @@ def test_thrusters_at_round_angles_keep_the_intervals_that_rounding_makes_thin()
     angles, levers = np.radians([225.0, 180.0, 195.0, 0.0]), np.array([-0.2, 0.1, 0.2, 0.2])
     A = np.array([np.cos(angles), np.sin(angles), levers])
     yaw = extents(A, [0, 0, 3, 40])[2]
-    assert yaw.alone_with_dead_zones == pytest.approx(np.array([[0, 0], [0.9, 12]]), abs=1e-9)
-    assert yaw.finest[1] == pytest.approx(0.9)
+    assert yaw.isolated_with_dead_zones == pytest.approx(np.array([[0, 0], [0.9, 12]]), abs=1e-9)
+    assert yaw.smallest_nonzero[1] == pytest.approx(0.9)
 
 
 def milp_end(A, limits, d, sign, least=-np.inf):
@@ -176,7 +176,7 @@ def test_dead_zone_intervals_agree_with_a_mixed_integer_program(n, m, dead):
     rng = np.random.default_rng((n, m))
     A, limits = rng.normal(size=(n, m)), np.tile([-40.0, -dead, dead, 50.0], (m, 1))
     for d in np.eye(n)[:3]:
-        intervals = extent(A, limits, d).alone_with_dead_zones
+        intervals = extent(A, limits, d).isolated_with_dead_zones
         assert intervals is not None
         assert intervals[0, 0] == pytest.approx(milp_end(A, limits, d, -1), abs=1e-4)
         assert intervals[-1, 1] == pytest.approx(milp_end(A, limits, d, 1), abs=1e-4)
@@ -188,8 +188,8 @@ def test_dead_zone_intervals_agree_with_a_mixed_integer_program(n, m, dead):
 def test_thrusters_without_effect_change_nothing():
     idle = np.hstack([JACK, np.zeros((3, 8))])
     for d in np.eye(3):
-        few, many = (extent(A, [-40, -2, 2, 40], d).alone_with_dead_zones for A in (JACK[:, :3], idle[:, 1:]))
-        whole = extent(JACK[:, 1:], [-40, -2, 2, 40], d).alone_with_dead_zones
+        few, many = (extent(A, [-40, -2, 2, 40], d).isolated_with_dead_zones for A in (JACK[:, :3], idle[:, 1:]))
+        whole = extent(JACK[:, 1:], [-40, -2, 2, 40], d).isolated_with_dead_zones
         assert few is not None
         assert many is not None
         assert whole is not None
@@ -202,24 +202,24 @@ def test_one_thruster_attains_what_its_characteristic_does():
     for n in (3, 6):
         column = rng.normal(size=(n, 1))
         e = extent(column, T200, 2.0 * column[:, 0])
-        assert e.alone == pytest.approx((T200[0] / 2, T200[3] / 2))
-        assert e.alone_with_dead_zones == pytest.approx(np.array([[-39.91, -0.356], [0, 0], [0.4, 51.44]]) / 2)
-        assert extent(column, T200, np.eye(n)[0]).alone == (0.0, 0.0)
+        assert e.isolated == pytest.approx((T200[0] / 2, T200[3] / 2))
+        assert e.isolated_with_dead_zones == pytest.approx(np.array([[-39.91, -0.356], [0, 0], [0.4, 51.44]]) / 2)
+        assert extent(column, T200, np.eye(n)[0]).isolated == (0.0, 0.0)
 
 
 def test_the_search_is_the_same_compiled_and_not_and_gives_up_when_it_takes_too_long(monkeypatch):
     rng = np.random.default_rng(6)
     A, limits, d = rng.normal(size=(6, 8)), [-40, -30, 30, 50], np.eye(6)[1]
-    compiled = extent(A, limits, d).alone_with_dead_zones
+    compiled = extent(A, limits, d).isolated_with_dead_zones
     monkeypatch.setattr(line_interval, "attained", line_interval.attained.py_func)
-    plain = extent(A, limits, d).alone_with_dead_zones
+    plain = extent(A, limits, d).isolated_with_dead_zones
     assert compiled is not None
     assert plain is not None
     assert np.allclose(compiled, plain, rtol=0, atol=1e-12)
     monkeypatch.setattr(line_interval, "MOST_WORK", 100)
     e = extent(A, limits, d)
-    assert e.alone_with_dead_zones is None
-    assert e.finest is None
+    assert e.isolated_with_dead_zones is None
+    assert e.smallest_nonzero is None
 
 
 def test_corners_span_the_attainable_sets(cube):
@@ -271,6 +271,6 @@ def test_every_cell_of_the_cube_after_two_losses_agrees_with_its_linear_program(
     e = extent(A, [-40, -4, 4, 50], [0, 0, 1, 0, 0, 0])
     share = np.linalg.solve(A, np.eye(6)[2])
     used = share[np.abs(share) > 1e-9]
-    assert e.alone[1] == pytest.approx(np.min(np.where(used > 0, 50, -40) / used))
-    assert e.finest is not None
-    assert e.finest[1] == pytest.approx(np.max(4 / np.abs(used)))
+    assert e.isolated[1] == pytest.approx(np.min(np.where(used > 0, 50, -40) / used))
+    assert e.smallest_nonzero is not None
+    assert e.smallest_nonzero[1] == pytest.approx(np.max(4 / np.abs(used)))

@@ -30,7 +30,7 @@ def test_example_411_loses_sway_and_says_so():
     assert s.redundant
     assert [str(c) for c in s.unreachable] == ["cannot push sideways: Fy = 0 always"]
     assert np.allclose(np.abs(s.unreachable[0].coefficients), [0, 1, 0])
-    assert s.alone == (True, False, True)
+    assert s.isolated == (True, False, True)
     assert s.pure_forces.shape == (2, 1)
     assert s.pure_torques.shape == (1, 1)
 

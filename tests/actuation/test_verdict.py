@@ -19,13 +19,14 @@ from support.vehicles import (
     weightless,
 )
 
-from cube_sim.actuation.attainable.attainable_set import attainable
+from cube_sim.actuation.attainable.attainable_set import attainable_set
 from cube_sim.actuation.directions.subspaces import subspaces
-from cube_sim.actuation.path_following.best_attitude import best_attitudes
+from cube_sim.actuation.path_following.best_trim import best_trims
 from cube_sim.actuation.path_following.linear_motion import linearise
-from cube_sim.actuation.path_following.percent import percent
-from cube_sim.actuation.path_following.trim import courses
-from cube_sim.actuation.path_following.verdict import Mission, Outcome, judge
+from cube_sim.actuation.path_following.reasons import percent
+from cube_sim.actuation.path_following.requirements import PathRequirements
+from cube_sim.actuation.path_following.trim import trim_conditions
+from cube_sim.actuation.path_following.verdict import Outcome, judge
 from cube_sim.errors import ActuationError
 from cube_sim.wrench.allowed_forces import AllowedForces
 
@@ -65,9 +66,9 @@ def test_linear_motion_is_the_derivative_of_the_nonlinear_one(planar):
             elif i >= c + r:
                 nu[moving[i - c - r]] += s
             ends.append(rates(theta, nu, np.zeros(4)))
-        assert np.allclose(motion.drift[:, i], (ends[0] - ends[1]) / (2 * h), atol=1e-6), motion.names[i]
+        assert np.allclose(motion.A[:, i], (ends[0] - ends[1]) / (2 * h), atol=1e-6), motion.names[i]
     for i, F in enumerate(np.eye(4)):
-        assert np.allclose(motion.steer[:, i], rates(np.zeros(3), nu0, F) - rates(np.zeros(3), nu0, 0 * F))
+        assert np.allclose(motion.B[:, i], rates(np.zeros(3), nu0, F) - rates(np.zeros(3), nu0, 0 * F))
 
 
 def verdict_of(rows, n=6, hull=None):
@@ -86,7 +87,7 @@ def test_rank_is_not_the_verdict():
 def test_restoring_moments_replace_missing_torques():
     torpedo = [0, 4, 5]
     assert verdict_of(torpedo).outcome is Outcome.ADRIFT
-    assert verdict_of(torpedo).courses[0].loose == ("roll",)
+    assert verdict_of(torpedo).trims[0].uncontrolled_modes == ("roll",)
     assert verdict_of(torpedo, hull=cube().dynamics).outcome is Outcome.STEERED
     # {Fx, Mz} cannot climb: the neutrally buoyant hull keeps level.
     unicycle = verdict_of([0, 5], hull=cube().dynamics)
@@ -99,21 +100,21 @@ def test_munk_moment_turns_a_slender_hull_that_nothing_else_turns():
     slender = weightless(np.diag([m_u, m_v, m_v, 1.0, 1.0, inertia]))
     pushes = np.array([[1.0, 0], [0, 1], [0, 0]])
     along = linearise(slender, pushes, np.array([U, 0, 0]), np.array([0, 0, 1.0]))
-    growth = np.max(np.linalg.eigvals(along.drift).real)
+    growth = np.max(np.linalg.eigvals(along.A).real)
     assert growth == pytest.approx(U * np.sqrt(m_u * (m_v - m_u) / (m_v * inertia)))
     # Sway makes the moment, so that sideways thrust steers; with equal masses nothing does.
-    assert along.loose(1.0, 0.3) == ()
+    assert along.uncontrolled_modes(1.0, 0.3) == ()
     assert verdict_of([0, 1], n=3).outcome is Outcome.ADRIFT
 
 
-def judged(lost, limits=None, mission=None):
+def judged(lost, limits=None, requirements=None):
     vehicle = cube()
     keep = [i for i in range(8) if i not in lost]
     A = vehicle.actuation_matrix
     table = vehicle.thrusters.limits[keep] if limits is None else limits
     allowed = AllowedForces.from_limits(table, len(keep), dead_zones=False)
     actuation = subspaces(A[:, keep], length_m=subspaces(A).length_m)
-    return judge(actuation, vehicle.dynamics, allowed, mission)
+    return judge(actuation, vehicle.dynamics, allowed, requirements)
 
 
 @pytest.mark.flight
@@ -121,60 +122,60 @@ def test_cube_follows_after_every_single_and_double_loss():
     assert judged([]).outcome is Outcome.HOLONOMIC
     singles = [judged([lost]) for lost in range(8)]
     assert all(single.outcome is Outcome.STEERED and "67 deg of tilt" in single.reason for single in singles)
-    pairs = [judged(pair, mission=Mission(inclinations_rad=(0.0,))) for pair in combinations(range(8), 2)]
+    pairs = [judged(pair, requirements=PathRequirements(inclinations_rad=(0.0,))) for pair in combinations(range(8), 2)]
     assert all(pair.outcome is Outcome.STEERED for pair in pairs)
     assert sum("all 6 components" in pair.reason for pair in pairs) == 16
 
 
-def test_courses_are_kept_by_their_forces_within_reach():
+def test_trim_conditions_are_kept_by_their_forces():
     vehicle = cube()
     hull, A = vehicle.dynamics, np.delete(vehicle.actuation_matrix, [0, 1, 2], axis=1)
     for inclination in (-0.2, 0.0, 0.3):
-        found = courses(hull, subspaces(A, length_m=0.35), 0.3, inclination)
+        found = trim_conditions(hull, subspaces(A, length_m=0.35), 0.3, inclination)
         assert found
-        for course in found:
-            assert np.linalg.norm(course.velocity) == pytest.approx(0.3)
-            assert course.velocity @ course.up == pytest.approx(0.3 * np.sin(inclination))
-            wanted = steady_wrench(hull, np.r_[course.velocity, 0, 0, 0], course.up)
-            assert np.allclose(A @ course.forces, wanted, atol=1e-5)
+        for condition in found:
+            assert np.linalg.norm(condition.velocity) == pytest.approx(0.3)
+            assert condition.velocity @ condition.up == pytest.approx(0.3 * np.sin(inclination))
+            wanted = steady_wrench(hull, np.r_[condition.velocity, 0, 0, 0], condition.up)
+            assert np.allclose(A @ condition.forces, wanted, atol=1e-5)
 
 
 def test_weak_thrusters_are_told_from_lost_ones():
     fast = judged([], limits=[-1.0, 1.0])
     assert fast.outcome is Outcome.STUCK
     assert "more force than the thrusters have" in fast.reason
-    weak = judged([], limits=[-5.0, 5.0], mission=Mission(horizon_s=10.0, side_step_m=3.0))
+    weak = judged([], limits=[-5.0, 5.0], requirements=PathRequirements(horizon_s=10.0, side_step_m=3.0))
     assert weak.outcome is Outcome.WEAK
     assert not weak.follows
     assert "3 m are asked for" in weak.reason
 
 
-def test_mission_without_sense_is_refused_by_the_figure_that_lacks_it():
-    for mission, message in (
-        (Mission(speed_m_s=0), r"speed is 0 m/s; it can be judged between 0.001 and 100 m/s"),
-        (Mission(speed_m_s=1e300), r"speed is 1e\+300 m/s"),
-        (Mission(speed_m_s=float("nan")), "speed is nan"),
-        (Mission(horizon_s=float("nan")), "horizon_s is nan; it must be positive"),
-        (Mission(inclinations_rad=()), "inclinations_rad"),
-        (Mission(inclinations_rad=(2.0,)), "at most 90 degrees"),
+def test_requirements_without_sense_are_refused_by_the_figure_that_lacks_it():
+    for requirements, message in (
+        (PathRequirements(speed_m_s=0), r"speed is 0 m/s; it can be judged between 0.001 and 100 m/s"),
+        (PathRequirements(speed_m_s=1e300), r"speed is 1e\+300 m/s"),
+        (PathRequirements(speed_m_s=float("nan")), "speed is nan"),
+        (PathRequirements(horizon_s=float("nan")), "horizon_s is nan; it must be positive"),
+        (PathRequirements(inclinations_rad=()), "inclinations_rad"),
+        (PathRequirements(inclinations_rad=(2.0,)), "at most 90 degrees"),
     ):
         with pytest.raises(ActuationError, match=message):
-            judged([], mission=mission)
+            judged([], requirements=requirements)
 
 
 @pytest.mark.parametrize("speed", [0.001, 0.01, 0.1])
-def test_a_slow_cube_is_as_well_steered_as_a_fast_one(speed):
-    level = Mission(speed_m_s=speed, inclinations_rad=(0.0,))
-    assert judged([], mission=level).outcome is Outcome.HOLONOMIC
-    assert judged([0, 1, 2], mission=level).outcome is Outcome.STEERED
+def test_a_slow_cube_is_as_controllable_as_a_fast_one(speed):
+    level = PathRequirements(speed_m_s=speed, inclinations_rad=(0.0,))
+    assert judged([], requirements=level).outcome is Outcome.HOLONOMIC
+    assert judged([0, 1, 2], requirements=level).outcome is Outcome.STEERED
 
 
 def test_quadratic_drag_damps_what_nothing_else_does():
     # Surge and yaw only, no linear drag: sway is stopped by quadratic drag alone, which has no slope at rest.
     hull = weightless(np.eye(6), np.eye(6))
     A, v0, up = np.array([[1.0, 0], [0, 0], [0, 1]]), np.array([0.5, 0, 0]), np.array([0, 0, 1.0])
-    assert "sway" in linearise(hull, A, v0, up).loose(1.0, 1.0)
-    assert linearise(hull, A, v0, up, np.full(6, 0.05)).loose(1.0, 1.0) == ()
+    assert "sway" in linearise(hull, A, v0, up).uncontrolled_modes(1.0, 1.0)
+    assert linearise(hull, A, v0, up, np.full(6, 0.05)).uncontrolled_modes(1.0, 1.0) == ()
     # Work lost per cycle of amplitude a by |v| v is that of the slope 8 a / (3 pi).
     t = np.linspace(0, 2 * np.pi, 20001)
     a, v = 0.3, 0.3 * np.cos(t)
@@ -182,14 +183,14 @@ def test_quadratic_drag_damps_what_nothing_else_does():
     assert np.trapezoid(np.abs(v) * v * v, t) == pytest.approx(slope * np.trapezoid(v * v, t), rel=1e-6)
 
 
-def judge_of(name, mission=None, *, hull=None, limits=None, lost=()):
+def judge_of(name, requirements=None, *, hull=None, limits=None, lost=()):
     v = vehicle(name)
     A = v.actuation_matrix if name not in ("jack", "infante") else v.actuation_matrix[[0, 1, 5]]
     keep = [i for i in range(A.shape[1]) if i not in lost]
     table = v.thrusters.limits[keep] if limits is None else limits
     allowed = AllowedForces.from_limits(table, len(keep), dead_zones=False)
     actuation = subspaces(A[:, keep], length_m=subspaces(A).length_m)
-    return judge(actuation, v.dynamics if hull is None else hull, allowed, mission)
+    return judge(actuation, v.dynamics if hull is None else hull, allowed, requirements)
 
 
 def held_by_programme(A, table, wrench):
@@ -198,10 +199,10 @@ def held_by_programme(A, table, wrench):
 
 @pytest.mark.parametrize("speed", [0.3, 0.6, 1.0, 1.5, 2.0])
 def test_surge_and_yaw_follow_planar_paths_at_every_speed_infante_was_flown_at(speed):
-    verdict = judge_of("infante", Mission(speed_m_s=speed))
+    verdict = judge_of("infante", PathRequirements(speed_m_s=speed))
     assert verdict.outcome is Outcome.STEERED
     assert "turning by 30 deg at most" in verdict.reason
-    assert verdict.courses[0].side_step_m == 1.0
+    assert verdict.trims[0].side_step_m == 1.0
 
 
 def test_thrusters_that_only_push_forwards_use_their_kernel():
@@ -210,14 +211,14 @@ def test_thrusters_that_only_push_forwards_use_their_kernel():
     A = v.actuation_matrix[[0, 1, 5]]
     verdict = judge_of("jack", limits=np.tile(forwards, (4, 1)))
     assert verdict.outcome is Outcome.HOLONOMIC
-    forces = verdict.courses[0].course.forces
+    forces = verdict.trims[0].condition.forces
     assert np.all((forces >= -1e-9) & (forces <= 51.44))
-    assert np.allclose(A @ forces, verdict.courses[0].course.wrench, atol=1e-6)
+    assert np.allclose(A @ forces, verdict.trims[0].condition.wrench, atol=1e-6)
 
 
 def test_a_thruster_split_into_two_that_push_one_way_each_changes_nothing():
     v = vehicle("cube")
-    A, T, level = v.actuation_matrix, v.thrusters.limits, Mission(inclinations_rad=(0.0,))
+    A, T, level = v.actuation_matrix, v.thrusters.limits, PathRequirements(inclinations_rad=(0.0,))
     halves = np.vstack([np.column_stack([0 * T[:, 0], T[:, 3]]), np.column_stack([0 * T[:, 0], -T[:, 0]])])
     allowed = AllowedForces.from_limits(halves, 16, dead_zones=False)
     split = judge(subspaces(np.hstack([A, -A])), v.dynamics, allowed, level)
@@ -227,21 +228,21 @@ def test_a_thruster_split_into_two_that_push_one_way_each_changes_nothing():
 @pytest.mark.parametrize(("name", "speed"), [("cube", 1.26), ("cube", 1.32), ("bluerov2_heavy", 0.88)])
 def test_a_course_some_forces_hold_is_held(name, speed):
     v = vehicle(name)
-    verdict = judge_of(name, Mission(speed_m_s=speed))
+    verdict = judge_of(name, PathRequirements(speed_m_s=speed))
     assert verdict.follows
-    for steered in verdict.courses:
-        assert held_by_programme(v.actuation_matrix, v.thrusters.limits, steered.course.wrench)
+    for trim in verdict.trims:
+        assert held_by_programme(v.actuation_matrix, v.thrusters.limits, trim.condition.wrench)
 
 
 def test_a_course_no_forces_hold_says_how_much_of_it_they_hold():
-    v, level = vehicle("cube"), Mission(speed_m_s=1.6, inclinations_rad=(0.0,))
+    v, level = vehicle("cube"), PathRequirements(speed_m_s=1.6, inclinations_rad=(0.0,))
     verdict = judge_of("cube", level)
     assert verdict.outcome is Outcome.STUCK
-    (steered,) = verdict.courses
-    assert f"they hold {int(100 * steered.share)} % of it in the best attitude" in verdict.reason
-    A, T, wrench = v.actuation_matrix, v.thrusters.limits, steered.course.wrench
-    assert held_by_programme(A, T, 0.999 * steered.share * wrench)
-    assert not held_by_programme(A, T, 1.001 * steered.share * wrench)
+    (trim,) = verdict.trims
+    assert f"they hold {int(100 * trim.share)} % of it in the best attitude" in verdict.reason
+    A, T, wrench = v.actuation_matrix, v.thrusters.limits, trim.condition.wrench
+    assert held_by_programme(A, T, 0.999 * trim.share * wrench)
+    assert not held_by_programme(A, T, 1.001 * trim.share * wrench)
 
 
 def test_any_attitude_asks_for_the_drag_along_every_body_direction():
@@ -304,14 +305,14 @@ def test_a_motion_nothing_restores_must_be_pushed_both_ways():
 
 
 def test_what_follows_with_a_thruster_fewer_follows():
-    fast = Mission(speed_m_s=0.9)
+    fast = PathRequirements(speed_m_s=0.9)
     assert judge_of("jack", fast, lost=(0, 3)).follows
     assert judge_of("jack", fast, lost=(0,)).follows
     assert judge_of("jack", fast).follows
 
 
-def shares_of(R, hull, reach, course_W):
-    return reach.share(np.array([steady_wrench(hull, np.r_[r.T @ course_W, 0, 0, 0], r[2]) for r in R]))
+def shares_of(R, hull, attainable, course_W):
+    return attainable.share(np.array([steady_wrench(hull, np.r_[r.T @ course_W, 0, 0, 0], r[2]) for r in R]))
 
 
 @pytest.mark.flight
@@ -325,24 +326,24 @@ def shares_of(R, hull, reach, course_W):
         ("cube", (), 1.6, 0.0, 0.81),
     ],
 )
-def test_the_best_attitude_beats_all_random_ones(name, lost, speed, ballast_N, least):
+def test_the_best_trim_beats_all_random_ones(name, lost, speed, ballast_N, least):
     v, rng = vehicle(name), np.random.default_rng(11)
     hull = ballasted(v.dynamics, ballast_N)
     A, T = (np.delete(x, lost, axis=k) for x, k in ((v.actuation_matrix, 1), (v.thrusters.limits, 0)))
     allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
     actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
-    reach, tilt = attainable(actuation, allowed), -np.radians(15) if name == "bluerov2_heavy" else 0.0
-    best = best_attitudes(hull, actuation, reach, speed, tilt)[0]
+    attainable, tilt = attainable_set(actuation, allowed), -np.radians(15) if name == "bluerov2_heavy" else 0.0
+    best = best_trims(hull, actuation, attainable, speed, tilt)[0]
     course_W = speed * np.array([np.cos(tilt), 0, np.sin(tilt)])
     assert best.velocity @ best.up == pytest.approx(course_W[2])
     assert np.allclose(best.wrench, steady_wrench(hull, np.r_[best.velocity, 0, 0, 0], best.up))
-    share = reach.share(best.wrench[None])[0]
+    share = attainable.share(best.wrench[None])[0]
     assert share > least
-    assert share > np.max(shares_of([random_rotation(rng) for _ in range(3000)], hull, reach, course_W))
-    assert judge(actuation, hull, allowed, Mission(speed_m_s=speed)).follows == (share > 1)
+    assert share > np.max(shares_of([random_rotation(rng) for _ in range(3000)], hull, attainable, course_W))
+    assert judge(actuation, hull, allowed, PathRequirements(speed_m_s=speed)).follows == (share > 1)
 
 
-def producible(R, hull, actuation, course_W):
+def in_trim(R, hull, actuation, course_W):
     """The attitudes next to R in which the thrusters make the wrench, by somebody else's least squares."""
     missing = np.eye(6) - actuation.projector
 
@@ -365,22 +366,22 @@ def producible(R, hull, actuation, course_W):
         ("bluerov2_heavy", (0, 1, 7), 1.2, 0.0, 5, 0.55),
     ],
 )
-def test_the_best_attitude_without_some_components_beats_all_random_ones(name, lost, speed, ballast_N, rank, least):
+def test_the_best_trim_without_some_components_beats_all_random_ones(name, lost, speed, ballast_N, rank, least):
     v, rng = vehicle(name), np.random.default_rng(12)
     hull = ballasted(v.dynamics, ballast_N)
     A, T = np.delete(v.actuation_matrix, lost, axis=1), np.delete(v.thrusters.limits, lost, axis=0)
     allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
     actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
     assert actuation.rank == rank
-    reach, course_W = attainable(actuation, allowed), np.array([speed, 0, 0])
-    best = best_attitudes(hull, actuation, reach, speed, 0.0)[0]
+    attainable, course_W = attainable_set(actuation, allowed), np.array([speed, 0, 0])
+    best = best_trims(hull, actuation, attainable, speed, 0.0)[0]
     assert actuation.reachable(best.wrench, 1e-6)
-    share = reach.share(best.wrench[None])[0]
-    others = producible([random_rotation(rng) for _ in range(60)], hull, actuation, course_W)
+    share = attainable.share(best.wrench[None])[0]
+    others = in_trim([random_rotation(rng) for _ in range(60)], hull, actuation, course_W)
     assert len(others) > 30
     assert share > least
-    assert share > 0.999 * np.max(shares_of(others, hull, reach, course_W))
-    verdict = judge(actuation, hull, allowed, Mission(speed_m_s=speed, inclinations_rad=(0.0,)))
+    assert share > 0.999 * np.max(shares_of(others, hull, attainable, course_W))
+    verdict = judge(actuation, hull, allowed, PathRequirements(speed_m_s=speed, inclinations_rad=(0.0,)))
     assert verdict.follows == (share > 1)
     assert verdict.follows or f"they hold {int(100 * share)} % of it in the best attitude" in verdict.reason
 
@@ -392,7 +393,7 @@ def test_the_best_attitude_without_some_components_beats_all_random_ones(name, l
         ("bluerov2_heavy", (2, 1), 1.158, 0.0, 22.6, True, 0.0150),  # in most attitudes 0: some force must reverse
     ],
 )
-def test_the_best_attitude_is_found_on_ridges_and_where_most_are_worth_nothing(
+def test_the_best_trim_is_found_on_ridges_and_where_most_are_worth_nothing(
     name, lost, speed, ballast_N, weaker, one_way, least
 ):
     v = vehicle(name)
@@ -402,10 +403,10 @@ def test_the_best_attitude_is_found_on_ridges_and_where_most_are_worth_nothing(
         T[:, :2] = 0.0
     allowed = AllowedForces.from_limits(T, len(T), dead_zones=False)
     actuation = subspaces(A, length_m=subspaces(v.actuation_matrix).length_m)
-    reach = attainable(actuation, allowed)
+    attainable = attainable_set(actuation, allowed)
     tilt = -np.radians(15) if not lost else 0.0
-    best = best_attitudes(hull, actuation, reach, speed, tilt)[0]
-    assert reach.share(best.wrench[None])[0] > least
+    best = best_trims(hull, actuation, attainable, speed, tilt)[0]
+    assert attainable.share(best.wrench[None])[0] > least
     assert held_by_programme(A, T, 0.999 * least * actuation.projector @ best.wrench)
 
 
@@ -413,17 +414,17 @@ def test_in_the_plane_the_best_heading_is_found():
     v, speed = vehicle("jack"), 2.0
     A = v.actuation_matrix[[0, 1, 5]]
     actuation, hull = subspaces(A), v.dynamics
-    reach = attainable(actuation, AllowedForces.from_limits(v.thrusters.limits, 4, dead_zones=False))
-    best = best_attitudes(hull, actuation, reach, speed, 0.0)[0]
+    attainable = attainable_set(actuation, AllowedForces.from_limits(v.thrusters.limits, 4, dead_zones=False))
+    best = best_trims(hull, actuation, attainable, speed, 0.0)[0]
     assert best.up == pytest.approx(UP)
     headings = np.linspace(0, 2 * np.pi, 2000)
     moving = np.column_stack([np.cos(headings), -np.sin(headings), 0 * headings]) * speed
-    shares = reach.share(hull.steady_wrenches(moving, np.tile(UP, (2000, 1)))[:, [0, 1, 5]])
-    assert reach.share(best.wrench[None])[0] >= np.max(shares) - 1e-9
+    shares = attainable.share(hull.steady_wrenches(moving, np.tile(UP, (2000, 1)))[:, [0, 1, 5]])
+    assert attainable.share(best.wrench[None])[0] >= np.max(shares) - 1e-9
 
 
 def test_a_vehicle_follows_where_it_does_with_a_thruster_fewer():
-    fast = Mission(speed_m_s=1.0, inclinations_rad=(-np.radians(15),))
+    fast = PathRequirements(speed_m_s=1.0, inclinations_rad=(-np.radians(15),))
     assert all(judge_of("bluerov2_heavy", fast, lost=lost).follows for lost in ((), (4,), (4, 0)))
 
 
@@ -443,5 +444,5 @@ def test_a_share_is_rounded_down_in_plain_digits(share, text):
 
 
 def test_a_share_just_short_of_all_is_not_all():
-    reason = judge_of("cube_as_built", Mission(speed_m_s=0.7)).reason
+    reason = judge_of("cube_as_built", PathRequirements(speed_m_s=0.7)).reason
     assert "it holds 99 % in the worst attitude" in reason

@@ -43,7 +43,7 @@ def damaged(vehicle, cost_limit=None):
     return remaining_capability(vehicle.actuation_matrix, vehicle.thrusters.limits, health, cost_limit)
 
 
-def test_a_dear_direction_is_lost_as_one_without_thrusters_is(vehicle):
+def test_a_costly_direction_is_lost_as_one_without_thrusters_is(vehicle):
     A = vehicle.actuation_matrix
     left = np.delete(A, LOST, axis=1)
     length = lever_arm(A, SPATIAL)
@@ -53,7 +53,7 @@ def test_a_dear_direction_is_lost_as_one_without_thrusters_is(vehicle):
     with_limit = damaged(vehicle, 10.0)
     assert with_limit.authority is Authority.PLANE
     assert with_limit.pure_forces.shape == (3, 2)
-    assert "too dear but together" in with_limit.reason
+    assert "too costly but together" in with_limit.reason
     rng = np.random.default_rng(0)
     for demand in rng.normal(size=(20, 6)) * [20, 20, 20, 5, 5, 5]:
         asked = with_limit.project_onto_range(demand)
@@ -114,14 +114,14 @@ def test_with_the_limit_the_vehicle_turns_and_pushes_less(tmp_path):
 
 
 @pytest.mark.flight
-def test_a_whole_vehicle_does_without_what_is_too_dear_from_the_start(tmp_path):
+def test_a_whole_vehicle_does_without_what_is_too_costly_from_the_start(tmp_path):
     # Jack's sway costs 1.93 N/N, surge and yaw half a newton.
     changes = {"duration_s": 20.0, "events": [], "checks": FORCES_ONLY, "control.cost_limit": 1.0}
     run = cube_sim.run(SCENARIOS / "jack_lose_two.yaml", changes, out=tmp_path)
     assert set(run.signals["health.authority"][:, 1]) == {Authority.UNICYCLE}
     assert np.max(np.abs(run.signals["wrench.demanded"][:, 2])) < 1e-9
-    log = said(run)
-    assert any(text.startswith("what costs more than 1 N/N is left alone; UNICYCLE: too dear to push") for text in log)
+    told = "what costs more than 1 N/N is left alone; UNICYCLE: too costly to push"
+    assert any(text.startswith(told) for text in said(run))
 
 
 def test_the_default_is_no_limit():

@@ -14,39 +14,39 @@ from cube_sim.wrench.zonotope import facets
 
 _NO_WRENCH = 1e-12
 _NO_DEMAND = 1e-9
-_NO_REACH = 1e-12
+_NO_OFFSET = 1e-12
 
 
 @dataclass(frozen=True)
-class Attainable:
-    """The set {A F_m : F_min <= F_m <= F_max} = {F_B in range(A) : normals F_B <= reach}, dead zones left out.
+class AttainableSet:
+    """The set {A F_m : F_min <= F_m <= F_max} = {F_B in range(A) : normals F_B <= offsets}, dead zones left out.
 
     Attributes:
-        normals: (p,n) of the facets, per newton and newton metre of F_B.
-        reach: (p,) [N], never negative: rest is allowed.
+        normals: (p,n) of the p facets, [1] for forces, [1/m] for torques.
+        offsets: (p,) of the facets [N], never negative: rest is allowed.
     """
 
     normals: Matrix
-    reach: Vector
+    offsets: Vector
 
     def share(self, wrenches: Matrix) -> Vector:
-        """How often each wrench of range(A) fits into the set.
+        """How many times each wrench of range(A) fits into the set.
 
         Args:
             wrenches: F_B (q,n) [N, N m].
 
         Returns:
-            (q,) the largest t with t F_B attainable: 1 and more can be held, 0 not at all; infinite for no wrench.
+            (q,) the largest t with t F_B attainable: from 1 on it can be held, 0 is not at all; infinite for no wrench.
         """
         demand = wrenches @ self.normals.T
         largest = np.max(np.abs(demand), axis=1, initial=0.0, keepdims=True)
         asked = demand > np.maximum(_NO_WRENCH, _NO_DEMAND * largest)
         return np.min(
-            np.divide(self.reach, demand, out=np.full(demand.shape, np.inf), where=asked), axis=1, initial=np.inf
+            np.divide(self.offsets, demand, out=np.full(demand.shape, np.inf), where=asked), axis=1, initial=np.inf
         )
 
 
-def attainable(actuation: Subspaces, allowed: AllowedForces) -> Attainable:
+def attainable_set(actuation: Subspaces, allowed: AllowedForces) -> AttainableSet:
     """The facets of what is attainable.
 
     Args:
@@ -57,18 +57,18 @@ def attainable(actuation: Subspaces, allowed: AllowedForces) -> Attainable:
     U, sigma, _ = np.linalg.svd(W[:, None] * actuation.matrix)
     U_r = U[:, : np.count_nonzero(sigma > RANK_THRESHOLD * max(sigma[0], np.finfo(float).tiny))]
     if U_r.shape[1] == 0:
-        return Attainable(np.zeros((0, len(W))), np.zeros(0))
+        return AttainableSet(np.zeros((0, len(W))), np.zeros(0))
     generators = U_r.T @ (W[:, None] * actuation.matrix)
-    normals, reach = facets(generators, allowed.minimum, allowed.maximum)
-    reach[reach <= _NO_REACH * np.max(reach)] = 0.0
-    return Attainable(normals @ U_r.T * W, reach)
+    normals, offsets = facets(generators, allowed.minimum, allowed.maximum)
+    offsets[offsets <= _NO_OFFSET * np.max(offsets)] = 0.0
+    return AttainableSet(normals @ U_r.T * W, offsets)
 
 
 def holding_forces(A: Matrix, allowed: AllowedForces, wrench: Vector) -> Vector:
     """(m,) forces [N] with A F_m = F_B that use the least share of the thrusters' maxima.
 
-    The largest t with A F_m = t F_B within the maxima, found as a linear programme; F_m / t is returned. Rest is
-    allowed, so that it lies within the maxima whenever t >= 1.
+    A linear programme finds the largest t with A F_m = t F_B within the maxima; F_m / t is returned. Rest is allowed,
+    so these forces lie within the maxima whenever t >= 1.
 
     Args:
         A: (n,m).

@@ -24,27 +24,28 @@ class Extent:
 
     Attributes:
         name: the component.
-        at_most: (lowest, highest) [N or N m] whatever the other components then are, dead zones left out.
-        alone: (lowest, highest) with every other component exactly zero, dead zones left out.
-        alone_with_dead_zones: (i,2) disjoint intervals of the values attainable with every other component exactly
-            zero, ascending; rest is the interval [0, 0]. None where that takes too long (`wrench_line.MOST_WORK`).
+        unconstrained: (lowest, highest) [N or N m] whatever the other components then are, dead zones left out.
+        isolated: (lowest, highest) [N or N m] with every other component exactly zero, dead zones left out.
+        isolated_with_dead_zones: (i,2) [N or N m] disjoint intervals of the values attainable with every other
+            component exactly zero, ascending; rest is the interval [0, 0]. None where that takes too long
+            (`cube_sim.wrench.line_interval.MOST_WORK`).
     """
 
     name: str
-    at_most: tuple[float, float]
-    alone: tuple[float, float]
-    alone_with_dead_zones: Matrix | None
+    unconstrained: tuple[float, float]
+    isolated: tuple[float, float]
+    isolated_with_dead_zones: Matrix | None
 
     @property
-    def finest(self) -> tuple[float, float] | None:
-        """(reverse, forward) least attainable magnitudes apart from rest, alone and with dead zones [N or N m].
+    def smallest_nonzero(self) -> tuple[float, float] | None:
+        """(reverse, forward) least attainable magnitudes apart from rest, isolated, with dead zones [N or N m].
 
         0 where arbitrarily small values are attainable because thrusters run against each other outside their dead
         zones; infinite where nothing but rest is attainable; None when not computed.
         """
-        if self.alone_with_dead_zones is None:
+        if self.isolated_with_dead_zones is None:
             return None
-        return _least(-self.alone_with_dead_zones[::-1, ::-1]), _least(self.alone_with_dead_zones)
+        return _least(-self.isolated_with_dead_zones[::-1, ::-1]), _least(self.isolated_with_dead_zones)
 
 
 def extents(A: ArrayLike, limits: ArrayLike, *, rest: bool = True) -> tuple[Extent, ...]:
@@ -62,9 +63,9 @@ def extents(A: ArrayLike, limits: ArrayLike, *, rest: bool = True) -> tuple[Exte
         ActuationError: A or the limits are malformed.
     """
     matrix, axes = actuation_matrix(A)
-    attainable = _Attainable(matrix, limits, rest)
+    layout = _ExtentsOfOneLayout(matrix, limits, rest)
     return tuple(
-        attainable.extent(direction, name) for name, direction in zip(axes.names, np.eye(len(matrix)), strict=True)
+        layout.extent(direction, name) for name, direction in zip(axes.names, np.eye(len(matrix)), strict=True)
     )
 
 
@@ -74,7 +75,7 @@ def extent(A: ArrayLike, limits: ArrayLike, direction: ArrayLike, *, name: str =
     Args:
         A: (6,m) or (3,m).
         limits: as in `extents`.
-        direction: d (n,), not zero; [N, N m] per unit of t. `at_most` is the range of d . F_B / |d|^2.
+        direction: d (n,), not zero; [N, N m] per unit of t. `Extent.unconstrained` is the range of d . F_B / |d|^2.
         name: what to call it.
         rest: as in `extents`.
 
@@ -85,10 +86,10 @@ def extent(A: ArrayLike, limits: ArrayLike, direction: ArrayLike, *, name: str =
     d = np.asarray(direction, dtype=float)
     if d.shape != (len(matrix),) or not np.all(np.isfinite(d)) or not np.any(d):
         raise ActuationError(f"the direction {d.tolist()} must be {len(matrix)} finite numbers, not all zero")
-    return _Attainable(matrix, limits, rest).extent(d, name)
+    return _ExtentsOfOneLayout(matrix, limits, rest).extent(d, name)
 
 
-class _Attainable:
+class _ExtentsOfOneLayout:
     """What extents along different directions have in common."""
 
     def __init__(self, A: Matrix, limits: ArrayLike, rest: bool) -> None:
@@ -105,9 +106,9 @@ class _Attainable:
         found = line.intervals(self._real, round_off)
         return Extent(
             name=name,
-            at_most=(float(-most[1]), float(most[0])),
-            alone=_clean(*line.box(self._box), round_off),
-            alone_with_dead_zones=None if found is None else _all_clean(found, round_off),
+            unconstrained=(float(-most[1]), float(most[0])),
+            isolated=_clean(*line.box(self._box), round_off),
+            isolated_with_dead_zones=None if found is None else _all_clean(found, round_off),
         )
 
 

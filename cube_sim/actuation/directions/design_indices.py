@@ -30,14 +30,14 @@ class Indices:
         manipulability: sqrt det (W A)(W A)^T, the product of the singular values: volume of wrenches per volume of
             thruster forces (T. Yoshikawa, Manipulability of Robotic Mechanisms, 1985); 0 when a component is lost.
         isotropy: smallest over largest singular value, 1 when every direction is equally easy.
-        energy: mean of |F_m|^2 over all wrenches with |W F_B| = 1, which is |(W A)^+|_F^2 / n; less is better,
-            infinite when a component is lost. Sum of squares, not electrical power.
-        worst_energy: the same for the most expensive wrench, 1 / sigma_min^2.
+        energy: mean of |F_m|^2 over all wrenches with |W F_B| = 1, which is |(W A)^+|_F^2 / n [N^2/N^2]. Less is
+            better; infinite when a component is lost. It is a sum of squares, not electrical power.
+        worst_energy: the same for the most costly wrench, 1 / sigma_min^2.
         reactivity: largest change [N] of any one thruster for a change of one newton of the wrench in its worst
-            direction: the largest row norm of (W A)^+; times the wrench rate asked for it is the force rate the
-            motors need. Less is better, infinite when a component is lost.
-        robustness: sigma_min after the worst single loss over sigma_min with all thrusters; 0 when a loss costs a
-            direction, 0 also when one is missing already.
+            direction: the largest row norm of (W A)^+. Times the wrench rate it is the force rate the thrusters
+            need. Less is better; infinite when a component is lost.
+        robustness: sigma_min after the worst single loss over sigma_min with all thrusters. It is 0 when a loss costs
+            a direction, and when one is missing already.
         tolerated_losses: how many thrusters may fail, whichever they are, with all n components kept.
         weakest: largest r such that every wrench with |W F_B| <= r [N] is attainable, dead zones left out; None
             without limits.

@@ -19,7 +19,7 @@ _ZERO = "= 0"
 class Combination:
     """One independent condition on every wrench worth producing: coefficients . F_B = 0.
 
-    Where rank or cost was cut by a threshold, the thrusters can break it, but dearly: by `gain` for every newton of
+    Where a threshold cut rank or cost, the thrusters can break it at a high cost: by `gain` for every newton of
     thruster force.
 
     Attributes:
@@ -47,7 +47,7 @@ class Combination:
 
 
 def combinations(null_rows: Matrix, scaled: Matrix, axes: WrenchAxes, length_m: float) -> tuple[Combination, ...]:
-    """Spell out a left null space in the sparsest rows elimination finds.
+    """Spell out a left null space, in the sparsest rows that elimination finds.
 
     Args:
         null_rows: (d,n) basis of the left null space of W A up to the directions that do not count, scaled components.
@@ -104,12 +104,12 @@ def _words(row: Vector, axes: WrenchAxes, length_m: float, gain: float) -> str:
     spoken = np.flatnonzero(_spoken(row))
     if len(spoken) == 1:
         ability = axes.abilities[spoken[0]]
-        return f"{'too dear to' if gain else 'cannot'} {ability}: {axes.names[spoken[0]]}"
+        return f"{'too costly to' if gain else 'cannot'} {ability}: {axes.names[spoken[0]]}"
     leading = row[spoken[0]]
     terms = [_term(row[j] / leading, axes, int(j), length_m) for j in spoken]
     formula = " ".join(terms).removeprefix("+ ")
     tied = [axes.names[j] for j in spoken]
-    return f"{', '.join(tied[:-1])} and {tied[-1]}{', too dear but' if gain else ' only'} together: {formula}"
+    return f"{', '.join(tied[:-1])} and {tied[-1]}{', too costly but' if gain else ' only'} together: {formula}"
 
 
 def _term(scaled: float, axes: WrenchAxes, j: int, length_m: float) -> str:

@@ -1,8 +1,8 @@
 """The three selection criteria of the report's section 4.2: which directions are worth using.
 
-All three run on W A, torques divided by a length, so that a cost is newtons of thruster force (2-norm over the
-thrusters) per newton of wrench. They use every direction that is not zero to rounding: an expensive direction is
-to be seen with its price, and dropped by `Directions.keep`, not hidden by a rank tolerance.
+All three run on W A, torques divided by a length: a cost is newtons of thruster force (2-norm over the thrusters) per
+newton of wrench. They use every direction that is not zero to rounding. No rank tolerance hides a costly direction: it
+is listed with its cost, and `Directions.within_cost_limit` drops it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _EXACT = 1e-9
 
 @dataclass(frozen=True)
 class Directions:
-    """Orthonormal directions of the scaled wrench space and what a unit wrench along each costs, cheapest first.
+    """Orthonormal directions of the scaled wrench space and what a unit wrench along each costs, least costly first.
 
     Attributes:
         axes: what the wrench components are.
@@ -54,28 +54,28 @@ class Directions:
         return self.vectors @ self.vectors.T * W / W[:, None]
 
     def coordinates(self, wrench: ArrayLike) -> Vector:
-        """(d,) V^T W F_B [N]: a wrench (n,) in the basis (v_1..v_d)."""
+        """(d,) V^T W F_B [N]: a wrench F_B (n,) [N, N m] in the basis (v_1..v_d)."""
         return self.vectors.T @ (self.axes.scale(self.length_m) * np.asarray(wrench, dtype=float))
 
-    def cheapest(self, count: int) -> Directions:
-        """The first `count` directions."""
+    def least_costly(self, count: int) -> Directions:
+        """The `count` directions that cost least."""
         return Directions(self.axes, self.length_m, self.vectors[:, :count], self.gains[:count])
 
-    def keep(self, cost_limit: float) -> Directions:
-        """The directions whose cost does not exceed the limit [N/N]: what a controller should be built on.
+    def within_cost_limit(self, cost_limit: float) -> Directions:
+        """The directions whose cost does not exceed the limit [N/N]: those a controller should be built on.
 
         Raises:
             ActuationError: the limit is not positive.
         """
-        return self.cheapest(Threshold.of(cost_limit=cost_limit).rank(self.gains))
+        return self.least_costly(Threshold.of(cost_limit=cost_limit).rank(self.gains))
 
 
 def first_approach(A: ArrayLike, P: ArrayLike | None = None, *, length_m: float | None = None) -> Vector:
     """Gains (rank,) of the reachable rows of P A [N/N], section 4.2.1: P orthogonal, I - A A^+ = P^T D P.
 
-    The report calls the norms of the last rank(A) rows of P A a cost. They are gains, small where motion is
-    expensive, and any rotation inside the reachable rows of P changes them; with the left singular vectors, the
-    default, they are the singular values and mean something. They then are 1 / cost of `final_approach`.
+    The report calls the norms of the last rank(A) rows of P A a cost. They are gains: small where motion is costly.
+    Any rotation inside the reachable rows of P changes them. With the left singular vectors, the default, they are the
+    singular values, and each is 1 / cost of `final_approach`.
 
     Args:
         A: (6,m) or (3,m).
@@ -102,8 +102,15 @@ def first_approach(A: ArrayLike, P: ArrayLike | None = None, *, length_m: float 
 def second_approach(A: ArrayLike, *, length_m: float | None = None) -> Vector:
     """Costs (n,) of the wrench components, c(F_j) = norm of column j of (W A)^+ [N/N], section 4.2.2.
 
-    The least thruster-force norm that produces one scaled newton of component j and nothing else; infinite where
-    component j alone is out of reach (the report, assuming full rank, leaves that case open).
+    It is the least thruster-force norm that produces one scaled newton of component j and nothing else. It is infinite
+    where the thrusters cannot isolate component j (the report, assuming full rank, leaves that case open).
+
+    Args:
+        A: (6,m) or (3,m).
+        length_m: what torques are divided by [m]; default the rms lever arm.
+
+    Raises:
+        ActuationError: A or the length is malformed.
     """
     scaled, _, _ = _scaled(A, length_m)
     U, sigma, Vt = np.linalg.svd(scaled)
@@ -114,11 +121,18 @@ def second_approach(A: ArrayLike, *, length_m: float | None = None) -> Vector:
     return costs
 
 
-def motor_space(A: ArrayLike, *, length_m: float | None = None) -> Matrix:
+def thruster_space(A: ArrayLike, *, length_m: float | None = None) -> Matrix:
     """Q (m,m) orthogonal with A^+ A = Q^T diag(0.., 1..) Q, the zeros first (section 4.2.2).
 
-    The first m - rank rows are combinations of thruster forces without effect: the least-norm solution has none
-    of them. The printed Q of the report needs -0.6742 at (2,3) and -0.4956 at (4,4) to be orthogonal.
+    The first m - rank rows are combinations of thruster forces without effect: the least-norm solution has none of
+    them. The printed Q of the report needs -0.6742 at (2,3) and -0.4956 at (4,4) to be orthogonal.
+
+    Args:
+        A: (6,m) or (3,m).
+        length_m: what torques are divided by [m]; default the rms lever arm.
+
+    Raises:
+        ActuationError: A or the length is malformed.
     """
     scaled, _, _ = _scaled(A, length_m)
     _, sigma, Vt = np.linalg.svd(scaled)
@@ -131,6 +145,13 @@ def final_approach(A: ArrayLike, *, length_m: float | None = None) -> Directions
 
     The report bounds the cost by a multiple of 1/lambda_j; the norm of A^T v_j / lambda_j is exactly
     1/sqrt(lambda_j) = 1/sigma_j. Directions with lambda_j = 0 to rounding are unreachable and not listed.
+
+    Args:
+        A: (6,m) or (3,m).
+        length_m: what torques are divided by [m]; default the rms lever arm.
+
+    Raises:
+        ActuationError: A or the length is malformed.
     """
     scaled, axes, length = _scaled(A, length_m)
     U, sigma, _ = np.linalg.svd(scaled)
@@ -141,7 +162,8 @@ def final_approach(A: ArrayLike, *, length_m: float | None = None) -> Directions
 def _aligned(vectors: Matrix, gains: Vector) -> Matrix:
     """The same eigenspaces, those of equal gain spanned by vectors as near to the wrench axes as can be.
 
-    Where gains are equal the singular vectors are any basis; projected axes, the longest first, are one to read.
+    Where gains are equal the singular vectors are any basis. The projected axes, the longest first, are one that a
+    reader understands.
     """
     aligned = vectors.copy()
     start = 0

@@ -1,4 +1,4 @@
-"""What A can produce and what it cannot: rank, range, kernel, projector, all solutions (report, section 4.1)."""
+"""What A can produce and what it cannot: rank, range, kernel, projector, all solutions (the report's section 4.1)."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Subspaces:
         unreachable: n - rank independent combinations of F_B that are zero, or as good as zero, for every F_m.
         pure_forces: (forces,p) orthonormal directions of the forces producible with zero torque [1].
         pure_torques: (n-forces,q) orthonormal directions of the torques producible with zero force [1].
-        alone: (n,) which components can be produced with all others zero.
+        isolated: (n,) which components can be produced with all others zero.
     """
 
     matrix: Matrix
@@ -69,7 +69,7 @@ class Subspaces:
     unreachable: tuple[Combination, ...]
     pure_forces: Matrix
     pure_torques: Matrix
-    alone: tuple[bool, ...]
+    isolated: tuple[bool, ...]
 
     @property
     def redundancy(self) -> int:
@@ -82,12 +82,20 @@ class Subspaces:
         return self.redundancy > 0
 
     def reachable(self, wrench: ArrayLike, tolerance: float = 1e-9) -> bool:
-        """Whether F_B (n,) is in range(A): (I - projector) F_B = 0 up to `tolerance` relative to |W F_B|."""
+        """Whether F_B (n,) [N, N m] is in range(A): (I - projector) F_B = 0 up to `tolerance` relative to |W F_B|.
+
+        Raises:
+            ActuationError: the wrench is not n finite numbers.
+        """
         F, W = self._wrench(wrench), self.axes.scale(self.length_m)
         return bool(np.linalg.norm(W * (F - self.projector @ F)) <= tolerance * np.linalg.norm(W * F))
 
     def solutions(self, wrench: ArrayLike) -> Solutions:
-        """All forces producing F_B (n,) [N, N m], or its projection onto range(A) when it is out of reach."""
+        """All forces that produce F_B (n,) [N, N m], or its projection onto range(A) where A cannot produce it.
+
+        Raises:
+            ActuationError: the wrench is not n finite numbers.
+        """
         F = self._wrench(wrench)
         return Solutions(self.pseudo_inverse @ F, self.kernel_basis, F - self.projector @ F)
 
@@ -150,7 +158,7 @@ def subspaces(
         unreachable=combinations(U[:, rank:].T, scaled, axes, L),
         pure_forces=_intersection(U_r, f, keep=slice(0, f)),
         pure_torques=_intersection(U_r, f, keep=slice(f, None)),
-        alone=tuple(bool(np.linalg.norm(row) <= _EXACT) for row in U[:, rank:]),
+        isolated=tuple(bool(np.linalg.norm(row) <= _EXACT) for row in U[:, rank:]),
     )
 
 

@@ -15,7 +15,7 @@ from cube_sim.wrench.tolerances import RANK_ROUNDING, RANK_TOLERANCE
 
 @dataclass(frozen=True)
 class Threshold:
-    """Applied to the singular values sigma of W A, the gains of its directions, whose costs are 1 / sigma.
+    """What counts among the singular values sigma of W A: the gains of its directions, whose costs are 1 / sigma.
 
     Attributes:
         rank_tolerance: a gain at or below this share of the largest is lost.
@@ -27,7 +27,7 @@ class Threshold:
 
     @staticmethod
     def of(rank_tolerance: float | None = None, cost_limit: float | None = None) -> Threshold:
-        """What a caller asks for: by default rank decides; where a cost limit is given, that limit, in its place.
+        """What a caller asks for: rank decides by default, a cost limit in its place where one is given.
 
         Raises:
             ActuationError: the tolerance is not in [0, 1), or the limit is not positive.
@@ -41,15 +41,15 @@ class Threshold:
         return Threshold(rank_tolerance, inf if cost_limit is None else cost_limit)
 
     def dropped(self, gains: Vector) -> tuple[str, ...]:
-        """Why each direction does not count: "rank", "cost", or "" for one that does; gains (d,) descending."""
+        """Why each direction does not count: "rank", "cost", or "" for one that does; gains (d,) [N/N] descending."""
         return tuple(self._reason(gain, float(gains[0])) for gain in gains.tolist())
 
     def rank(self, gains: Vector) -> int:
-        """How many of the directions count; gains (d,) descending."""
+        """How many of the directions count; gains (d,) [N/N] descending."""
         return self.dropped(gains).count("")
 
     def all_count(self, gains: Matrix) -> NDArray[np.bool_]:
-        """(k,) of which rows of gains (k,d), each descending, every direction counts."""
+        """(k,) whether every direction counts, for each row of gains (k,d) [N/N], each descending."""
         least, largest = gains[:, -1], gains[:, 0]
         reached = least > max(self.rank_tolerance, RANK_ROUNDING) * largest
         return reached & (1.0 / np.where(reached, least, 1.0) <= self.cost_limit)

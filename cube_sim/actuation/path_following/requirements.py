@@ -1,4 +1,4 @@
-"""What is asked of a vehicle that shall follow paths; every figure is a choice."""
+"""What a vehicle must be able to do to follow paths; every figure is a choice."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ import numpy as np
 from cube_sim.errors import ActuationError
 
 SPEEDS_M_S = (0.001, 100.0)
-"""Between these speeds a course can be judged: below, hardly anything but round-off damps."""
+"""Between these speeds [m/s] a course can be judged: below, hardly anything but round-off damps."""
 
 
 @dataclass(frozen=True)
-class Mission:
+class PathRequirements:
     """What the verdict asks for; every figure is a choice.
 
     Attributes:
         speed_m_s: speed over the course.
-        inclinations_rad: angles of the courses above the horizontal (3-D only; in the plane only 0).
-        horizon_s: within this time ...
-        side_step_m: ... this displacement must be made good to either side of the course, in 3-D also up and down ...
-        most_turn_rad: ... without turning further than this about any body axis on the way.
+        inclinations_rad: angles of the courses above the horizontal. They count in 3-D only; in the plane it is 0.
+        horizon_s: the time a side step may take.
+        side_step_m: displacement that must be made good to either side of the course, in 3-D also up and down.
+        most_turn_rad: largest rotation about each body axis on the way.
     """
 
     speed_m_s: float = 0.3
@@ -31,7 +31,7 @@ class Mission:
     most_turn_rad: float = float(np.radians(30.0))
 
     def check(self) -> None:
-        """Refuse a mission that asks for nothing sensible.
+        """Refuse requirements that make no sense.
 
         Raises:
             ActuationError: saying which figure, and what it should be.
@@ -39,13 +39,13 @@ class Mission:
         low, high = SPEEDS_M_S
         if not low <= self.speed_m_s <= high:
             raise ActuationError(
-                f"the mission's speed is {self.speed_m_s:g} m/s; it can be judged between {low:g} and {high:g} m/s"
+                f"the required speed is {self.speed_m_s:g} m/s; it can be judged between {low:g} and {high:g} m/s"
             )
         for name in ("horizon_s", "side_step_m", "most_turn_rad"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
-                raise ActuationError(f"the mission's {name} is {value:g}; it must be positive")
+                raise ActuationError(f"the required {name} is {value:g}; it must be positive")
         if not self.inclinations_rad or not np.all(np.abs(self.inclinations_rad) <= np.pi / 2.0):
             raise ActuationError(
-                f"the mission's inclinations_rad are {self.inclinations_rad}; they must be angles of at most 90 degrees"
+                f"the required inclinations_rad are {self.inclinations_rad}; they must be angles of at most 90 degrees"
             )

@@ -1,4 +1,4 @@
-"""How far a vehicle can step to the side of its course in a given time: a linear programme over all forces it has."""
+"""How far a vehicle can step to the side of its course in a given time: a linear programme over all its forces."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ _MADE_GOOD = 1e-9
 
 
 @dataclass(frozen=True)
-class Bounds:
-    """Within what a side step must stay, because beyond it small motions say nothing.
+class SideStepBounds:
+    """Within these a side step must stay: beyond them small motions say nothing.
 
     Attributes:
         horizon_s: the time it may take.
@@ -31,12 +31,14 @@ class Bounds:
     furthest_m: float
 
 
-def side_step(motion: LinearMotion, low: Vector, high: Vector, within: Bounds, *, above_m: float = 0.0) -> float:
+def side_step(
+    motion: LinearMotion, low: Vector, high: Vector, within: SideStepBounds, *, above_m: float = 0.0
+) -> float:
     """Largest displacement [m] that can be made good to either side of a course and, in 3-D, up and down: the least.
 
-    From the course to a parallel one: at the end the vehicle moves along that (no cross-track rate) and has stopped
-    turning; slip and the angle that makes up for it may be left. Maximal over all histories of the forces, held
-    over ten equal steps, at whose ends the bounds are looked at. A thruster fewer can only shorten it.
+    It leads from the course to a parallel one. At the end the vehicle moves along that (no cross-track rate) and has
+    stopped turning; slip and the angle that makes up for it may be left. It is the maximum over all histories of the
+    forces, held over ten equal steps. The bounds are looked at where a step ends. A thruster fewer can only shorten it.
 
     Args:
         motion: about the course.
@@ -50,7 +52,7 @@ def side_step(motion: LinearMotion, low: Vector, high: Vector, within: Bounds, *
     """
     manoeuvre = _Manoeuvre.of(motion, low, high, within)
     least = within.furthest_m
-    for side in np.concatenate([np.eye(len(motion.off_course)), -np.eye(len(motion.off_course))]):
+    for side in np.concatenate([np.eye(len(motion.C)), -np.eye(len(motion.C))]):
         if manoeuvre.least_effort(side) < within.furthest_m:
             least = min(least, manoeuvre.longest(side))
         if least <= above_m:
@@ -60,11 +62,11 @@ def side_step(motion: LinearMotion, low: Vector, high: Vector, within: Bounds, *
 
 @dataclass(frozen=True)
 class _Manoeuvre:
-    """The side step in units of its bounds: x_j+1 = forward x_j + push u_j, ends x_N = [displacement, 0].
+    """The side step in units of its bounds: x_j+1 = A_d x_j + B_d u_j, ends x_N = [displacement, 0].
 
     Attributes:
-        forward: (k,k).
-        push: (k,m).
+        A_d: (k,k).
+        B_d: (k,m).
         ends: (e,k) rows that read displacement [m], then cross-track rates and angular velocities.
         largest: (k,) bound of each state, infinite where there is none.
         low: (m,) bounds of u.
@@ -72,8 +74,8 @@ class _Manoeuvre:
         furthest_m: bound of the displacement.
     """
 
-    forward: Matrix
-    push: Matrix
+    A_d: Matrix
+    B_d: Matrix
     ends: Matrix
     largest: Vector
     low: Vector
@@ -81,17 +83,17 @@ class _Manoeuvre:
     furthest_m: float
 
     @staticmethod
-    def of(motion: LinearMotion, low: Vector, high: Vector, within: Bounds) -> _Manoeuvre:
-        largest = np.full(len(motion.drift), np.inf)
+    def of(motion: LinearMotion, low: Vector, high: Vector, within: SideStepBounds) -> _Manoeuvre:
+        largest = np.full(len(motion.A), np.inf)
         largest[motion.angles], largest[motion.speeds] = within.most_turn_rad, within.fastest_m_s
         unit = np.where(np.isfinite(largest), largest, 1.0)
         span = np.where(high > low, high - low, 1.0)
-        forward, push = motion.sampled(within.horizon_s / _STEPS)
-        still = np.vstack([motion.off_course @ motion.drift, np.eye(len(unit))[motion.rates]])
+        A_d, B_d = motion.sampled(within.horizon_s / _STEPS)
+        still = np.vstack([motion.C @ motion.A, np.eye(len(unit))[motion.rates]])
         return _Manoeuvre(
-            forward=forward * unit / unit[:, None],
-            push=push * span / unit[:, None],
-            ends=np.vstack([motion.off_course, still]) * unit,
+            A_d=A_d * unit / unit[:, None],
+            B_d=B_d * span / unit[:, None],
+            ends=np.vstack([motion.C, still]) * unit,
             largest=largest / unit,
             low=low / span,
             high=high / span,
@@ -99,40 +101,46 @@ class _Manoeuvre:
         )
 
     def least_effort(self, side: Vector) -> float:
-        """A displacement [m] that is possible: the forces of least square sum, scaled until one meets its bound."""
+        """A displacement [m] that is possible: the forces of least square sum, scaled until something meets its bound.
+
+        Args:
+            side: (c,) unit vector across the course.
+        """
         margins = np.minimum(self.high, -self.low)
-        blocks = [self.push * margins]
+        blocks = [self.B_d * margins]
         for _ in range(_STEPS - 1):
-            blocks.append(self.forward @ blocks[-1])
+            blocks.append(self.A_d @ blocks[-1])
         transfer = self.ends @ np.hstack(blocks[::-1])
         aim = np.r_[side, np.zeros(len(transfer) - len(side))]
         u = np.linalg.lstsq(transfer, aim, rcond=1e-10)[0]
         if np.max(np.abs(transfer @ u - aim)) > _MADE_GOOD:
             return 0.0
-        used, x = float(np.max(np.abs(u))), np.zeros(len(self.forward))
+        used, x = float(np.max(np.abs(u))), np.zeros(len(self.A_d))
         for step in u.reshape(_STEPS, -1):
-            x = self.forward @ x + self.push @ (margins * step)
+            x = self.A_d @ x + self.B_d @ (margins * step)
             used = max(used, float(np.max(np.abs(x) / self.largest)))
         return 1.0 / used
 
     def longest(self, side: Vector) -> float:
         """The longest displacement [m], up to the furthest, as a linear programme.
 
-        Unknown are the state after each step, the forces of each step and the displacement, in this order.
+        The unknowns are the state after each step, the forces of each step and the displacement, in this order.
+
+        Args:
+            side: (c,) unit vector across the course.
         """
-        from scipy.optimize import Bounds as Box
-        from scipy.optimize import LinearConstraint, milp
+        from scipy.optimize import Bounds, LinearConstraint, milp
         from scipy.sparse import csc_array
 
-        k, m = self.push.shape
+        k, m = self.B_d.shape
         states = _STEPS * k
         rows = np.zeros((states + len(self.ends), states + _STEPS * m + 1))
         for j in range(_STEPS):
             after, before = slice(j * k, (j + 1) * k), slice((j - 1) * k, j * k)
             rows[after, after] = np.eye(k)
             if j:
-                rows[after, before] = -self.forward
-            rows[after, states + j * m : states + (j + 1) * m] = -self.push
+                rows[after, before] = -self.A_d
+            rows[after, states + j * m : states + (j + 1) * m] = -self.B_d
         rows[states:, states - k : states] = self.ends
         rows[states : states + len(side), -1] = -side
         bounds = np.tile(self.largest, _STEPS)
@@ -142,7 +150,7 @@ class _Manoeuvre:
         found = milp(
             aim,
             constraints=LinearConstraint(csc_array(rows), 0.0, 0.0),
-            bounds=Box(
+            bounds=Bounds(
                 np.r_[-bounds, np.tile(self.low, _STEPS), 0.0],
                 np.r_[bounds, np.tile(self.high, _STEPS), self.furthest_m],
             ),

@@ -1,10 +1,14 @@
 """Whether a vehicle can follow a path with the thrusters it has, and why.
 
 Rank alone does not tell: {Fx, Mz} is a unicycle and follows planar paths with rank 2, three torques have rank 3 and
-stay where they are. Asked instead, for level and inclined courses: is there an attitude in which the steady wrench
-(drag, Munk and restoring moments) is within reach and limits, is every motion about that course steered by the
-thrusters or damped by the water, and how large an error across the course can be made good in a given time? A vehicle
-that has all components is asked for any course in any attitude besides.
+stay where they are. Three questions are asked instead, for level and inclined courses:
+
+1. Is there a trim condition: an attitude in which the steady wrench (drag, Munk and restoring moments) is within the
+   range of A and the limits?
+2. Is every mode of small motions about it controllable, or damped by the water?
+3. How large an error across the course can be made good in a given time?
+
+A vehicle that has all components is asked a fourth: any course in any attitude.
 """
 
 from __future__ import annotations
@@ -14,12 +18,12 @@ from enum import Enum
 
 import numpy as np
 
-from cube_sim.actuation.attainable.attainable_set import attainable
+from cube_sim.actuation.attainable.attainable_set import attainable_set
 from cube_sim.actuation.directions.subspaces import Subspaces
 from cube_sim.actuation.path_following.any_attitude import shortfall
-from cube_sim.actuation.path_following.controllable_trim import FURTHEST, SteeredCourse, steered_course
-from cube_sim.actuation.path_following.percent import percent
-from cube_sim.actuation.path_following.requirements import Mission
+from cube_sim.actuation.path_following.controllable_trim import FURTHEST, ControllableTrim, controllable_trim
+from cube_sim.actuation.path_following.reasons import components_left, course, percent
+from cube_sim.actuation.path_following.requirements import PathRequirements
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
 
@@ -30,13 +34,13 @@ class Outcome(Enum):
     HOLONOMIC = "holonomic"
     """Every wrench component is its own, and strong enough for any course in any attitude."""
     STEERED = "steered"
-    """Not so, but every course asked for can be kept and steered."""
+    """Not so, but every course asked for has a trim condition within the limits that is controllable."""
     ADRIFT = "adrift"
-    """Courses can be kept, but some motion is neither damped nor steered to both sides."""
+    """Every course has a trim condition, but some mode is neither damped nor controllable to both sides."""
     WEAK = "weak"
-    """Courses can be kept and steered, but too slowly to follow a path."""
+    """Every course can be kept and steered, but too slowly to follow a path."""
     STUCK = "stuck"
-    """Some course cannot be kept in any attitude."""
+    """Some course has no trim condition within the limits: it cannot be kept in any attitude."""
 
 
 @dataclass(frozen=True)
@@ -46,12 +50,12 @@ class Verdict:
     Attributes:
         outcome: what kind of vehicle is left.
         reason: one sentence.
-        courses: the best course for every inclination asked for at which there is one.
+        trims: the best trim condition for every inclination asked for at which there is one.
     """
 
     outcome: Outcome
     reason: str
-    courses: tuple[SteeredCourse, ...]
+    trims: tuple[ControllableTrim, ...]
 
     @property
     def follows(self) -> bool:
@@ -63,7 +67,7 @@ def judge(
     actuation: Subspaces,
     hull: Dynamics | None = None,
     allowed: AllowedForces | None = None,
-    mission: Mission | None = None,
+    requirements: PathRequirements | None = None,
 ) -> Verdict:
     """Judge path following.
 
@@ -71,31 +75,33 @@ def judge(
         actuation: of the thrusters that are left.
         hull: the moving body; without one, `Dynamics.neutral`, which nothing restores.
         allowed: forces of the thrusters; without them limits are not looked at.
-        mission: what is asked; default `Mission()`.
+        requirements: what is asked; default `PathRequirements()`.
 
     Raises:
-        ActuationError: the mission asks for nothing sensible.
+        ActuationError: the requirements make no sense.
     """
-    asked = Mission() if mission is None else mission
-    asked.check()
+    required = PathRequirements() if requirements is None else requirements
+    required.check()
     body = Dynamics.neutral(actuation.length_m) if hull is None else hull
     able = actuation if allowed is None else _able(actuation, allowed)
-    reach = None if allowed is None else attainable(able, allowed)
-    inclinations = (0.0,) if len(actuation.matrix) == 3 else asked.inclinations_rad
-    best: list[SteeredCourse] = []
+    attainable = None if allowed is None else attainable_set(able, allowed)
+    inclinations = (0.0,) if len(actuation.matrix) == 3 else required.inclinations_rad
+    left = components_left(able)
+    trims: list[ControllableTrim] = []
     for inclination in inclinations:
-        found = steered_course(body, able, allowed, reach, asked, inclination)
-        if found is None:
-            return Verdict(Outcome.STUCK, f"{_left(able)}; {_no_course(inclination, asked)}", tuple(best))
-        best.append(found)
-        if not found.within_limits:
-            text = f"{_course(inclination)} at {asked.speed_m_s:g} m/s needs more force than the thrusters have"
-            text = f"{text}: they hold {percent(found.share)} of it {_where(able)}"
-            return Verdict(Outcome.STUCK, f"{_left(able)}; {text}", tuple(best))
+        trim = controllable_trim(body, able, allowed, attainable, required, inclination)
+        at_speed = f"{course(inclination)} at {required.speed_m_s:g} m/s"
+        if trim is None:
+            return Verdict(Outcome.STUCK, f"{left}; {at_speed} can be kept in no attitude tried", tuple(trims))
+        trims.append(trim)
+        if not trim.within_limits:
+            held = f"{percent(trim.share)} of it {_best_where(able)}"
+            text = f"{at_speed} needs more force than the thrusters have: they hold {held}"
+            return Verdict(Outcome.STUCK, f"{left}; {text}", tuple(trims))
     missing = None
-    if reach is not None and able.rank == len(able.matrix):
-        missing = shortfall(body, reach, asked.speed_m_s)
-    return _verdict(able, tuple(best), asked, missing)
+    if attainable is not None and able.rank == len(able.matrix):
+        missing = shortfall(body, attainable, required.speed_m_s)
+    return _all_kept(able, tuple(trims), required, missing)
 
 
 def _able(actuation: Subspaces, allowed: AllowedForces) -> Subspaces:
@@ -104,51 +110,47 @@ def _able(actuation: Subspaces, allowed: AllowedForces) -> Subspaces:
     return actuation if np.all(moving) else actuation.with_only(moving.astype(float))
 
 
-def _verdict(actuation: Subspaces, best: tuple[SteeredCourse, ...], asked: Mission, missing: str | None) -> Verdict:
-    left = _left(actuation)
-    loose = sorted({name for steered in best for name in steered.loose})
-    if loose:
-        return Verdict(Outcome.ADRIFT, f"{left}; neither damped nor steered to both sides: {', '.join(loose)}", best)
-    step = min(steered.side_step_m for steered in best)
-    tilt = max(np.degrees(steered.course.tilt_rad) for steered in best)
-    steering = "errors across the course can be steered out"
-    if np.isfinite(step):
-        more = " or more" if step >= FURTHEST * asked.side_step_m else ""
-        turning = f"turning by {np.degrees(asked.most_turn_rad):.0f} deg at most"
-        steering = f"in {asked.horizon_s:g} s, {turning}, it can make good {step:.2g} m{more} across the course"
-    if step < asked.side_step_m:
-        return Verdict(Outcome.WEAK, f"{left}; {steering}, {asked.side_step_m:g} m are asked for", best)
+def _all_kept(
+    actuation: Subspaces, trims: tuple[ControllableTrim, ...], required: PathRequirements, missing: str | None
+) -> Verdict:
+    """The verdict where every course is kept within the limits.
+
+    Args:
+        actuation: of the thrusters that are left.
+        trims: the best trim condition of each course.
+        required: what is asked.
+        missing: what keeps the vehicle from any course in any attitude; None when nothing does.
+    """
+    left = components_left(actuation)
+    uncontrolled = sorted({name for trim in trims for name in trim.uncontrolled_modes})
+    if uncontrolled:
+        text = f"neither damped nor steered to both sides: {', '.join(uncontrolled)}"
+        return Verdict(Outcome.ADRIFT, f"{left}; {text}", trims)
+    step = min(trim.side_step_m for trim in trims)
+    steering = _steering(step, required)
+    if step < required.side_step_m:
+        return Verdict(Outcome.WEAK, f"{left}; {steering}, {required.side_step_m:g} m are asked for", trims)
     planar = len(actuation.matrix) == 3
     freedom = "any course in the plane at any heading" if planar else "any course in any attitude"
     if actuation.rank == len(actuation.matrix) and missing is None:
-        return Verdict(Outcome.HOLONOMIC, f"{left}: {freedom}; {steering}", best)
+        return Verdict(Outcome.HOLONOMIC, f"{left}: {freedom}; {steering}", trims)
     kept = "every course asked for is kept"
     if not planar:
-        kept = f"{kept}, tilted by up to {tilt:.0f} deg"
+        kept = f"{kept}, tilted by up to {max(np.degrees(trim.condition.tilt_rad) for trim in trims):.0f} deg"
     if missing is not None:
         kept = f"{kept}, but not {freedom}: {missing}"
-    return Verdict(Outcome.STEERED, f"{left}; {kept}; {steering}", best)
+    return Verdict(Outcome.STEERED, f"{left}; {kept}; {steering}", trims)
 
 
-def _left(actuation: Subspaces) -> str:
-    n = len(actuation.matrix)
-    if actuation.rank == n:
-        return f"all {n} components are produced"
-    forces, torques = actuation.pure_forces.shape[1], actuation.pure_torques.shape[1]
-    return f"{actuation.rank} of {n} components are left: {forces} pure force, {torques} pure torque"
+def _steering(step_m: float, required: PathRequirements) -> str:
+    """How far errors across the course can be steered out."""
+    if not np.isfinite(step_m):
+        return "errors across the course can be steered out"
+    more = " or more" if step_m >= FURTHEST * required.side_step_m else ""
+    turning = f"turning by {np.degrees(required.most_turn_rad):.0f} deg at most"
+    return f"in {required.horizon_s:g} s, {turning}, it can make good {step_m:.2g} m{more} across the course"
 
 
-def _where(actuation: Subspaces) -> str:
+def _best_where(actuation: Subspaces) -> str:
     """In which attitude the share of a course is the largest."""
     return "in the best attitude" if len(actuation.matrix) == 6 else "at the best heading"
-
-
-def _course(inclination_rad: float) -> str:
-    degrees = np.degrees(inclination_rad)
-    if abs(degrees) < 0.5:
-        return "a level course"
-    return f"a course {'climbing' if degrees > 0.0 else 'sinking'} at {abs(degrees):.0f} deg"
-
-
-def _no_course(inclination_rad: float, asked: Mission) -> str:
-    return f"{_course(inclination_rad)} at {asked.speed_m_s:g} m/s can be kept in no attitude tried"
