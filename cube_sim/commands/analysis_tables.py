@@ -85,7 +85,7 @@ def _reason(a: Analysis, why: str) -> str:
     if why == "cost":
         return f"dropped by cost: above {threshold.cost_limit:g} N/N"
     times = 1.0 / threshold.rank_tolerance
-    return f"dropped by rank: more than {times:.4g} times as costly as the least costly; --cost-limit decides instead"
+    return f"dropped by rank: more than {times:.4g} times as costly as the cheapest; --cost-limit decides instead"
 
 
 def _indices(a: Analysis) -> str:

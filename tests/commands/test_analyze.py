@@ -51,7 +51,7 @@ def test_directions_are_dropped_by_rank_or_by_a_limit_on_their_cost_and_the_reas
     assert "rank 5 of 6" in by_rank.output
     assert "too costly but together" in by_rank.output
     assert "always" not in by_rank.output
-    assert "dropped by rank: more than 100 times as costly as the least costly" in by_rank.output
+    assert "dropped by rank: more than 100 times as costly as the cheapest" in by_rank.output
     assert "rank 6 of 6" in analyze(*as_built, "T1,T2", "--cost-limit", "100").output
     by_cost = analyze(*as_built, "T2,T3", "--cost-limit", "10")
     assert "rank 5 of 6" in by_cost.output

@@ -59,14 +59,15 @@ def combinations(null_rows: Matrix, scaled: Matrix, axes: WrenchAxes, length_m: 
         d combinations; a component that is lost outright comes first and alone.
     """
     rows = _reduced(null_rows)
-    lost_outright = np.count_nonzero(_spoken(rows), axis=1) != 1
-    order = np.lexsort((np.argmax(_spoken(rows), axis=1), lost_outright)) if len(rows) else []
+    several = np.count_nonzero(_spoken(rows), axis=1) != 1
+    order = np.lexsort((np.argmax(_spoken(rows), axis=1), several)) if len(rows) else []
     gains = np.linalg.norm(rows @ scaled, axis=1)
     gains[gains <= _ROUNDING * np.linalg.norm(scaled)] = 0.0
     return tuple(_combination(rows[i], float(gains[i]), axes, length_m) for i in order)
 
 
 def _combination(row: Vector, gain: float, axes: WrenchAxes, length_m: float) -> Combination:
+    """One row (n,) of unit norm, in scaled components, as a condition on the wrench."""
     coefficients = row * axes.scale(length_m)
     spoken = np.flatnonzero(_spoken(row))
     first = spoken[0]
@@ -97,10 +98,12 @@ def _reduced(null_rows: Matrix) -> Matrix:
 
 
 def _spoken(rows: Matrix) -> np.ndarray:
+    """Which components of each row are large enough for the words."""
     return np.abs(rows) >= _SPOKEN * np.max(np.abs(rows), axis=-1, keepdims=True, initial=0.0)
 
 
 def _words(row: Vector, axes: WrenchAxes, length_m: float, gain: float) -> str:
+    """The left side in words: "cannot push sideways: Fy", "Fx and Mz only together: Fx + 2 Mz/m"."""
     spoken = np.flatnonzero(_spoken(row))
     if len(spoken) == 1:
         ability = axes.abilities[spoken[0]]

@@ -59,7 +59,7 @@ def save_picture(
     rows = np.broadcast_to(limits, (m, np.shape(limits)[-1]))
     everyone = tuple(names) or table.names
     if len(everyone) != m:
-        raise ActuationError(f"{len(everyone)} names for {m} thrusters: the picture needs those of lost ones, too")
+        raise ActuationError(f"{len(everyone)} names for {m} thrusters: give those of the lost ones, too")
     shown = table.already or _worst_single(table)
     keep = [i for i, name in enumerate(everyone) if name not in shown]
     with rc_context({"svg.hashsalt": "cube-sim", "font.size": 9}):
