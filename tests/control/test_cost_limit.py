@@ -70,7 +70,7 @@ def test_the_limit_decides_alone_and_a_high_one_keeps_what_rank_would_cut(vehicl
     assert remaining_capability(A, limits, health, 100.0).authority is Authority.HOLONOMIC
 
 
-def test_nothing_dear_is_asked_for_where_no_path_can_be_followed(vehicle):
+def test_nothing_costly_is_asked_for_where_no_path_can_be_followed(vehicle):
     A = vehicle.actuation_matrix
     directions = final_approach(A)
     limit = float(directions.costs[2] + directions.costs[3]) / 2.0
@@ -83,7 +83,7 @@ def test_nothing_dear_is_asked_for_where_no_path_can_be_followed(vehicle):
     assert np.array_equal(capability(A[:, :2]).project_onto_range(demand), demand)
 
 
-def test_a_level_vehicle_that_pushes_sideways_dearly_steers_by_its_heading():
+def test_a_level_vehicle_that_pushes_sideways_at_a_cost_steers_by_its_heading():
     A = np.zeros((6, 4))
     A[[0, 1, 5]] = [[1, 1, 1, 1], [0.02, -0.02, -0.02, 0.02], [-0.2, 0.2, -0.2, 0.2]]
     assert capability(A).authority is Authority.LEVEL
