@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import json
-import subprocess
-import sys
 
 import llvmlite.binding as llvm
 import numba
 import pytest
 from numba import types
 from support.places import CUBE
+from support.processes import printed_by
 
 from cube_sim.native import object_cache
 
@@ -97,13 +96,7 @@ print(json.dumps([data.qpos.tobytes().hex(), "cube_sim.vehicle.plugin.callbacks"
 """
     runs = []
     for _ in range(2):
-        done = subprocess.run(
-            [sys.executable, "-c", program, str(CUBE)],
-            env={"CUBE_SIM_CACHE_DIR": str(tmp_path), "PATH": "", "HOME": str(tmp_path)},
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        runs.append(json.loads(done.stdout))
+        environment = {"CUBE_SIM_CACHE_DIR": str(tmp_path), "PATH": "", "HOME": str(tmp_path)}
+        runs.append(json.loads(printed_by(program, CUBE, environment=environment)))
     assert runs[0][0] == runs[1][0]
     assert [compiled for _, compiled in runs] == [True, False]

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
 
 import pytest
+from support.processes import printed_by
 
 from cube_sim.native import object_cache
 from cube_sim.native.sources import PACKAGE, source_digest, source_files
@@ -34,8 +33,7 @@ import importlib, json, sys
 importlib.import_module(sys.argv[1])
 print(json.dumps([m.__file__ for name, m in sys.modules.items() if name.partition(".")[0] == "cube_sim"]))
 """
-    done = subprocess.run([sys.executable, "-c", program, module], capture_output=True, text=True, check=True)
-    assert {str(file) for file in source_files(module)} == set(json.loads(done.stdout))
+    assert {str(file) for file in source_files(module)} == set(json.loads(printed_by(program, module)))
 
 
 @pytest.mark.parametrize("module", COMPILED)

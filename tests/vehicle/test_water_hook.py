@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import copy
 import pickle
-import subprocess
-import sys
 from dataclasses import replace
 
 import mujoco
@@ -13,6 +11,7 @@ import numpy as np
 import pytest
 from mujoco import rollout
 from support.places import CUBE, MODELS
+from support.processes import printed_by
 from support.water_bodies import DENSITY, Body, get_state, random_body, reference, scene, set_state, tumbling
 
 import cube_sim
@@ -39,7 +38,7 @@ def test_other_models_are_untouched_bit_for_bit():
         "d.qvel[:] = np.linspace(-1.0, 1.0, m.nv); mujoco.mj_step(m, d, nstep=300)\n"
         "sys.stdout.write(np.concatenate([d.qpos, d.qvel]).tobytes().hex())"
     )
-    alone = subprocess.run([sys.executable, "-c", program, DRY], capture_output=True, text=True, check=True).stdout
+    alone = printed_by(program, DRY)
     cube_sim.load_model(CUBE)
     assert fall(mujoco.MjModel.from_xml_string(DRY)).tobytes().hex() == alone
 
@@ -152,8 +151,7 @@ def test_a_saved_model_in_another_process_needs_install(tmp_path):
         " mujoco.mj_step(m, d, nstep=50)\n print(d.qpos.tobytes().hex())\n"
         "fly(models[0]), fly(models[1])\nimport cube_sim\ncube_sim.install()\nfly(models[0]), fly(models[1])"
     )
-    done = subprocess.run([sys.executable, "-c", program, str(path)], capture_output=True, text=True, check=True)
-    *dry, wet, also_wet = (np.frombuffer(bytes.fromhex(text)) for text in done.stdout.split())
+    *dry, wet, also_wet = (np.frombuffer(bytes.fromhex(text)) for text in printed_by(program, path).split())
     data = mujoco.MjData(model)
     data.ctrl[:] = 0.5
     mujoco.mj_step(model, data, nstep=50)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import subprocess
-import sys
 
 import mujoco
 import numpy as np
@@ -15,6 +13,7 @@ from mujoco import rollout
 from support.edited_cube import edited_text
 from support.flights import FORCES_ONLY
 from support.places import HELIX, MODELS
+from support.processes import printed_by
 from support.water_bodies import DENSITY, Body, flown, get_state, random_body, reference, set_state, tumbling
 
 import cube_sim
@@ -209,14 +208,9 @@ print(json.dumps([data.qpos.tobytes().hex(), "numba" in sys.modules]))
     for kind, needs_numba in (("lift", False), ("tether", True)):
         runs = []
         for start in ("first", "second"):
-            done = subprocess.run(
-                [sys.executable, "-c", program, str(MODELS / "infante.xml"), kind, start],
-                env={**os.environ, "CUBE_SIM_CACHE_DIR": str(tmp_path)},
-                capture_output=True,
-                text=True,
-                check=True,
-            )
-            runs.append(json.loads(done.stdout))
+            environment = {**os.environ, "CUBE_SIM_CACHE_DIR": str(tmp_path)}
+            printed = printed_by(program, MODELS / "infante.xml", kind, start, environment=environment)
+            runs.append(json.loads(printed))
         assert runs[0][0] == runs[1][0]
         assert runs[1][1] is needs_numba
     assert sorted(path.name.partition(".")[2] for path in tmp_path.glob("user_force-*")) == ["numba.o", "o"]
