@@ -54,6 +54,7 @@ def allocate_wrenches(text):
 PROMISED = {check.__name__: check for check in (step_the_water, randomise_hulls, tether, read_a_run, allocate_wrenches)}
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("name", NAMES)
 def test_example(name, tmp_path):
     environment = {**os.environ, "PYTHONPATH": str(REPO)}

@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.places import REPO
 from support.recipes import recipes
 
-ROOT = Path(__file__).parents[1]
-DOCUMENT = ROOT / "docs" / "extending.md"
+DOCUMENT = REPO / "docs" / "extending.md"
 RECIPES = recipes(DOCUMENT)
 NEEDED = ("cube_sim", "models", "scenarios", "tests", "docs", "pyproject.toml", "conftest.py")
 TOOLS = Path(sys.executable).parent
@@ -21,7 +21,7 @@ TOOLS = Path(sys.executable).parent
 def copy(tmp_path):
     """The repository without its history; machine code comes along, its sources are as old as before."""
     for name in NEEDED:
-        source = ROOT / name
+        source = REPO / name
         (shutil.copytree if source.is_dir() else shutil.copy2)(source, tmp_path / name)
     return tmp_path
 
@@ -40,6 +40,7 @@ def run(command: str, directory: Path) -> None:
     assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("recipe", RECIPES, ids=lambda recipe: recipe.title.replace(" ", "_"))
 def test_recipe(recipe, copy):
     for step in recipe.steps:

@@ -19,6 +19,7 @@ def listed(monkeypatch, capsys, *arguments):
 
 
 @pytest.mark.flight
+@pytest.mark.flight
 def test_they_are_those_of_a_run(tmp_path, monkeypatch, capsys):
     path = write(tmp_path, FLIGHT)
     settings = {"duration_s": 0.2, "control_period_s": 0.05, "navigation": {"heading": None, "dvl": {"rate_hz": 4}}}
