@@ -4,7 +4,7 @@
 
 A tumbling body with random full added mass (largest eigenvalue of M_RB^-1 M_A: 3), full linear and quadratic damping,
 offset centres and a current flies for 3 s. The reference is DOP853 at a relative tolerance of 1e-12
-(`tests/water_bodies.py`). "lagged" is what a force -M_A qacc of the step before would do to the same body.
+(`tests/support/water_bodies.py`). "lagged" is what a force -M_A qacc of the step before would do to the same body.
 """
 
 from __future__ import annotations

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from pkgutil import resolve_name
 
 import pytest
+from support.places import REPO
 
-ROOT = Path(__file__).parents[1]
 # The recipes of extending.md name what they add; they are run (test_extending.py).
-DOCUMENTS = [p for p in [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")] if p.name != "extending.md"]
-SOURCES = sorted((ROOT / "cube_sim").rglob("*.py"))
+DOCUMENTS = [p for p in [*REPO.glob("*.md"), *REPO.glob("docs/*.md")] if p.name != "extending.md"]
+SOURCES = sorted(path for room in ("cube_sim", "benchmarks", "examples") for path in (REPO / room).rglob("*.py"))
 NAME = re.compile(r"(?<![\w./-])cube_sim\.[a-z_]\w*(?:\.\w+)*")  # cube_sim.PathError is a recorded message's
 FILE = re.compile(r"(?<![\w./-])(?:cube_sim|tests|docs|examples|benchmarks)/[\w/]+\.(?:py|md)\b")
 
@@ -19,14 +18,14 @@ FILE = re.compile(r"(?<![\w./-])(?:cube_sim|tests|docs|examples|benchmarks)/[\w/
 def missing(text):
     """Names and files in a text that nobody would find, each with what it comes to."""
     for name in sorted(set(NAME.findall(text))):
-        path = ROOT.joinpath(*name.split("."))
+        path = REPO.joinpath(*name.split("."))
         if path.with_suffix(".py").is_file() or (path / "__init__.py").is_file():
             continue
         try:
             resolve_name(name)
         except (ImportError, AttributeError) as error:
             yield f"{name}: {error}"
-    yield from (name for name in sorted(set(FILE.findall(text))) if not (ROOT / name).is_file())
+    yield from (name for name in sorted(set(FILE.findall(text))) if not (REPO / name).is_file())
 
 
 @pytest.mark.parametrize("path", sorted(DOCUMENTS), ids=lambda path: path.name)
@@ -35,7 +34,7 @@ def test_what_a_document_names_exists(path):
 
 
 def test_what_the_code_names_in_prose_exists():
-    said = {str(path.relative_to(ROOT)): list(missing(path.read_text(encoding="utf-8"))) for path in SOURCES}
+    said = {str(path.relative_to(REPO)): list(missing(path.read_text(encoding="utf-8"))) for path in SOURCES}
     assert {path: names for path, names in said.items() if names} == {}
 
 
