@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cube_sim.allocation.allocation import Allocation, Status
     from cube_sim.allocation.allocator import Allocator
-    from cube_sim.allocation.by_name import make_allocator
     from cube_sim.allocation.fault_tolerant import FaultTolerant
+    from cube_sim.allocation.methods import make_allocator
     from cube_sim.wrench.health import Health
 
 __all__ = ["Allocation", "Allocator", "FaultTolerant", "Health", "Status", "make_allocator"]
@@ -23,7 +23,7 @@ _HOME = {
     "FaultTolerant": "cube_sim.allocation.fault_tolerant",
     "Health": "cube_sim.wrench.health",
     "Status": "cube_sim.allocation.allocation",
-    "make_allocator": "cube_sim.allocation.by_name",
+    "make_allocator": "cube_sim.allocation.methods",
 }
 
 

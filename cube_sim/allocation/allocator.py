@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,8 +16,8 @@ from cube_sim.allocation.exact.problem import closest_wrench_data, make_problem
 from cube_sim.allocation.exact.solutions import force_solutions, wrench_metric
 from cube_sim.allocation.exact.solve import answer_size, solve_each
 from cube_sim.allocation.exact.step import no_previous_answer
-from cube_sim.allocation.methods import Method
-from cube_sim.allocation.objectives import Objective, side_targets
+from cube_sim.allocation.objectives import side_targets
+from cube_sim.allocation.options import WEIGHTS_SPAN, Method, Objective, Unattainable
 from cube_sim.allocation.previous import PreviousForces
 from cube_sim.allocation.subset_qp.enumeration import Enumeration
 from cube_sim.allocation.subset_qp.solver import Confirmer
@@ -31,16 +31,8 @@ from cube_sim.wrench.tolerances import FORCE_ROUNDING
 AGREEMENT = 1e-4
 """Largest difference between the search's and ProxQP's forces that counts as agreement, part of the largest limit."""
 
-WEIGHTS_SPAN = 1e6
-"""Largest ratio of two weights, and their distance from 1: beyond it, what light ones cost is lost in the rounding of
-heavy ones."""
-
 FARTHEST_TARGET = 1e6
 """Most a preferred force may exceed the largest limit: its square is what the forces' differences are seen beside."""
-
-Unattainable = Literal["closest", "scaled"]
-"""``closest``: the closest attainable wrench in the weighted norm. ``scaled``: the largest attainable part of the
-demand in its own direction."""
 
 FLOAT, SIDE = np.dtype(np.float64), np.dtype(np.int8)
 

@@ -1,18 +1,29 @@
-"""The names of all ways of allocating. Nothing compiled is needed to know them."""
+"""Every way of allocating, by name."""
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from collections.abc import Callable, Mapping
+from functools import partial
+from inspect import signature
+from typing import Any, get_args
 
+from numpy.typing import ArrayLike
+
+from cube_sim.allocation.baselines.compensation import Compensation
+from cube_sim.allocation.baselines.contraction import Contraction
+from cube_sim.allocation.baselines.pseudo_inverse import PseudoInverse
+from cube_sim.allocation.options import BaselineMethod, Method
+from cube_sim.allocation.protocol import WrenchAllocator
+from cube_sim.errors import AllocationError
 from cube_sim.wrench.arguments import one_of
 
-Method = Literal["search+proxqp", "search", "enumerate", "enumerate_parallel"]
-"""``search+proxqp``: the exact search decides the subset, ProxQP solves it and must agree. ``search``: without ProxQP.
-``enumerate``: the report's own algorithm, one ProxQP for each of the 2^m or 3^m subsets. ``enumerate_parallel``: the
-same spread over the processor's cores."""
-
-BaselineMethod = Literal["contraction", "compensation", "pseudo_inverse", "clipped_pseudo_inverse"]
-"""Methods that try their best: the two strategies of Ropars et al. (2018) and the two everybody knows."""
+_BASELINES: dict[str, Callable[..., WrenchAllocator]] = {
+    "contraction": Contraction,
+    "compensation": Compensation,
+    "pseudo_inverse": partial(PseudoInverse, clipped=False),
+    "clipped_pseudo_inverse": partial(PseudoInverse, clipped=True),
+}
+_NOT_OPTIONS = ("A", "limits", "method", "clipped")
 
 
 def methods() -> tuple[str, ...]:
@@ -27,3 +38,32 @@ def is_exact(method: str) -> bool:
         WrenchError: there is no such method.
     """
     return one_of("method", method, methods()) in get_args(Method)
+
+
+def make_allocator(
+    method: str, A: ArrayLike, limits: ArrayLike, options: Mapping[str, Any] | None = None
+) -> WrenchAllocator:
+    """Build an allocator by the name of its method.
+
+    The exact ones need the compiled search and ProxQP, which are loaded when the first of them is built.
+
+    Args:
+        method: one of `methods`.
+        A: see `Allocator`.
+        limits: see `Allocator`.
+        options: keyword arguments of `Allocator`; the baselines take ``allow_off`` only.
+
+    Raises:
+        AllocationError: an unknown method, an option the method does not know, or one that means nothing.
+    """
+    if is_exact(method):
+        from cube_sim.allocation.allocator import Allocator
+
+        build = partial(Allocator, method=method)  # type: ignore[arg-type]
+    else:
+        build = _BASELINES[method]
+    given, known = dict(options or {}), [name for name in signature(build).parameters if name not in _NOT_OPTIONS]
+    unknown = sorted(set(given) - set(known))
+    if unknown:
+        raise AllocationError(f"{method} knows no {', '.join(unknown)}; it takes {', '.join(known)}")
+    return build(A, limits, **given)

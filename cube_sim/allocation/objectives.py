@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cube_sim.allocation.options import Objective
 from cube_sim.errors import AllocationError
 from cube_sim.wrench.arguments import one_of, pairs, row
-
-Objective = Literal["energy", "target", "reactivity", "reactivity_by_side"]
-"""``energy``: least ``sum w f^2``, equation (7) of the report.
-``target``: closest to a given F_opt (11).
-``reactivity``: closest to F_react+ of all thrusters or to F_react- of all thrusters, whichever is closer (10).
-``reactivity_by_side``: each thruster close to the reactivity point of the side it works on, a thruster at rest to zero;
-what (10) is after, without turning all thrusters round together."""
 
 
 def side_targets(objective: str, target: ArrayLike | None, reactivity: ArrayLike | None, m: int) -> NDArray[np.float64]:

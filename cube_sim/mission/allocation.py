@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation import FaultTolerant
-from cube_sim.allocation.by_name import make_allocator
-from cube_sim.allocation.methods import is_exact
+from cube_sim.allocation.methods import is_exact, make_allocator
 from cube_sim.allocation.protocol import WrenchAllocator
 from cube_sim.scenario import Scenario
 from cube_sim.vehicle.vehicle import Vehicle

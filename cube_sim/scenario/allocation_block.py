@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field, field_validator
 from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
+from cube_sim.allocation.options import WEIGHTS_SPAN, BaselineMethod, Method, Objective, Unattainable
 from cube_sim.scenario.values import Block, refuse
-
-_SIMPLE_METHODS = ("contraction", "compensation", "pseudo_inverse", "clipped_pseudo_inverse")
-
-WEIGHTS_SPAN = 1e6
-"""Largest ratio of two thruster weights: that of the allocator."""
 
 Force = Annotated[float, Field(ge=-1e6, le=1e6)]
 Weight = Annotated[float, Field(ge=1 / WEIGHTS_SPAN, le=WEIGHTS_SPAN)]
@@ -23,16 +19,7 @@ Penalty = Annotated[float, Field(ge=0, le=1e12)]
 class AllocationBlock(Block):
     """How a wrench becomes thruster forces."""
 
-    method: Literal[
-        "search+proxqp",
-        "search",
-        "enumerate",
-        "enumerate_parallel",
-        "contraction",
-        "compensation",
-        "pseudo_inverse",
-        "clipped_pseudo_inverse",
-    ] = Field(
+    method: Literal[Method, BaselineMethod] = Field(
         default="search+proxqp",
         description="Exact: search+proxqp (a search picks the subset, one ProxQP solves it), search, enumerate (one "
         "ProxQP per subset), enumerate_parallel. To compare with: contraction, compensation, pseudo_inverse, "
@@ -40,7 +27,7 @@ class AllocationBlock(Block):
         "leave weights, penalties, the change limit and `unattainable` aside: a scenario compares them by this key.",
     )
     allow_off: bool = Field(default=True, description="Whether a thruster may rest at 0 N, inside its dead zone.")
-    objective: Literal["energy", "target", "reactivity", "reactivity_by_side"] = Field(
+    objective: Objective = Field(
         default="energy",
         description="What decides among exact allocations. energy: |f|^2. target: closeness to "
         "target_N. reactivity: closeness to the steepest point "
@@ -60,7 +47,7 @@ class AllocationBlock(Block):
         le=1e6,
         description="Weight of torque against force errors when the wrench is unattainable.",
     )
-    unattainable: Literal["closest", "scaled"] = Field(
+    unattainable: Unattainable = Field(
         default="closest",
         description="What is made of an unattainable wrench. closest: the closest attainable one. scaled: the largest "
         "attainable part of it in its own direction; with dead zones that may be nothing.",
@@ -90,7 +77,7 @@ class AllocationBlock(Block):
     @classmethod
     def _known_to_method(cls, objective: str, info: ValidationInfo) -> str:
         method = info.data.get("method", "search")
-        if objective != "energy" and method in _SIMPLE_METHODS:
+        if objective != "energy" and method in get_args(BaselineMethod):
             refuse(f"{method} knows no objective but energy")
         return objective
 

@@ -6,11 +6,10 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from support.allocation_reference import jack
+from support.layouts import jack
 
 from cube_sim.allocation import Allocation, Allocator, FaultTolerant, Health, Status
-from cube_sim.allocation.by_name import make_allocator
-from cube_sim.allocation.methods import is_exact, methods
+from cube_sim.allocation.methods import is_exact, make_allocator, methods
 from cube_sim.errors import ActuationError, AllocationError, WrenchError
 from cube_sim.scenario import Scenario
 from cube_sim.wrench.matrix import actuation_matrix
@@ -111,7 +110,7 @@ PLAIN = "arguments allowed_forces axes facets health limits matrix names toleran
     "imported",
     [
         "cube_sim.allocation.baselines.pseudo_inverse",
-        "cube_sim.allocation.by_name; cube_sim.allocation.by_name.make_allocator("
+        "cube_sim.allocation.methods; cube_sim.allocation.methods.make_allocator("
         "'pseudo_inverse', [[1, 0], [0, 1], [0, 0]], [-1, 1]).allocate([0.5, 0, 0])",
         "cube_sim.allocation.fault_tolerant",
         ", ".join(f"cube_sim.wrench.{name}" for name in PLAIN.split()),

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from support.places import HELIX
 
-from cube_sim.allocation import Allocator, Health, allocator
+from cube_sim.allocation import Allocator, Health
 from cube_sim.errors import ScenarioError
 from cube_sim.mission.prepare import prepare
-from cube_sim.scenario import allocation_block, load
+from cube_sim.scenario import load
 
 PLAIN = {"allocation.reversal_penalty_N2": 0.0, "allocation.switching_penalty_N2": 0.0}
 TARGET = [9.0, -9.0, 8.0, -8.0, -7.0, 7.0, -6.0, 6.0]
@@ -63,8 +63,3 @@ def test_methods_are_compared_by_one_key(method):
     with_them = prepare(load(HELIX, {**changes, "allocation.method": method})).allocator.allocate(WRENCH)
     without = prepare(load(HELIX, {**PLAIN, "allocation.method": method})).allocator.allocate(WRENCH)
     assert with_them.force.tobytes() == without.force.tobytes()
-
-
-def test_a_scenario_refuses_the_weights_that_the_allocator_refuses():
-    """The schema says so again, because it is read without anything compiled."""
-    assert allocation_block.WEIGHTS_SPAN == allocator.WEIGHTS_SPAN
