@@ -3,14 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from cube_sim.recording.channels import WXYZ, XYZ, Channel, Field
 
+
+class SensorReading(NamedTuple):
+    """What a sensor beside the inertial unit records.
+
+    Attributes:
+        instrument: what it is, for readers.
+        field: its reading.
+    """
+
+    instrument: str
+    field: Field
+
+
 READINGS = {
-    "dvl": Field("velocity", 3, "m/s", "velocity of the sensor over ground as read, body axes", XYZ),
-    "depth": Field("depth", 1, "m", "depth below z = 0 as read, positive downwards"),
-    "heading": Field("heading", 1, "rad", "azimuth of the body's x axis as read, from world x towards y"),
-    "position": Field("position", 3, "m", "position fix as read, world axes", XYZ),
+    "dvl": SensorReading(
+        "Doppler log", Field("velocity", 3, "m/s", "velocity of the sensor over ground as read, body axes", XYZ)
+    ),
+    "depth": SensorReading("pressure gauge", Field("depth", 1, "m", "depth below z = 0 as read, positive downwards")),
+    "heading": SensorReading(
+        "compass", Field("heading", 1, "rad", "azimuth of the body's x axis as read, from world x towards y")
+    ),
+    "position": SensorReading("position fix", Field("position", 3, "m", "position fix as read, world axes", XYZ)),
 }
 """What each sensor beside the inertial unit reads, by its name."""
 
@@ -61,7 +79,7 @@ def navigation_channels(rates_hz: Mapping[str, float]) -> tuple[Channel, ...]:
 
 def _sensor(name: str, rate_hz: float) -> Channel:
     """Rows come when readings arrive."""
-    reading = READINGS[name]
+    reading = READINGS[name].field
     return Channel(
         f"sensor_{name}",
         (

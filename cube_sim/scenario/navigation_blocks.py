@@ -115,9 +115,8 @@ class NavigationBlock(Block):
 
     @property
     def aids(self) -> dict[str, AidBlock]:
-        """The sensors beside the inertial unit, by name, in a fixed order."""
-        found = {"dvl": self.dvl, "depth": self.depth, "heading": self.heading, "position": self.position}
-        return {name: aid for name, aid in found.items() if aid is not None}
+        """The sensors beside the inertial unit, by name, in the order of their keys."""
+        return {name: block for name, block in self if isinstance(block, AidBlock)}
 
     @field_validator("imu", mode="before")
     @classmethod

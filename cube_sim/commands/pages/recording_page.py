@@ -46,10 +46,7 @@ WRITTEN_BY = {
     "navigation": "the estimator",
     "navigation_error": "the estimator against MuJoCo",
     "sensor_imu": "the inertial unit",
-    "sensor_dvl": "the Doppler log, when a reading arrives",
-    "sensor_depth": "the pressure gauge, when a reading arrives",
-    "sensor_heading": "the compass, when a reading arrives",
-    "sensor_position": "the position fix, when a reading arrives",
+    **{f"sensor_{name}": f"the {told.instrument}, when a reading arrives" for name, told in READINGS.items()},
 }
 """Which part of the program a channel's numbers come from."""
 
