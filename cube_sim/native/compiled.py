@@ -1,4 +1,15 @@
-"""One way to compile a hot law: numba, cached on disk, with the plain function kept as `.py_func`."""
+"""One way to compile a hot law: numba, cached on disk, with the plain function kept as `.py_func`.
+
+Machine code on disk is used again until something changes that it was made from. numba's own stamp knows the file a
+function is written in only. Here it covers also
+
+- the functions it calls from other files, to any depth;
+- the constants and the fields of named tuples it takes from outside;
+- the files of the intrinsics it uses;
+- this file, which says how it is compiled.
+
+Functions must therefore be defined before those that call them.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +17,7 @@ import hashlib
 import inspect
 import pickle
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from types import CodeType
 from typing import Any
@@ -19,7 +31,7 @@ from numba.np.arrayobj import make_array, populate_array
 
 @intrinsic
 def borrowed(typingctx: Any, array: Any) -> Any:
-    """The same array without a share in its memory: views of it, and handing them on, cost no reference counting.
+    """The same array without a share in its memory: views of it cost no reference counting, nor does handing them on.
 
     For arguments of a compiled function only: its caller holds them until it returns.
     """
@@ -35,10 +47,16 @@ def borrowed(typingctx: Any, array: Any) -> Any:
 
 @intrinsic
 def cut(typingctx: Any, array: Any, at: Any, shape: Any, dtype: Any) -> Any:
-    """Entries of a flat array from ``at`` on as an array of a shape (tuple of int), without a share in its memory.
+    """Entries of a flat array as an array of another shape, without a share in its memory.
 
-    ``dtype`` is np.float64 or np.int64, whose eight bytes are read as they are. Nothing is checked, and who holds the
-    flat array must hold it as long as the piece is used.
+    Nothing is checked. Whoever holds the flat array must hold it as long as the piece is used.
+
+    Args:
+        typingctx: numba's, not given by the caller.
+        array: (n,) float64.
+        at: index of the first entry.
+        shape: of the result, a tuple of int.
+        dtype: np.float64 or np.int64, whose eight bytes are read as they are.
     """
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -58,7 +76,7 @@ def cut(typingctx: Any, array: Any, at: Any, shape: Any, dtype: Any) -> Any:
 
 @intrinsic
 def bits(typingctx: Any, number: Any) -> Any:
-    """The eight bytes of a float as an int: those of positive floats are in the same order."""
+    """The eight bytes of a float as an int. Those of positive floats are in the order of the floats."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.bitcast(args[0], context.get_value_type(types.int64))
@@ -70,10 +88,6 @@ def compiled(function: Callable[..., Any]) -> Any:
     """Compile `function` at its first call; the uncompiled one stays reachable as `.py_func`, the reference in tests.
 
     No fast-math: results are the same bits on every run, and equal to the reference's up to rounding.
-
-    numba's cache looks at the file a function is written in only, and would go on using the old machine code of
-    what the function calls from other files. Here its stamp also covers those functions, to any depth, the constants
-    they use and the files of the intrinsics; functions must therefore be defined before those that call them.
     """
     return _compile(function)
 
@@ -88,7 +102,7 @@ def _compile(function: Callable[..., Any], **options: Any) -> Any:
     dispatcher = numba.njit(cache=True, fastmath=False, error_model="numpy", no_cfunc_wrapper=True, **options)(function)
     file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if file is not None:  # numba has no public way to say what a cached function depends on
-        file._source_stamp = (file._source_stamp, _fingerprint(function))
+        file._source_stamp = (file._source_stamp, _stamp(function))
         file._load_index = _forgiving(file._load_index)
     return dispatcher
 
@@ -109,9 +123,9 @@ def _forgiving(load: Callable[[], dict[Any, Any]]) -> Callable[[], dict[Any, Any
     return load_or_forget
 
 
-def _fingerprint(function: Callable[..., Any]) -> str:
-    """Digest of what a function takes from outside: stamps of functions, files of intrinsics, values of constants."""
-    told = []
+def _stamp(function: Callable[..., Any]) -> str:
+    """Digest of what a function's machine code is made from besides its own file, as this module says."""
+    told: list[tuple[str, Any]] = [("compiled.py", _this_file())]
     for name in sorted(_names(function.__code__)):
         value = function.__globals__.get(name)
         if isinstance(value, numba.core.registry.CPUDispatcher):
@@ -124,6 +138,11 @@ def _fingerprint(function: Callable[..., Any]) -> str:
         elif isinstance(value, type) and issubclass(value, tuple):
             told.append((name, repr(getattr(value, "_fields", None))))
     return hashlib.sha256(repr(told).encode()).hexdigest()
+
+
+@cache
+def _this_file() -> bytes:
+    return Path(__file__).read_bytes()
 
 
 def _names(code: CodeType) -> set[str]:

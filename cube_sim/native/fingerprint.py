@@ -1,7 +1,7 @@
 """What the machine code of a Python function depends on, as one digest.
 
-numba freezes everything a function takes from outside when it compiles it. Two functions of equal digests compile to
-the same code, in this process and in the next.
+numba freezes what a function takes from outside when it compiles it. Two functions of equal digests compile to the same
+code, in this process and in the next.
 """
 
 from __future__ import annotations

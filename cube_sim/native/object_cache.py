@@ -1,7 +1,7 @@
 """Compiled callbacks kept on disk as object files, and loaded without the compiler.
 
-numba's own cache needs numba's typing machinery before it can load a line (0.7 s); linking an object file takes
-milliseconds. A file is named by everything its code depends on, so a stale one is never found, only left behind.
+numba's own cache needs numba's typing machinery before it can load a line (0.7 s). Linking an object file takes
+milliseconds. A file is named by everything its code depends on. So a stale one is never found, only left behind.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def cache_folders() -> list[Path]:
 def emit(text: str, symbol: str, name: str, leaning: bool = False) -> bytes | None:
     """An object file for this processor from LLVM code, its entry renamed; None if it leans on Python's runtime.
 
-    numba leaves every function replaceable at link time, so LLVM may not conclude that none of ours ever raises. Made
+    numba leaves every function replaceable at link time. So LLVM may not conclude that none of ours ever raises. Made
     internal, they lose all the code that would report exceptions, and with it every tie to Python.
 
     Args:

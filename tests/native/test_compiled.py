@@ -1,6 +1,7 @@
 """Machine code kept on disk is used again, and never after what it was made from has changed."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -48,9 +49,9 @@ print(outer(1.0), sum(outer.stats.cache_hits.values()))
 """
 
 
-def outer(folder):
+def outer(folder, package=Path(__file__).parents[2]):
     """What a fresh process computes, and how many functions it took from the disk."""
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": str(Path(__file__).parents[2])}
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": str(package)}
     environment["PYTHONDONTWRITEBYTECODE"] = "1"
     done = subprocess.run(
         [sys.executable, "caller.py"], cwd=folder, env=environment, capture_output=True, text=True, check=True
@@ -74,3 +75,19 @@ def test_cached_code_follows_functions_constants_and_intrinsics_of_other_files(t
     assert outer(tmp_path) == (26.0, 0)
     offset.write_text(INTRINSIC.format(offset=1.0))
     assert outer(tmp_path) == (31.0, 0)
+
+
+def test_cached_code_follows_the_way_it_is_compiled(tmp_path):
+    package, here = tmp_path / "package", Path(__file__).parents[2] / "cube_sim"
+    (package / "cube_sim").mkdir(parents=True)
+    shutil.copy(here / "__init__.py", package / "cube_sim")
+    shutil.copytree(here / "native", package / "cube_sim" / "native", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "offset.py").write_text(INTRINSIC.format(offset=0.0))
+    (tmp_path / "middle.py").write_text(MIDDLE)
+    (tmp_path / "caller.py").write_text(CALLER)
+    (tmp_path / "callee.py").write_text(CALLEE.format(factor=2.0, inner="x + 3.0"))
+    assert outer(tmp_path, package) == (9.0, 0)
+    assert outer(tmp_path, package) == (9.0, 1)
+    compiled = package / "cube_sim" / "native" / "compiled.py"
+    compiled.write_text(compiled.read_text().replace("fastmath=False", "fastmath=True "))
+    assert outer(tmp_path, package) == (9.0, 0)

@@ -1,1 +1,1 @@
-"""The laws inside MuJoCo: callbacks, its memory, the parameters packed into a compiled model."""
+"""The laws inside MuJoCo: its callbacks, its memory, and the parameters packed into a compiled model."""

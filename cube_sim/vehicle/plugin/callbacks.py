@@ -1,10 +1,11 @@
 """The two callbacks MuJoCo runs, as Python that numba compiles.
 
-`passive` replaces the inertia of every hull by M_RB + M_A and adds the remaining water forces to `qfrc_passive`, so
-that MuJoCo itself solves for the acceleration: added mass is implicit, never lagged. `thrust` evaluates the thruster
-characteristic on the lagged command. They keep no state, find their parameters inside the model
-(`cube_sim.vehicle.plugin.layout`) and return at once for models that are not ours, also while those are being
-compiled.
+`passive` replaces the inertia of every hull by M_RB + M_A and adds the remaining water forces to `qfrc_passive`. MuJoCo
+itself then solves for the acceleration: added mass is implicit, never lagged. `thrust` evaluates the thruster
+characteristic on the lagged command.
+
+They keep no state and find their parameters inside the model (`cube_sim.vehicle.plugin.layout`). For a model that is
+not ours they return at once, also while it is being compiled.
 """
 
 from __future__ import annotations
@@ -26,7 +27,13 @@ _project_constraints = types.ExternalFunction("mj_projectConstraint", types.void
 
 @numba.njit
 def _spatial_row(crb, cdof, i):
-    """Composite inertia times motion axis i: MuJoCo's 10-vector inertia (I, m c, m) on an axis (w, v)."""
+    """Composite inertia times motion axis i, a 6-tuple: MuJoCo's 10-vector inertia (I, m c, m) on an axis (w, v).
+
+    Args:
+        crb: (10,) I_xx, I_yy, I_zz, I_xy, I_xz, I_yz [kg m^2], m c [kg m], m [kg].
+        cdof: (6,6) motion axes (w, v) of the free joint.
+        i: which of them.
+    """
     w0, w1, w2 = cdof[i, 0], cdof[i, 1], cdof[i, 2]
     v0, v1, v2 = cdof[i, 3], cdof[i, 4], cdof[i, 5]
     return (
@@ -41,11 +48,20 @@ def _spatial_row(crb, cdof, i):
 
 @numba.njit
 def _put_inertia(M_A, R, cdof, crb, armature, rowadr, M):
-    """Overwrite one hull's rows of the mass matrix.
+    """Overwrite one hull's rows of the mass matrix by B'(M_RB + M_A)B, B = blkdiag(R', I).
 
-    The free joint's linear axes are the world's and its angular axes the body's, so with B = blkdiag(R', I) the
-    generalised inertia is B'(M_RB + M_A)B. The rigid part is rebuilt from the composite inertia rather than read back:
-    derivatives rerun this stage on a matrix that already holds M_A. Arms on the hull are in the composite.
+    The free joint's linear axes are the world's, its angular axes the body's. The rigid part is computed again from the
+    composite inertia: derivatives rerun this stage on a matrix that already holds M_A. Arms on the hull are in the
+    composite.
+
+    Args:
+        M_A: added mass (6,6), body axes.
+        R: R_WB (3,3).
+        cdof: (6,6) and `crb` (10,) as in `_spatial_row`.
+        crb: the composite inertia.
+        armature: address of the joint's six armatures.
+        rowadr: address of the six starts of its rows in `M`.
+        M: address of MuJoCo's sparse mass matrix, whose rows hold the columns up to the diagonal.
     """
     for i in range(3):
         # R M11 R' + m I, one row at a time
@@ -89,7 +105,10 @@ def _not_a_number():
 
 @numba.njit
 def _user_wrench(function, process, time, position, rotation, nu, nu_r):
-    """The hull's own force; not a number when the model comes from another process, whose functions are not here."""
+    """The wrench of the hull's own force, a 6-tuple.
+
+    It is not a number for a model from another process, whose functions are not here.
+    """
     table = force_table()
     if double(table, 0) != process:
         return _not_a_number()
@@ -220,7 +239,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             return float("nan")  # MuJoCo skips `passive`: the hull would be dry without a word
         curve = packed + 8 * start
         stuck = double(curve, layout.STUCK)
-        if stuck == stuck:  # a number: the motor holds that force whatever the command
+        if stuck == stuck:  # a number: the thruster holds that force whatever the command
             return stuck * double(curve, layout.SUPPLY)
         n = int(double(curve, layout.POINTS))
         adr = integer(field(m, actuator_actadr), actuator) + integer(field(m, actuator_actnum), actuator) - 1

@@ -30,8 +30,8 @@ _RESULTS = {"passive": None, "thrust": ctypes.c_double}
 def install() -> None:
     """Hook the water into this process's MuJoCo; a second call changes nothing.
 
-    `load_model` does this. A program that gets its model another way, from a saved .mjb file or a pickle, calls it
-    itself before it steps: until then the hull is dry and its thrusters give nothing. (`cube_sim.install`.)
+    `load_model` does this. Call it yourself (`cube_sim.install()`) before you step a model that comes another way, from
+    a saved .mjb file or a pickle. Until then its hull is dry and its thrusters give nothing.
 
     Raises:
         ModelError: another passive or actuator-bias callback is installed; MuJoCo has room for one of each.
@@ -76,7 +76,7 @@ def _library_name() -> str:
 
 
 def _sources() -> str:
-    """Identifies the source of everything compiled into the callbacks, and the versions of what compiles it."""
+    """Names the source of everything compiled into the callbacks, and the versions of what compiles it."""
     return f"{source_digest(_CALLBACKS)} numba {version('numba')} mujoco {mujoco.__version__}"
 
 

@@ -14,9 +14,12 @@ _BLOCKS = {int(mujoco.mjtJoint.mjJNT_FREE): (3, 3), int(mujoco.mjtJoint.mjJNT_BA
 def set_inverse_weights(model: mujoco.MjModel, data: mujoco.MjData, hulls: Iterable[int]) -> None:
     """Recompute them for everything in the hulls' trees, and for all tendons.
 
-    The definitions are MuJoCo's own (mj_setConst), at the reference pose: for a body, the mean of the diagonal of
-    J M^-1 J' over its three translations and over its three rotations; for a joint, the same over its own axes, three
-    by three; for a tendon, J M^-1 J'. MuJoCo itself computes them before the water has touched M.
+    MuJoCo itself computes them before the water has touched M. The definitions are its own (mj_setConst), at the
+    reference pose, each from the diagonal of J M^-1 J':
+
+    - body: the mean over its three translations [1/kg], and over its three rotations [1/(kg m^2)];
+    - joint: the mean over its own axes, three by three;
+    - tendon: the one value.
 
     Args:
         model: compiled, with its packed parameters in place; changed here.

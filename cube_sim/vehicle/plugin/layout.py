@@ -21,6 +21,8 @@ from __future__ import annotations
 PACKED = "cube_sim:packed"
 MAGIC = -7.390851332151607e-137  # nobody's physical value; the callbacks' test for "one of ours"
 
+FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's table of user forces
+
 # the header
 COUNT, HULLS, THRUSTERS, CURRENT, PROCESS = 1, 2, 3, 4, 5
 HEADER_SIZE = 6

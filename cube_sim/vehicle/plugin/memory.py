@@ -1,8 +1,10 @@
 """Reading and writing MuJoCo's memory from compiled code: an address is an int64, everything else is an offset.
 
-These are the only places where a bare address is trusted. `cube_sim.vehicle.plugin.structs` has checked every offset
-against live objects before a model is stepped. They are written for the code generator, not compiled as functions:
-numba would specialise each of them for every literal index, a quarter of a second a time.
+Nowhere else is a bare address trusted. `cube_sim.vehicle.plugin.structs` has checked every offset against live objects
+before a model is stepped.
+
+These functions are written for the code generator. As compiled functions each would be specialised by numba for every
+literal index, a quarter of a second a time.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from numba import carray, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-FORCE_TABLE = "cube_sim_force_table"  # symbol of the process's table of user forces
+from cube_sim.vehicle.plugin import layout
 
 _DOUBLE, _INT64 = ir.DoubleType(), ir.IntType(64)
 
@@ -80,7 +82,8 @@ def force_table(typingctx):
 
     def codegen(context, builder, signature, args):
         module = builder.module
-        table = module.globals.get(FORCE_TABLE) or ir.GlobalVariable(module, _INT64, FORCE_TABLE)
+        name = layout.FORCE_TABLE
+        table = module.globals.get(name) or ir.GlobalVariable(module, _INT64, name)
         return builder.ptrtoint(table, _INT64)
 
     return types.int64(), codegen

@@ -1,7 +1,7 @@
 """The memory layout of mjModel and mjData, as offsets that compiled code can read.
 
-The layout is taken from the running MuJoCo's own description of its C structs and checked against the live objects,
-so a new MuJoCo release changes numbers here, not code.
+The layout is taken from the running MuJoCo's own description of its C structs, and checked against the live objects.
+So a new MuJoCo release changes numbers, not this code.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _SCALARS = {
 
 
 def offsets(struct: str, fields: tuple[str, ...]) -> dict[str, int]:
-    """Byte offset of each field, by the path it was asked for."""
+    """Byte offset of each field; arguments as in `record`, keys as in `fields`."""
     layout = record(struct, fields)
     return {path: int(layout.fields[path.replace(".", "_")][1]) for path in fields}  # type: ignore[index]
 

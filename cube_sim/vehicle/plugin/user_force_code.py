@@ -13,13 +13,16 @@ _NAME = "user_force"
 
 
 def key_of(function: Callable[..., Any]) -> str | None:
-    """Names the machine code of a force as it stands; None where nobody can tell what its code depends on."""
+    """Names the machine code of a force as it stands, and of the wrapper that this file puts around it.
+
+    None where nobody can tell what the code depends on.
+    """
     told = fingerprint(function)
     return told and f"{told} {source_digest(__name__)}"
 
 
 def address(function: Callable[..., Any], key: str | None) -> int | None:
-    """Address of ``void (time, position, rotation, velocity, through_water, wrench)``, None if numba cannot compile it.
+    """Address of ``void (time, position, rotation, velocity, through_water, wrench)``; None if numba cannot compile it.
 
     The values it takes from outside are those of now. Where Python would raise, the wrench is not a number.
 

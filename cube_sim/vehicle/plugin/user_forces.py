@@ -5,13 +5,21 @@
         force = rotation.T @ pull                       # body axes
         return force[0], force[1], force[2], 0.0, 0.0, 0.0
 
-Arguments are the time [s], p_WB (3,) [m], R_WB (3,3), nu (6,) = [v; w] in body axes and nu_r (6,), the same relative to
-the water; the six values returned are the wrench in body axes at the body origin [N, N m]. The function is compiled
-when numba can (then it runs on every thread and costs what its arithmetic costs), and called as Python when not. It
-must depend on its arguments only: RK4 calls it four times a step, derivatives more often. What a compiled one takes
-from outside, a global array say, is what it was when the model was loaded; another `load_model` takes it as it is then.
+Arguments:
+    time: [s].
+    position: p_WB (3,) [m].
+    rotation: R_WB (3,3).
+    velocity: nu (6,) = [v; w] [m/s, rad/s], body axes, over ground.
+    through_water: nu_r (6,), the same relative to the water.
 
-A function that raises, or returns what is not a number, gives a wrench that is not a number, compiled or not: MuJoCo
+The six values returned are the wrench in body axes at the body origin [N, N m].
+
+A function that numba can compile is compiled: it runs on every thread and costs what its arithmetic costs. Any other is
+called as Python. It must depend on its arguments only: RK4 calls it four times a step, derivatives more often. What a
+compiled one takes from outside, a global array say, is what it was when the model was loaded. The next `load_model`
+takes it as it is then.
+
+A function that raises, or returns what is not a number, gives a wrench that is not a number, compiled or not. MuJoCo
 warns of it at that step, and a scenario ends as ERROR.
 """
 
@@ -27,11 +35,10 @@ import llvmlite.binding
 import numpy as np
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.plugin import user_force_code
+from cube_sim.vehicle.plugin import layout, user_force_code
 
 UserForce = Callable[[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray], Sequence[float]]
 
-SYMBOL = "cube_sim_force_table"
 CAPACITY = 4096  # different functions in one process
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
@@ -43,15 +50,15 @@ _size = 0
 
 
 def publish() -> None:
-    """Make the table known to the linker. Its first entry is this process's own number."""
+    """Make the table known to the linker. Its first entry is `process_number`."""
     if _table[0] == 0:
         # A double without special values, which no other process draws.
         ctypes.cast(_table, _DOUBLES)[0] = 1.0 + secrets.randbits(52) * 2.0**-52
-        llvmlite.binding.add_symbol(SYMBOL, ctypes.addressof(_table))
+        llvmlite.binding.add_symbol(layout.FORCE_TABLE, ctypes.addressof(_table))
 
 
 def process_number() -> float:
-    """What a model carries to say in which process its functions live."""
+    """A number that no other process draws. A model carries it to say in which process its functions live."""
     publish()
     return ctypes.cast(_table, _DOUBLES)[0]
 
@@ -96,7 +103,15 @@ def _add(address: int) -> int:
 
 
 def resolve(path: str, name: str) -> UserForce:
-    """The function that an MJCF text ``package.module:function`` names."""
+    """The function that an MJCF text names.
+
+    Args:
+        path: ``package.module:function``.
+        name: of the text, for errors.
+
+    Raises:
+        ModelError: the text reads otherwise, or there is no such function.
+    """
     module, colon, attribute = path.strip().partition(":")
     if not colon:
         raise ModelError(name, f"is '{path}'; write package.module:function")
