@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 
@@ -12,6 +15,23 @@ def cube_sim(*arguments, cwd, **options) -> subprocess.CompletedProcess[str]:
     """Call it as a shell does."""
     command = [sys.executable, "-m", "cube_sim", *map(str, arguments)]
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, **options)
+
+
+def _interruptible() -> None:
+    """Put Ctrl-C back: what a job in the background starts would not hear of it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+@contextmanager
+def started(*arguments, cwd) -> Iterator[subprocess.Popen[str]]:
+    """Start it as a shell does, to be interrupted; it is gone when the block ends."""
+    command = [sys.executable, "-m", "cube_sim", *map(str, arguments)]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, cwd=cwd, text=True, preexec_fn=_interruptible, **pipes) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 def call(monkeypatch, capsys, *arguments) -> tuple[int, str, str]:
