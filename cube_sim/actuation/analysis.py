@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.actuation.attainable.extents import Extent, extents
@@ -18,6 +17,7 @@ from cube_sim.actuation.path_following.verdict import Verdict, judge
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import Matrix, Vector
+from cube_sim.wrench.limits import thruster_limits
 from cube_sim.wrench.matrix import actuation_matrix, lever_arm
 from cube_sim.wrench.names import left_after, thruster_names
 
@@ -112,8 +112,7 @@ def analyse(
     left = matrix[:, keep]
     table, allowed = None, None
     if limits is not None:
-        AllowedForces.from_limits(limits, m, dead_zones=True, rest=rest)
-        table = np.broadcast_to(limits, (m, np.shape(limits)[-1]))[keep]
+        table = thruster_limits(limits, m)[keep]
         allowed = AllowedForces.from_limits(table, len(keep), dead_zones=False)
     spaces = subspaces(left, length_m=length, rank_tolerance=rank_tolerance, cost_limit=cost_limit)
     directions = final_approach(left, length_m=length)

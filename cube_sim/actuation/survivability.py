@@ -17,6 +17,7 @@ from cube_sim.actuation.path_following.verdict import Verdict, judge
 from cube_sim.errors import ActuationError
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
+from cube_sim.wrench.limits import thruster_limits
 from cube_sim.wrench.matrix import actuation_matrix, lever_arm
 from cube_sim.wrench.names import left_after, thruster_names
 
@@ -122,9 +123,8 @@ def survivability(
     everyone = thruster_names(names, matrix.shape[1])
     if most < 0:
         raise ActuationError(f"{most} thrusters cannot be lost")
-    AllowedForces.from_limits(limits, len(everyone), dead_zones=True, rest=rest)
-    present = left_after(everyone, lost)
-    table = np.broadcast_to(limits, (len(everyone), np.shape(limits)[-1]))[present]
+    every_limit, present = thruster_limits(limits, len(everyone)), left_after(everyone, lost)
+    table = every_limit[present]
     length = lever_arm(matrix, axes) if length_m is None else length_m
     matrix, all_names, m = matrix[:, present], tuple(everyone[i] for i in present), len(present)
     deepest = min(most, m - 1)

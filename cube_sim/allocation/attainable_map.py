@@ -15,7 +15,9 @@ from cube_sim.wrench.arguments import numbers
 from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.facets import facet_normals
 from cube_sim.wrench.limits import side_table, thruster_limits
+from cube_sim.wrench.line_interval import narrowed
 from cube_sim.wrench.matrix import effective_matrix, lever_arm
+from cube_sim.wrench.tolerances import NO_SLOPE
 
 
 class HalfSpaces(NamedTuple):
@@ -140,13 +142,8 @@ def _fill(
             for h in range(middle.shape[0]):
                 at = middle[h] + v * bottom[h]
                 below, above = low[s, h] - tolerance - at, high[s, h] + tolerance - at
-                if abs(right[h]) <= 1e-300:
-                    if below > 0.0 or above < 0.0:
-                        last = -2.0
-                elif right[h] > 0.0:
-                    first, last = max(first, below / right[h]), min(last, above / right[h])
-                else:
-                    first, last = max(first, above / right[h]), min(last, below / right[h])
+                slope = right[h] if abs(right[h]) > NO_SLOPE else 0.0
+                first, last = narrowed(first, last, below, above, slope)
                 if first > last:
                     break
             if first <= last:

@@ -12,7 +12,7 @@ from support.vehicles import vehicle
 
 from cube_sim.actuation.attainable.extents import extent, extents, force_corners, torque_corners
 from cube_sim.errors import ActuationError
-from cube_sim.wrench import line_interval
+from cube_sim.wrench import attained_intervals, wrench_set
 from cube_sim.wrench.zonotope import inscribed_radius, support, volume
 
 JACK = jack()
@@ -211,12 +211,12 @@ def test_the_search_is_the_same_compiled_and_not_and_gives_up_when_it_takes_too_
     rng = np.random.default_rng(6)
     A, limits, d = rng.normal(size=(6, 8)), [-40, -30, 30, 50], np.eye(6)[1]
     compiled = extent(A, limits, d).isolated_with_dead_zones
-    monkeypatch.setattr(line_interval, "attained", line_interval.attained.py_func)
+    monkeypatch.setattr(wrench_set, "attained", attained_intervals.attained.py_func)
     plain = extent(A, limits, d).isolated_with_dead_zones
     assert compiled is not None
     assert plain is not None
     assert np.allclose(compiled, plain, rtol=0, atol=1e-12)
-    monkeypatch.setattr(line_interval, "MOST_WORK", 100)
+    monkeypatch.setattr(attained_intervals, "MOST_WORK", 100)
     e = extent(A, limits, d)
     assert e.isolated_with_dead_zones is None
     assert e.smallest_nonzero is None

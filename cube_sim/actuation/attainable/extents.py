@@ -11,8 +11,8 @@ from cube_sim.actuation.attainable.basic_points import basic_points
 from cube_sim.errors import ActuationError
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import Matrix, Vector, WrenchAxes
-from cube_sim.wrench.line_interval import WrenchSet
 from cube_sim.wrench.matrix import actuation_matrix
+from cube_sim.wrench.wrench_set import WrenchSet
 from cube_sim.wrench.zonotope import support
 
 _ROUNDING = 1e-9
@@ -28,7 +28,7 @@ class Extent:
         isolated: (lowest, highest) [N or N m] with every other component exactly zero, dead zones left out.
         isolated_with_dead_zones: (i,2) [N or N m] disjoint intervals of the values attainable with every other
             component exactly zero, ascending; rest is the interval [0, 0]. None where that takes too long
-            (`cube_sim.wrench.line_interval.MOST_WORK`).
+            (`cube_sim.wrench.attained_intervals.MOST_WORK`).
     """
 
     name: str

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from cube_sim.allocation.exact.branch_and_bound import MOST_NODES
 from cube_sim.allocation.exact.sides import SideIntervals
 from cube_sim.native.compiled import compiled
+from cube_sim.wrench.line_interval import narrowed
+from cube_sim.wrench.tolerances import NO_SLOPE
 
 
 @compiled
@@ -112,13 +114,8 @@ def interval_end(
             lower += min(bottom, top)
             upper += max(bottom, top)
         lower, upper = lower - base[a], upper - base[a]
-        if abs(across[a]) <= 1e-300:
-            if lower > 0.0 or upper < 0.0:
-                return -1.0
-        elif across[a] > 0.0:
-            first, last = max(first, lower / across[a]), min(last, upper / across[a])
-        else:
-            first, last = max(first, upper / across[a]), min(last, lower / across[a])
+        slope = across[a] if abs(across[a]) > NO_SLOPE else 0.0
+        first, last = narrowed(first, last, lower, upper, slope)
         if not first <= last:
             return -1.0
     return last
