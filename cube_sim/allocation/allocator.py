@@ -19,8 +19,8 @@ from cube_sim.allocation.exact.step import no_previous_answer
 from cube_sim.allocation.objectives import side_targets
 from cube_sim.allocation.options import WEIGHTS_SPAN, Method, Objective, Unattainable
 from cube_sim.allocation.previous import PreviousForces
+from cube_sim.allocation.subset_qp.confirmer import Confirmer
 from cube_sim.allocation.subset_qp.enumeration import Enumeration
-from cube_sim.allocation.subset_qp.solver import Confirmer
 from cube_sim.errors import AllocationError
 from cube_sim.wrench.arguments import comparable, flag, numbers, one_of, row, scalar
 from cube_sim.wrench.axes import axes_of

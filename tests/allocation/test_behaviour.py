@@ -12,7 +12,7 @@ from support.layouts import cube, jack
 
 from cube_sim.allocation import Allocator, FaultTolerant, Status, make_allocator
 from cube_sim.allocation.exact.solve import solve_each
-from cube_sim.allocation.subset_qp.solver import subset_problem
+from cube_sim.allocation.subset_qp.confirmer import subset_problem
 from cube_sim.errors import AllocationError
 
 LIMITS = np.array([-40.0, -3.2, 4.0, 50.0])

@@ -12,7 +12,7 @@ from cube_sim.allocation.exact.branch_and_bound import MOST_NODES
 from cube_sim.allocation.exact.relaxation import branch, split
 from cube_sim.allocation.exact.sides import SideIntervals
 from cube_sim.allocation.exact.solutions import WrenchMetric
-from cube_sim.native.compiled import compiled
+from cube_sim.native.compiled import compiled, inlined
 
 CANDIDATES = 4096
 """Most distinct equally close wrenches kept, one for each strict subset of twelve thrusters. With more the answer
@@ -28,6 +28,173 @@ DOUBT = 1e6
 """Gap between an answer and its bound, in roundings, from which the answer counts as not proven."""
 
 
+@inlined
+def open_node(
+    node: NDArray[np.int64],
+    relaxed: NDArray[np.float64],
+    bounds: NDArray[np.float64],
+    mask: NDArray[np.int64],
+    bottom: NDArray[np.float64],
+    top: NDArray[np.float64],
+) -> bool:
+    """Write a node's open sides (m,) and the interval (m,) they leave each thruster; return whether none is empty."""
+    possible = True
+    for i in range(node.shape[0]):
+        mask[i] = node[i]
+        bottom[i], top[i] = max(relaxed[i, mask[i], 0], bounds[i, 0]), min(relaxed[i, mask[i], 1], bounds[i, 1])
+        possible = possible and not bottom[i] > top[i]
+    return possible
+
+
+@inlined
+def distance_left(
+    G: NDArray[np.float64],
+    goal: NDArray[np.float64],
+    f: NDArray[np.float64],
+    made: NDArray[np.float64],
+    g: NDArray[np.float64],
+) -> float:
+    """Write ``G @ f`` (r,) and what is left to the goal (r,); return its length."""
+    square = 0.0
+    for a in range(goal.shape[0]):
+        made[a] = 0.0
+        for i in range(f.shape[0]):
+            made[a] += G[a, i] * f[i]
+        g[a] = goal[a] - made[a]
+        square += g[a] * g[a]
+    return math.sqrt(square)
+
+
+@inlined
+def plane_bound(
+    G: NDArray[np.float64],
+    goal: NDArray[np.float64],
+    g: NDArray[np.float64],
+    distance: float,
+    bottom: NDArray[np.float64],
+    top: NDArray[np.float64],
+) -> float:
+    """Distance of the goal from the plane across g beyond which no force between bottom and top (m,) gets.
+
+    ``(g.goal - max g.G f) / |g|``: the maximum is a sum over the thrusters, each at one end of its interval.
+    """
+    plane = 0.0
+    for a in range(goal.shape[0]):
+        plane += g[a] * goal[a]
+    for i in range(bottom.shape[0]):
+        along = 0.0
+        for a in range(goal.shape[0]):
+            along += g[a] * G[a, i]
+        plane -= max(along * bottom[i], along * top[i])
+    return plane / distance
+
+
+@inlined
+def solve_node(
+    goal: NDArray[np.float64],
+    G: NDArray[np.float64],
+    null_space: NDArray[np.float64],
+    lower: float,
+    best: float,
+    near: float,
+    size: float,
+    fine: float,
+    bottom: NDArray[np.float64],
+    top: NDArray[np.float64],
+    rows: NDArray[np.float64],
+    start: NDArray[np.float64],
+    point: NDArray[np.float64],
+    mu: NDArray[np.float64],
+    f: NDArray[np.float64],
+    made: NDArray[np.float64],
+    g: NDArray[np.float64],
+) -> tuple[float, float, int]:
+    """Find the forces between bottom and top whose wrench is closest to the goal, unless none can be the best.
+
+    z costs nothing. So it is held by a proximal term ``(soft z)^2``, which is moved to the last answer until the node
+    is solved, and once more: a distance D right to x may leave the wrench sqrt(2 D x) off across it, the last step
+    does not.
+
+    Args:
+        goal: (r,) see `closest_wrenches`.
+        G: (r, m) see `WrenchMetric`.
+        null_space: (m, k) likewise.
+        lower: bound of the node.
+        best: distance of the closest wrench found.
+        near: wrench distance that counts as rounding.
+        size: largest entry of G.
+        fine: violation of a force interval that counts as none [N].
+        bottom: (m,) [N].
+        top: (m,) [N].
+        rows: (m, r + k) [G_pinv, null_space / soft], the latter written here.
+        start: (r + k,) scratch, as are point (r + k,) and mu (m,).
+        point: scratch.
+        mu: scratch.
+        f: (m,) out [N].
+        made: (r,) out: ``G @ f``.
+        g: (r,) out: ``goal - made``.
+
+    Returns:
+        Lower bound of the distance, its value, and the projections it took.
+    """
+    r, (m, k) = goal.shape[0], null_space.shape
+    distance, settled, solved = math.inf, False, 0
+    for a in range(r + k):
+        start[a] = goal[a] if a < r else 0.0
+    soft = 0.1 * size  # weight of the proximal term against the wrench
+    for _ in range(50):
+        for i in range(m):
+            for b in range(k):
+                rows[i, r + b] = null_space[i, b] / soft
+        outcome = project(rows, bottom, top, start, math.inf, fine, point, mu)
+        solved += 1
+        if outcome == STALLED or outcome == INFEASIBLE:  # noqa: SIM109 - compiles faster
+            break
+        for i in range(m):
+            f[i] = 0.0
+            for a in range(r + k):
+                f[i] += rows[i, a] * point[a]
+            f[i] = min(max(f[i], bottom[i]), top[i])
+        distance = distance_left(G, goal, f, made, g)
+        if distance > 0.0:
+            lower = max(lower, plane_bound(G, goal, g, distance, bottom, top))
+        if lower > best + near or settled:
+            break
+        settled = distance - lower <= near + 1e-12 * distance
+        # A weaker term lets z travel further next time, which a short distance to the goal needs.
+        shrink = 0.1 if soft > 1e-5 * size else 1.0
+        for a in range(r, r + k):
+            start[a] = shrink * point[a]
+        soft *= shrink
+    return lower, distance, solved
+
+
+@inlined
+def furthest_off(f: NDArray[np.float64], mask: NDArray[np.int64], intervals: SideIntervals, tolerance: float) -> int:
+    """The thruster whose force lies furthest from its open sides, by more than a tolerance; -1 when all lie on them."""
+    chosen, furthest = -1, tolerance
+    for i in range(f.shape[0]):
+        gap = math.inf
+        for s in range(3):
+            if mask[i] >> s & 1 and intervals.low[i, s] <= intervals.high[i, s]:
+                gap = min(gap, max(intervals.low[i, s] - f[i], f[i] - intervals.high[i, s]))
+        if gap > furthest:
+            chosen, furthest = i, gap
+    return chosen
+
+
+@inlined
+def made_before(images: NDArray[np.float64], found: int, made: NDArray[np.float64], rounding: float) -> bool:
+    """Whether a wrench (r,) is one of those found so far."""
+    repeated = False
+    for c in range(found):
+        gap = 0.0
+        for a in range(made.shape[0]):
+            gap = max(gap, abs(images[c, a] - made[a]))
+        repeated = repeated or gap <= rounding
+    return repeated
+
+
 @compiled
 def closest_wrenches(
     goal: NDArray[np.float64],
@@ -39,14 +206,28 @@ def closest_wrenches(
     """Minimise ``|G @ f - goal|`` over forces on allowed sides, exactly over the union of all subsets.
 
     Branch and bound as in `branch_and_bound`, on another distance. In the coordinates (s, z) of `WrenchMetric` a node
-    is again a projection; z costs nothing, so it is held by a proximal term that is moved to the last answer until
-    the node is solved, and once more: a distance D right to x may leave the wrench sqrt(2 D x) off across it, the
-    last step does not. What discards a node is not that answer but the plane it defines: with g the unit vector
-    from the made to the wanted wrench, no force of the node comes closer than ``g.goal - max g.G f``, which
-    is a sum over thrusters and holds whatever the rounding.
+    is again a projection, of the goal onto the wrenches its forces can make::
+
+        the node's .......|
+        wrenches   .......|
+                   .......x------ g ------> goal
+                   .......|
+                          | plane across g: no force of the node makes a wrench beyond it
+
+    What bounds the node is not the projection but this plane: it holds whatever the rounding.
+
+    ==========================================  ================================================================
+    the node                                    what follows
+    ==========================================  ================================================================
+    has no forces, or a bound above the best    leave it
+    is solved badly                             the answer counts as not proven; go on with what there is
+    makes a wrench found before, no closer      leave it
+    has a thruster off its sides                divide the node: the thruster that is furthest off decides
+    lies on allowed sides                       keep the wrench; forget the others if it is closer than they are
+    ==========================================  ================================================================
 
     Args:
-        goal: (r,) demanded wrench in the coordinates s, no farther than a few times the vehicle's reach.
+        goal: (r,) demanded wrench in the coordinates s, no farther than a few times the largest wrench.
         metric: its coordinates and norm.
         intervals: open to the thrusters; of ``relaxed`` only the interval ends are used.
         bounds: (m, 2) forces each thruster may have in a closest answer [N].
@@ -55,13 +236,11 @@ def closest_wrenches(
     Returns:
         (c, m) forces making the equally closest, distinct wrenches; whether these are proven to be all; nodes solved.
     """
-    G_pinv, null_space, G, relaxed = metric.G_pinv, metric.null_space, metric.G, intervals.relaxed
+    G_pinv, null_space, G = metric.G_pinv, metric.null_space, metric.G
     m, k = null_space.shape
     r = goal.shape[0]
     d = r + k
-    stack = np.empty((2 * m + 2, m), np.int64)
-    bound = np.empty(2 * m + 2)
-    mask = np.empty(m, np.int64)
+    stack, lower_bounds, mask = np.empty((2 * m + 2, m), np.int64), np.empty(2 * m + 2), np.empty(m, np.int64)
     bottom, top, mu, f = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     start, point = np.empty(d), np.empty(d)
     made, g = np.empty(r), np.empty(r)
@@ -75,109 +254,65 @@ def closest_wrenches(
     for i in range(m):
         for a in range(r):
             rows[i, a] = G_pinv[i, a]
-    best = math.inf
-    found = 0
-    proven = True
-    solved = 0
+    best, found, proven, solved = math.inf, 0, True, 0
     for i in range(m):
         stack[0, i] = intervals.masks[i]
-    bound[0] = 0.0
+    lower_bounds[0] = 0.0
     depth = 1
     while depth > 0:
         if solved >= MOST_NODES:
             proven = False
             break
         depth -= 1
-        if bound[depth] > best + near:
+        if lower_bounds[depth] > best + near:
             continue
-        empty = False
-        for i in range(m):
-            mask[i] = stack[depth, i]
-            bottom[i], top[i] = max(relaxed[i, mask[i], 0], bounds[i, 0]), min(relaxed[i, mask[i], 1], bounds[i, 1])
-            empty = empty or bottom[i] > top[i]
-        if empty:
+        if not open_node(stack[depth], intervals.relaxed, bounds, mask, bottom, top):
             continue
-        for a in range(d):
-            start[a] = goal[a] if a < r else 0.0
-        soft = 0.1 * size  # weight of the proximal term against the wrench
-        lower, distance, settled = bound[depth], math.inf, False
-        for _ in range(50):
-            for i in range(m):
-                for b in range(k):
-                    rows[i, r + b] = null_space[i, b] / soft
-            outcome = project(rows, bottom, top, start, math.inf, fine, point, mu)
-            solved += 1
-            if outcome == STALLED or outcome == INFEASIBLE:  # noqa: SIM109 - compiles faster
-                break
-            for i in range(m):
-                f[i] = 0.0
-                for a in range(d):
-                    f[i] += rows[i, a] * point[a]
-                f[i] = min(max(f[i], bottom[i]), top[i])
-            distance = 0.0
-            for a in range(r):
-                made[a] = 0.0
-                for i in range(m):
-                    made[a] += G[a, i] * f[i]
-                g[a] = goal[a] - made[a]
-                distance += g[a] * g[a]
-            distance = math.sqrt(distance)
-            if distance > 0.0:
-                plane = 0.0
-                for a in range(r):
-                    plane += g[a] * goal[a]
-                for i in range(m):
-                    along = 0.0
-                    for a in range(r):
-                        along += g[a] * G[a, i]
-                    plane -= max(along * bottom[i], along * top[i])
-                lower = max(lower, plane / distance)
-            if lower > best + near or settled:
-                break
-            settled = distance - lower <= near + 1e-12 * distance
-            # A weaker term lets z travel further next time, which a short distance to the goal needs.
-            shrink = 0.1 if soft > 1e-5 * size else 1.0
-            for a in range(r, d):
-                start[a] = shrink * point[a]
-            soft *= shrink
+        lower, distance, looked = solve_node(
+            goal,
+            G,
+            null_space,
+            lower_bounds[depth],
+            best,
+            near,
+            size,
+            fine,
+            bottom,
+            top,
+            rows,
+            start,
+            point,
+            mu,
+            f,
+            made,
+            g,
+        )
+        solved += looked
         if lower > best + near:
             continue
         if distance - lower > DOUBT * near + 1e-9 * distance:
             proven = False
             if distance == math.inf:
                 continue
-        repeated = False
-        for c in range(found):
-            gap = 0.0
-            for a in range(r):
-                gap = max(gap, abs(images[c, a] - made[a]))
-            repeated = repeated or gap <= 1e6 * near
-        if repeated and distance >= best - near:
+        if made_before(images, found, made, 1e6 * near) and distance >= best - near:
             continue
-        chosen, furthest = -1, tolerance  # half of what the search for the forces accepts
+        chosen = furthest_off(f, mask, intervals, tolerance)  # half of what the search for the forces accepts
+        if chosen >= 0:
+            first, second = split(f[chosen], chosen, mask[chosen], intervals)
+            depth = branch(stack, lower_bounds, depth, mask, chosen, (second, first), lower)
+            continue
+        if distance < best - near:
+            found = 0
+        best = min(best, distance)
+        if found == CANDIDATES:
+            proven = False
+            continue
+        if found == forces.shape[0]:
+            forces = np.concatenate((forces, np.empty((found, m))))
+            images = np.concatenate((images, np.empty((found, r))))
         for i in range(m):
-            gap = math.inf
-            for s in range(3):
-                if mask[i] >> s & 1 and intervals.low[i, s] <= intervals.high[i, s]:
-                    gap = min(gap, max(intervals.low[i, s] - f[i], f[i] - intervals.high[i, s]))
-            if gap > furthest:
-                chosen, furthest = i, gap
-        if chosen < 0:
-            if distance < best - near:
-                found = 0
-            best = min(best, distance)
-            if found == CANDIDATES:
-                proven = False
-                continue
-            if found == forces.shape[0]:
-                forces = np.concatenate((forces, np.empty((found, m))))
-                images = np.concatenate((images, np.empty((found, r))))
-            for i in range(m):
-                forces[found, i] = f[i]
-            for a in range(r):
-                images[found, a] = made[a]
-            found += 1
-            continue
-        first, second = split(f[chosen], chosen, mask[chosen], intervals)
-        depth = branch(stack, bound, depth, mask, chosen, (second, first), lower)
+            forces[found, i] = f[i]
+        for a in range(r):
+            images[found, a] = made[a]
+        found += 1
     return forces[:found], proven, solved

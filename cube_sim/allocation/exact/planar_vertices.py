@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,15 +11,67 @@ from numpy.typing import NDArray
 from cube_sim.allocation.exact.sides import SideCost, SideIntervals
 from cube_sim.allocation.exact.ties import tie_tolerance
 from cube_sim.allocation.exact.workspace import Workspace
-from cube_sim.native.compiled import bits, compiled
+from cube_sim.native.compiled import bits, compiled, inlined
 from cube_sim.wrench.tolerances import CROSSING, PARALLEL
 
 SINE = math.sqrt(PARALLEL * CROSSING)
 """Tells the two apart."""
 
 WHICH = 255
-"""Bits of a line's key that say which line it is. The others are its distance's, up to a part of 1e-13; in a plane
+"""Bits of a line's key that say which line it is. The others are its distance's, up to a part of 1e-13. In a plane
 there are 48 lines at most, six for each of eight thrusters."""
+
+
+class PlaneForces(NamedTuple):
+    """Each thruster's force in the plane, counted from the point o: ``nearest + slope0 y0 + slope1 y1``.
+
+    Attributes:
+        nearest: (m,) force at o [N], allowed or not.
+        length: (m,) of the slope.
+        slope0: (m,) change of force along the first axis of the plane.
+        slope1: (m,) along the second.
+        low0: (m,) lower end of the negative side, widened by what counts as rounding [N]; likewise the others.
+        low1: (m,) of rest.
+        low2: (m,) of the positive side.
+        high0: (m,) upper ends.
+        high1: (m,)
+        high2: (m,)
+    """
+
+    nearest: NDArray[np.float64]
+    length: NDArray[np.float64]
+    slope0: NDArray[np.float64]
+    slope1: NDArray[np.float64]
+    low0: NDArray[np.float64]
+    low1: NDArray[np.float64]
+    low2: NDArray[np.float64]
+    high0: NDArray[np.float64]
+    high1: NDArray[np.float64]
+    high2: NDArray[np.float64]
+
+
+class Lines(NamedTuple):
+    """Where a thruster's force is at an end of a side, in no order but that the nearest come first once taken.
+
+    Attributes:
+        distance: (6 m,) signed distance from o along the thruster's slope.
+        end: (6 m,) the force on the line [N].
+        penalty: (6 m,) of the side [N^2].
+        normal0: (6 m,) unit normal, of lines taken.
+        normal1: (6 m,)
+        thruster: (6 m,) whose line it is.
+        inward: (6 m,) where its interval lies: +1 above a lower end, -1 below an upper end, 0 on both sides.
+        key: (6 m,) orders the lines by distance, and says which one it is.
+    """
+
+    distance: NDArray[np.float64]
+    end: NDArray[np.float64]
+    penalty: NDArray[np.float64]
+    normal0: NDArray[np.float64]
+    normal1: NDArray[np.float64]
+    thruster: NDArray[np.int64]
+    inward: NDArray[np.int64]
+    key: NDArray[np.int64]
 
 
 def suits_planar_search(plane: NDArray[np.float64]) -> bool:
@@ -33,6 +86,191 @@ def suits_planar_search(plane: NDArray[np.float64]) -> bool:
     return not np.any((sine > PARALLEL) & (sine < CROSSING))
 
 
+@inlined
+def closest_to_target(
+    origin: NDArray[np.float64],
+    plane: NDArray[np.float64],
+    intervals: SideIntervals,
+    side_cost: SideCost,
+    slip: float,
+    forces: PlaneForces,
+) -> tuple[float, bool]:
+    """Find the point o; return its cost [N^2], and whether the thrusters that no z moves are on allowed sides there."""
+    low, high = intervals.low, intervals.high
+    z0, z1 = 0.0, 0.0
+    for i in range(origin.shape[0]):
+        forces.slope0[i], forces.slope1[i] = plane[i, 0], plane[i, 1]
+        forces.low0[i], forces.low1[i], forces.low2[i] = low[i, 0] - slip, low[i, 1] - slip, low[i, 2] - slip
+        forces.high0[i], forces.high1[i], forces.high2[i] = high[i, 0] + slip, high[i, 1] + slip, high[i, 2] + slip
+        pull = side_cost.weight[i] * (side_cost.target[i, 0] - origin[i])
+        z0 += plane[i, 0] * pull
+        z1 += plane[i, 1] * pull
+    free, allowed = 0.0, True
+    for i in range(origin.shape[0]):
+        force = origin[i] + plane[i, 0] * z0 + plane[i, 1] * z1
+        free += side_cost.weight[i] * (force - side_cost.target[i, 0]) ** 2
+        forces.nearest[i], forces.length[i] = force, math.sqrt(plane[i, 0] ** 2 + plane[i, 1] ** 2)
+        if forces.length[i] <= PARALLEL:
+            inside = False
+            for s in range(3):
+                inside = inside or (low[i, s] - slip <= force and force <= high[i, s] + slip)
+            allowed = allowed and inside
+    return free, allowed
+
+
+@inlined
+def draw_lines(intervals: SideIntervals, penalty: NDArray[np.float64], forces: PlaneForces, lines: Lines) -> int:
+    """Write a line for each end of each open side; return their number. Ends that two sides share make one line."""
+    count = 0
+    for i in range(penalty.shape[0]):
+        if forces.length[i] <= PARALLEL:
+            continue
+        for s in range(3):
+            if intervals.masks[i] >> s & 1:
+                for upper in range(2):
+                    end = intervals.high[i, s] if upper else intervals.low[i, s]
+                    last = count - 1
+                    if count > 0 and lines.thruster[last] == i and lines.end[last] == end:
+                        lines.inward[last] = 0  # sides touch, or rest, which is a point: the interval has no inside
+                        lines.penalty[last] = min(lines.penalty[last], penalty[i, s])
+                        continue
+                    lines.thruster[count], lines.end[count], lines.inward[count] = i, end, 1 - 2 * upper
+                    lines.penalty[count] = penalty[i, s]
+                    lines.distance[count] = (end - forces.nearest[i]) / forces.length[i]
+                    lines.key[count] = bits(abs(lines.distance[count])) & ~WHICH | count
+                    count += 1
+    return count
+
+
+@inlined
+def take_nearest(lines: Lines, count: int, p: int, forces: PlaneForces) -> None:
+    """Exchange line p with the nearest of those from p on. The least key is found without a branch."""
+    rest = lines.key[p:count]
+    lowest = rest[0]
+    for other in range(rest.shape[0]):
+        lowest = min(lowest, rest[other])
+    nearest = lowest & WHICH
+    lines.key[nearest] = lines.key[p] & ~WHICH | nearest
+    lines.distance[p], lines.distance[nearest] = lines.distance[nearest], lines.distance[p]
+    lines.end[p], lines.end[nearest] = lines.end[nearest], lines.end[p]
+    lines.penalty[p], lines.penalty[nearest] = lines.penalty[nearest], lines.penalty[p]
+    lines.thruster[p], lines.thruster[nearest] = lines.thruster[nearest], lines.thruster[p]
+    lines.inward[p], lines.inward[nearest] = lines.inward[nearest], lines.inward[p]
+    i = lines.thruster[p]
+    lines.normal0[p], lines.normal1[p] = forces.slope0[i] / forces.length[i], forces.slope1[i] / forces.length[i]
+
+
+@inlined
+def candidate(lines: Lines, p: int, q: int, most: float) -> tuple[bool, float, float, float, float]:
+    """One row of the table of `planar_search`.
+
+    Args:
+        lines: p and q taken.
+        p: see `planar_search`.
+        q: likewise.
+        most: largest square of the distance from the foot on line p, penalties of q included [N^2].
+
+    Returns:
+        Whether the point is a candidate; its distance from the foot on line p, along it; its coordinates from o; the
+        sine of the lines' angle, 1 without q.
+    """
+    if p < 0:
+        return True, 0.0, 0.0, 0.0, 1.0
+    d = lines.distance[p]
+    if q < 0:
+        return not lines.inward[p] * d < 0.0, 0.0, d * lines.normal0[p], d * lines.normal1[p], 1.0
+    sine = lines.normal0[p] * lines.normal1[q] - lines.normal1[p] * lines.normal0[q]
+    cosine = lines.normal0[p] * lines.normal0[q] + lines.normal1[p] * lines.normal1[q]
+    off = lines.distance[q] - cosine * d
+    rounding = -1e-9 * (abs(d) + abs(lines.distance[q]))
+    if (
+        (abs(sine) <= SINE)
+        | (off * off > (most - lines.penalty[q]) * sine * sine)
+        | (lines.inward[q] * off < rounding)
+        | (lines.inward[p] * (d - cosine * lines.distance[q]) < rounding)
+    ):
+        return False, 0.0, 0.0, 0.0, 1.0
+    off /= sine
+    y0, y1 = d * lines.normal0[p] - off * lines.normal1[p], d * lines.normal1[p] + off * lines.normal0[p]
+    return True, off, y0, y1, sine
+
+
+@inlined
+def allowed_at(y0: float, y1: float, forces: PlaneForces) -> bool:
+    """Whether every force lies on one of its sides; without a branch: a few instructions for all thrusters at once."""
+    rounding = 1e-9 * (abs(y0) + abs(y1))  # what rounding may do to forces that are known to lie on their lines
+    forbidden = 0
+    for h in range(forces.nearest.shape[0]):
+        force = forces.nearest[h] + forces.slope0[h] * y0 + forces.slope1[h] * y1
+        under, over = force + rounding, force - rounding
+        forbidden |= int(
+            ((under < forces.low0[h]) | (over > forces.high0[h]))
+            & ((under < forces.low1[h]) | (over > forces.high1[h]))
+            & ((under < forces.low2[h]) | (over > forces.high2[h]))
+        )
+    return forbidden == 0
+
+
+@inlined
+def cheapest_sides(
+    lines: Lines,
+    p: int,
+    q: int,
+    y0: float,
+    y1: float,
+    intervals: SideIntervals,
+    penalty: NDArray[np.float64],
+    slip: float,
+    forces: PlaneForces,
+    chosen: NDArray[np.int64],
+) -> float:
+    """Write the cheapest side (m,) that holds each force; return the sum of their penalties, infinite where none does.
+
+    Where sides touch and cost the same, off wins, then the side of the force's sign.
+    """
+    i, j = lines.thruster[p] if p >= 0 else -1, lines.thruster[q] if q >= 0 else -1
+    first, second = lines.end[p] if p >= 0 else 0.0, lines.end[q] if q >= 0 else 0.0
+    total = 0.0
+    for h in range(forces.nearest.shape[0]):
+        force = forces.nearest[h] + forces.slope0[h] * y0 + forces.slope1[h] * y1
+        force = first if h == i else (second if h == j else force)
+        side, least = 0, math.inf
+        for turn in range(3):
+            s = 1 if turn == 0 else (0 if (turn == 1) == (force < 0.0) else 2)
+            inside = (intervals.low[h, s] - slip <= force) & (force <= intervals.high[h, s] + slip)
+            if inside and penalty[h, s] < least:
+                side, least = s, penalty[h, s]
+        chosen[h] = side
+        total += least
+    return total
+
+
+@inlined
+def write_point(
+    lines: Lines,
+    p: int,
+    q: int,
+    y0: float,
+    y1: float,
+    sine: float,
+    forces: PlaneForces,
+    force: NDArray[np.float64],
+    multiplier: NDArray[np.float64],
+) -> None:
+    """Write a candidate's forces (m,) and multipliers (m,): its move from o in terms of the normals of its lines."""
+    for h in range(force.shape[0]):
+        force[h] = forces.nearest[h] + forces.slope0[h] * y0 + forces.slope1[h] * y1
+        multiplier[h] = 0.0
+    if p >= 0:
+        i = lines.thruster[p]
+        force[i], multiplier[i] = lines.end[p], -lines.distance[p] / forces.length[i]
+        if q >= 0:
+            j = lines.thruster[q]
+            force[j] = lines.end[q]
+            multiplier[j] = (y0 * lines.normal1[p] - y1 * lines.normal0[p]) / (sine * forces.length[j])
+            multiplier[i] = (y1 * lines.normal0[q] - y0 * lines.normal1[q]) / (sine * forces.length[i])
+
+
 @compiled
 def planar_search(
     origin: NDArray[np.float64],
@@ -41,180 +279,90 @@ def planar_search(
     side_cost: SideCost,
     previous: NDArray[np.float64],
     tolerance: float,
-    room: Workspace,
+    workspace: Workspace,
     force: NDArray[np.float64],
     subset: NDArray[np.float64],
     multiplier: NDArray[np.float64],
 ) -> tuple[bool, float, int]:
     """Minimise ``sum w (f - target)^2 + penalty`` over ``f = origin + plane z`` with every f_i on an allowed side.
 
-    In the plane of z each end of each side is a line, each subset a convex polygon between lines, and the cost is
-    the squared distance from one point plus the penalties. The optimum of a polygon is that point, or the foot of
-    its perpendicular on a line, or an intersection of two lines, and it presses on its lines from inside the
-    polygon: who leaves a line for the other side of it is no optimum. So the cheapest of these that is allowed is
-    the optimum over all subsets; those farther away than the best so far need no look.
+    In the plane of z each end of each side is a line and each subset a convex polygon between lines. The cost is the
+    squared distance from one point o plus the penalties::
+
+                          /  line q
+            ----.--------x---------------  line p: d away from o
+                | d     /
+                o      /                   . foot of the perpendicular    x intersection
+
+    The optimum of a polygon is one of these points:
+
+    ===  ===  ====================  ===================================================================
+    p    q    point                 is a candidate
+    ===  ===  ====================  ===================================================================
+    -1   -1   o                     always
+    >=0  -1   foot on line p        unless o lies inside of the interval that ends at p
+    >=0  <p   intersection          if the lines cross, it is near enough to be better than the best so far, and the
+                                    foot on each line lies outside of the interval that ends at the other one
+    ===  ===  ====================  ===================================================================
+
+    A point that could leave a line for the inside of its interval is no optimum of its polygon. So the cheapest
+    candidate whose forces are allowed is the optimum over all subsets. Lines are taken nearest first: those farther
+    away than the best so far need no look.
 
     Args:
         origin: (m,) any forces making the wrench [N].
-        plane: (m, 2) null_space with ``plane.T @ diag(w) @ plane = I``, columns of zeros for missing dimensions.
+        plane: (m, 2) null space with ``plane.T @ diag(w) @ plane = I``, columns of zeros for missing dimensions.
         intervals: open to the thrusters.
-        side_cost: of them, with one preferred force for all sides of a thruster.
+        side_cost: of the sides, with one preferred force for all sides of a thruster.
         previous: (m,) subset that ties prefer.
         tolerance: force that counts as rounding [N].
-        room: to work in.
+        workspace: scratch rows.
         force: (m,) out [N].
         subset: (m,) out: -1, 0, +1.
         multiplier: (m,) out: multipliers of the interval ends.
 
     Returns:
-        Whether there is an answer, its cost, and the number of points looked at.
+        Whether there is an answer, its cost [N^2], and the number of points looked at.
     """
-    m = origin.shape[0]
-    low, high, masks = intervals.low, intervals.high, intervals.masks
-    weight, target, penalty = side_cost.weight, side_cost.target, side_cost.penalty
-    slip = 2.0 * tolerance
-    lined, thrusters, numbers = room.lines, room.planes, room.counts
-    away, end, due = lined[0], lined[1], lined[2]  # lines: signed distance, force, penalty
-    n0, n1 = lined[3], lined[4]  # unit normals
-    near, length, p0, p1 = (
-        thrusters[0],
-        thrusters[1],
-        thrusters[2],
-        thrusters[3],
-    )  # nearest forces, allowed or not; normals
-    low0, low1, low2, high0, high1, high2 = (
-        thrusters[4],
-        thrusters[5],
-        thrusters[6],
-        thrusters[7],
-        thrusters[8],
-        thrusters[9],
-    )
-    thruster, press, keys, chosen = numbers[0], numbers[1], numbers[2], numbers[3]
-    z0, z1 = 0.0, 0.0
-    for i in range(m):
-        p0[i], p1[i] = plane[i, 0], plane[i, 1]
-        low0[i], low1[i], low2[i] = low[i, 0] - slip, low[i, 1] - slip, low[i, 2] - slip
-        high0[i], high1[i], high2[i] = high[i, 0] + slip, high[i, 1] + slip, high[i, 2] + slip
-        pull = weight[i] * (target[i, 0] - origin[i])
-        z0 += plane[i, 0] * pull
-        z1 += plane[i, 1] * pull
-    free, lines = 0.0, 0
-    for i in range(m):
-        near[i] = origin[i] + plane[i, 0] * z0 + plane[i, 1] * z1
-        free += weight[i] * (near[i] - target[i, 0]) ** 2
-        length[i] = math.sqrt(plane[i, 0] ** 2 + plane[i, 1] ** 2)
-        if length[i] <= PARALLEL:
-            inside = False
-            for s in range(3):
-                inside = inside or (low[i, s] - slip <= near[i] and near[i] <= high[i, s] + slip)
-            if not inside:
-                return False, math.inf, 0
-            continue
-        for s in range(3):
-            if masks[i] >> s & 1:
-                for upper in range(2):
-                    side_end = high[i, s] if upper else low[i, s]
-                    if lines > 0 and thruster[lines - 1] == i and end[lines - 1] == side_end:
-                        press[lines - 1] = 0  # sides touch, or off, which is a point: thrusters press from either side
-                        due[lines - 1] = min(due[lines - 1], penalty[i, s])
-                        continue
-                    thruster[lines], end[lines], press[lines] = i, side_end, 1 - 2 * upper
-                    due[lines] = penalty[i, s]
-                    away[lines] = (side_end - near[i]) / length[i]
-                    keys[lines] = bits(abs(away[lines])) & ~WHICH | lines
-                    lines += 1
-
-    best, value = math.inf, math.inf
-    changes_best, looked = 0, 0
-    # Candidate (p, q): both -1 the point closest to the target, q = -1 the foot on line p, else an intersection.
-    for p in range(-1, lines):
-        i, d, toll = -1, 0.0, 0.0
-        if p >= 0:  # the nearest line is the next one; the least key is found without a branch
-            rest = keys[p:lines]
-            lowest = rest[0]
-            for other in range(rest.shape[0]):
-                lowest = min(lowest, rest[other])
-            nearest = lowest & WHICH
-            keys[nearest] = keys[p] & ~WHICH | nearest
-            away[p], away[nearest] = away[nearest], away[p]
-            end[p], end[nearest] = end[nearest], end[p]
-            due[p], due[nearest] = due[nearest], due[p]
-            thruster[p], thruster[nearest] = thruster[nearest], thruster[p]
-            press[p], press[nearest] = press[nearest], press[p]
-            i, d, toll = thruster[p], away[p], due[p]
-            n0[p], n1[p] = plane[i, 0] / length[i], plane[i, 1] / length[i]
+    a, b, c, slip = workspace.planes, workspace.lines, workspace.counts, 2.0 * tolerance
+    forces = PlaneForces(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9])
+    lines, chosen = Lines(b[0], b[1], b[2], b[3], b[4], c[0], c[1], c[2]), c[3]
+    free, possible = closest_to_target(origin, plane, intervals, side_cost, slip, forces)
+    if not possible:
+        return False, math.inf, 0
+    count = draw_lines(intervals, side_cost.penalty, forces, lines)
+    best, value, changes_best, looked = math.inf, math.inf, 0, 0
+    for p in range(-1, count):
+        d, penalty = 0.0, 0.0
+        if p >= 0:
+            take_nearest(lines, count, p, forces)
+            d, penalty = lines.distance[p], lines.penalty[p]
         bound = free + d * d
         if bound > best + tie_tolerance(best):
             break
-        if bound + toll > best + tie_tolerance(best):
+        if bound + penalty > best + tie_tolerance(best):
             continue
         for q in range(-1, max(p, 0)):
-            j, off, y0, y1, sine = -1, 0.0, 0.0, 0.0, 1.0
-            left = best + tie_tolerance(best) - bound - toll
-            if q >= 0:
-                j = thruster[q]
-                sine = n0[p] * n1[q] - n1[p] * n0[q]
-                cosine = n0[p] * n0[q] + n1[p] * n1[q]
-                off = away[q] - cosine * d
-                rounding = -1e-9 * (abs(d) + abs(away[q]))
-                if (
-                    (abs(sine) <= SINE)
-                    | (off * off > (left - due[q]) * sine * sine)
-                    | (press[q] * off < rounding)
-                    | (press[p] * (d - cosine * away[q]) < rounding)
-                ):
-                    continue
-                off /= sine
-                y0, y1 = d * n0[p] - off * n1[p], d * n1[p] + off * n0[p]
-            elif p >= 0:
-                if press[p] * d < 0.0:
-                    continue
-                y0, y1 = d * n0[p], d * n1[p]
+            there, off, y0, y1, sine = candidate(lines, p, q, best + tie_tolerance(best) - bound - penalty)
+            if not there:
+                continue
             looked += 1
-            blur = 1e-9 * (abs(y0) + abs(y1))  # what rounding may do to forces that are known to lie on their lines
-            forbidden = 0
-            for h in range(m):  # without a branch, so that it takes a few instructions for all thrusters at once
-                here = near[h] + p0[h] * y0 + p1[h] * y1
-                under, over = here + blur, here - blur
-                forbidden |= int(
-                    ((under < low0[h]) | (over > high0[h]))
-                    & ((under < low1[h]) | (over > high1[h]))
-                    & ((under < low2[h]) | (over > high2[h]))
-                )
-            if forbidden:
+            if not allowed_at(y0, y1, forces):
                 continue
-            first = end[p] if p >= 0 else 0.0
-            second = end[q] if q >= 0 else 0.0
-            prices = 0.0
-            for h in range(m):
-                here = first if h == i else (second if h == j else near[h] + p0[h] * y0 + p1[h] * y1)
-                side, least = 0, math.inf
-                for turn in range(3):  # where sides touch at one price, off wins, then the side of the force's sign
-                    s = 1 if turn == 0 else (0 if (turn == 1) == (here < 0.0) else 2)
-                    inside = (low[h, s] - slip <= here) & (here <= high[h, s] + slip)
-                    if inside and penalty[h, s] < least:
-                        side, least = s, penalty[h, s]
-                chosen[h] = side
-                prices += least
-            cost = bound + off * off + prices
-            if prices == math.inf or cost > best + tie_tolerance(best):
+            penalties = cheapest_sides(lines, p, q, y0, y1, intervals, side_cost.penalty, slip, forces, chosen)
+            cost = bound + off * off + penalties
+            if penalties == math.inf or cost > best + tie_tolerance(best):
                 continue
-            changes, forward = 0, 0
-            for h in range(m):
+            changes, forward = 0, 0  # as `preferred` decides
+            for h in range(origin.shape[0]):
                 changes += chosen[h] - 1 != previous[h]
                 if forward == 0 and best < math.inf:
                     forward = chosen[h] - 1 - int(subset[h])
-            slack = tie_tolerance(best)
-            if cost >= best - slack and (changes > changes_best or (changes == changes_best and forward <= 0)):
+            no_better = cost >= best - tie_tolerance(best)
+            if no_better and (changes > changes_best or (changes == changes_best and forward <= 0)):
                 continue
             best, value, changes_best = min(best, cost), cost, changes
-            for h in range(m):
-                force[h] = near[h] + p0[h] * y0 + p1[h] * y1
-                subset[h], multiplier[h] = chosen[h] - 1.0, 0.0
-            if p >= 0:
-                force[i], multiplier[i] = first, -d / length[i]
-            if q >= 0:
-                force[j], multiplier[j] = second, (y0 * n1[p] - y1 * n0[p]) / (sine * length[j])
-                multiplier[i] = (y1 * n0[q] - y0 * n1[q]) / (sine * length[i])
+            write_point(lines, p, q, y0, y1, sine, forces, force, multiplier)
+            for h in range(origin.shape[0]):
+                subset[h] = chosen[h] - 1.0
     return best < math.inf, value, looked

@@ -1,4 +1,4 @@
-"""One allocation after the other, compiled whole: exact, else a share, else closest; then wrench, error and memory."""
+"""One allocation after the other, compiled whole: the stages, then wrench, error and what is kept for the next call."""
 
 from __future__ import annotations
 
@@ -9,19 +9,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.exact.minimum_cost import cost_on, minimum_cost_forces, nearest_allowed
-from cube_sim.allocation.exact.origins import attainable_origin, nearest_origins, share_origin
+from cube_sim.allocation.exact.origins import attainable_origin
 from cube_sim.allocation.exact.packing import (
     unpack,
     unpack_closest_wrench_data,
     unpack_previous_answer,
     unpack_workspace,
 )
+from cube_sim.allocation.exact.stages import (
+    EXACT,
+    EXACTLY,
+    NEAREST,
+    STAGES,
+    Demand,
+    final_status,
+    origins_of_stage,
+    read_demand,
+)
 from cube_sim.allocation.exact.step import step_limits, store_answer
 from cube_sim.allocation.exact.ties import count_changes, preferred
 from cube_sim.native.compiled import borrowed, compiled, cut
-
-EXACT, CLOSEST, INVALID_WRENCH, UNPROVEN, UNPROVEN_CLOSEST, SCALED, YIELDED = 0, 1, 2, 5, 6, 7, 8
-"""The numbers of `Status`."""
 
 HUGE = 1e300
 """Errors beyond this are all the same [N]; it keeps the residual of the largest demands a number."""
@@ -68,7 +75,7 @@ def answer_of(row: NDArray[np.float64], n: int, m: int) -> Answer:
 
 
 @compiled
-def complete(
+def write_wrench(
     A: NDArray[np.float64], error_scale: NDArray[np.float64], demand: NDArray[np.float64], answer: Answer
 ) -> None:
     """Write the wrench of the answer's forces, its error against the demand (n,), and the residual."""
@@ -93,14 +100,18 @@ def solve_each(
     answers: NDArray[np.float64],
     subsets: NDArray[np.int8],
 ) -> tuple[float, float, int, int, int]:
-    """Allocate N demands in order, each remembering the one before.
+    """Allocate N demands in order, each going on from the answer before.
 
     A demand that holds a NaN or an infinity counts as zero. One of two parts, ``primary + secondary``, that is not
     attainable yields its secondary part first: the largest share of it is made that is attainable together with the
     primary part. Scaling a demand is the same with a primary part of zero.
 
+    Each stage (see `stages`) names wrenches by one row of forces each, and the cheapest allowed forces that make one of
+    them are the answer. In the last stage there always is one: where a rounding leaves no allowed forces that make a
+    wrench, the row is moved to the nearest allowed ones.
+
     Args:
-        packed: see `pack`; the memory in it is changed.
+        packed: see `pack`; the previous answer in it is changed.
         demands: (N n,) one after the other [N], [N m]; or (N 2 n,), each primary part followed by its secondary one.
         answers: (N `answer_size`,) out. What is handed over is flat because each view costs a caller time.
         subsets: (N m,) out: the answers' subsets once more, as a caller wants them.
@@ -110,81 +121,45 @@ def solve_each(
     """
     packed, demands, answers = borrowed(packed), borrowed(demands), borrowed(answers)
     subsets = borrowed(subsets)
-    t, previous, workspace = unpack(packed), unpack_previous_answer(packed), unpack_workspace(packed)
-    residual, final_cost, final, nodes_of_all, doubts = 0.0, 0.0, 0, 0, 0
-    n, m = t.A.shape
+    problem, previous, workspace = unpack(packed), unpack_previous_answer(packed), unpack_workspace(packed)
+    rows, origin, scratch = workspace.wrenches, workspace.thrusters[:1], workspace.thrusters[4:]
+    demand = Demand(rows[0], rows[1], rows[2], rows[3])
+    trial, chosen, mu = workspace.thrusters[1], workspace.thrusters[2], workspace.thrusters[3]
+    n, m = problem.A.shape
     size = answer_size(n, m)
     calls = answers.shape[0] // size
     two_parts = demands.shape[0] > calls * n
     width = 2 * n if two_parts else n
-    demand, base, direction, part = (
-        workspace.wrenches[0],
-        workspace.wrenches[1],
-        workspace.wrenches[2],
-        workspace.wrenches[3],
-    )
-    origin, trial, chosen, mu, scratch = (
-        workspace.thrusters[:1],
-        workspace.thrusters[1],
-        workspace.thrusters[2],
-        workspace.thrusters[3],
-        workspace.thrusters[4:],
-    )
+    residual, final_cost, status, nodes_of_all, doubts = 0.0, 0.0, EXACT, 0, 0
     for at in range(calls):
         answer = answer_of(cut(answers, at * size, (size,), np.float64), n, m)
-        first = at * width
-        second = first + width - n
-        status, valid = EXACT, True
-        for a in range(n):
-            demand[a] = demands[first + a] + demands[second + a] if two_parts else demands[first + a]
-            valid = valid and math.isfinite(demand[a])
-        for a in range(n):
-            demand[a] = demand[a] if valid else 0.0
-            base[a] = demands[first + a] if two_parts and valid else 0.0
-            direction[a] = demands[second + a] if two_parts and valid else demand[a]
-            part[a] = base[a] if two_parts else demand[a]
-        limits = step_limits(t, previous)
-        found, best, winner, changes_best, nodes, proven = False, math.inf, 0, 0, 0, True
-        for stage in range(3):
+        valid = read_demand(demands, at * width, two_parts, demand)
+        limits = step_limits(problem, previous)
+        status, found, best, winner, changes_best, nodes, proven = EXACT, False, math.inf, 0, 0, 0, True
+        for stage in range(STAGES):
             origins, count, looked, sure = origin, 0, 0, True
-            if stage == 0:
-                count = int(attainable_origin(t.solutions, t.largest_wrench, t.tolerance, demand, origin[0]))
-            elif stage == 1:
-                status = CLOSEST
-                if valid and (two_parts or t.scaled):
-                    closest = unpack_closest_wrench_data(packed)
-                    share, looked, sure = share_origin(
-                        closest, t.largest_wrench, limits, base, direction, origin[0], part
+            if stage == EXACTLY:
+                count = int(
+                    attainable_origin(
+                        problem.solutions, problem.largest_wrench, problem.tolerance, demand.whole, origin[0]
                     )
-                    count = int(share >= 0.0 or not two_parts)
-                    if count > 0:
-                        status = YIELDED if two_parts else SCALED
-            else:  # a share at the border of what is attainable may leave a rounding too little for stage 1
-                closest = unpack_closest_wrench_data(packed)
-                origins, looked, sure = nearest_origins(
-                    t.A, closest.metric, t.solutions, t.largest_wrench, limits, part
                 )
-                count = origins.shape[0]
+            else:
+                closest = unpack_closest_wrench_data(packed)
+                origins, count, status, looked, sure = origins_of_stage(
+                    stage, status, problem, closest, limits, demand, valid, two_parts, origin
+                )
             nodes += looked
             proven = proven and sure
             for c in range(count):
                 there, cost, alternative, looked, sure = minimum_cost_forces(
-                    t.solutions,
-                    t.plane,
-                    t.planar,
-                    limits,
-                    previous.subset,
-                    origins[c],
-                    workspace,
-                    scratch,
-                    trial,
-                    chosen,
-                    mu,
-                )
+                    problem.solutions, problem.plane, problem.planar, limits, previous.subset, origins[c], workspace,
+                    scratch, trial, chosen, mu,
+                )  # fmt: skip
                 nodes += looked
                 proven = proven and sure
                 if not there:
-                    if stage < 2:
+                    if stage != NEAREST:
                         continue
                     cost, alternative = nearest_allowed(limits, origins[c], trial, chosen)
                     for i in range(m):
@@ -197,17 +172,14 @@ def solve_each(
                     answer.force[i], answer.subset[i], answer.multiplier[i] = trial[i], chosen[i], mu[i]
             if found:
                 break
-        complete(t.A, t.error_scale, demand, answer)
-        if not valid:
-            status = INVALID_WRENCH
-        elif not proven:
-            status = UNPROVEN if status == EXACT else UNPROVEN_CLOSEST
+        status = final_status(status, valid, proven)
+        write_wrench(problem.A, problem.error_scale, demand.whole, answer)
         answer.rest[1] = cost_on(limits, winner, answer.force, answer.subset)
         answer.rest[2], answer.rest[3] = status, winner
         for i in range(m):
             s = int(answer.subset[i]) + 1
             answer.low[i], answer.high[i], subsets[at * m + i] = limits.low[i, s], limits.high[i, s], s - 1
-        store_answer(t.edge, previous, answer.force, answer.subset)
-        residual, final_cost, final = answer.rest[0], answer.rest[1], status
+        store_answer(problem.edge, previous, answer.force, answer.subset)
+        residual, final_cost = answer.rest[0], answer.rest[1]
         nodes_of_all, doubts = nodes_of_all + nodes, doubts + int(not proven)
-    return residual, final_cost, final, nodes_of_all, doubts
+    return residual, final_cost, status, nodes_of_all, doubts

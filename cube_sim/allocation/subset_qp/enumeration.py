@@ -10,17 +10,18 @@ from numpy.typing import NDArray
 from proxsuite import proxqp
 
 from cube_sim.allocation.exact.minimum_cost import nearest_allowed
-from cube_sim.allocation.exact.origins import attainable_origin, nearest_origins, share_origin
+from cube_sim.allocation.exact.origins import attainable_origin
 from cube_sim.allocation.exact.problem import AllocationProblem, ClosestWrenchData
-from cube_sim.allocation.exact.solve import (
-    CLOSEST,
+from cube_sim.allocation.exact.solve import answer_of, write_wrench
+from cube_sim.allocation.exact.stages import (
     EXACT,
-    INVALID_WRENCH,
-    SCALED,
-    UNPROVEN_CLOSEST,
-    YIELDED,
-    answer_of,
-    complete,
+    EXACTLY,
+    NEAREST,
+    STAGES,
+    Demand,
+    final_status,
+    origins_of_stage,
+    read_demand,
 )
 from cube_sim.allocation.exact.step import PreviousAnswer, StepLimits, step_limits, store_answer
 from cube_sim.allocation.subset_qp.problem import SubsetQP, subset_qp
@@ -46,97 +47,89 @@ class Enumeration:
     """Every subset solved by ProxQP. Slow on purpose: it is the reference the exact search is measured against.
 
     Args:
-        tables: of the allocator.
-        closest: of the allocator.
+        problem: of the allocator.
+        closest: of the allocator, with facets where a demand may give way.
         parallel: solve the subsets as one batch over the processor's cores.
     """
 
-    def __init__(self, tables: AllocationProblem, closest: ClosestWrenchData, parallel: bool) -> None:
-        self._tables, self._closest, self._parallel = tables, closest, parallel
-        self._solver = SubsetSolver(tables.weights, tables.solutions.equations, OUTER_ITERATIONS)
+    def __init__(self, problem: AllocationProblem, closest: ClosestWrenchData, parallel: bool) -> None:
+        self._problem, self._closest, self._parallel = problem, closest, parallel
+        self._solver = SubsetSolver(problem.weights, problem.solutions.equations, OUTER_ITERATIONS)
 
     def allocate(
         self,
-        memory: NDArray[np.float64],
+        previous: NDArray[np.float64],
         demands: NDArray[np.float64],
         row: NDArray[np.float64],
     ) -> int:
         """Answer one demand into ``row``, see `answer_of`; returns the number of ProxQPs solved.
 
         Args:
-            memory: (3, m), changed in place.
+            previous: (3, m) rows of a `PreviousAnswer`, changed in place.
             demands: (n,), or (2 n,) for one of two parts.
             row: (`answer_size`,) out.
         """
-        t, previous = self._tables, PreviousAnswer(*memory)
-        n, m = t.A.shape
-        primary, secondary = demands[:n], demands[n:]
-        two_parts = len(secondary) > 0
-        demand = primary + secondary if two_parts else primary
-        valid = bool(np.all(np.isfinite(demand)))
-        demand = demand if valid else np.zeros(n)
-        limits = step_limits(t, previous)
-        origin, part = np.empty(m), (primary if two_parts and valid else demand).copy()
-        status, found, solved, proven = EXACT, None, 0, True
-        if attainable_origin(t.solutions, t.largest_wrench, t.tolerance, demand, origin):
-            found, solved = self._minimum_cost(limits, origin)
-        if found is None:
-            status = CLOSEST
-        if found is None and valid and (two_parts or t.scaled):
-            base, direction = (primary, secondary) if two_parts else (np.zeros(n), demand)
-            share, _, proven = share_origin(self._closest, t.largest_wrench, limits, base, direction, origin, part)
-            if share >= 0.0 or not two_parts:
-                found, more = self._minimum_cost(limits, origin)
-                solved += more
-                status = YIELDED if two_parts else SCALED
-        if found is None:
-            candidates, _, sure = nearest_origins(
-                t.A, self._closest.metric, t.solutions, t.largest_wrench, limits, part
-            )
+        problem, before = self._problem, PreviousAnswer(*previous)
+        n, m = problem.A.shape
+        two_parts = len(demands) > n
+        demand, origin = Demand(*np.empty((4, n))), np.empty((1, m))
+        valid = read_demand(demands, 0, two_parts, demand)
+        limits = step_limits(problem, before)
+        answers, status, solved, proven = [], EXACT, 0, True
+        for stage in range(STAGES):
+            origins, count, sure = origin, 0, True
+            if stage == EXACTLY:
+                t = problem
+                count = int(attainable_origin(t.solutions, t.largest_wrench, t.tolerance, demand.whole, origin[0]))
+            else:
+                origins, count, status, _, sure = origins_of_stage(
+                    stage, status, problem, self._closest, limits, demand, valid, two_parts, origin
+                )
             proven = proven and sure
-            answer = []
-            for candidate in candidates:
-                there, more = self._minimum_cost(limits, candidate)
+            for there in origins[:count]:
+                answer, more = self._minimum_cost(limits, there)
                 solved += more
-                if there is None:
-                    force, subset = np.empty(m), np.empty(m)
-                    cost, alternative = nearest_allowed(limits, candidate, force, subset)
-                    there = cost, force, subset, alternative
-                answer.append(there)
-            found = min(answer, key=lambda there: round(there[0] / t.tolerance))
-        if not valid:
-            status = INVALID_WRENCH
-        elif not proven:
-            status = UNPROVEN_CLOSEST
-        cost, force, subset, alternative = found
+                if answer is None and stage == NEAREST:
+                    answer = self._nearest(limits, there)
+                if answer is not None:
+                    answers.append(answer)
+            if answers:
+                break
+        cost, force, subset, alternative = min(answers, key=lambda answer: round(answer[0] / problem.tolerance))
         answer = answer_of.py_func(row, n, m)
         answer.force[:], answer.subset[:] = force + 0.0, subset
-        complete(t.A, t.error_scale, demand, answer)
-        answer.rest[1:4] = cost, status, alternative
-        store_answer(t.edge, previous, answer.force, answer.subset)
+        write_wrench(problem.A, problem.error_scale, demand.whole, answer)
+        answer.rest[1:4] = cost, final_status(status, valid, proven), alternative
+        store_answer(problem.edge, before, answer.force, answer.subset)
         return solved
 
     def _minimum_cost(self, limits: StepLimits, origin: NDArray[np.float64]):
         """(cost, force, subset, alternative) of the best subset, None when none is live, and the ProxQPs it took."""
-        t = self._tables
+        problem = self._problem
         thrusters = np.arange(len(origin))
         best, winner, solved = np.inf, None, 0
-        for alternative, target in enumerate(t.targets):
+        for alternative, target in enumerate(problem.targets):
             subsets = every_subset(limits.low, limits.high)
+            equations, weights = problem.solutions.equations, problem.weights
             problems = [
-                subset_qp(subset, origin, t.solutions.equations, limits.low, limits.high, target, t.weights)
-                for subset in subsets
+                subset_qp(subset, origin, equations, limits.low, limits.high, target, weights) for subset in subsets
             ]
             solved += len(problems)
-            answers = solve_in_parallel(problems) if self._parallel else map(self._solver.solve, problems)
-            for subset, problem, solution in zip(subsets, problems, answers, strict=True):
+            solutions = solve_in_parallel(problems) if self._parallel else map(self._solver.solve, problems)
+            for subset, qp, solution in zip(subsets, problems, solutions, strict=True):
                 if not solution.trusted:
                     continue
                 penalty = limits.penalty[thrusters, subset + 1].sum()
-                cost = float(t.weights @ (solution.force - problem.target) ** 2 + penalty)
+                cost = float(weights @ (solution.force - qp.target) ** 2 + penalty)
                 if cost < best - 1e-9 * abs(best if winner else 0.0):
                     best, winner = cost, (cost, solution.force, subset, alternative)
         return winner, solved
+
+    def _nearest(self, limits: StepLimits, origin: NDArray[np.float64]):
+        """The same of the allowed forces nearest to some (m,) [N]."""
+        force, subset = np.empty(len(origin)), np.empty(len(origin))
+        cost, alternative = nearest_allowed(limits, origin, force, subset)
+        return cost, force, subset, alternative
 
 
 def solve_in_parallel(problems: list[SubsetQP]):

@@ -1,0 +1,133 @@
+"""The three stages of an answer, the same for every exact method: the demand itself, else a share of it, else closest.
+
+========  ==================================  =============================================  ===================
+stage     tried                               makes                                          status
+========  ==================================  =============================================  ===================
+EXACTLY   always                              the demand                                     EXACT
+SHARE     when a part of it may give way      the primary part and the largest attainable    YIELDED, or SCALED
+                                              share of the secondary one                     for one part only
+NEAREST   always                              the wrench closest to the part made so far,    CLOSEST, or as
+                                              or to the demand                               above
+========  ==================================  =============================================  ===================
+
+A share lies at the border of what is attainable. Rounding may leave too little for the forces of the second stage; the
+third then makes the closest wrench to that share, with the status of the second.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation.exact.origins import nearest_origins, share_origin
+from cube_sim.allocation.exact.problem import AllocationProblem, ClosestWrenchData
+from cube_sim.allocation.exact.step import StepLimits
+from cube_sim.native.compiled import inlined
+
+EXACT, CLOSEST, INVALID_WRENCH, UNPROVEN, UNPROVEN_CLOSEST, SCALED, YIELDED = 0, 1, 2, 5, 6, 7, 8
+"""The numbers of `Status`."""
+
+STAGES = 3
+EXACTLY, SHARE, NEAREST = 0, 1, 2
+
+
+class Demand(NamedTuple):
+    """One demanded wrench and its parts, (n,) each [N], [N m].
+
+    Attributes:
+        whole: all that is demanded.
+        primary: the part that does not give way; zero where a demand of one part is scaled.
+        secondary: the part that does.
+        part: what the last stage makes the closest wrench to.
+    """
+
+    whole: NDArray[np.float64]
+    primary: NDArray[np.float64]
+    secondary: NDArray[np.float64]
+    part: NDArray[np.float64]
+
+
+@inlined
+def read_demand(demands: NDArray[np.float64], at: int, two_parts: bool, demand: Demand) -> bool:
+    """Take one demand apart; return whether it is finite. One that is not counts as zero.
+
+    Args:
+        demands: flat; from ``at`` on (n,), or (2 n,) with the secondary part behind the primary one.
+        at: where the demand begins.
+        two_parts: whether there are two.
+        demand: out.
+    """
+    n = demand.whole.shape[0]
+    second = at + n if two_parts else at
+    valid = True
+    for a in range(n):
+        demand.whole[a] = demands[at + a] + demands[second + a] if two_parts else demands[at + a]
+        valid = valid and math.isfinite(demand.whole[a])
+    for a in range(n):
+        demand.whole[a] = demand.whole[a] if valid else 0.0
+        demand.primary[a] = demands[at + a] if two_parts and valid else 0.0
+        demand.secondary[a] = demands[second + a] if two_parts and valid else demand.whole[a]
+        demand.part[a] = demand.primary[a] if two_parts else demand.whole[a]
+    return valid
+
+
+@inlined
+def origins_of_stage(
+    stage: int,
+    status: int,
+    problem: AllocationProblem,
+    closest: ClosestWrenchData,
+    limits: StepLimits,
+    demand: Demand,
+    valid: bool,
+    two_parts: bool,
+    origin: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], int, int, int, bool]:
+    """Forces of the wrenches that SHARE or NEAREST tries to make, dead zones aside.
+
+    EXACTLY is `attainable_origin`, which callers call themselves: most demands end there, and handing all of this
+    over takes as long as a tenth of the search for their forces.
+
+    Args:
+        stage: SHARE or NEAREST.
+        status: of the stage before.
+        problem: of the vehicle.
+        closest: of the vehicle.
+        limits: sides of this call.
+        demand: from `read_demand`; its ``part`` is changed by SHARE.
+        valid: from `read_demand`.
+        two_parts: whether the demand has two parts.
+        origin: (1, m) to write one row of forces to [N].
+
+    Returns:
+        (c, m) forces [N], how many of the rows count, the status, nodes looked at, whether the stage is proven.
+    """
+    origins, count, looked, proven = origin, 0, 0, True
+    if stage == NEAREST:
+        origins, looked, proven = nearest_origins(
+            problem.A, closest.metric, problem.solutions, problem.largest_wrench, limits, demand.part
+        )
+        count = origins.shape[0]
+    else:
+        status = CLOSEST
+        if valid and (two_parts or problem.scaled):
+            share, looked, proven = share_origin(
+                closest, problem.largest_wrench, limits, demand.primary, demand.secondary, origin[0], demand.part
+            )
+            count = int(share >= 0.0 or not two_parts)
+            if count > 0:
+                status = YIELDED if two_parts else SCALED
+    return origins, count, status, looked, proven
+
+
+@inlined
+def final_status(status: int, valid: bool, proven: bool) -> int:
+    """The status of an answer, from that of the stage which made it."""
+    if not valid:
+        return INVALID_WRENCH
+    if proven:
+        return status
+    return UNPROVEN if status == EXACT else UNPROVEN_CLOSEST
