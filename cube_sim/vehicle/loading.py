@@ -30,7 +30,8 @@ def load_model(
     """Compile a model with water.
 
     The returned model is an ordinary `mujoco.MjModel`: mj_step, rollout, batch and the viewer step it with added mass,
-    drag, buoyancy, current (`model.opt.wind` [m/s], world axes) and thrusters included.
+    drag, buoyancy, current (`model.opt.wind` [m/s], world axes) and thrusters included. MuJoCo's own warnings about the
+    file become Python's, instead of a MUJOCO_LOG.TXT in the working directory.
 
     Args:
         path: an MJCF file, or a spec built in memory (left as it is).
@@ -38,8 +39,6 @@ def load_model(
             ``{"hull:thruster_dead_zone": (-2.0, 2.0)}``; see `cube_sim.vehicle.mjcf.parameters` for the names.
         forces: hull -> a force of your own, see `cube_sim.vehicle.plugin.user_forces`. The MJCF can name one too:
             ``<text name="hull:force" data="package.module:function"/>``.
-
-    MuJoCo's own warnings about the file become Python's, instead of a MUJOCO_LOG.TXT in the working directory.
 
     Raises:
         ModelError: the file cannot be read or compiled, or its water makes no sense; names the element.
@@ -74,7 +73,10 @@ def _kind(thing: object) -> str:
 
 
 def _own_copy(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-    """A copy to write into. MuJoCo leaves out of a copy, without a word, what refers to something that is not there."""
+    """A copy to write into.
+
+    MuJoCo leaves out of a copy, without a word, what refers to something that is not there: that is refused here.
+    """
     thruster_elements(spec)
     copy = spec.copy()
     for kind in ("actuators", "sensors", "equalities", "tendons", "pairs", "excludes"):

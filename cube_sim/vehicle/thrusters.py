@@ -16,7 +16,7 @@ from cube_sim.vehicle.pulse import PulseRange
 
 @dataclass(frozen=True)
 class Thrusters:
-    """The m thrusters of a hull, in the order of the columns of its actuation matrix.
+    """The m thrusters of a hull, in the order of the columns of its actuation matrix and of the model's actuators.
 
     Attributes:
         names: (m,) actuator names.

@@ -28,14 +28,14 @@ class Vehicle:
         qpos_address: where its pose (position, quaternion wxyz) starts in qpos.
         dof_address: where its velocity starts in qvel.
         mass_matrix: rigid-body mass M_RB (6,6) [kg, kg m, kg m^2], arms included at the reference pose.
-        added_mass: M_A (6,6).
+        added_mass: M_A (6,6) [kg, kg m, kg m^2].
         linear_damping: D (6,6) [N s/m, N s, N m s].
         quadratic_damping: D_q (6,6) [N s^2/m^2, ...], acting on |nu_r| nu_r.
         displaced_mass: rho V [kg].
         centre_of_mass: r_CG (3,) [m].
         centre_of_buoyancy: r_CB (3,) [m].
         gravity: (3,) world axes [m/s^2].
-        actuation_matrix: A (6,m), F_B = A F_m, read from the compiled transmission.
+        actuation_matrix: A (6,m) [1, m], F_B = A F_m, read from the compiled transmission.
         thrusters: names, indices, limits, characteristics, pulses and power of the m thrusters.
     """
 

@@ -151,7 +151,7 @@ def test_thrusters_that_do_not_say_their_voltage():
         PowerSupply(model, thrusters, Battery(16.0, 0.1))
 
 
-def test_a_damaged_propeller_draws_what_a_whole_one_does_and_a_dead_motor_nothing():
+def test_a_damaged_propeller_draws_what_a_healthy_one_does_and_a_dead_thruster_nothing():
     """At the same command: half the thrust is the propeller's loss, not the motor's rest."""
     model = cube_sim.load_model(CUBE)
     thrusters = cube_sim.Vehicle.from_model(model).thrusters

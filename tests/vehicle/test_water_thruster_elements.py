@@ -103,13 +103,13 @@ def test_a_wider_range_of_commands_ends_with_the_curve_too():
     ("integrator", "limit"), [("Euler", 2.0), ("implicit", 2.0), ("implicitfast", 2.0), ("RK4", 2.785)]
 )
 def test_a_lag_the_time_step_makes_unstable_is_refused(integrator, limit):
-    """Just below the limit a commanded motor comes to rest, above it is refused; filterexact is stable at any step."""
+    """Just below the limit a commanded thruster settles, above it is refused; filterexact is stable at any step."""
 
-    def motors(step: float, dyntype: str = "filter") -> mujoco.MjModel:
+    def thrusters(step: float, dyntype: str = "filter") -> mujoco.MjModel:
         choice = ('timestep="0.01" integrator="RK4"', f'timestep="{step!r}" integrator="{integrator}"')
         return cube_sim.load_model(edited(choice, ('dyntype="filter"', f'dyntype="{dyntype}"')))
 
-    model = motors(0.99 * limit * 0.02)
+    model = thrusters(0.99 * limit * 0.02)
     data = mujoco.MjData(model)
     data.ctrl[:] = 0.5
     for _ in range(2000):
@@ -117,10 +117,10 @@ def test_a_lag_the_time_step_makes_unstable_is_refused(integrator, limit):
         mujoco.mj_step(model, data)
     np.testing.assert_allclose(data.act, 0.5, atol=1e-6)
     with pytest.raises(ModelError, match=r"T1: its lag of 0.02 s is unstable under \w+ with a time step of") as caught:
-        motors(1.01 * limit * 0.02)
+        thrusters(1.01 * limit * 0.02)
     assert caught.value.element == "T1"
     assert "dyntype='filterexact'" in caught.value.reason
-    assert motors(1.01 * limit * 0.02, "filterexact").nu == 8
+    assert thrusters(1.01 * limit * 0.02, "filterexact").nu == 8
 
 
 @pytest.mark.parametrize(("delay_s", "samples"), [(0.1, 10), (0.035, 4), (0.0, 0), (0.1, 12)])
