@@ -171,6 +171,7 @@ def milp_end(A, limits, d, sign, least=-np.inf):
     return result.x[t] if result.status == 0 else np.nan
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(("n", "m", "dead"), [(3, 12, 15.0), (6, 8, 20.0), (6, 8, 30.0), (6, 12, 20.0)])
 def test_dead_zone_intervals_agree_with_a_mixed_integer_program(n, m, dead):
     rng = np.random.default_rng((n, m))

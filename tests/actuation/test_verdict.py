@@ -140,6 +140,7 @@ def test_trim_conditions_are_kept_by_their_forces():
             assert np.allclose(A @ condition.forces, wanted, atol=1e-5)
 
 
+@pytest.mark.flight
 def test_weak_thrusters_are_told_from_lost_ones():
     fast = judged([], limits=[-1.0, 1.0])
     assert fast.outcome is Outcome.STUCK
@@ -423,6 +424,7 @@ def test_in_the_plane_the_best_heading_is_found():
     assert attainable.share(best.wrench[None])[0] >= np.max(shares) - 1e-9
 
 
+@pytest.mark.flight
 def test_a_vehicle_follows_where_it_does_with_a_thruster_fewer():
     fast = PathRequirements(speed_m_s=1.0, inclinations_rad=(-np.radians(15),))
     assert all(judge_of("bluerov2_heavy", fast, lost=lost).follows for lost in ((), (4,), (4, 0)))

@@ -35,6 +35,7 @@ def test_planar_vehicle_against_bounded_least_squares_on_every_subset(allow_off)
     assert sum(check_closest(allocator, allow_off, wrench) for wrench in wrenches) > 20
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("shape", [(3, 1), (3, 2), (3, 3), (6, 1), (6, 3), (6, 5)])
 def test_vehicles_that_cannot_make_most_wrenches(shape):
     rng = np.random.default_rng(shape[0] * shape[1])
@@ -42,6 +43,7 @@ def test_vehicles_that_cannot_make_most_wrenches(shape):
     assert sum(check_closest(allocator, True, 20 * rng.normal(size=shape[0])) for _ in range(8)) > 4
 
 
+@pytest.mark.flight
 def test_cube_against_bounded_least_squares_on_all_256_subsets():
     A = cube(direction_noise=0.05, position_noise_m=0.01, seed=4)
     allocator = Allocator(A, [-40, -10, 10, 50], allow_off=False)

@@ -49,6 +49,7 @@ def test_planar_vehicle_against_linear_programmes(allow_off, method):
     assert allocator.effort.disagreements == 0
 
 
+@pytest.mark.flight
 def test_cube_against_linear_programmes_on_all_256_subsets():
     """Torques first, forces as far as they go: what a controller that wants its attitude asks for."""
     allocator = Allocator(BUILT, [-40, -10, 10, 50], allow_off=False)

@@ -50,6 +50,7 @@ def test_planar_vehicle_against_linear_programmes(allow_off):
     assert allocator.effort.disagreements == 0
 
 
+@pytest.mark.flight
 def test_cube_against_linear_programmes_on_all_256_subsets():
     A = cube(direction_noise=0.05, position_noise_m=0.01, seed=4)
     allocator = Allocator(A, [-40, -10, 10, 50], allow_off=False, unattainable="scaled")

@@ -95,6 +95,7 @@ def test_outcomes_texts_properties_and_recordings(folder):
     assert not (folder.path / "logs").exists()
 
 
+@pytest.mark.flight
 def test_an_unforeseen_error_keeps_its_traceback(folder):
     folder.makeconftest(
         """

@@ -119,6 +119,7 @@ def test_the_printed_law_stays_most_of_a_metre_off_the_path():
     assert residual(printed()) == pytest.approx(0.80, rel=0.05)
 
 
+@pytest.mark.flight
 def test_each_printed_difference_costs_what_it_costs():
     """With the other two mended: subtracting the resistances, g_c s' for g_c s'^2, not solving for r' in beta''."""
     assert residual(printed(square=True, loop_solved=True)) == pytest.approx(0.28, rel=0.1)

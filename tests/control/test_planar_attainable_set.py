@@ -21,6 +21,7 @@ def hull(rng, thrusters):
     return A, np.column_stack([-rng.uniform(5.0, 50.0, thrusters), rng.uniform(5.0, 50.0, thrusters)])
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("thrusters", [2, 3, 5])
 def test_what_thrusters_can_make_is_left_as_it_is_and_what_they_cannot_comes_within_reach(thrusters):
     rng = np.random.default_rng(thrusters)
@@ -38,6 +39,7 @@ def test_what_thrusters_can_make_is_left_as_it_is_and_what_they_cannot_comes_wit
             assert (attainable.normals @ cut <= attainable.sizes * (1.0 + 1e-9)).all()
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("pairs", [1, 2, 3])
 def test_a_hull_with_two_like_sides_gives_all_it_has(pairs):
     """A demand beyond reach ends on the edge, with no sign turned, and half of the torque or all it asked."""

@@ -133,6 +133,7 @@ def test_without_errors_only_the_integration_is_left_and_it_is_of_second_order()
     assert worst[1, 1] < 5e-5
 
 
+@pytest.mark.flight
 def test_it_finds_level_and_north_from_a_first_estimate_that_is_far_off():
     """Tilts of up to 30 degrees and headings of up to 100, drawn from such a distribution."""
     initial = InitialErrors(0.5, 0.2, 15 * DEG, 45 * DEG)
@@ -171,6 +172,7 @@ def test_dead_reckoning_wanders_as_the_square_root_of_time():
         assert abs(np.sqrt(runs[0][k].estimate.covariance[0, 0]) / expected - 1.0) < 0.1
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(
     ("aids", "axis"),
     [

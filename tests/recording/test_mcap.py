@@ -195,6 +195,7 @@ def test_a_second_is_in_the_file_as_soon_as_it_is_over(tmp_path):
     recorder.close()
 
 
+@pytest.mark.flight
 def test_a_killed_run_loses_less_than_a_simulated_second(tmp_path):
     reached = 130
     program = (

@@ -71,6 +71,7 @@ def test_table_against_scipy():
         np.testing.assert_allclose(a, change[0] / (h / 2 + before), atol=1e-12)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(
     ("times", "held"),
     [((0.0, 0.5, 1.0, 1.5, 2.0, 3.5), 1e-7), ((0.0, 0.503, 1.011, 1.517, 2.031, 3.5), 1e-5)],

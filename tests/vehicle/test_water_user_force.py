@@ -45,6 +45,7 @@ def floating() -> Body:
     return Body(mass=10.0, volume=10.0 / DENSITY, added=np.diag([15.0] * 3 + [0.5] * 3), inertia_at_cg=np.eye(3))
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(("function", "compiled"), [(spring, True), (awkward_spring, False)])
 def test_mass_on_a_spring(function, compiled):
     """(m + a) x'' = -k x in any attitude: x(t) = x0 cos(sqrt(k / (m + a)) t)."""
@@ -56,6 +57,7 @@ def test_mass_on_a_spring(function, compiled):
     np.testing.assert_allclose(end[:3], start[:3] * np.cos(np.sqrt(STIFFNESS / 25.0) * 4.0), atol=1e-7)
 
 
+@pytest.mark.flight
 def test_it_is_a_force_in_body_axes_at_the_right_time():
     rng = np.random.default_rng(0)
     body, start = random_body(rng), tumbling(rng)
@@ -159,6 +161,7 @@ def test_a_scenario_whose_force_fails_ends_as_error(function, tmp_path):
     assert result.signals["pose.position"][-1, 0] == pytest.approx(0.2, abs=0.021)
 
 
+@pytest.mark.flight
 def test_what_a_compiled_force_takes_from_outside_is_that_of_its_load():
     """A model keeps what it was loaded with; one loaded after a change has the change."""
     anchor = np.array([0.0, 0.0, -5.0])
