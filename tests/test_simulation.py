@@ -239,7 +239,7 @@ SETTINGS = [
     for line in re.findall(r"^cube-sim run scenarios/cube_helix\.yaml (--set .*)$", README, re.MULTILINE)
 ]
 CALLS = [
-    ast.literal_eval(text) for text in re.findall(r'cube_sim\.run\("scenarios/cube_helix\.yaml", (\{.*?\})\)', README)
+    ast.literal_eval(text) for text in re.findall(r'cube_sim\.run\("scenarios/cube_helix\.yaml", (\{.*?\})[,)]', README)
 ]
 
 
