@@ -51,11 +51,11 @@ def half_spaces(A: ArrayLike, limits: ArrayLike, *, allow_off: bool = True) -> H
     normals = facet_normals(columns)
     low, high = side_table(thruster_limits(limits, m), allow_off)
     subsets = every_subset(low, high)
-    reach = normals @ columns  # (h, m)
+    gain = normals @ columns  # (h, m) what one newton of each thruster makes along each normal
     least, most = np.zeros((len(subsets), len(normals))), np.zeros((len(subsets), len(normals)))
     for i in range(m):
         at = subsets[:, i] + 1
-        ends = np.outer(low[i, at], reach[:, i]), np.outer(high[i, at], reach[:, i])
+        ends = np.outer(low[i, at], gain[:, i]), np.outer(high[i, at], gain[:, i])
         least += np.minimum(*ends)
         most += np.maximum(*ends)
     outside = solutions.outside_range[np.linalg.norm(solutions.outside_range, axis=1) > 1e-12]

@@ -79,7 +79,7 @@ def attained(
     low: NDArray[np.float64],
     high: NDArray[np.float64],
     count: NDArray[np.int64],
-    reach: float,
+    farthest: float,
     tolerance: float,
     join: float,
 ) -> tuple[NDArray[np.float64], bool]:
@@ -95,7 +95,7 @@ def attained(
         low: (m,s) lower ends of the allowed intervals [N], ascending.
         high: (m,s) upper ends.
         count: (m,) how many of the s places are used.
-        reach: largest |t|.
+        farthest: largest |t|.
         tolerance: along a normal, that counts as rounding.
         join: gap in t that counts as none.
 
@@ -111,7 +111,7 @@ def attained(
             lower[0, a] += min(x, y)
             upper[0, a] += max(x, y)
     union, size, looked = np.empty((16, 2)), 0, 1
-    first, last = interval_in_box(along, lower[0], upper[0], reach, tolerance)
+    first, last = interval_in_box(along, lower[0], upper[0], farthest, tolerance)
     if m == 0 and first <= last:
         union[0, 0], union[0, 1], size = first, last, 1
     child_first, child_last = np.empty((m, places)), np.empty((m, places))
@@ -123,7 +123,7 @@ def attained(
             left[depth] = 0
             for s in range(count[depth]):
                 shift(lower, upper, gain, low, high, count, depth, s)
-                first, last = interval_in_box(along, lower[depth + 1], upper[depth + 1], reach, tolerance)
+                first, last = interval_in_box(along, lower[depth + 1], upper[depth + 1], farthest, tolerance)
                 looked += 1
                 new = uncovered(union, size, first, last, join) if first <= last else -1.0
                 if new < 0.0:

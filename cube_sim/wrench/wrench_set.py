@@ -21,20 +21,20 @@ class WrenchLine:
     Attributes:
         along: (h,) normals . d; all zero where the thrusters attain d at t = 0 only.
         gain: (h,m) what one newton of each thruster makes along each normal.
-        reach: largest |t| to look at: 0 where only t = 0 is attained, else infinite.
+        farthest: largest |t| to look at: 0 where only t = 0 is attained, else infinite.
     """
 
     along: Vector
     gain: Matrix
-    reach: float
+    farthest: float
 
     def box(self, allowed: AllowedForces) -> tuple[float, float]:
         """(lowest, highest) t over the box between the thrusters' most extreme forces, which holds 0."""
-        if not self.reach or not len(self.along):
+        if not self.farthest or not len(self.along):
             return 0.0, 0.0
         ends = self.gain[:, :, None] * np.stack([allowed.minimum, allowed.maximum], axis=1)
         lower, upper = ends.min(axis=2).sum(axis=1), ends.max(axis=2).sum(axis=1)
-        return interval_in_box(self.along, lower, upper, self.reach, 0.0)
+        return interval_in_box(self.along, lower, upper, self.farthest, 0.0)
 
     def intervals(self, allowed: AllowedForces, join: float) -> Matrix | None:
         """(i,2) disjoint intervals of t that allowed forces attain, ascending, gaps up to `join` closed.
@@ -53,7 +53,7 @@ class WrenchLine:
             np.nan_to_num(allowed.low[order]),
             np.nan_to_num(allowed.high[order]),
             count[order],
-            self.reach,
+            self.farthest,
             NO_GAIN * scale,
             join,
         )

@@ -31,7 +31,7 @@ def support(generators: Matrix, low: Vector, high: Vector, directions: Matrix) -
 
 
 def facets(generators: Matrix, low: Vector, high: Vector) -> tuple[Matrix, Vector]:
-    """The zonotope as {w : normals w <= reach}: unit normals (p,r) in both signs, and (p,) how far it reaches."""
+    """The zonotope as {w : normals w <= offsets}: unit normals (p,r) in both signs, and offsets (p,)."""
     normals = facet_normals(generators)
     normals = np.concatenate([normals, -normals])
     return normals, support(generators, low, high, normals)
@@ -42,8 +42,8 @@ def inscribed_radius(generators: Matrix, low: Vector, high: Vector) -> float:
 
     The ball touches a facet: exact.
     """
-    _, reach = facets(generators, low, high)
-    return max(0.0, float(np.min(reach, initial=np.inf)))
+    _, offsets = facets(generators, low, high)
+    return max(0.0, float(np.min(offsets, initial=np.inf)))
 
 
 def volume(generators: Matrix, low: Vector, high: Vector) -> float:

@@ -1,4 +1,4 @@
-"""Motors lost, weak or stuck while the vehicle runs."""
+"""Thrusters lost, weak or stuck while the vehicle runs."""
 
 import itertools
 
@@ -22,13 +22,13 @@ def tolerant(A=BUILT, limits=LIMITS, method="search+proxqp", **options):
     return FaultTolerant(A, limits, lambda A, limits, _: make_allocator(method, A, limits, options))
 
 
-def lost(motors, count=8):
-    return Health(np.where(np.isin(np.arange(count), motors), 0.0, 1.0), np.full(count, np.nan))
+def lost(thrusters, count=8):
+    return Health(np.where(np.isin(np.arange(count), thrusters), 0.0, 1.0), np.full(count, np.nan))
 
 
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 @pytest.mark.parametrize("gone", [(0,), (2, 5), (1, 4, 6), (0, 1, 2, 3)])
-def test_lost_motors_are_a_vehicle_without_their_columns(gone, allow_off):
+def test_lost_thrusters_are_a_vehicle_without_their_columns(gone, allow_off):
     allocator = tolerant(allow_off=allow_off)
     allocator.set_health(lost(gone))
     left = np.delete(np.arange(8), gone)
@@ -63,7 +63,7 @@ def test_unattainable_after_losses_is_the_closest_of_the_smaller_vehicle():
 
 
 @pytest.mark.parametrize("force", [12.0, -7.0, 1.5, 0.0])
-def test_a_stuck_motor_is_a_demand_less_its_wrench(force):
+def test_a_stuck_thruster_is_a_demand_less_its_wrench(force):
     allocator = tolerant()
     allocator.set_health(WHOLE.with_thruster(3, stuck=force))
     rest = np.delete(BUILT, 3, axis=1)
@@ -79,7 +79,7 @@ def test_a_stuck_motor_is_a_demand_less_its_wrench(force):
             assert answer.cost == pytest.approx(reference[0], rel=1e-7)
 
 
-def test_a_weak_motor_has_narrower_limits():
+def test_a_weak_thruster_has_narrower_limits():
     efficiency = np.array([1, 0.5, 1, 1, 0.25, 1, 1, 1])
     weak = tolerant()
     weak.set_health(Health(efficiency, np.full(8, np.nan)))
@@ -91,7 +91,7 @@ def test_a_weak_motor_has_narrower_limits():
 
 
 @pytest.mark.parametrize("method", [name for name in methods() if name != "enumerate_parallel"])
-def test_every_method_takes_dead_weak_and_stuck_motors_for_what_they_are(method):
+def test_every_method_takes_dead_weak_and_stuck_thrusters_for_what_they_are(method):
     allocator = tolerant(method=method)
     allocator.set_health(WHOLE.with_thruster(0, 0.0).with_thruster(1, 0.5).with_thruster(2, 0.0, 6.0))
     wrench = BUILT @ [0.0, 6.0, 6.0, -8.0, 9.0, 4.0, -5.0, 7.0]
@@ -106,7 +106,7 @@ def test_every_method_takes_dead_weak_and_stuck_motors_for_what_they_are(method)
     assert (asked[0], asked[1], asked[2]) == (0.0, 2.0 * answer.force[1], 0.0)
 
 
-def test_the_secondary_part_gives_way_beside_a_stuck_motor():
+def test_the_secondary_part_gives_way_beside_a_stuck_thruster():
     """Shares of the secondary part are counted on what the others have to make."""
     allocator = tolerant()
     allocator.set_health(WHOLE.with_thruster(3, stuck=12.0))
@@ -120,7 +120,7 @@ def test_the_secondary_part_gives_way_beside_a_stuck_motor():
     assert more.status == Status.CLOSEST
 
 
-def test_all_motors_lost_is_answered():
+def test_all_thrusters_lost_is_answered():
     allocator = tolerant(allow_off=False)
     allocator.set_health(lost(range(8)))
     answer = allocator.allocate(np.array([1.0, 2, 3, 0, 0, 0.6]))
@@ -178,7 +178,7 @@ ONE_AXIS = np.array([[1.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
 @pytest.mark.parametrize("rest_before", [False, True])
 @pytest.mark.parametrize(("other", "cost"), [(0.0, 105.0), (0.5, 60.0)])
 def test_a_reversal_is_counted_from_before_the_fault(other, cost, rest_before):
-    """Two motors on one axis: 10 N forward, the second fails, 10 N back. 5 N^2 for each motor that reverses.
+    """Two thrusters on one axis: 10 N forward, the second fails, 10 N back. 5 N^2 for each thruster that reverses.
 
     Alone the first pays 10^2 + 5. Beside one of half the force both push 5 N and pay 2 (5^2 + 5).
     """
@@ -191,7 +191,7 @@ def test_a_reversal_is_counted_from_before_the_fault(other, cost, rest_before):
 
 
 def test_penalties_after_a_loss_are_those_of_every_subset():
-    """Least energy of each of the 16 subsets plus a price per reversed motor, pushes counted from before the loss."""
+    """Least energy of each of the 16 subsets plus a price per reversed thruster, counted from before the loss."""
     price, limits = 300.0, np.tile([-30.0, -3.0, 4.0, 30.0], (5, 1))
     A = np.column_stack([jack(), [0.2, 0.9, 0.3]])
     rng, told_apart = np.random.default_rng(9), 0
@@ -220,7 +220,7 @@ def walked(force, limits):
 
 @pytest.mark.parametrize("health", [lost((2,)), lost((2, 5)), WHOLE.with_thruster(4, 0.6).with_thruster(0, stuck=3.0)])
 def test_a_change_limit_holds_across_a_fault(health):
-    """Counted from what each motor makes of the last command: all of it, or a weak one its share."""
+    """Counted from what each thruster makes of the last command: all of it, or a weak one its share."""
     limits = np.tile(LIMITS, (8, 1)) * np.where(health.responsive, health.efficiency, 1.0)[:, None]
     wrench, working = np.array([45.0, 20, -30, 1, 1, 0.5]), health.responsive
     for forget in (False, True):
@@ -245,7 +245,7 @@ def test_a_change_limit_holds_across_a_fault(health):
 )
 def test_within_a_change_limit_the_cheapest_of_all_subsets_is_found_at_every_price(A, allow_off):
     """What is in reach of the last answer on each side, its own preferred force there, weights, reversals, starts and
-    stops: least cost of every subset, before and after a motor has grown weak."""
+    stops: least cost of every subset, before and after a thruster has grown weak."""
     A, rng, signs = np.array(A), np.random.default_rng(11), (-1, 0, 1) if allow_off else (-1, 1)
     limits, most, reversal, switching = np.tile(LIMITS, (4, 1)), 9.0, 80.0, 30.0
     weights, points = rng.uniform(0.5, 2.0, 4), rng.uniform(5.0, 30.0, (4, 2)) * [-1.0, 1.0]
@@ -283,7 +283,7 @@ def test_within_a_change_limit_the_cheapest_of_all_subsets_is_found_at_every_pri
     assert exact >= 10
 
 
-def test_a_mended_motor_starts_from_where_it_was_held():
+def test_a_mended_thruster_starts_from_where_it_was_held():
     """A change limit of 2 N on one axis: from rest once dead, from the force it held once stuck, saturated at most."""
     demand = np.array([100.0, 0, 0])
     for fault, first in (((0.0, np.nan), 5.0), ((0.0, 12.0), 14.0), ((0.0, -12.0), -10.0), ((0.0, 45.0), 30.0)):
@@ -295,7 +295,7 @@ def test_a_mended_motor_starts_from_where_it_was_held():
 
 
 def test_the_common_regime_keeps_its_way_round():
-    """Compensation that runs all motors in reverse goes on so; forgetful, it would turn them all."""
+    """Compensation that runs all thrusters in reverse goes on so; forgetful, it would turn them all."""
     allocator = tolerant(jack(), [-60.0, -4.0, 4.0, 30.0], method="compensation")
     assert np.all(allocator.allocate(jack() @ [-45.0, -5, -45, -5]).force < 0.0)
     allocator.set_health(Health.whole(4).with_thruster(1, 0.9))
@@ -309,7 +309,7 @@ def test_the_common_regime_keeps_its_way_round():
     [
         (WHOLE.with_thruster(0, 1.5), "must lie in 0 to 1"),
         (WHOLE.with_thruster(0, np.nan), "must lie in 0 to 1"),
-        (Health.whole(7), r"efficiency has shape \(7,\); the vehicle has 8 motors"),
+        (Health.whole(7), r"efficiency has shape \(7,\); the vehicle has 8 thrusters"),
         (Health(np.ones(8), np.zeros(9)), r"stuck has shape \(9,\)"),
         (WHOLE.with_thruster(0, stuck=np.inf), "finite"),
     ],
@@ -330,7 +330,7 @@ NO_DEAD_ZONE = [-10.0, 10.0]
 @pytest.mark.parametrize("health", [Health.whole(4), Health.whole(4).with_thruster(0, stuck=5.0), lost(range(4), 4)])
 @pytest.mark.parametrize("nonsense", [np.nan, -np.inf])
 def test_a_demand_that_is_no_number_counts_as_zero_whatever_the_health(health, method, nonsense):
-    """Beside a motor stuck at 5 N its healthy twin holds against it."""
+    """Beside a thruster stuck at 5 N its healthy twin holds against it."""
     answers = []
     for wrench in ([nonsense, 2, 3], np.zeros(3)):
         allocator = tolerant(SQUARE, NO_DEAD_ZONE, method=method)
@@ -344,8 +344,8 @@ def test_a_demand_that_is_no_number_counts_as_zero_whatever_the_health(health, m
     assert tolerant(SQUARE, NO_DEAD_ZONE).allocate(np.zeros(3), [nonsense, 0, 0]).status == Status.INVALID_WRENCH
 
 
-def test_motors_that_together_make_no_wrench_rest():
-    """The motors left have columns of zeros; what was believed before is believed no more."""
+def test_thrusters_that_together_make_no_wrench_rest():
+    """The thrusters left have columns of zeros; what was believed before is believed no more."""
     A = np.array([[1.0, 0, 0], [0, 0, 0], [0, 0, 0]])
     allocator = tolerant(A, NO_DEAD_ZONE)
     assert allocator.allocate([4.0, 0, 0]).force.tolist() == [4.0, 0, 0]
@@ -358,7 +358,7 @@ def test_motors_that_together_make_no_wrench_rest():
     assert allocator.allocate([4.0, 0, 0]).force.tolist() == [4.0, 0, 0]
 
 
-def test_motors_without_force_rest_when_the_others_are_lost():
+def test_thrusters_without_force_rest_when_the_others_are_lost():
     """No limit is left that a preferred force could be compared with."""
     limits = np.array([[-40.0, -4.0, 4.0, 40.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]])
     options = {"objective": "reactivity", "reactivity": [-20.0, 20.0]}
@@ -368,8 +368,8 @@ def test_motors_without_force_rest_when_the_others_are_lost():
     assert (answer.force.tolist(), answer.status) == ([0.0, 0.0, 0.0], Status.CLOSEST)
 
 
-def test_what_is_asked_of_a_weak_motor_lies_in_the_set_of_a_whole_one():
-    """4,000 forces at the ends of weak motors' intervals, one rounding off when divided by the efficiency."""
+def test_what_is_asked_of_a_weak_thruster_lies_in_the_set_of_a_whole_one():
+    """4,000 forces at the ends of weak thrusters' intervals, one rounding off when divided by the efficiency."""
     allocator, rng = tolerant(limits=LIMITS), np.random.default_rng(4)
     for _ in range(500):
         efficiency = rng.uniform(0.01, 1.0, 8)
@@ -409,7 +409,7 @@ def test_without_voltage_no_force_is_made_whatever_is_held():
     assert allocator.without_force([np.nan] * 6).status == Status.INVALID_WRENCH
 
 
-def test_a_motor_with_next_to_no_force_counts_as_dead():
+def test_a_thruster_with_next_to_no_force_counts_as_dead():
     """Its share of what it was told before would overflow, and with it where changes are counted from."""
     A = np.random.default_rng(0).normal(size=(6, 8))
     actuators = FaultTolerant(

@@ -95,7 +95,7 @@ def test_compensation_of_the_jack_is_exact_where_the_rule_says():
 
 
 def test_regime_of_the_cube():
-    """Its kernel contains (1, -1, 1, -1, -1, 1, -1, 1) and a twin: nothing moves every motor by 1 N with less."""
+    """Its kernel contains (1, -1, 1, -1, -1, 1, -1, 1) and a twin: nothing moves every thruster by 1 N with less."""
     A = cube()
     regime = common_regime(Compensation(A, LIMITS)._model.kernel)
     assert np.allclose(np.abs(regime), 1.0)
