@@ -43,7 +43,7 @@ def test_ties_keep_the_previous_subset():
 
 
 def test_reversal_penalty_is_part_of_the_optimum():
-    """Cost with penalties against every subset: least energy of the subset plus a price per reversed motor."""
+    """Cost with penalties against every subset: least energy of the subset plus a price per reversed thruster."""
     A, price = jack(), 300.0
     limits = np.tile([-30.0, -3.0, 4.0, 30.0], (4, 1))
     allocator = Allocator(A, limits, allow_off=False, reversal_penalty=price)
@@ -109,8 +109,8 @@ def test_switching_penalty_is_part_of_the_optimum(objective):
     assert exact > 15
 
 
-def test_a_second_motor_does_not_come_and_go_at_the_edge_of_its_dead_zone():
-    """8.3 N is cheaper made by two motors, 7.7 N is made by one only: a price of starting leaves it to one."""
+def test_a_second_thruster_does_not_come_and_go_at_the_edge_of_its_dead_zone():
+    """8.3 N is cheaper made by two thrusters, 7.7 N is made by one only: a price of starting leaves it to one."""
 
     def switches(penalty):
         allocator = Allocator([[1.0, 1.0], [0, 0], [0, 0]], [-30, -4, 4, 30], switching_penalty=penalty)
@@ -118,7 +118,7 @@ def test_a_second_motor_does_not_come_and_go_at_the_edge_of_its_dead_zone():
         return int(np.sum(running[1:] != running[:-1]))
 
     assert switches(0.0) == 39
-    assert switches(50.0) == 0  # more than the 8.3^2 - 2 * 4.15^2 = 34 N^2 that a second motor saves
+    assert switches(50.0) == 0  # more than the 8.3^2 - 2 * 4.15^2 = 34 N^2 that a second thruster saves
 
 
 @pytest.mark.parametrize("nonsense", [np.nan, np.inf, -np.inf])
@@ -144,7 +144,7 @@ def test_a_huge_demand_saturates_in_its_direction(size):
     )
 
 
-def test_one_sided_and_fixed_motors():
+def test_one_sided_and_fixed_thrusters():
     limits = [[0, 0, 4, 50], [-40, -4, 0, 0], [0, 0, 0, 0], [7, 7, 7, 7]]
     with pytest.raises(AllocationError, match=r"thruster 4: limits \[7.0"):
         Allocator(jack(), limits)
@@ -216,7 +216,7 @@ def test_a_wrench_that_is_no_vector_of_numbers_is_named(method, wrench):
 
 
 @pytest.mark.parametrize("least", [1e-6, 1e-3, 1.0])
-def test_motor_weights_as_different_as_is_allowed(least):
+def test_thruster_weights_as_different_as_is_allowed(least):
     rng = np.random.default_rng(3)
     for _ in range(12):
         weights = least * 1e6 ** rng.permutation([0.0, 1.0, *rng.uniform(size=2)])
@@ -246,7 +246,7 @@ def test_a_read_only_or_shifted_wrench_is_answered_without_compiling_anew():
 
 
 def test_status_says_where_the_search_gave_up_its_proof():
-    """Twelve motors with a preferred force on each side: some wrenches take more nodes than a tick has time for."""
+    """Twelve thrusters with a preferred force on each side: some wrenches take more nodes than a tick has time for."""
     rng = np.random.default_rng(0)
     A = rng.normal(size=(6, 12))
     allocator = Allocator(A, [-40, -6, 7, 50], objective="reactivity_by_side", reactivity=[-20, 30], method="search")

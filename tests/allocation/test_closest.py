@@ -66,7 +66,7 @@ def test_cube_against_bounded_least_squares_on_all_256_subsets():
     ],
 )  # fmt: skip
 def test_on_the_border_of_a_subset_its_cheapest_forces_are_found(allow_off, wrench):
-    """Motors with no freedom left stand a rounding off their dead zone; the others must still be at their best."""
+    """Thrusters with no freedom left stand a rounding off their dead zone; the others must still be at their best."""
     A = np.delete(cube(), np.random.default_rng(1).choice(8, 1, replace=False), axis=1)
     allocator = Allocator(
         A, [-40, -8, 10, 50], allow_off=allow_off, objective="reactivity_by_side", reactivity=[-32, 44]
@@ -95,7 +95,7 @@ def test_residual_is_in_newton_by_the_stated_length():
 
 
 def test_unreachable_rows_do_not_disturb_reachable_ones():
-    """Pairs of fore-aft motors make surge and yaw; a sway demand on top changes nothing but the residual."""
+    """Pairs of fore-aft thrusters make surge and yaw; a sway demand on top changes nothing but the residual."""
     A = np.array([[1.0, 1, 1, 1], [0, 0, 0, 0], [-1, 1, -1, 1]])
     allocator = Allocator(A, LIMITS)
     without, with_sway = allocator.allocate([20, 0, 5]), allocator.allocate([20, 7, 5])
@@ -108,7 +108,7 @@ def test_unreachable_rows_do_not_disturb_reachable_ones():
 @pytest.mark.flight
 @pytest.mark.parametrize(("method", "calls"), [("search", 40), ("enumerate", 1)])
 def test_of_many_equally_close_wrenches_the_cheapest_is_made(method, calls):
-    """One motor per axis that may not rest: up to 64 wrenches lie around a small demand; reversals tell them apart."""
+    """One thruster per axis that may not rest: up to 64 wrenches lie round a demand; reversals tell them apart."""
     limits, price = np.tile([-10.0, -2.0, 2.0, 10.0], (6, 1)), 100.0
     allocator = Allocator(np.eye(6), limits, allow_off=False, reversal_penalty=price, method=method)
     rng, most = np.random.default_rng(12), 0
@@ -171,7 +171,7 @@ def test_what_can_be_made_is_made_to_rounding_beside_what_cannot():
     ids=["axes, off", "axes", "planar, off", "planar", "two planes", "as built"],
 )
 def test_beside_a_far_component_the_others_are_made_as_well_as_can_be(A, allow_off, size):
-    """From reach, 34 N to 136 N, to beyond a million times that, against bounded least squares on every subset."""
+    """From all they can make, 34 N to 136 N, to a million times that, against bounded least squares on every subset."""
     n, m = A.shape
     limits = np.tile([-29.0, -3.0, 4.0, 34.0], (m, 1))
     allocator = Allocator(A, limits, allow_off=allow_off)
@@ -212,7 +212,7 @@ def test_wrench_weights_as_different_as_is_allowed(span, torques_first):
 
 
 def test_a_far_demand_whose_direction_is_bent_to_be_computed_is_not_called_proven():
-    """A component beyond 1e7 times the reach is shortened, a small one beside it kept."""
+    """A component beyond 1e7 times the largest wrench is shortened, a small one beside it kept."""
     allocator = Allocator(np.array([[1, 0, 0.02], [0, 1, 0], [0, 0.2, 1]]), [-40, -4, 4, 40], method="search")
     assert allocator.allocate([1e10, 0.0, -3e4]).status == Status.UNPROVEN_CLOSEST
     assert allocator.allocate([1e10, 0.0, 0.0]).status == Status.CLOSEST

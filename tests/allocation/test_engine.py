@@ -98,7 +98,7 @@ def test_relaxation_never_exceeds_the_true_cost():
 
 
 def open_sides(low, high):
-    """Sides of one motor, none empty; nothing here looks at their relaxation."""
+    """Sides of one thruster, none empty; nothing here looks at their relaxation."""
     return SideIntervals(low, high, np.array([7]), np.empty((1, 8, 4)))
 
 

@@ -93,7 +93,7 @@ def test_unit_costs_of_the_ideal_cube():
 
 
 def test_zero_wrench():
-    """Motors that may rest do; motors that may not run the common regime of ker A at the dead-zone edges."""
+    """Thrusters that may rest do; thrusters that may not run the common regime of ker A at the dead-zone edges."""
     A = cube()
     assert np.array_equal(Allocator(A, LIMITS).allocate(np.zeros(6)).force, np.zeros(8))
     strict = Allocator(A, [-40, -4, 4, 50], allow_off=False).allocate(np.zeros(6))
@@ -103,7 +103,7 @@ def test_zero_wrench():
 
 
 def test_every_attainable_end_point_is_attained():
-    """All motors at any mix of interval ends: the demand lies on the border of its cell."""
+    """All thrusters at any mix of interval ends: the demand lies on the border of its cell."""
     for A in (cube(), VEHICLES["as built"]):
         allocator = Allocator(A, LIMITS)
         rng = np.random.default_rng(8)
@@ -114,18 +114,20 @@ def test_every_attainable_end_point_is_attained():
             assert answer.cost <= force @ force * (1 + 1e-9) + 1e-9
 
 
-@pytest.mark.parametrize("motors", range(1, 13))
+@pytest.mark.parametrize("thrusters", range(1, 13))
 @pytest.mark.parametrize("rows", [3, 6])
-def test_any_number_of_motors_and_any_rank(motors, rows):
+def test_any_number_of_thrusters_and_any_rank(thrusters, rows):
     """Kernels of every dimension, rank-deficient and zero columns included: exact, or closest, always allowed."""
-    rng = np.random.default_rng(100 * rows + motors)
-    for rank in range(1, min(rows, motors) + 1):
-        A = rng.normal(size=(rows, rank)) @ rng.normal(size=(rank, motors))
-        if motors > rank + 1:
+    rng = np.random.default_rng(100 * rows + thrusters)
+    for rank in range(1, min(rows, thrusters) + 1):
+        A = rng.normal(size=(rows, rank)) @ rng.normal(size=(rank, thrusters))
+        if thrusters > rank + 1:
             A[:, 0] = 0.0
         allocator = Allocator(A, LIMITS, allow_off=bool(rank % 2), method="search")
         for _ in range(3):
-            force = np.where(rng.random(motors) < 0.5, rng.uniform(-40, -3.2, motors), rng.uniform(4, 50, motors))
+            force = np.where(
+                rng.random(thrusters) < 0.5, rng.uniform(-40, -3.2, thrusters), rng.uniform(4, 50, thrusters)
+            )
             attained = allocator.allocate(A @ force)
             assert attained.status == Status.EXACT
             assert attained.residual <= 1e-6

@@ -12,7 +12,7 @@ ANY_WRENCH = [0.0, -0.0, 1e-308, 1e-9, 1.0, -37.0, 1e4, 1e18, 1e155, -1e308, np.
 
 
 def any_vehicle(rng):
-    """A and limits: any number of motors, rank and scale, zero and repeated columns, limits that touch or vanish."""
+    """A and limits: any number of thrusters, rank and scale, zero and repeated columns, limits that touch or vanish."""
     n, m = int(rng.choice([3, 6])), int(rng.integers(1, 13))
     rank = int(rng.integers(1, min(n, m) + 1))
     A = rng.normal(size=(n, rank)) @ rng.normal(size=(rank, m)) * 10.0 ** rng.integers(-3, 3)
@@ -56,8 +56,8 @@ def test_every_answer_is_allowed_finite_and_bounded(seed):
         options["target"] = rng.normal(size=m) * 30
     elif objective != "energy":
         options["reactivity"] = [-20.0, 30.0]
-    motors_are_few = m <= 8 or objective != "reactivity_by_side"
-    allocator = Allocator(A, limits, method="search+proxqp" if motors_are_few else "search", **options)
+    thrusters_are_few = m <= 8 or objective != "reactivity_by_side"
+    allocator = Allocator(A, limits, method="search+proxqp" if thrusters_are_few else "search", **options)
     for _ in range(12):
         wrench = rng.normal(size=n) * 10.0 ** rng.integers(-6, 4)
         if rng.random() < 0.4:
@@ -104,15 +104,15 @@ def test_simple_methods_too(method, seed):
 def test_broken_tables_are_refused(seed):
     rng = np.random.default_rng(2000 + seed)
     A, limits = any_vehicle(rng)
-    motor = int(rng.integers(len(limits)))
+    thruster = int(rng.integers(len(limits)))
     broken = [limits.copy() for _ in range(4)]
-    broken[0][motor] = [-1.0, -2.0, 3.0, 4.0]
-    broken[1][motor] = [-4.0, -2.0, 3.0, 2.0]
-    broken[2][motor] = [-4.0, 1.0, 1.5, 2.0]
-    broken[3][motor, rng.integers(4)] = rng.choice([np.nan, np.inf])
+    broken[0][thruster] = [-1.0, -2.0, 3.0, 4.0]
+    broken[1][thruster] = [-4.0, -2.0, 3.0, 2.0]
+    broken[2][thruster] = [-4.0, 1.0, 1.5, 2.0]
+    broken[3][thruster, rng.integers(4)] = rng.choice([np.nan, np.inf])
     for table in broken:
-        with pytest.raises(AllocationError, match=f"thruster {motor + 1}: limits"):
+        with pytest.raises(AllocationError, match=f"thruster {thruster + 1}: limits"):
             Allocator(A, table)
-    A[rng.integers(len(A)), motor] = rng.choice([np.nan, -np.inf])
+    A[rng.integers(len(A)), thruster] = rng.choice([np.nan, -np.inf])
     with pytest.raises(AllocationError, match=r"(nan|-inf) in row \d, column"):
         Allocator(A, limits)

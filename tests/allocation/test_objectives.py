@@ -113,7 +113,7 @@ def travel(force, limits):
 
 
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
-def test_change_limit_bounds_every_step_and_never_locks_a_motor(allow_off):
+def test_change_limit_bounds_every_step_and_never_locks_a_thruster(allow_off):
     """With a limit far below the dead zone a reversal is still made, in the time the way takes."""
     limits = np.tile([-40.0, -10.0, 10.0, 40.0], (4, 1))
     A, step = jack(), 0.5
@@ -134,7 +134,7 @@ def test_change_limit_bounds_every_step_and_never_locks_a_motor(allow_off):
 
 
 def test_change_limit_gives_the_closest_wrench_in_reach():
-    """One motor: from rest it reaches the edge plus one step, whatever more is asked."""
+    """One thruster: from rest it reaches the edge plus one step, whatever more is asked."""
     allocator = Allocator([[1.0], [0.0], [0.0]], [-30, -3, 4, 30], change_limit=2.0)
     assert [allocator.allocate([20, 0, 0]).force[0] for _ in range(3)] == pytest.approx([6.0, 8.0, 10.0])
     assert [allocator.allocate([-5, 0, 0]).force[0] for _ in range(5)] == pytest.approx([8, 6, -3, -5, -5], abs=1e-6)

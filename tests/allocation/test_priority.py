@@ -110,7 +110,7 @@ def test_scaling_is_yielding_with_nothing_kept():
     ],
 )
 def test_shares_have_gaps_and_the_largest_is_taken(primary, secondary, made, status):
-    """One pair of motors pushes 4 to 50 N, or rests."""
+    """One pair of thrusters pushes 4 to 50 N, or rests."""
     A = np.array([[1.0, 1.0], [0, 0], [0, 0]])
     answer = Allocator(A, [0, 0, 4, 25]).allocate_by_priority([primary, 0, 0], [secondary, 0, 0])
     assert answer.wrench[0] == pytest.approx(made)

@@ -65,7 +65,7 @@ def test_the_whole_proof(capsys):
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 @pytest.mark.parametrize("A", [jack(), BUILT[:, :5], cube()[:, [0, 2, 4, 5]], jack()[:, [0, 0, 1]]], ids="abcd")
 def test_reference_for_the_closest_wrench_is_scipy_without_leaving_out_a_subset(A, allow_off):
-    """And its least cost that of every way of pinning motors to interval ends."""
+    """And its least cost that of every way of pinning thrusters to interval ends."""
     rng = np.random.default_rng(2)
     m, W = A.shape[1], np.repeat([1.0, 30.0], [len(A) - len(A) // 2, len(A) // 2])
     limits, target, weights = np.tile(LIMITS, (m, 1)), rng.uniform(-30, 40, m), rng.uniform(0.3, 3.0, m)
@@ -90,7 +90,7 @@ def test_reference_for_the_closest_wrench_is_scipy_without_leaving_out_a_subset(
     assert ways > 0 or np.unique(A, axis=1).shape[1] == m
 
 
-@pytest.mark.parametrize("fault", ["farther", "dearer"])
+@pytest.mark.parametrize("fault", ["farther", "costlier"])
 def test_the_proof_sees_a_closest_wrench_that_is_none_and_a_cost_that_is_not_the_least(fault):
     A, limits = np.delete(cube(), 4, axis=1), np.tile(LIMITS, (7, 1))
     allocator, tally = Allocator(A, limits, method="search"), Tally()

@@ -69,7 +69,7 @@ def test_scales_have_gaps_and_the_largest_is_taken():
 
 
 def test_no_scale_at_all_makes_the_closest_to_nothing():
-    """A motor that may not rest pushes 4 to 25 or -20 to -3: no part of a demand of 2, nor none of it."""
+    """A thruster that may not rest pushes 4 to 25 or -20 to -3: no part of a demand of 2, nor none of it."""
     allocator = Allocator([[1.0], [0.0], [0.0]], LIMITS, allow_off=False, unattainable="scaled")
     for demand, made in ((2.0, -3.0), (-2.0, -3.0), (30.0, 25.0), (-30.0, -20.0), (0.0, -3.0)):
         answer = allocator.allocate([demand, 0, 0])

@@ -24,7 +24,7 @@ class Tally:
     Attributes:
         wrenches: number compared.
         exact: of them attainable.
-        pinned: compared with every way of pinning motors to interval ends.
+        pinned: compared with every way of pinning thrusters to interval ends.
         solved: compared with NNLS on every subset whose half-spaces (by Qhull) hold the wrench: half of those that are
             compared with pinning, and all others.
         closest: unattainable ones compared with bounded least squares on every subset: the distance, the wrench and
@@ -77,10 +77,10 @@ def wrenches_of_every_kind(A, limits, allow_off, count, seed):
 
 
 def cheapest_pinned(A, limits, allow_off, wrenches, target, weights, tolerance):
-    """(N,) least ``sum w (f - t)^2`` per wrench, inf where there is none, by pinning motors to ends of intervals.
+    """(N,) least ``sum w (f - t)^2`` per wrench, inf where there is none, by pinning thrusters to ends of intervals.
 
-    The optimum of a convex cell pins some motors and leaves the rest to equations; forces are then linear in the
-    wrench, so every choice of up to dim ker A pinned motors is one matrix product over all wrenches.
+    The optimum of a convex cell pins some thrusters and leaves the rest to equations; forces are then linear in the
+    wrench, so every choice of up to dim ker A pinned thrusters is one matrix product over all wrenches.
     """
     m = A.shape[1]
     root = np.sqrt(weights)
@@ -94,18 +94,18 @@ def cheapest_pinned(A, limits, allow_off, wrenches, target, weights, tolerance):
     g0 = g0 + (root * target - g0) @ N @ N.T
     best = np.full(len(wrenches), np.inf)
     for pins in range(m - rank + 1):
-        for motors in map(list, itertools.combinations(range(m), pins)):
-            rows = N[motors]
+        for thrusters in map(list, itertools.combinations(range(m), pins)):
+            rows = N[thrusters]
             if pins and np.linalg.svd(rows, compute_uv=False)[-1] < 1e-9:
                 continue
             inverse = np.linalg.pinv(rows) if pins else np.zeros((N.shape[1], 0))
-            ends = [sorted({*limits[i], 0.0} if allow_off else set(limits[i])) for i in motors]
+            ends = [sorted({*limits[i], 0.0} if allow_off else set(limits[i])) for i in thrusters]
             for values in itertools.product(*ends):
-                moved = (np.array(values) * root[motors] - g0[:, motors]) @ inverse.T
+                moved = (np.array(values) * root[thrusters] - g0[:, thrusters]) @ inverse.T
                 away = np.einsum("ij,ij->i", moved, moved)
                 near = np.flatnonzero(away <= best)
                 f = (g0[near] + moved[near] @ N.T) / root
-                f[:, motors] = values
+                f[:, thrusters] = values
                 allowed = in_allowed_set(f, limits, allow_off, tolerance).all(axis=1) & reachable[near]
                 near, f = near[allowed], f[allowed]
                 best[near] = np.minimum(best[near], ((f - target) ** 2 * weights).sum(axis=1))

@@ -9,7 +9,7 @@ from scipy.optimize import linprog, lsq_linear
 
 
 def in_allowed_set(force: np.ndarray, limits: np.ndarray, allow_off: bool, tolerance: float = 0.0) -> np.ndarray:
-    """(..., m) whether each force lies on one of its motor's sides."""
+    """(..., m) whether each force lies on one of its thruster's sides."""
     negative = (force >= limits[:, 0] - tolerance) & (force <= limits[:, 1] + tolerance)
     positive = (force >= limits[:, 2] - tolerance) & (force <= limits[:, 3] + tolerance)
     return negative | positive | (allow_off & (np.abs(force) <= tolerance))
@@ -18,8 +18,8 @@ def in_allowed_set(force: np.ndarray, limits: np.ndarray, allow_off: bool, toler
 def least_cost(A, limits, allow_off, wrench, *, target=None, weights=None, tolerance=1e-7):
     """Least ``sum w (f - t)^2`` over the union of all subsets and the forces of it, None when there are none.
 
-    The optimum of a convex cell pins some motors at ends of their intervals and leaves the rest free. So every way
-    of pinning up to dim ker A motors at any end of any side is tried, and the cheapest allowed one is the optimum:
+    The optimum of a convex cell pins some thrusters at ends of their intervals and leaves the rest free. So every way
+    of pinning up to dim ker A thrusters at any end of any side is tried, and the cheapest allowed one is the optimum:
     no convex solver, no bound, no pruning.
     """
     m = A.shape[1]
@@ -35,13 +35,13 @@ def least_cost(A, limits, allow_off, wrench, *, target=None, weights=None, toler
     free = N.T @ (root * t - g0)
     best = None
     for pins in range(m - rank + 1):
-        for motors in map(list, itertools.combinations(range(m), pins)):
-            rows = N[motors]
+        for thrusters in map(list, itertools.combinations(range(m), pins)):
+            rows = N[thrusters]
             if pins and np.linalg.matrix_rank(rows, tol=1e-9) < pins:
                 continue
-            ends = [sorted({*limits[i], 0.0} if allow_off else set(limits[i])) for i in motors]
+            ends = [sorted({*limits[i], 0.0} if allow_off else set(limits[i])) for i in thrusters]
             values = np.array(list(itertools.product(*ends))).reshape(-1, pins) if pins else np.zeros((1, 0))
-            moved = (values * root[motors] - g0[motors] - rows @ free) @ np.linalg.pinv(rows).T if pins else 0.0
+            moved = (values * root[thrusters] - g0[thrusters] - rows @ free) @ np.linalg.pinv(rows).T if pins else 0.0
             f = np.atleast_2d(g0 + (free + moved) @ N.T) / root
             f = f[in_allowed_set(f, limits, allow_off, tolerance).all(axis=1)]
             if len(f):

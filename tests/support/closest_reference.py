@@ -23,7 +23,7 @@ class Closest(NamedTuple):
         distance: (s,) weighted distance of the demand from it; inf for a subset left out, whose wrenches are all
             farther than the closest, by more than rounding.
         force: (s, m) forces making it, not the cheapest.
-        push: (s, m) by how much half the squared distance would shrink with each motor's force.
+        push: (s, m) by how much half the squared distance would shrink with each thruster's force.
         noise: (m,) rounding of ``push``.
         size: (m,) largest push per unit of distance.
     """
@@ -41,7 +41,7 @@ class Rounding(NamedTuple):
     Attributes:
         force: interval ends are so much wider, or narrower when it is negative [N].
         equal: distances are equal that differ by less, part of 1 + themselves.
-        push: a motor is free that is pushed less, part of the largest push at that distance.
+        push: a thruster is free that is pushed less, part of the largest push at that distance.
     """
 
     force: float
@@ -79,7 +79,7 @@ class ClosestOfEverySubset:
         bound = np.maximum(self.least - value, value - self.most).max(axis=1)
         distance, force, push = np.full(len(low), np.inf), np.zeros(low.shape), np.zeros(low.shape)
         solve_each(self.M, goal, low, high, bound, np.argsort(bound), MORE.equal, noise, distance, force, push)
-        assert not np.any(np.isnan(distance)), "no end to the motors that are freed"
+        assert not np.any(np.isnan(distance)), "no end to the thrusters that are freed"
         solved = np.isfinite(distance)
         low, high, f, g = low[solved], high[solved], force[solved], push[solved]
         # No other forces f' of the box come closer than by sum(push * (f' - f)) in half the squared distance.
@@ -91,7 +91,7 @@ class ClosestOfEverySubset:
     def cheapest(self, closest: Closest, side_target, penalty, rounding: Rounding):
         """Least cost of forces making one of the closest wrenches, and whether there are several such forces.
 
-        The forces of a subset that make its closest wrench have every motor that is pushed at its end; the others make
+        The forces of a subset that make its closest wrench have every thruster that is pushed at its end; others make
         the same wrench together.
 
         Args:
@@ -101,11 +101,11 @@ class ClosestOfEverySubset:
             rounding: what counts as equally close, as pushed, and as within an interval.
         """
         every, root = self.every, self.every.root
-        motors = np.arange(len(root))
+        thrusters = np.arange(len(root))
         best, equal = np.inf, closest_subsets(closest, rounding.equal)
         several = len(equal) > 1
         for s in equal:
-            at = motors, every.subsets[s] + 1
+            at = thrusters, every.subsets[s] + 1
             t, f = side_target[at], closest.force[s]
             pushed = np.abs(closest.push[s]) > closest.noise + rounding.push * closest.size * closest.distance[s]
             free = ~pushed & (every.low[s] < every.high[s])
@@ -121,7 +121,7 @@ class ClosestOfEverySubset:
         return best, several
 
     def kernel(self, free):
-        """(z, k) orthonormal movements of the free motors, scaled by the root of their weights, that make no wrench."""
+        """(z, k) orthonormal movements of the free thrusters, scaled by the root of their weights, without a wrench."""
         key = free.tobytes()
         if key not in self.kernels:
             self.kernels[key] = kernel_of(self.M[:, free] / self.every.root[free])
@@ -149,7 +149,7 @@ def solve_each(M, goal, low, high, bound, order, slack, noise, distance, force, 
 def bounded_least_squares(M, goal, low, high, noise, f, push):
     """Least ``|goal - M f|`` over ``low <= f <= high`` (Stark & Parker 1995); writes f and its push, M' (goal - M f).
 
-    All motors start at an end. The one pushed most from its end is freed, and the free ones go to their least-squares
+    All thrusters start at an end. The one pushed most from its end is freed, the free ones go to their least-squares
     solution; those that meet an end on the way stay there. None is pushed from its end by more than noise in the end.
     """
     r, m = M.shape
@@ -193,7 +193,7 @@ def bounded_least_squares(M, goal, low, high, noise, f, push):
 
 @numba.njit(cache=True)
 def left_over(M, goal, f, free, without_free, rest):
-    """Write ``goal - M f``, of motors that are not free only if wanted."""
+    """Write ``goal - M f``, of thrusters that are not free only if wanted."""
     for a in range(M.shape[0]):
         rest[a] = goal[a]
         for i in range(M.shape[1]):

@@ -32,12 +32,12 @@ class EverySubset:
     def __init__(self, A, limits, allow_off, weights):
         self.A, self.limits, self.weights = A, limits, weights
         table = np.stack([limits[:, [0, 1]], np.zeros((len(limits), 2)), limits[:, [2, 3]]], axis=1)
-        motors = np.arange(len(limits))
+        thrusters = np.arange(len(limits))
         self.subsets = np.array(list(itertools.product((-1, 0, 1) if allow_off else (-1, 1), repeat=len(limits))))
-        self.low = table[motors, self.subsets + 1, 0]
-        self.high = table[motors, self.subsets + 1, 1]
+        self.low = table[thrusters, self.subsets + 1, 0]
+        self.high = table[thrusters, self.subsets + 1, 1]
         self.normals, self.outside = wrench_half_spaces(A)
-        reach = self.normals @ A  # (h, m) what one newton of each motor makes across each facet
+        reach = self.normals @ A  # (h, m) what one newton of each thruster makes across each facet
         middle, half = 0.5 * (self.low + self.high) @ reach.T, 0.5 * (self.high - self.low) @ np.abs(reach).T
         self.least, self.most = middle - half, middle + half
         self.root = np.sqrt(weights)
@@ -54,9 +54,9 @@ class EverySubset:
         """Least cost over all subsets; side_target and penalty are (m, 3)."""
         g0 = self.pinv @ wrench
         best = np.inf
-        motors = np.arange(len(self.limits))
+        thrusters = np.arange(len(self.limits))
         for s in self.live(wrench, tolerance):
-            at = motors, self.subsets[s] + 1
+            at = thrusters, self.subsets[s] + 1
             t, price = side_target[at], penalty[at].sum()
             centre = g0 + self.N @ (self.N.T @ (self.root * t - g0))
             fixed = float(np.sum((centre - self.root * t) ** 2)) + price

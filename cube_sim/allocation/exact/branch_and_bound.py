@@ -112,18 +112,18 @@ def branch_and_bound(
         for a in range(k):
             start[a] = 0.0
         for i in range(m):
-            pull = weight[i] * (relaxed[i, mask[i], 2] - origin[i])
+            weighted = weight[i] * (relaxed[i, mask[i], 2] - origin[i])
             for a in range(k):
-                start[a] += null_space[i, a] * pull
-        free = constant
+                start[a] += null_space[i, a] * weighted
+        unconstrained = constant
         for i in range(m):
             value = origin[i] - relaxed[i, mask[i], 2]
             for a in range(k):
                 value += null_space[i, a] * start[a]
-            free += weight[i] * value * value
+            unconstrained += weight[i] * value * value
             bottom[i] -= origin[i]
             top[i] -= origin[i]
-        outcome = project(null_space, bottom, top, start, best + slack - free, 2.0 * tolerance, point, mu)
+        outcome = project(null_space, bottom, top, start, best + slack - unconstrained, 2.0 * tolerance, point, mu)
         solved += 1
         if outcome == INFEASIBLE or outcome == CUT:  # noqa: SIM109 - compiles faster
             continue
@@ -138,7 +138,7 @@ def branch_and_bound(
             continue
         lower, cost = constant, 0.0
         divided, worst = -1, 0.0
-        stuck, furthest = -1, 0.0
+        off, furthest = -1, 0.0
         for i in range(m):
             value = origin[i]
             for a in range(k):
@@ -154,14 +154,14 @@ def branch_and_bound(
                     if mask[i] >> other & 1 and low[i, other] <= high[i, other]:
                         gap = min(gap, max(low[i, other] - value, value - high[i, other]))
                 if gap > furthest:
-                    stuck, furthest = i, gap
+                    off, furthest = i, gap
             else:
                 cost += true
                 if true - here - relaxed[i, mask[i], 3] > worst:
                     divided, worst = i, true - here - relaxed[i, mask[i], 3]
         if lower > best + slack:
             continue
-        if stuck < 0:
+        if off < 0:
             changes = count_changes(chosen, previous)
             if preferred(cost, best, chosen, subset, changes, changes_best):
                 best, value_best, changes_best = min(best, cost), cost, changes
@@ -170,7 +170,7 @@ def branch_and_bound(
             if divided < 0 or worst <= 1e-12 * abs(best):
                 continue
         else:
-            divided = stuck
+            divided = off
         first, second = split(f[divided], divided, mask[divided], intervals)
         depth = branch(stack, bound, depth, mask, divided, (second, first), lower)
     if not proven:

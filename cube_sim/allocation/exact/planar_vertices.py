@@ -30,12 +30,12 @@ class PlaneForces(NamedTuple):
         length: (m,) of the slope.
         slope0: (m,) change of force along the first axis of the plane.
         slope1: (m,) along the second.
-        low0: (m,) lower end of the negative side, widened by what counts as rounding [N]; likewise the others.
-        low1: (m,) of rest.
-        low2: (m,) of the positive side.
-        high0: (m,) upper ends.
-        high1: (m,)
-        high2: (m,)
+        low0: (m,) lower end of the negative side [N]; this and the five others widened by what counts as rounding.
+        low1: (m,) lower end of rest [N].
+        low2: (m,) lower end of the positive side [N].
+        high0: (m,) upper end of the negative side [N].
+        high1: (m,) upper end of rest [N].
+        high2: (m,) upper end of the positive side [N].
     """
 
     nearest: NDArray[np.float64]
@@ -51,14 +51,14 @@ class PlaneForces(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Where a thruster's force is at an end of a side, in no order but that the nearest come first once taken.
+    """Lines on which a thruster's force is at an end of a side. `take_nearest` brings the nearest to the front.
 
     Attributes:
         distance: (6 m,) signed distance from o along the thruster's slope.
         end: (6 m,) the force on the line [N].
         penalty: (6 m,) of the side [N^2].
-        normal0: (6 m,) unit normal, of lines taken.
-        normal1: (6 m,)
+        normal0: (6 m,) unit normal along the first axis of the plane, of lines taken.
+        normal1: (6 m,) along the second.
         thruster: (6 m,) whose line it is.
         inward: (6 m,) where its interval lies: +1 above a lower end, -1 below an upper end, 0 on both sides.
         key: (6 m,) orders the lines by distance, and says which one it is.
@@ -92,7 +92,7 @@ def closest_to_target(
     plane: NDArray[np.float64],
     intervals: SideIntervals,
     side_cost: SideCost,
-    slip: float,
+    tolerance: float,
     forces: PlaneForces,
 ) -> tuple[float, bool]:
     """Find the point o; return its cost [N^2], and whether the thrusters that no z moves are on allowed sides there."""
@@ -100,22 +100,30 @@ def closest_to_target(
     z0, z1 = 0.0, 0.0
     for i in range(origin.shape[0]):
         forces.slope0[i], forces.slope1[i] = plane[i, 0], plane[i, 1]
-        forces.low0[i], forces.low1[i], forces.low2[i] = low[i, 0] - slip, low[i, 1] - slip, low[i, 2] - slip
-        forces.high0[i], forces.high1[i], forces.high2[i] = high[i, 0] + slip, high[i, 1] + slip, high[i, 2] + slip
-        pull = side_cost.weight[i] * (side_cost.target[i, 0] - origin[i])
-        z0 += plane[i, 0] * pull
-        z1 += plane[i, 1] * pull
-    free, allowed = 0.0, True
+        forces.low0[i], forces.low1[i], forces.low2[i] = (
+            low[i, 0] - tolerance,
+            low[i, 1] - tolerance,
+            low[i, 2] - tolerance,
+        )
+        forces.high0[i], forces.high1[i], forces.high2[i] = (
+            high[i, 0] + tolerance,
+            high[i, 1] + tolerance,
+            high[i, 2] + tolerance,
+        )
+        weighted = side_cost.weight[i] * (side_cost.target[i, 0] - origin[i])
+        z0 += plane[i, 0] * weighted
+        z1 += plane[i, 1] * weighted
+    cost_at_o, allowed = 0.0, True
     for i in range(origin.shape[0]):
         force = origin[i] + plane[i, 0] * z0 + plane[i, 1] * z1
-        free += side_cost.weight[i] * (force - side_cost.target[i, 0]) ** 2
+        cost_at_o += side_cost.weight[i] * (force - side_cost.target[i, 0]) ** 2
         forces.nearest[i], forces.length[i] = force, math.sqrt(plane[i, 0] ** 2 + plane[i, 1] ** 2)
         if forces.length[i] <= PARALLEL:
             inside = False
             for s in range(3):
-                inside = inside or (low[i, s] - slip <= force and force <= high[i, s] + slip)
+                inside = inside or (low[i, s] - tolerance <= force and force <= high[i, s] + tolerance)
             allowed = allowed and inside
-    return free, allowed
+    return cost_at_o, allowed
 
 
 @inlined
@@ -220,7 +228,7 @@ def cheapest_sides(
     y1: float,
     intervals: SideIntervals,
     penalty: NDArray[np.float64],
-    slip: float,
+    tolerance: float,
     forces: PlaneForces,
     chosen: NDArray[np.int64],
 ) -> float:
@@ -237,7 +245,7 @@ def cheapest_sides(
         side, least = 0, math.inf
         for turn in range(3):
             s = 1 if turn == 0 else (0 if (turn == 1) == (force < 0.0) else 2)
-            inside = (intervals.low[h, s] - slip <= force) & (force <= intervals.high[h, s] + slip)
+            inside = (intervals.low[h, s] - tolerance <= force) & (force <= intervals.high[h, s] + tolerance)
             if inside and penalty[h, s] < least:
                 side, least = s, penalty[h, s]
         chosen[h] = side
@@ -324,10 +332,10 @@ def planar_search(
     Returns:
         Whether there is an answer, its cost [N^2], and the number of points looked at.
     """
-    a, b, c, slip = workspace.planes, workspace.lines, workspace.counts, 2.0 * tolerance
+    a, b, c, margin = workspace.planes, workspace.lines, workspace.counts, 2.0 * tolerance
     forces = PlaneForces(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9])
     lines, chosen = Lines(b[0], b[1], b[2], b[3], b[4], c[0], c[1], c[2]), c[3]
-    free, possible = closest_to_target(origin, plane, intervals, side_cost, slip, forces)
+    cost_at_o, possible = closest_to_target(origin, plane, intervals, side_cost, margin, forces)
     if not possible:
         return False, math.inf, 0
     count = draw_lines(intervals, side_cost.penalty, forces, lines)
@@ -337,7 +345,7 @@ def planar_search(
         if p >= 0:
             take_nearest(lines, count, p, forces)
             d, penalty = lines.distance[p], lines.penalty[p]
-        bound = free + d * d
+        bound = cost_at_o + d * d
         if bound > best + tie_tolerance(best):
             break
         if bound + penalty > best + tie_tolerance(best):
@@ -349,7 +357,7 @@ def planar_search(
             looked += 1
             if not allowed_at(y0, y1, forces):
                 continue
-            penalties = cheapest_sides(lines, p, q, y0, y1, intervals, side_cost.penalty, slip, forces, chosen)
+            penalties = cheapest_sides(lines, p, q, y0, y1, intervals, side_cost.penalty, margin, forces, chosen)
             cost = bound + off * off + penalties
             if penalties == math.inf or cost > best + tie_tolerance(best):
                 continue
