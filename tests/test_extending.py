@@ -13,16 +13,16 @@ from support.recipes import recipes
 
 DOCUMENT = REPO / "docs" / "extending.md"
 RECIPES = recipes(DOCUMENT)
-NEEDED = ("cube_sim", "models", "scenarios", "tests", "docs", "pyproject.toml", "conftest.py")
+LEFT_BEHIND = {"logs", "build", "dist"}
 TOOLS = Path(sys.executable).parent
 
 
 @pytest.fixture
 def copy(tmp_path):
     """The repository without its history; machine code comes along, its sources are as old as before."""
-    for name in NEEDED:
-        source = REPO / name
-        (shutil.copytree if source.is_dir() else shutil.copy2)(source, tmp_path / name)
+    for source in REPO.iterdir():
+        if source.name == ".ci" or not (source.name.startswith(".") or source.name in LEFT_BEHIND):
+            (shutil.copytree if source.is_dir() else shutil.copy2)(source, tmp_path / source.name)
     return tmp_path
 
 
