@@ -150,7 +150,7 @@ class Allocator:
         self.effort = Effort()
         preferred = {"target": target, "reactivity": reactivity}
         self._preferred = {name: None if value is None else np.array(value) for name, value in preferred.items()}
-        self._tables = make_problem(
+        self._problem = make_problem(
             self.A,
             force_solutions(self.A, self.weights, self.length_m),
             side_table(self.limits, self.allow_off),
@@ -163,12 +163,12 @@ class Allocator:
             length_m=self.length_m,
             scaled=self.unattainable == "scaled",
         )
-        self._far = closest_wrench_data(wrench_metric(self.A, self.wrench_weights), facets=self._tables.scaled)
-        self._memory = no_previous_answer(m)
+        self._closest = closest_wrench_data(wrench_metric(self.A, self.wrench_weights), facets=self._problem.scaled)
+        self._previous = no_previous_answer(m)
         self._pack()
         self._size, self._ends = answer_size(n, m), (m, m + n, m + 2 * n)
         self._confirmer = (
-            Confirmer(self._tables, self._packed, AGREEMENT, max(largest, 1e-6))
+            Confirmer(self._problem, self._packed, AGREEMENT, max(largest, 1e-6))
             if self.method == "search+proxqp"
             else None
         )
@@ -179,24 +179,24 @@ class Allocator:
         same += "switching_penalty", "method", "length_m", "tolerance_N"
         options = {name: getattr(self, name) for name in same} | self._preferred
         options["change_limit"] = None if self.change_limit == inf else self.change_limit
-        return partial(Allocator, **options), (self.A, self.limits), (self._memory.copy(), replace(self.effort))
+        return partial(Allocator, **options), (self.A, self.limits), (self._previous.copy(), replace(self.effort))
 
     def __setstate__(self, state: tuple[NDArray[np.float64], Effort]) -> None:
-        """Go on from a copy's memory (3, m) and effort."""
-        self._memory[:], self.effort = state
+        """Go on from a copy's previous answer (3, m) and effort."""
+        self._previous[:], self.effort = state
 
     def _pack(self) -> None:
-        """Prepare what answers demands; the memory lies in it."""
-        self._packed = pack(self._tables, self._far, self._memory)
-        self._memory = previous_answer_rows(self._packed, len(self.limits))
+        """Prepare what answers demands; the previous answer lies in it."""
+        self._packed = pack(self._problem, self._closest, self._previous)
+        self._previous = previous_answer_rows(self._packed, len(self.limits))
         parallel = self.method == "enumerate_parallel"
         self._enumeration = (
-            Enumeration(self._tables, self._far, parallel) if self.method.startswith("enumerate") else None
+            Enumeration(self._problem, self._closest, parallel) if self.method.startswith("enumerate") else None
         )
 
     def reset(self) -> None:
         """Forget the previous answer, as at the start of a run."""
-        self._memory[:] = 0.0
+        self._previous[:] = 0.0
 
     def resume(self, previous: PreviousForces) -> None:
         """Go on from forces of another allocator's as if they were this one's previous answer.
@@ -205,10 +205,10 @@ class Allocator:
             previous: of the m thrusters. A force outside its side's interval counts as the nearest end of it.
         """
         at = np.arange(len(previous.force)), previous.subset.astype(np.intp) + 1
-        t = self._tables
+        t = self._problem
         force = np.clip(previous.force, t.low[at], t.high[at])
         travel = np.where(t.low[at] <= t.high[at], force - t.edge[at], 0.0)
-        self._memory[:] = previous.subset, previous.push, travel
+        self._previous[:] = previous.subset, previous.push, travel
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench.
@@ -242,8 +242,8 @@ class Allocator:
             AllocationError: a part is not n numbers.
         """
         first, second = self._demand(primary), self._demand(secondary)
-        if not len(self._far.facets):
-            self._far = closest_wrench_data(self._far.metric, facets=True)
+        if not len(self._closest.facets):
+            self._closest = closest_wrench_data(self._closest.metric, facets=True)
             self._pack()
         with np.errstate(over="ignore", invalid="ignore"):  # a sum that is no number is answered as such
             whole = first + second
@@ -269,7 +269,7 @@ class Allocator:
             effort.nodes += nodes
             effort.unproven += doubts
         else:
-            effort.qps += self._enumeration.allocate(self._memory, demands, row)
+            effort.qps += self._enumeration.allocate(self._previous, demands, row)
             residual, cost, status, _ = row[-4:].tolist()
             subset[:] = row[b : b + m]
         if self._confirmer is not None:

@@ -136,7 +136,7 @@ def test_of_many_equally_close_wrenches_ties_keep_the_previous_subset():
 
 def test_more_equally_close_wrenches_than_are_kept_are_no_proof(monkeypatch):
     allocator = Allocator(np.eye(6), [-10, -2, 2, 10], allow_off=False)
-    t, metric = allocator._tables, allocator._far.metric
+    t, metric = allocator._problem, allocator._closest.metric
     intervals, bounds = (
         closest_wrench.SideIntervals(t.low, t.high, t.masks, t.relaxed[0]),
         np.tile([-10.0, 10.0], (6, 1)),

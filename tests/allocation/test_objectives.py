@@ -67,8 +67,8 @@ def test_lines_and_branch_and_bound_are_the_same_optimum(objective, allow_off):
         if "target" in arguments:
             arguments["target"] = arguments["target"][: A.shape[1]]
         allocator = Allocator(A, LIMITS, allow_off=allow_off, objective=objective, weights=1.5, **arguments)
-        assert allocator._tables.planar
-        other = pack(allocator._tables._replace(planar=False), allocator._far, no_previous_answer(A.shape[1]))
+        assert allocator._problem.planar
+        other = pack(allocator._problem._replace(planar=False), allocator._closest, no_previous_answer(A.shape[1]))
         n, m = A.shape
         reach = 0.2 * np.abs(A) @ np.full(m, 50.0)
         wrenches = np.vstack([np.zeros(n), rng.normal(size=(300, n)) * reach, np.diag(reach), -0.1 * np.diag(reach)])
@@ -83,8 +83,8 @@ def test_packed_tables_come_back_whole():
     for A in (BUILT, jack(), np.eye(6)[:, :3]):
         allocator = Allocator(A, LIMITS, objective="reactivity", reactivity=REACTIVITY, reversal_penalty=3.0)
         for tables, packed in (
-            (allocator._tables, unpack(allocator._packed)),
-            (allocator._far, unpack_closest_wrench_data(allocator._packed)),
+            (allocator._problem, unpack(allocator._packed)),
+            (allocator._closest, unpack_closest_wrench_data(allocator._packed)),
         ):
             for kept, field in zip(packed, tables, strict=True):
                 if isinstance(field, tuple):

@@ -176,7 +176,7 @@ def compare(
         A, limits, allow_off=allow_off, objective=objective, weights=weights, wrench_weights=wrench_weights,
         reversal_penalty=penalty, switching_penalty=switching, method=method, **options,
     )  # fmt: skip
-    tables = allocator._tables
+    tables = allocator._problem
     wrenches = wrenches_of_every_kind(A, limits, allow_off, count, seed)
     tally = Tally(wrenches=len(wrenches))
     pinned = None
@@ -189,7 +189,7 @@ def compare(
     closest = ClosestOfEverySubset(every, allocator.wrench_weights)
     for i, wrench in enumerate(wrenches):
         price = np.zeros((m, 3))
-        side, push, _ = allocator._memory
+        side, push, _ = allocator._previous
         price[push == 1, 0], price[push == -1, 2] = penalty, penalty
         price[side == 0, 0::2] += switching
         price[side != 0, 1] += switching
