@@ -180,6 +180,7 @@ def test_any_matrix_of_finite_numbers_is_analysed(n, m):
         assert analysis.verdict.follows <= (rank >= 2)
 
 
+@pytest.mark.flight
 def test_losses_are_judged_within_the_cost_limit_and_on_top_of_what_is_lost():
     A = cube().actuation_matrix + 0.01 * np.random.default_rng(1).normal(size=(6, 8))
     free, limited = (survivability(A, T200, most=1, lost=["T1"], cost_limit=limit) for limit in (1e6, 5.0))

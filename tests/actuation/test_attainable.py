@@ -23,6 +23,7 @@ LIMITS = {
 }
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("limits", LIMITS.values(), ids=LIMITS)
 @pytest.mark.parametrize(("n", "m", "rank"), [(3, 4, 3), (3, 2, 2), (3, 5, 1), (6, 8, 6), (6, 8, 4), (6, 5, 5)])
 def test_share_is_that_of_a_linear_programme(n, m, rank, limits):

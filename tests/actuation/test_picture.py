@@ -62,6 +62,7 @@ def test_picture_shows_intact_and_damaged_sets_and_marks_what_cannot_follow(tmp_
     assert colour_share(Image.open(file).convert("RGB"), [0xC0, 0x39, 0x2B]) == 0
 
 
+@pytest.mark.flight
 def test_a_lost_torque_is_still_a_point_in_the_picture(tmp_path):
     # T1 and T3 lost: no torque comes without force, and the set of torques is the origin alone.
     file, table = tmp_path / "jack.png", survivability(JACK, LIMITS, most=0, lost=["T1", "T3"])

@@ -387,6 +387,7 @@ def test_the_best_trim_without_some_components_beats_all_random_ones(name, lost,
     assert verdict.follows or f"they hold {int(100 * share)} % of it in the best attitude" in verdict.reason
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(
     ("name", "lost", "speed", "ballast_N", "weaker", "one_way", "least"),
     [

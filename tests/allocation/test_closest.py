@@ -26,6 +26,7 @@ def check_closest(allocator, allow_off, wrench):
     return True
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 def test_planar_vehicle_against_bounded_least_squares_on_every_subset(allow_off):
     allocator = Allocator(jack(), LIMITS, allow_off=allow_off)

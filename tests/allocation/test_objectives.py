@@ -16,6 +16,7 @@ REACTIVITY = np.array([-32.0, 44.0])
 BUILT = cube(direction_noise=0.05, position_noise_m=0.01, seed=4)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 def test_the_reports_reactivity_is_the_better_of_all_forward_and_all_backward(allow_off):
     points = [-30.0, 32.0]
@@ -31,6 +32,7 @@ def test_the_reports_reactivity_is_the_better_of_all_forward_and_all_backward(al
     assert winners == {0, 1}
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("allow_off", [True, False], ids=["off", "strict"])
 def test_reactivity_by_side_is_the_best_of_every_subset_with_its_own_target(allow_off):
     A = jack()

@@ -49,6 +49,7 @@ def test_its_rates_are_the_derivative_of_the_attitude():
         np.testing.assert_allclose((after - before) / (2.0 * dt), skew(rates) @ now, atol=1e-6)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_a_vertical_path_has_a_steady_finite_attitude(direction):
     line = Line([0.0, 0.0, 0.0], [0.0, 0.0, direction * 5.0])
@@ -61,6 +62,7 @@ def test_a_vertical_path_has_a_steady_finite_attitude(direction):
         np.testing.assert_array_equal(rates, np.zeros(3))
 
 
+@pytest.mark.flight
 def test_a_half_loop_through_the_vertical_never_jumps_and_ends_level():
     """Up, over the vertical, and back the other way: upside down at the top, then rolled out on the straight."""
     mode, dt, speed = AlongPath(), 0.02, 0.4

@@ -46,6 +46,7 @@ def test_the_current_is_found_by_a_vehicle_that_moves(dynamics):
     np.testing.assert_allclose(found[-1], CURRENT, atol=0.01)
 
 
+@pytest.mark.flight
 def test_it_is_approached_at_the_pace_asked_for(dynamics):
     early, late = (np.linalg.norm(estimates(dynamics, dynamics, 8.0, time)[-1] - CURRENT) for time in (3.0, 30.0))
     assert early < 0.6 * late
@@ -64,6 +65,7 @@ def test_a_wrong_drag_averages_out_over_a_turn(dynamics):
     np.testing.assert_allclose(found[-turn:, :2].mean(axis=0), CURRENT[:2], atol=0.04)
 
 
+@pytest.mark.flight
 def test_at_rest_in_still_water_nothing_is_made_of_noise(dynamics):
     observer, rng = CurrentObserver(dynamics, 10.0), np.random.default_rng(3)
     R = Rotation.random(random_state=5).as_matrix()

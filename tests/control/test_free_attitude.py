@@ -128,6 +128,7 @@ def test_the_effort_falls_all_the_way_and_ends_lower_than_any_heading_of_a_level
         assert efforts[-1] < 0.8 * level[0]
 
 
+@pytest.mark.flight
 def test_the_cube_has_no_cheap_axis_and_only_rights_itself(cube):
     """Isotropic thrust and, along its axes, drag: what is left of the effort's slope is buoyancy."""
     for R in random_rotations(5, 3):

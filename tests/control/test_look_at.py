@@ -119,6 +119,7 @@ def test_about_its_axis_it_turns_for_nothing_but_the_level():
         assert rates @ u == pytest.approx(np.clip(spin, -MAX_RATE, MAX_RATE), abs=1e-12)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("height", [2.0, -2.0])
 def test_straight_above_and_below_the_roll_is_left_alone(height):
     for rotation in random_rotations(4, 4):

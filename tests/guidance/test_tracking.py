@@ -105,6 +105,7 @@ def test_far_away_the_pull_is_the_closing_speed_and_close_by_its_time_constant()
             np.testing.assert_allclose(pull, exact, atol=1e-8 * distance + 1e-15)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES.keys())
 def test_the_distance_to_the_target_falls_along_whole_trajectories_of_the_kinematic_law(profile):
     """V' = -c |e| tanh(|e| / (c T_e)) exactly: the solution sinh(x) = sinh(x0) exp(-t / T_e) for x = |e| / (c T_e)."""

@@ -77,6 +77,7 @@ def test_cached_code_follows_functions_constants_and_intrinsics_of_other_files(t
     assert outer(tmp_path) == (31.0, 0)
 
 
+@pytest.mark.flight
 def test_cached_code_follows_the_way_it_is_compiled(tmp_path):
     package, here = tmp_path / "package", Path(__file__).parents[2] / "cube_sim"
     (package / "cube_sim").mkdir(parents=True)

@@ -60,6 +60,7 @@ def test_errors_are_as_large_as_the_filter_says(flights):
             assert low < total < high, (name, k, total, low, high)
 
 
+@pytest.mark.flight
 def test_innovations_are_as_large_as_the_filter_says(flights):
     """NIS of each sensor over all runs; readings of one run are independent of each other, by theory."""
     for aid in range(4):
@@ -150,6 +151,7 @@ def test_it_finds_level_and_north_from_a_first_estimate_that_is_far_off():
     assert np.max(last, axis=0)[2] < 8.0  # four times the compass's own bias
 
 
+@pytest.mark.flight
 def test_it_finds_the_biases():
     motions = truths(weaving, 40.0)
     ticks = [navigate(motions, seed)[-1].error for seed in range(2)]

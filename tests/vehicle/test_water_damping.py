@@ -102,6 +102,7 @@ def coupled(rng: np.random.Generator, axes: tuple[int, ...]) -> np.ndarray:
     return matrix * np.outer(unit, unit**2)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("axes", AXES, ids=str)
 def test_quadratic_damping_that_couples_several_axes(axes):
     """F_i = -sum_j D_q[i, j] |nu_r_j| nu_r_j: the law as Python, compiled, and inside MuJoCo, in a current."""
