@@ -18,7 +18,8 @@ CANDIDATES = 4096
 """Most distinct equally close wrenches kept, one for each strict subset of twelve thrusters. With more the answer
 counts as not proven. Most vehicles have one, symmetric ones a handful."""
 
-_ROOM = 32
+_FIRST_ROWS = 32
+"""Candidates there is memory for at first; it doubles whenever it is full."""
 
 FINE = 1e-3
 """Part of the rounding of forces that distances are told apart by: to miss a goal D away by x in a direction across it
@@ -244,7 +245,7 @@ def closest_wrenches(
     bottom, top, mu, f = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     start, point = np.empty(d), np.empty(d)
     made, g = np.empty(r), np.empty(r)
-    forces, images = np.empty((_ROOM, m)), np.empty((_ROOM, r))
+    forces, images = np.empty((_FIRST_ROWS, m)), np.empty((_FIRST_ROWS, r))
     size, fine = 0.0, FINE * tolerance
     for a in range(r):
         for i in range(m):
