@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.planar_vertices import suits_planar_search
+from cube_sim.allocation.exact.planar_lines import suits_planar_search
 from cube_sim.allocation.exact.relaxation import relax
 from cube_sim.allocation.exact.solutions import ForceSolutions, WrenchMetric
 from cube_sim.wrench.axes import axes_of
