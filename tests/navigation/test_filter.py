@@ -71,6 +71,7 @@ def test_innovations_are_as_large_as_the_filter_says(flights):
         assert sum(f.outcome is ReadingOutcome.REJECTED for f in found) <= 3  # one in ten thousand is expected
 
 
+@pytest.mark.flight
 def test_covariances_stay_symmetric_and_positive(flights):
     for tick in flights[0]:
         P = tick.estimate.covariance
