@@ -36,7 +36,7 @@ def require_writable(directory: Path) -> None:
     if others:
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
         raise DirectoryError(
-            f"{directory}: holds {others[0]}{more}, which no run wrote: give a new folder or that of an earlier run"
+            f"{directory}: holds {others[0]}{more}, not from a run: give a new folder or that of an earlier run"
         )
     folders = [name for name in entries if (directory / name).is_dir()]
     if folders:

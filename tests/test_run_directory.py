@@ -50,7 +50,7 @@ def test_anything_else_is_refused_and_kept(tmp_path, name):
     (tmp_path / name).write_text("mine")
     before = contents(tmp_path)
     for attempt in (require_writable, prepare):
-        with pytest.raises(DirectoryError, match=re.escape(f"{tmp_path}: holds {name}, which no run wrote")):
+        with pytest.raises(DirectoryError, match=re.escape(f"{tmp_path}: holds {name}, not from a run")):
             attempt(tmp_path)
     assert contents(tmp_path) == before
 

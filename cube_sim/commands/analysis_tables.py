@@ -31,7 +31,8 @@ def print_report(report: Report) -> None:
     for combination in a.unreachable:
         line(f"  {combination}")
     if a.unreachable:
-        line(f"  on its own: {s.pure_forces.shape[1]} forces and {s.pure_torques.shape[1]} torques")
+        forces, torques = s.pure_forces.shape[1], s.pure_torques.shape[1]
+        line(f"  isolated: {forces} force{'s' * (forces != 1)} and {torques} torque{'s' * (torques != 1)}")
     console.print(_components(a))
     console.print(_directions(a))
     for why in sorted(set(a.dropped) - {""}):

@@ -68,8 +68,8 @@ def copy_examples(directory: Path, files: Mapping[str, Path] | None = None) -> l
         for there in _files_below(directory):
             if there not in contents or there.read_bytes() != contents[there]:
                 raise DirectoryError(
-                    f"{directory}: holds {there.relative_to(directory)}, which is not an example as it comes: "
-                    "give a new folder"
+                    f"{directory}: holds {there.relative_to(directory)}, which is not an unchanged example: "
+                    "give a new or empty folder"
                 )
         for path, content in contents.items():
             path.parent.mkdir(parents=True, exist_ok=True)

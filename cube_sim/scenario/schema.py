@@ -70,7 +70,7 @@ class GuidanceBlock(Block):
     law: Literal["path_following", "trajectory_tracking"] = Field(
         default="path_following",
         description="path_following: the target waits for the vehicle. trajectory_tracking: it runs by the clock from"
-        " time 0, at the speed along the path. A path of type point is held, whichever is said.",
+        " time 0, at the speed along the path. A path of type point is held under either law.",
     )
     speed_m_s: float = Field(gt=0, description="Speed along the path [m/s].")
     lateral_acceleration_m_s2: float | None = Field(
@@ -154,7 +154,7 @@ class SafeModeBlock(Block):
         description="Distance from its target at which a vehicle that was nearer gives the path up, until other"
         " thrusters work; null: never [m].",
     )
-    patience_s: float = Field(default=10.0, gt=0, description="How long it has to stay beyond that limit [s].")
+    patience_s: float = Field(default=10.0, gt=0, description="Time beyond that limit until it is given up [s].")
 
 
 class ControlBlock(Block):

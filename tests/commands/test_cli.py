@@ -80,7 +80,7 @@ def test_version_and_schema_are_printed(monkeypatch, capsys):
         (MINIMAL, ["--set", "seed=1", "--set", "seed=2"], ["--set seed=2: seed is set twice"]),
         (MINIMAL, ["--set", "seed=[1"], ["--set seed=[1: not valid YAML: "]),
         (MINIMAL, ["--out", "mission.yaml"], ["mission.yaml: cannot hold a recording: Not a directory"]),
-        (MINIMAL, ["--out", "."], [".: holds hull.xml and 1 more, which no run wrote"]),
+        (MINIMAL, ["--out", "."], [".: holds hull.xml and 1 more, not from a run"]),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line_per_mistake_and_writes_nothing(

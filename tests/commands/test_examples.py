@@ -44,7 +44,7 @@ def test_a_folder_with_anything_else_is_left_as_it_is(tmp_path, monkeypatch, cap
     before = contents(tmp_path)
     code, stdout, stderr = call(monkeypatch, capsys, "examples", tmp_path)
     assert (code, stdout) == (2, "")
-    assert stderr == f"{tmp_path}: holds {other}, which is not an example as it comes: give a new folder\n"
+    assert stderr == f"{tmp_path}: holds {other}, which is not an unchanged example: give a new or empty folder\n"
     assert contents(tmp_path) == before
 
 

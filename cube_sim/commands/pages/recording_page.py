@@ -90,7 +90,7 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
   `{channel_schema_name(_PATH_ERROR)}` for the channel `{_PATH_ERROR.name}`. Its field 1 is `t`, the simulated time [s].
   The channel's fields follow as 2, 3 ... in the order of the tables below: a double, or packed repeated doubles where
   there are several columns. The descriptors are in the file. The channel's metadata `{CHANNEL_METADATA}` is its table
-  as JSON: names, units, columns, labels.
+  as JSON: names, widths, units, descriptions, columns, labels.
 - **For other programs' viewers**: `{TRANSFORM_TOPIC}` is the pose once more, as `{FRAME_TRANSFORM}`. `{LOG_TOPIC}` is
   what was said, as `{LOG}` with the levels {", ".join(LOG_LEVELS[1:])}.
 - **Times**: simulated time starts at {_EPOCH} in every file. There is no wall clock in it.
