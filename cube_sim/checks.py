@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping, Sequence
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +61,8 @@ def _evaluate(check: AnyCheck, recorded: _Recorded) -> CheckResult:
                 return _exact_wrench(check, recorded)
             case PathEndCheckBlock():
                 return _path_end(check, recorded)
+            case _:
+                assert_never(check)
     except _NotJudgedError as reason:
         relation, limit = check.bound
         return CheckResult(check.title, "ERROR", None, relation, limit, None, None, str(reason))
@@ -191,6 +194,8 @@ def _statistic(check: SignalCheckBlock, series: Array) -> tuple[float, int]:
             return float(np.max(np.abs(series))), int(np.argmax(np.abs(series)))
         case "final":
             return float(series[-1]), len(series) - 1
+        case _:
+            assert_never(check.statistic)
 
 
 def distance_to_allowed(force: Array, limits: Array, allow_off: bool) -> Array:

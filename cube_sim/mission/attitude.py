@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 import numpy as np
 
 from cube_sim.control.along_path import AlongPath
@@ -36,6 +38,8 @@ def attitude_of(control: ControlBlock, dynamics: Dynamics) -> AttitudeMode:
         case blocks.LookAtBlock():
             axis = np.array(block.axis)
             return LookAt(np.array(block.point_m), axis / np.linalg.norm(axis), block.near_m, control.attitude_time_s)
+        case _:
+            assert_never(block)
 
 
 def is_path_first(control: ControlBlock) -> bool:

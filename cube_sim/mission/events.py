@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import assert_never
 
 import mujoco
 
@@ -40,6 +41,8 @@ class Events:
                 for name in event.thrusters:
                     self._change(name, event)
                 return f"{', '.join(event.thrusters)}: {event.state}"
+            case _:
+                assert_never(event)
 
     def _change(self, name: str, event: ThrusterEventBlock) -> None:
         index = self._vehicle.thrusters.names.index(name)

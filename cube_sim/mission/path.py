@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import inf, radians
 from pathlib import Path as FilePath
+from typing import assert_never
 
 import numpy as np
 
@@ -81,15 +82,17 @@ def make_path(block: blocks.AnyPath) -> Path:
             if block.corner_radius_m is None:
                 return spline(points, block.closed)
             return polyline(points, block.corner_radius_m, block.closed)
+        case _:
+            assert_never(block)
 
 
 def laps_of(block: blocks.AnyPath) -> float:
-    """How many times the virtual target runs round a closed path; infinite where the scenario gives no number."""
-    match block:
-        case blocks.CircleBlock() | blocks.ClosablePathBlock():
-            return inf if block.laps is None else block.laps
-        case _:
-            return 1.0
+    """How many times the virtual target runs round a closed path; infinite where the scenario gives no number.
+
+    A block without the key `laps` runs once.
+    """
+    laps: float | None = getattr(block, "laps", 1.0)
+    return inf if laps is None else laps
 
 
 def is_level(path: Path) -> bool:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from math import inf
+from typing import Literal
+
 import numpy as np
 import pytest
 from support.scenario_files import MINIMAL, mistakes, write
 
 from cube_sim.guidance.virtual_target import VirtualTarget
-from cube_sim.mission.path import laps_of, path_of
+from cube_sim.mission.path import laps_of, make_path, path_of
 from cube_sim.scenario import load
+from cube_sim.scenario.values import Block
 
 LINE = "{type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}"
 SQUARE = "points_m: [[0, 0, -5], [4, 0, -5], [4, 4, -5], [0, 4, -5]]"
@@ -146,3 +150,13 @@ WRONG_FILES = {
 def test_a_wrong_file_of_points_is_named_with_row_and_column(csv, tmp_path):
     path = scenario(tmp_path, "{type: csv, file: points.csv}", csv)
     assert mistakes(path) == [f"mission.yaml:5:25: path.file: {WRONG_FILES[csv]}"]
+
+
+def test_a_new_kind_runs_its_laps_and_is_missed_where_it_is_not_made():
+    class LoopBlock(Block):
+        type: Literal["loop"] = "loop"
+        laps: float | None = None
+
+    assert (laps_of(LoopBlock(laps=3.0)), laps_of(LoopBlock())) == (3.0, inf)
+    with pytest.raises(AssertionError, match="LoopBlock"):
+        make_path(LoopBlock())
