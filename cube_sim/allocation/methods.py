@@ -17,12 +17,13 @@ from cube_sim.allocation.protocol import WrenchAllocator
 from cube_sim.errors import AllocationError
 from cube_sim.wrench.arguments import one_of
 
-_BASELINES: dict[str, Callable[..., WrenchAllocator]] = {
+BASELINES: dict[str, Callable[..., WrenchAllocator]] = {
     "contraction": Contraction,
     "compensation": Compensation,
     "pseudo_inverse": partial(PseudoInverse, clipped=False),
     "clipped_pseudo_inverse": partial(PseudoInverse, clipped=True),
 }
+"""What builds each method of `BaselineMethod`, in its order."""
 _NOT_OPTIONS = ("A", "limits", "method", "clipped")
 
 
@@ -51,7 +52,8 @@ def make_allocator(
         method: one of `methods`.
         A: see `Allocator`.
         limits: see `Allocator`.
-        options: keyword arguments of `Allocator`; the baselines take ``allow_off`` only.
+        options: keyword arguments of the method: the exact ones take those of `Allocator`, a baseline those of its
+            class, which always has ``allow_off``.
 
     Raises:
         AllocationError: an unknown method, an option the method does not know, or one that means nothing.
@@ -61,7 +63,7 @@ def make_allocator(
 
         build = partial(Allocator, method=method)  # type: ignore[arg-type]
     else:
-        build = _BASELINES[method]
+        build = BASELINES[method]
     given, known = dict(options or {}), [name for name in signature(build).parameters if name not in _NOT_OPTIONS]
     unknown = sorted(set(given) - set(known))
     if unknown:

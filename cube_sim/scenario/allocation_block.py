@@ -22,9 +22,9 @@ class AllocationBlock(Block):
     method: Literal[Method, BaselineMethod] = Field(
         default="search+proxqp",
         description="Exact: search+proxqp (a search picks the subset, one ProxQP solves it), search, enumerate (one "
-        "ProxQP per subset), enumerate_parallel. To compare with: contraction, compensation, pseudo_inverse, "
-        "clipped_pseudo_inverse; these do not know whether a wrench is attainable, refuse an objective but energy, and "
-        "leave weights, penalties, the change limit and `unattainable` aside: a scenario compares them by this key.",
+        f"ProxQP per subset), enumerate_parallel. To compare with: {', '.join(get_args(BaselineMethod))}; these do not "
+        "know whether a wrench is attainable, refuse an objective but energy, and leave weights, penalties, the change "
+        "limit and `unattainable` aside: a scenario compares them by this key.",
     )
     allow_off: bool = Field(default=True, description="Whether a thruster may rest at 0 N, inside its dead zone.")
     objective: Objective = Field(

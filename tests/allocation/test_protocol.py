@@ -9,7 +9,8 @@ import pytest
 from support.layouts import jack
 
 from cube_sim.allocation import Allocation, Allocator, FaultTolerant, Health, Status
-from cube_sim.allocation.methods import is_exact, make_allocator, methods
+from cube_sim.allocation.methods import BASELINES, is_exact, make_allocator, methods
+from cube_sim.allocation.options import BaselineMethod
 from cube_sim.errors import ActuationError, AllocationError, WrenchError
 from cube_sim.scenario import Scenario
 from cube_sim.wrench.matrix import actuation_matrix
@@ -87,6 +88,11 @@ def test_a_baseline_answers_both_parts_as_one_demand(method):
     assert parts.allocate_by_priority([1e308, 0, 0], [1e308, 0, 0]).status == Status.INVALID_WRENCH
     with pytest.raises(AllocationError, match=r"shape \(2,\); A has 3 rows"):
         parts.allocate_by_priority(PRIMARY, [1.0, 2.0])
+
+
+def test_every_baseline_has_its_name_and_every_name_its_baseline():
+    """See `BaselineMethod` in cube_sim/allocation/options.py and `BASELINES` in cube_sim/allocation/methods.py."""
+    assert tuple(BASELINES) == get_args(BaselineMethod)
 
 
 def test_the_scenario_knows_the_methods_there_are():

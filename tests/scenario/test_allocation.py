@@ -1,10 +1,13 @@
 """The allocation block of a scenario: what it makes of its keys, and what it refuses."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 from support.places import HELIX
 
 from cube_sim.allocation import Allocator, Health
+from cube_sim.allocation.options import BaselineMethod
 from cube_sim.errors import ScenarioError
 from cube_sim.mission.prepare import prepare
 from cube_sim.scenario import load
@@ -55,7 +58,7 @@ def test_a_mistake_is_named_at_its_place(changes, message):
     assert len(refused.value.mistakes) == 1
 
 
-@pytest.mark.parametrize("method", ["contraction", "compensation", "pseudo_inverse", "clipped_pseudo_inverse"])
+@pytest.mark.parametrize("method", get_args(BaselineMethod))
 def test_methods_are_compared_by_one_key(method):
     """The others leave aside what only exact methods know, as the schema says."""
     others = {"change_limit_N": 3.0, "unattainable": "scaled", "torque_weight": 3.0, "thruster_weights": WEIGHTS}

@@ -9,6 +9,7 @@ import os
 import random
 import re
 import struct
+from typing import get_args
 from unittest.mock import Mock
 
 import pydantic
@@ -18,6 +19,9 @@ from support.scenario_files import MINIMAL, mistakes, write
 
 from cube_sim.scenario import load
 from cube_sim.scenario.document import parse
+from cube_sim.scenario.path_blocks import AnyPath
+
+PATH_TYPES = [get_args(block.model_fields["type"].annotation)[0] for block in get_args(get_args(AnyPath)[0])]
 
 
 def test_minimal_file_is_completed_with_defaults(tmp_path):
@@ -139,7 +143,7 @@ checks:
         (
             "type: line, ",
             "",
-            "5:7: path: needs the key type: one of line, point, arc, circle, helix, sinusoid, polyline, spline, csv",
+            f"5:7: path: needs the key type: one of {', '.join(PATH_TYPES)}",
         ),
         ("end_m: [4, 0, -5]", "end_m: [0, 0, -5]", "5:48: path.end_m: a line needs two different points"),
         ("end_m: [4, 0, -5]", "end_m: [4, 0, -5, 1]", "5:48: path.end_m: must have 3 entries, has 4"),
