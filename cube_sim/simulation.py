@@ -176,11 +176,8 @@ def _update_health(mission: Mission, recorder: Recorder, t: float) -> bool:
         Whether the health it believes in has changed.
     """
     allocator, thrusters = mission.allocator, mission.vehicle.thrusters
-    if mission.diagnosis is not None:
-        expected = thrusters.force(mission.diagnosis.activation)
-        given = mission.data.actuator_force[thrusters.actuators]
-        ratio = mission.supply.force_ratio
-        health = mission.diagnosis.update(expected, given / ratio) if ratio > 0.0 else allocator.health
+    if mission.fault_finding is not None:
+        health = mission.fault_finding.judge(mission.data, mission.supply.force_ratio)
     elif mission.scenario.control.faults == "told":
         health = mission.events.health
     else:
@@ -212,12 +209,12 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     if not all(np.isfinite(values).all() for values in (decision.wrench, decision.quaternion, decision.view.error)):
         raise _NotANumberError("the controller's answer is not a number")
     allocation, thruster_force = allocate_at(mission.supply.force_ratio, allocator, decision.wrench, decision.secondary)
-    if mission.diagnosis is not None:
-        thruster_force = mission.diagnosis.probed(thruster_force)
+    if mission.fault_finding is not None:
+        thruster_force = mission.fault_finding.probed(thruster_force)
     commands = vehicle.thrusters.command(thruster_force)
     data.ctrl[vehicle.thrusters.actuators] = commands
-    if mission.diagnosis is not None:
-        mission.diagnosis.advance(commands)
+    if mission.fault_finding is not None:
+        mission.fault_finding.commanded(commands)
 
     recorder.append("pose", t, state.position, state.quaternion)
     recorder.append("velocity", t, state.velocity, state.rates)

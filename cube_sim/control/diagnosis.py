@@ -1,8 +1,8 @@
 """Finding thruster faults from what was commanded and what came back.
 
-The force each thruster should give is known: its command through the motor's lag and the characteristic. The force it
-gives is measured (motor telemetry: speed and current). A sliding window of the two, x and y, is held against what is
-believed of the thruster:
+The force each thruster should give is known: its command through the motor's delay and lag and the characteristic. The
+force it gives is measured (motor telemetry: speed and current). A sliding window of the two, x and y, is held against
+what is believed of the thruster:
 
     whole  y = x
     weak   y = e x
@@ -30,14 +30,12 @@ class Diagnosis:
     """A running judgement of m thrusters.
 
     Args:
-        lag_s: (m,) time constants of the thrusters' motors [s].
         window_s: length of the window [s]: the time a fault has to last to be believed.
         threshold_N: forces and differences below this say nothing [N].
         dt: control period [s].
         probe_N: (m,) what silent thrusters are asked for [N], well beyond the threshold.
 
     Attributes:
-        activation: (m,) the thrusters' lagged commands.
         health: what is believed.
         doubtful: (m,) bool, which thrusters do something else than believed that can be read in more than one way.
     """
@@ -47,21 +45,15 @@ class Diagnosis:
     DEAD = 0.1
     """Efficiencies below this count as dead."""
 
-    def __init__(self, lag_s: Vector, window_s: float, threshold_N: float, dt: float, probe_N: Vector) -> None:
-        self._decay = np.exp(-dt / lag_s)
+    def __init__(self, window_s: float, threshold_N: float, dt: float, probe_N: Vector) -> None:
         self._threshold = threshold_N
-        n, m = max(2, round(window_s / dt)), len(lag_s)
+        n, m = max(2, round(window_s / dt)), len(probe_N)
         self._size = np.sqrt(n) * threshold_N
         self._expected, self._measured = np.zeros((n, m)), np.zeros((n, m))
         self._filled, self._row = 0, 0
         self._probes = Probes(probe_N, dt)
-        self.activation = np.zeros(m)
         self.health = Health.whole(m)
         self.doubtful = np.zeros(m, dtype=bool)
-
-    def advance(self, commands: Vector) -> None:
-        """Carry the thrusters' lag over one tick of constant commands (m,)."""
-        self.activation = commands + (self.activation - commands) * self._decay
 
     def probed(self, force: Vector) -> Vector:
         """The forces (m,) [N] to ask for at this tick, a probe among them when one is due."""

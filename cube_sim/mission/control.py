@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from math import inf
 
-import numpy as np
-
 from cube_sim.actuation.directions.selection_criteria import final_approach
 from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability, capability
 from cube_sim.control.controller import Controller
 from cube_sim.control.current import CurrentObserver
-from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
@@ -26,7 +23,6 @@ from cube_sim.mission.planar import planar_follower
 from cube_sim.mission.refusals import too_slow_period, wrong_depth
 from cube_sim.scenario import Loaded, Scenario, schema
 from cube_sim.spatial import Matrix
-from cube_sim.vehicle.vehicle import Vehicle
 
 
 def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Controller:
@@ -99,13 +95,3 @@ def _safe_mode(block: schema.SafeModeBlock) -> SafeMode:
         limit=inf if limit is None else limit,
         patience=block.patience_s,
     )
-
-
-def diagnosis_of(vehicle: Vehicle, scenario: Scenario) -> Diagnosis:
-    """Half a second of evidence, and differences beyond the dead zone, within which no thruster's force is certain."""
-    thrusters = vehicle.thrusters
-    threshold = max(0.5, 1.2 * float(np.abs(thrusters.limits[:, 1:3]).max()))
-    least, most = thrusters.limits[:, 0], thrusters.limits[:, 3]
-    # Three times what says nothing: an answer is seen within a few control periods, and the probe is over.
-    probe = np.where(most >= -least, np.minimum(3.0 * threshold, most), np.maximum(-3.0 * threshold, least))
-    return Diagnosis(thrusters.lag_s, 0.5, threshold, scenario.control_period_s, probe)

@@ -8,13 +8,13 @@ import mujoco
 
 from cube_sim.allocation import FaultTolerant
 from cube_sim.control.controller import Controller
-from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.guidance.path import Path
 from cube_sim.mission.allocation import allocator_of
 from cube_sim.mission.channels import recorded_channels
-from cube_sim.mission.control import controller_of, diagnosis_of
+from cube_sim.mission.control import controller_of
 from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.events import Events
+from cube_sim.mission.fault_finding import FaultFinding
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
 from cube_sim.mission.navigation import StateEstimation
 from cube_sim.mission.path import path_of
@@ -40,7 +40,7 @@ class Mission:
         allocator: wrench to thruster forces.
         supply: what feeds the thrusters.
         events: what happens on the way.
-        diagnosis: finds thruster faults; None when the scenario reports them to the controller or lets it ignore them.
+        fault_finding: finds thruster faults; None when the scenario reports them to the controller or lets it ignore them.
         drop_weight: ballast that can be let go.
         estimation: makes the state the controller gets of sensors; None when it gets the true one.
         channels: what will be recorded.
@@ -55,7 +55,7 @@ class Mission:
     allocator: FaultTolerant
     supply: PowerSupply
     events: Events
-    diagnosis: Diagnosis | None
+    fault_finding: FaultFinding | None
     drop_weight: DropWeight
     estimation: StateEstimation | None
     channels: tuple[Channel, ...]
@@ -87,7 +87,7 @@ def prepare(loaded: Loaded) -> Mission:
         allocator=allocator_of(believed.vehicle, scenario),
         supply=supply_of(loaded, model, vehicle),
         events=Events(scenario.events, model, vehicle),
-        diagnosis=diagnosis_of(vehicle, scenario) if scenario.control.faults == "diagnosed" else None,
+        fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle.body),
         estimation=StateEstimation.of(scenario, vehicle),
         channels=channels,

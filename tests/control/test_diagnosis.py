@@ -22,7 +22,8 @@ class Bench:
     """One thruster, the forces it is told, and a diagnosis in the loop that also believes itself: as it flies."""
 
     def __init__(self) -> None:
-        self.diagnosis = Diagnosis(np.array([LAG]), 0.5, THRESHOLD, DT, np.array([PROBE]))
+        self.diagnosis = Diagnosis(0.5, THRESHOLD, DT, np.array([PROBE]))
+        self.activation = np.zeros(1)
         self.told, self.given = [], []
         self.beliefs: list[tuple[float, Health]] = []
 
@@ -32,7 +33,7 @@ class Bench:
         for _ in range(round(seconds / DT)):
             t = len(self.told) * DT
             efficiency, held = state
-            whole = FULL * diagnosis.activation
+            whole = FULL * self.activation
             given = efficiency * whole if held is None else np.array([held])
             before = diagnosis.health
             health = diagnosis.update(whole, given)
@@ -42,7 +43,7 @@ class Bench:
             if health.responsive[0]:
                 asked[0] = wanted(t) / health.efficiency[0]
             asked = diagnosis.probed(asked)
-            diagnosis.advance(asked / FULL)
+            self.activation = asked / FULL + (self.activation - asked / FULL) * np.exp(-DT / LAG)
             self.told.append(float(asked[0]))
             self.given.append(float(given[0]))
         return diagnosis.health

@@ -99,28 +99,40 @@ def test_a_wider_range_of_commands_ends_with_the_curve_too():
     np.testing.assert_array_equal(model.actuator_ctrlrange[:2], [[-1.0, 1.0], [-1.0, 1.0]])
 
 
-@pytest.mark.parametrize(
-    ("integrator", "limit"), [("Euler", 2.0), ("implicit", 2.0), ("implicitfast", 2.0), ("RK4", 2.785)]
-)
-def test_a_lag_the_time_step_makes_unstable_is_refused(integrator, limit):
-    """Just below the limit a commanded thruster settles, above it is refused; filterexact is stable at any step."""
+LAG = 0.02
+EVERY_STEP = np.inf
 
-    def thrusters(step: float, dyntype: str = "filter") -> mujoco.MjModel:
+
+@pytest.mark.parametrize("dyntype", ["filter", "filterexact"])
+@pytest.mark.parametrize("integrator", ["Euler", "implicit", "implicitfast", "RK4"])
+def test_a_lag_is_refused_just_where_mujocos_own_grows(integrator, dyntype):
+    """Just below the limit a commanded thruster settles. Just above, an unguarded one would not."""
+    limit = 2.785 if integrator == "RK4" else 2.0 if dyntype == "filter" else EVERY_STEP
+
+    def thrusters(step: float) -> mujoco.MjModel:
         choice = ('timestep="0.01" integrator="RK4"', f'timestep="{step!r}" integrator="{integrator}"')
         return cube_sim.load_model(edited(choice, ('dyntype="filter"', f'dyntype="{dyntype}"')))
 
-    model = thrusters(0.99 * limit * 0.02)
-    data = mujoco.MjData(model)
-    data.ctrl[:] = 0.5
-    for _ in range(2000):
-        data.qvel[:], data.qpos[:] = 0.0, [0, 0, 0, 1, 0, 0, 0]
-        mujoco.mj_step(model, data)
-    np.testing.assert_allclose(data.act, 0.5, atol=1e-6)
+    def is_stable(model: mujoco.MjModel) -> bool:
+        data = mujoco.MjData(model)
+        data.ctrl[:] = 0.5
+        for _ in range(2000):
+            data.qvel[:], data.qpos[:] = 0.0, [0, 0, 0, 1, 0, 0, 0]
+            mujoco.mj_step(model, data)
+        return bool(np.all(np.abs(data.act - 0.5) < 1e-6))
+
+    if limit == EVERY_STEP:
+        assert is_stable(thrusters(10.0 * LAG))
+        return
+    model = thrusters(0.99 * limit * LAG)
+    assert is_stable(model)
+    model.opt.timestep = 1.01 * limit * LAG
+    assert not is_stable(model)
     with pytest.raises(ModelError, match=r"T1: its lag of 0.02 s is unstable under \w+ with a time step of") as caught:
-        thrusters(1.01 * limit * 0.02)
+        thrusters(1.01 * limit * LAG)
     assert caught.value.element == "T1"
-    assert "dyntype='filterexact'" in caught.value.reason
-    assert thrusters(1.01 * limit * 0.02, "filterexact").nu == 8
+    assert "dyntype='filterexact', which is stable at any" in caught.value.reason
+    assert ("integrator implicitfast" in caught.value.reason) == (integrator == "RK4")
 
 
 @pytest.mark.parametrize(("delay_s", "samples"), [(0.1, 10), (0.035, 4), (0.0, 0), (0.1, 12)])

@@ -2,6 +2,16 @@
 
 MuJoCo goes on without a word in both cases. Under Euler, a lag with a step of twice its time constant swings for ever,
 and with a longer step it grows without bound. A buffer that is too short cuts the delay off.
+
+With x = step / lag, one step leaves of a difference between activation and command, by ``dyntype`` and integrator:
+
+    filter       Euler, implicit, implicitfast  1 - x
+    filter       RK4                            R(x) = 1 - x + x^2/2 - x^3/6 + x^4/24
+    filterexact  Euler, implicit, implicitfast  exp(-x)
+    filterexact  RK4                            1 + (R(x) - 1) (1 - exp(-x)) / x
+
+The last is no misprint: RK4 averages the rate over its stages, and MuJoCo carries that average over the step by the
+exponential. It is stable where R is.
 """
 
 from __future__ import annotations
@@ -36,17 +46,19 @@ def require_time_step(model: mujoco.MjModel) -> None:
 
 
 def _require_stable_lag(model: mujoco.MjModel, i: int, name: str) -> None:
-    if model.actuator_dyntype[i] != mujoco.mjtDyn.mjDYN_FILTER:
-        return  # filterexact is stable at every step
-    step, lag = model.opt.timestep, float(model.actuator_dynprm[i, 0])
     rk4 = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+    exact = model.actuator_dyntype[i] == mujoco.mjtDyn.mjDYN_FILTEREXACT
+    if exact and not rk4:
+        return
+    step, lag = model.opt.timestep, float(model.actuator_dynprm[i, 0])
     limit = _RK4_LIMIT if rk4 else _EULER_LIMIT
     if step >= limit * lag:
         method = mujoco.mjtIntegrator(model.opt.integrator).name.removeprefix("mjINT_")
+        remedy = "integrator implicitfast with dyntype='filterexact'" if rk4 else "dyntype='filterexact'"
         raise ModelError(
             name,
             f"its lag of {lag:g} s is unstable under {method} with a time step of {step:g} s; take a step below "
-            f"{limit * lag:g} s, or dyntype='filterexact', which is stable at any",
+            f"{limit * lag:g} s, or {remedy}, which is stable at any",
         )
 
 

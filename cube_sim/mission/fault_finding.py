@@ -1,0 +1,61 @@
+"""A mission's fault diagnosis at work: what the thrusters should give against what they give."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from cube_sim.control.diagnosis import Diagnosis
+from cube_sim.mission.hull import CompiledHull
+from cube_sim.scenario import Scenario
+from cube_sim.spatial import Vector
+from cube_sim.vehicle.motor_lag import MotorLag
+from cube_sim.wrench.health import Health
+
+WINDOW_S = 0.5
+"""Evidence needed [s]."""
+LEAST_THRESHOLD_N = 0.5
+"""Differences below this are no evidence [N]: no characteristic is known better."""
+
+
+class FaultFinding:
+    """Finds the faults of a hull's thrusters.
+
+    Args:
+        flown: the hull, its model with time step and integrator set: the motors are those of this moment.
+        scenario: the mission.
+    """
+
+    def __init__(self, flown: CompiledHull, scenario: Scenario) -> None:
+        self._thrusters = flown.vehicle.thrusters
+        self._lag = MotorLag(flown.model, self._thrusters, scenario.steps_per_tick)
+        self._diagnosis = _diagnosis(self._thrusters.limits, scenario)
+
+    def judge(self, data: mujoco.MjData, force_ratio: float) -> Health:
+        """What is believed of the thrusters; once per tick.
+
+        Args:
+            data: MuJoCo's, up to date.
+            force_ratio: the share of their characteristics' forces that the supply leaves them.
+        """
+        if force_ratio == 0.0:
+            return self._diagnosis.health
+        expected = self._thrusters.force(self._lag.activation)
+        return self._diagnosis.update(expected, data.actuator_force[self._thrusters.actuators] / force_ratio)
+
+    def probed(self, force: Vector) -> Vector:
+        """The forces (m,) [N] to ask for at this tick, a probe among them when one is due."""
+        return self._diagnosis.probed(force)
+
+    def commanded(self, commands: Vector) -> None:
+        """Take note of the commands (m,) of this tick."""
+        self._lag.advance(commands)
+
+
+def _diagnosis(limits: Vector, scenario: Scenario) -> Diagnosis:
+    """Differences beyond the dead zone count, within which no thruster's force is certain."""
+    threshold = max(LEAST_THRESHOLD_N, 1.2 * float(np.abs(limits[:, 1:3]).max()))
+    least, most = limits[:, 0], limits[:, 3]
+    # Three times what says nothing: an answer is seen within a few control periods, and the probe is over.
+    probe = np.where(most >= -least, np.minimum(3.0 * threshold, most), np.maximum(-3.0 * threshold, least))
+    return Diagnosis(WINDOW_S, threshold, scenario.control_period_s, probe)
