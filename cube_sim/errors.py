@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from cube_sim.run_log import LogLine
+
 
 class CubeSimError(Exception):
     """Root of every deliberate error; its text is one clear line per mistake."""
@@ -75,8 +77,9 @@ class RunInterrupted(KeyboardInterrupt):
 
     Attributes:
         directory: where the recording of what was flown is, closed and readable.
+        log: what had been said at the level WARNING or above, in the order of time.
     """
 
-    def __init__(self, directory: Path) -> None:
-        self.directory = directory
+    def __init__(self, directory: Path, log: tuple[LogLine, ...] = ()) -> None:
+        self.directory, self.log = directory, log
         super().__init__(f"interrupted; recorded so far: {directory}")

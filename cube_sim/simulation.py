@@ -21,20 +21,20 @@ from cube_sim.checks import evaluate
 from cube_sim.control.authority import remaining_capability
 from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.mission import PATH_POINTS, Mission, prepare
+from cube_sim.mission.divergence import divergence
 from cube_sim.mission.run_header import header, versions
 from cube_sim.mission.supply import allocate_at
+from cube_sim.mission.surface_watch import SurfaceWatch, path_above_surface
 from cube_sim.mission.unattainable_log import UnattainableLog
 from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import claim, require_writable
+from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded, load
 from cube_sim.spatial import angle_between, quaternion_from_rotation
 from cube_sim.vehicle.current import water_velocity
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.vehicle.state import read_state
-from cube_sim.verdict import CheckResult, Verdict, overall, to_json
-
-DIVERGED = 1e6
-"""A position [m], velocity [m/s] or acceleration [m/s^2] beyond which a simulation has failed, far from any vehicle."""
+from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 
 Progress = Callable[[float, float], None]
 
@@ -54,6 +54,9 @@ class Run:
         directory: where run.mcap, run.rrd, resolved.yaml and verdict.json are.
         real_time_factor: simulated time over the wall-clock time of the loop, its recording included.
         versions: of the packages that took part.
+        simulated_s: simulated time from the start to the end [s].
+        ended_early: when and why the run ended before its time; None if it did not.
+        log: what was said at the level WARNING or above, in the order of time; all of it is in the recording's log.
     """
 
     verdict: Verdict
@@ -62,6 +65,9 @@ class Run:
     directory: Path
     real_time_factor: float
     versions: Mapping[str, str]
+    simulated_s: float
+    ended_early: EarlyEnd | None
+    log: tuple[LogLine, ...]
 
 
 def run(
@@ -98,6 +104,8 @@ def fly(loaded: Loaded, out: str | Path | None = None, progress: Progress | None
             return _record_and_judge(loaded, mission, directory, progress)
         except OSError as error:
             raise RecordingError(f"{directory}: cannot be written: {error.strerror or error}") from error
+        except RunInterrupted:
+            raise
         except KeyboardInterrupt:
             raise RunInterrupted(directory) from None
 
@@ -110,44 +118,62 @@ def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progres
         collect_warnings() as warnings,
     ):
         started = time.perf_counter()
-        end_s = _run_ticks(mission, recorder, progress)
+        try:
+            ended_early = _run_ticks(mission, recorder, warnings, progress)
+        except KeyboardInterrupt:
+            raise RunInterrupted(directory, recorder.warnings) from None
         elapsed_s = time.perf_counter() - started
-        for warning in warnings:
-            recorder.log(end_s, "WARNING", f"MuJoCo: {warning}")
         signals = recorder.signals
 
-    results = evaluate(loaded.scenario.checks, signals, duration_s=loaded.scenario.duration_s)
-    verdict = overall(results, complete=len(signals["pose.position"]) == mission.scenario.ticks + 1)
-    factor = end_s / elapsed_s
-    text = to_json(verdict, results, factor, versions())
+    scenario = mission.scenario
+    simulated_s = ended_early.time_s if ended_early else scenario.ticks * scenario.control_period_s
+    flown = Flown(simulated_s, ended_early, recorder.warnings)
+    results = evaluate(scenario.checks, signals, duration_s=scenario.duration_s)
+    verdict = overall(results, complete=ended_early is None)
+    factor = simulated_s / elapsed_s
+    text = to_json(verdict, results, factor, versions(), flown)
     (directory / "verdict.json").write_text(text, encoding="utf-8")
-    return Run(verdict, results, signals, directory, factor, versions())
+    return Run(verdict, results, signals, directory, factor, versions(), simulated_s, ended_early, flown.log)
 
 
-def _run_ticks(mission: Mission, recorder: Recorder, progress: Progress | None) -> float:
-    """All ticks of a run; the last row is the state at its end, whose time [s] is returned."""
+def _run_ticks(mission: Mission, recorder: Recorder, warnings: list[str], progress: Progress | None) -> EarlyEnd | None:
+    """All ticks of a run; the last row is the state at its end.
+
+    Args:
+        mission: at time 0.
+        recorder: gets rows and sentences.
+        warnings: where MuJoCo's arrive; they are moved to the log.
+        progress: see `run`.
+
+    Returns:
+        When and why the run ended before its time; None if it did not.
+    """
     scenario = mission.scenario
     model, data = mission.model, mission.data
     steps, ticks = scenario.steps_per_tick, scenario.ticks
     ticks_per_second = max(1, round(1.0 / scenario.control_period_s))
     _describe(mission, recorder)
     applied, unattainable, logged_reason = np.zeros(6), UnattainableLog(recorder), ""
+    surface, t, failure = SurfaceWatch(recorder, model, mission.vehicle), 0.0, None
     for k in range(ticks + 1):
         t = k * scenario.control_period_s
         for message in mission.events.apply_due(t):
             recorder.log(t, "WARNING", message)
         mujoco.mj_forward(model, data)
-        if not all(np.abs(values).max() < DIVERGED for values in (data.qpos, data.qvel, data.qacc)):
-            recorder.log(t, "ERROR", "the state has left all bounds or is not a number: the run ends here")
-            return t
+        while warnings:
+            recorder.log(t, "WARNING", f"MuJoCo: {warnings.pop(0)}")
+        failure = divergence(model, data)
+        if failure is not None:
+            break
+        surface.note(t, data)
         other_voltage = _feed_thrusters(mission, recorder, t)
         if _update_health(mission, recorder, t) or other_voltage or k == 0:
             _record_actuation(mission, recorder, t)
         try:
             applied, status, given_up = _tick(mission, recorder, t, applied)
         except _NotANumberError as error:
-            recorder.log(t, "ERROR", f"{error}: the run ends here")
-            return t
+            failure = str(error)
+            break
         unattainable.note(t, status)
         if given_up != logged_reason:
             _log_given_up(mission, recorder, t, given_up)
@@ -157,7 +183,11 @@ def _run_ticks(mission: Mission, recorder: Recorder, progress: Progress | None) 
             mujoco.mj_step(model, data, nstep=steps)
         if progress is not None and k % ticks_per_second == 0:
             progress(t, scenario.duration_s)
-    return ticks * scenario.control_period_s
+    surface.finish(t)
+    if failure is None:
+        return None
+    recorder.log(t, "ERROR", f"{failure}: the run ends here")
+    return EarlyEnd(t, failure)
 
 
 def _feed_thrusters(mission: Mission, recorder: Recorder, t: float) -> bool:
@@ -250,6 +280,8 @@ def _describe(mission: Mission, recorder: Recorder) -> None:
     """What a reader of the recording must know before the first row."""
     points = np.array([mission.path.at(s).position for s in np.linspace(0.0, mission.path.length, PATH_POINTS)])
     recorder.append("path", 0.0, points.ravel())
+    if (warning := path_above_surface(points)) is not None:
+        recorder.log(0.0, "WARNING", warning)
     length = mission.path.length
     recorder.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
     allocator, limit = mission.allocator, mission.scenario.control.cost_limit

@@ -1,8 +1,8 @@
 """Pytest plugin: every YAML file in a folder called `scenarios` is a test that flies it.
 
 Name it in the root conftest: ``pytest_plugins = ["cube_sim.testing"]``. A scenario file that cannot be read is a
-failing test, not an error of the whole session. Each check's value goes into the test's user properties, and so
-into JUnit reports.
+failing test, not an error of the whole session. Each check's value, an early end and what the run's log says at the
+level WARNING or above go into the test's user properties, and so into JUnit reports; a test that fails shows them.
 
 The tests carry the marker ``flight``, which the plugin registers: ``pytest -m "not flight"`` leaves them out.
 """
@@ -51,6 +51,7 @@ class ScenarioItem(pytest.Item):
 
     def runtest(self) -> None:
         """Run the scenario, recording into pytest's temporary folder."""
+        from cube_sim.commands.account import early_end, lasted, log_lines, section
         from cube_sim.commands.result_table import as_text, result_table
         from cube_sim.scenario import load
 
@@ -64,9 +65,12 @@ class ScenarioItem(pytest.Item):
         result = fly(loaded, out=directory)
         self.user_properties.append(("verdict", result.verdict))
         self.user_properties += [(check.name, check.value) for check in result.checks]
+        remarks, said = early_end(result), log_lines(result.log)
+        self.user_properties += [("ended_early", remark) for remark in remarks] + [("log", line) for line in said]
         if result.verdict != "PASS":
-            table = result_table(f"{self.path.name}, recorded in {directory}", result.verdict, result.checks)
-            raise ScenarioFailedError(as_text(table))
+            title = f"{self.path.name}: {lasted(result, loaded.scenario.duration_s)}, recorded in {directory}"
+            table = as_text(result_table(title, result.verdict, result.checks, remarks))
+            raise ScenarioFailedError("\n".join([table, *section("log:", said)]))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """What was wrong with the scenario or its result; a traceback only for what nobody foresaw."""

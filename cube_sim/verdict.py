@@ -1,11 +1,13 @@
-"""What became of a run: one result per check, one verdict for all, and their JSON form."""
+"""What became of a run: one result per check, one verdict for all, an early end, and their JSON form."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
+
+from cube_sim.run_log import LogLine, gathered
 
 Verdict = Literal["PASS", "FAIL", "ERROR"]
 """PASS: shown to hold. FAIL: shown not to hold. ERROR: could not be judged."""
@@ -36,6 +38,34 @@ class CheckResult:
     detail: str
 
 
+@dataclass(frozen=True)
+class EarlyEnd:
+    """That a run did not last as long as it should have.
+
+    Attributes:
+        time_s: simulated time at which it ended [s].
+        reason: one line for readers.
+    """
+
+    time_s: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Flown:
+    """What a run says of itself, beside its checks.
+
+    Attributes:
+        simulated_s: simulated time from its start to its end [s]; None if it is not known.
+        ended_early: when and why it ended before its time; None if it did not.
+        log: what was said at the level WARNING or above, in the order of time.
+    """
+
+    simulated_s: float | None
+    ended_early: EarlyEnd | None
+    log: tuple[LogLine, ...]
+
+
 def overall(results: Iterable[CheckResult], *, complete: bool = True) -> Verdict:
     """One verdict for a run.
 
@@ -53,9 +83,14 @@ def overall(results: Iterable[CheckResult], *, complete: bool = True) -> Verdict
 
 
 def to_dict(
-    verdict: Verdict, results: Iterable[CheckResult], real_time_factor: float, versions: Mapping[str, str]
+    verdict: Verdict,
+    results: Iterable[CheckResult],
+    real_time_factor: float,
+    versions: Mapping[str, str],
+    flown: Flown | None = None,
 ) -> dict[str, Any]:
-    """What verdict.json holds, as plain data."""
+    """What verdict.json holds, as plain data; without `flown`, what it would say is null and its log empty."""
+    flown = flown or Flown(None, None, ())
     return {
         "verdict": verdict,
         "checks": [
@@ -71,18 +106,34 @@ def to_dict(
             }
             for result in results
         ],
+        "simulated_s": flown.simulated_s,
+        "ended_early": None if flown.ended_early is None else asdict(flown.ended_early),
+        "log": [
+            {
+                "time_s": entry.first.t,
+                "level": entry.first.level,
+                "text": entry.first.text,
+                "count": entry.count,
+                "last_s": entry.last_s,
+            }
+            for entry in gathered(flown.log)
+        ],
         "real_time_factor": real_time_factor,
         "versions": dict(versions),
     }
 
 
 def to_json(
-    verdict: Verdict, results: Iterable[CheckResult], real_time_factor: float, versions: Mapping[str, str]
+    verdict: Verdict,
+    results: Iterable[CheckResult],
+    real_time_factor: float,
+    versions: Mapping[str, str],
+    flown: Flown | None = None,
 ) -> str:
     """The text of verdict.json.
 
     Raises:
         ValueError: a number is NaN or infinite, which JSON cannot say.
     """
-    content = to_dict(verdict, results, real_time_factor, versions)
+    content = to_dict(verdict, results, real_time_factor, versions, flown)
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

@@ -10,8 +10,9 @@ import pytest
 from pydantic import TypeAdapter
 
 from cube_sim.checks import distance_to_allowed, evaluate
+from cube_sim.run_log import LogLine
 from cube_sim.scenario.check_blocks import AnyCheck
-from cube_sim.verdict import CheckResult, overall, to_json
+from cube_sim.verdict import CheckResult, EarlyEnd, Flown, overall, to_json
 
 DT = 0.02
 RUN_S = 20.0
@@ -403,6 +404,18 @@ def test_results_come_in_the_order_of_the_checks():
     ]
 
 
+def test_verdict_json_says_how_long_a_run_lasted_and_what_it_warned_of():
+    lines = (LogLine(1.0, "WARNING", "lost"), LogLine(2.0, "ERROR", "over"), LogLine(2.5, "WARNING", "lost"))
+    text = to_json("ERROR", [], 1.0, {}, Flown(2.5, EarlyEnd(2.5, "over"), lines))
+    content = json.loads(text)
+    assert content["simulated_s"] == 2.5
+    assert content["ended_early"] == {"time_s": 2.5, "reason": "over"}
+    assert content["log"] == [
+        {"time_s": 1.0, "level": "WARNING", "text": "lost", "count": 2, "last_s": 2.5},
+        {"time_s": 2.0, "level": "ERROR", "text": "over", "count": 1, "last_s": 2.0},
+    ]
+
+
 def test_verdict_json_is_strict_and_complete():
     error = CheckResult("e", "ERROR", None, "<=", 2.0, None, None, "no signal")
     text = to_json("ERROR", [result("PASS"), error], 12.5, {"mujoco": "4.0"})
@@ -411,7 +424,10 @@ def test_verdict_json_is_strict_and_complete():
         raise AssertionError(constant)
 
     content = json.loads(text, parse_constant=refuse)
-    assert list(content) == ["verdict", "checks", "real_time_factor", "versions"]
+    assert list(content) == [
+        "verdict", "checks", "simulated_s", "ended_early", "log", "real_time_factor", "versions",
+    ]  # fmt: skip
+    assert (content["simulated_s"], content["ended_early"], content["log"]) == (None, None, [])
     assert [set(check) for check in content["checks"]] == [
         {"name", "verdict", "value", "relation", "limit", "margin", "at_s", "detail"}
     ] * 2

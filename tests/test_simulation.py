@@ -20,6 +20,7 @@ from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
 from cube_sim.scenario.document import parse_value
+from cube_sim.verdict import EarlyEnd
 
 
 def parse_settings(line: str) -> dict[str, object]:
@@ -51,7 +52,11 @@ def test_a_run_leaves_its_four_files_and_the_same_in_memory(short):
     ]
     written = json.loads((short.directory / "verdict.json").read_text())
     assert written["verdict"] == short.verdict == "PASS"
-    assert set(written) == {"verdict", "checks", "real_time_factor", "versions"}
+    assert set(written) == {
+        "verdict", "checks", "simulated_s", "ended_early", "log", "real_time_factor", "versions",
+    }  # fmt: skip
+    assert written["simulated_s"] == short.simulated_s == 3.0
+    assert written["ended_early"] is short.ended_early is None
     assert {"name", "verdict", "value", "relation", "limit", "margin", "at_s"} <= set(written["checks"][0])
     assert set(written["versions"]) >= {"mujoco", "numpy", "proxsuite", "cube-sim"}
 
@@ -130,6 +135,24 @@ def test_a_state_that_leaves_the_real_numbers_ends_the_run_as_error_with_the_las
     pose = result.signals["pose.position"]
     assert 0.0 < pose[-1, 0] < 20.0
     assert np.all(np.isfinite(pose))
+    assert result.ended_early.time_s == result.simulated_s == pytest.approx(pose[-1, 0] + 0.02)
+    assert re.match(r"the \w+ of 'hull' is ", result.ended_early.reason)
+    last = result.log[-1]
+    assert (last.t, last.level) == (result.simulated_s, "ERROR")
+    assert last.text == f"{result.ended_early.reason}: the run ends here"
+    written = json.loads((tmp_path / "out" / "verdict.json").read_text())
+    assert written["ended_early"] == {"time_s": result.simulated_s, "reason": result.ended_early.reason}
+    assert written["simulated_s"] == result.simulated_s
+
+
+@pytest.mark.flight
+def test_what_mujoco_warns_of_is_said_at_the_tick_that_met_it(tmp_path):
+    """Ten steps a tick: the state has left MuJoCo's bounds, too, before anybody looks."""
+    result = cube_sim.run(HELIX, {**THROWN, "control_period_s": 0.1, "duration_s": 1.0}, tmp_path / "out")
+    *warnings, error = result.log
+    assert {line.t for line in result.log} == {result.simulated_s} == {0.1}
+    assert error.level == "ERROR"
+    assert any(line.text.startswith("MuJoCo: Nan, Inf or huge value in Q") for line in warnings)
 
 
 @pytest.mark.flight
@@ -277,6 +300,25 @@ def test_a_controller_without_an_answer_ends_the_run_as_error_with_the_last_good
     assert all(np.isfinite(rows).all() for name, rows in run.signals.items() if name != "path.points")
     (line,) = (line for line in read_recording(tmp_path / "run" / "run.mcap").log if line.level == "ERROR")
     assert line.text == "the controller's answer is not a number: the run ends here"
+    assert run.ended_early == EarlyEnd(run.simulated_s, "the controller's answer is not a number")
+    assert run.simulated_s == pytest.approx(0.98)
+
+
+@pytest.mark.flight
+def test_a_run_has_its_warnings_at_hand(tmp_path):
+    """All that the recording has at the level WARNING or above, and nothing else."""
+    events = [thruster_event(0.5, ["T1", "T2"]), {"kind": "current", "at_s": 1.0, "current_m_s": [0.1, 0, 0]}]
+    settings = {**SHORT, "duration_s": 1.5, "control.faults": "told", "events": events}
+    run = cube_sim.run(HELIX, settings, tmp_path / "run")
+    recorded = read_recording(tmp_path / "run" / "run.mcap").log
+    assert {line.level for line in recorded} == {"INFO", "WARNING"}
+    assert list(run.log) == [line for line in recorded if line.level != "INFO"]
+    assert [(line.t, line.text) for line in run.log if "dead;" not in line.text] == [
+        (0.5, "T1, T2: dead"),
+        (1.0, "the current is now [0.1, 0.0, 0.0] m/s"),
+    ]
+    written = json.loads((tmp_path / "run" / "verdict.json").read_text())["log"]
+    assert [(entry["time_s"], entry["text"]) for entry in written] == [(line.t, line.text) for line in run.log]
 
 
 @pytest.mark.flight

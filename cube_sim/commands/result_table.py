@@ -14,8 +14,10 @@ from cube_sim.verdict import CheckResult
 _STYLES = {"PASS": "bold green", "FAIL": "bold red", "ERROR": "bold magenta"}
 
 
-def result_table(title: str, verdict: str, results: Sequence[CheckResult]) -> RenderableType:
-    """Verdict first, a row per check, then why each check that did not pass did not."""
+def result_table(
+    title: str, verdict: str, results: Sequence[CheckResult], remarks: Sequence[str] = ()
+) -> RenderableType:
+    """Verdict first, remarks on the whole run, a row per check, then why each check that did not pass did not."""
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("check")
     table.add_column("verdict", no_wrap=True)
@@ -34,7 +36,7 @@ def result_table(title: str, verdict: str, results: Sequence[CheckResult]) -> Re
         Text(f"{result.verdict} {result.name}: {result.detail}") for result in results if result.verdict != "PASS"
     ]
     heading = Text.assemble((verdict, _STYLES.get(verdict, "bold")), f"  {title}")
-    return Group(heading, Text(), table, *([Text(), *reasons] if reasons else []))
+    return Group(heading, *map(Text, remarks), Text(), table, *([Text(), *reasons] if reasons else []))
 
 
 def as_text(renderable: RenderableType, width: int = 110) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cube_sim.commands.account import early_end, lasted, log_lines, section
 from cube_sim.commands.ending import BAD_INPUT, FAIL, INTERRUPTED, NOT_JUDGED, PASS, raise_on_interrupt, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import flight_progress
@@ -73,13 +74,15 @@ def _fly(scenario: Path, settings: list[str] | None, out: Path | None, *, hidden
     except CubeSimError as error:
         stop(NOT_JUDGED, str(error))
     except RunInterrupted as interrupt:
-        stop(INTERRUPTED, str(interrupt))
+        said = [] if hidden else log_lines(interrupt.log)
+        stop(INTERRUPTED, "\n".join([*said, str(interrupt)]))
 
 
 def _print_json(result: Run) -> None:
-    from cube_sim.verdict import to_dict
+    from cube_sim.verdict import Flown, to_dict
 
-    content = to_dict(result.verdict, result.checks, result.real_time_factor, result.versions)
+    flown = Flown(result.simulated_s, result.ended_early, result.log)
+    content = to_dict(result.verdict, result.checks, result.real_time_factor, result.versions, flown)
     content["directory"] = str(result.directory)
     print_json(content)
 
@@ -90,10 +93,11 @@ def _print_table(name: str, duration_s: float, result: Run) -> None:
     from cube_sim.commands.result_table import result_table
 
     console = Console()
-    title = f"{name}: {duration_s:g} s simulated, {result.real_time_factor:.1f} x real time"
-    console.print(result_table(title, result.verdict, result.checks))
-    console.print()
+    title = f"{name}: {lasted(result, duration_s)}, {result.real_time_factor:.1f} x real time"
+    console.print(result_table(title, result.verdict, result.checks, early_end(result)))
     for line in (
+        *section("log:", log_lines(result.log)),
+        "",
         f"recording: {result.directory}",
         f"look at it: rerun {shlex.quote(str(result.directory / 'run.rrd'))}",
     ):

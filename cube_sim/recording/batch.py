@@ -11,23 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.recording.channels import Channel
+from cube_sim.run_log import LogLine
 
 Rows = NDArray[np.float64]  # (n, 1+width), column 0 the time [s]
-
-
-@dataclass(frozen=True)
-class LogLine:
-    """A sentence about the run.
-
-    Attributes:
-        t: simulated time [s].
-        level: one of ``cube_sim.recording.mcap.schemas.LOG_LEVELS``.
-        text: the sentence.
-    """
-
-    t: float
-    level: str
-    text: str
 
 
 @dataclass(frozen=True)

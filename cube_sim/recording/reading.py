@@ -17,7 +17,7 @@ from mcap.records import Channel as McapChannel
 from numpy.typing import NDArray
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import LogLine, Rows, signals
+from cube_sim.recording.batch import Rows, signals
 from cube_sim.recording.channels import Channel, Field
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.mcap.fixed_width import Layout, channel_layout
@@ -35,6 +35,7 @@ from cube_sim.recording.mcap.sink import (
     VERSIONS_METADATA,
 )
 from cube_sim.recording.mcap.writer import MESSAGE_HEADER
+from cube_sim.run_log import LogLine
 
 _SAME = 11  # bytes of opcode, length and channel id: messages alike in these can be read as one array
 

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Batch, LogLine, Rows, Sink, batch_number, signals
+from cube_sim.recording.batch import Batch, Rows, Sink, batch_number, signals
 from cube_sim.recording.buffer import ChannelBuffer
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.mcap.schemas import LOG_LEVELS
 from cube_sim.recording.mcap.sink import McapSink
+from cube_sim.run_log import WEIGHTY, LogLine
 
 MCAP_NAME = "run.mcap"
 RRD_NAME = "run.rrd"
@@ -57,6 +58,7 @@ class Recorder:
         self._buffers = {channel.name: ChannelBuffer(channel) for channel in self._channels}
         self._written: dict[str, list[Rows]] = {channel.name: [] for channel in self._channels}
         self._log: list[LogLine] = []
+        self._warnings: list[LogLine] = []
         self._time = -np.inf
         self._batch_end = -np.inf
         self._closed = False
@@ -103,7 +105,15 @@ class Recorder:
             raise RecordingError(f"no log level {level!r}; there are {', '.join(LOG_LEVELS)}")
         if t != self._time:
             self._advance(t)
-        self._log.append(LogLine(t, level, text))
+        line = LogLine(t, level, text)
+        self._log.append(line)
+        if level in WEIGHTY:
+            self._warnings.append(line)
+
+    @property
+    def warnings(self) -> tuple[LogLine, ...]:
+        """What has been said at the level WARNING or above, in the order of time."""
+        return tuple(self._warnings)
 
     @property
     def signals(self) -> dict[str, Rows]:

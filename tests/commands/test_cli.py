@@ -203,6 +203,40 @@ def test_the_result_fits_a_screen_and_says_how_to_look_at_the_recording(tmp_path
     assert stdout.splitlines()[-1] == f"look at it: rerun '{out}/run.rrd'"
 
 
+def test_an_early_end_says_when_and_why(tmp_path, monkeypatch, capsys):
+    """A current that no water has: nothing is flown."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    arguments = ["run", path, "--out", out, "--set", "current_m_s=[1e6, 0, 0]"]
+    code, stdout, stderr = call(monkeypatch, capsys, *arguments)
+    assert (code, stderr) == (3, "")
+    lines = stdout.splitlines()
+    assert lines[0].startswith("ERROR  short_flight: 0 of 0.5 s simulated")
+    text = " ".join(stdout.split())
+    assert "ended early, at 0 s: the acceleration of 'hull' is " in text
+    assert "beyond 1e+06 before anything has moved: see to the current" in text
+    (logged,) = (line for line in lines if line.startswith("  0.00 s  ERROR  the acceleration of 'hull' is "))
+    assert logged.endswith(": the run ends here")
+
+    content = json.loads(call(monkeypatch, capsys, *arguments, "--json")[1])
+    assert content["ended_early"]["time_s"] == content["simulated_s"] == 0.0
+    assert [entry["level"] for entry in content["log"]] == ["ERROR"]
+
+
+def test_warnings_are_shown_a_line_each_with_their_time(tmp_path, monkeypatch, capsys):
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    event = "{kind: thrusters, at_s: 0.2, thrusters: [T1, T2, T3, T4, T5, T6, T7, T8], state: dead}"
+    arguments = ["run", path, "--out", out, "--set", f"events=[{event}]", "--set", "control.faults=told"]
+    code, stdout, stderr = call(monkeypatch, capsys, *arguments)
+    assert (code, stderr) == (0, "")
+    _, log, _ = stdout.split("\n\n")[-3:]
+    heading, *lines = log.splitlines()
+    assert heading == "log:"
+    assert lines[0] == "  0.20 s  WARNING  T1, T2, T3, T4, T5, T6, T7, T8: dead"
+    (given_up,) = (line for line in lines if "the path is given up" in line)
+    assert re.match(r"  0\.20 s  WARNING  the path is given up: .* it holds its position", given_up)
+    assert call(monkeypatch, capsys, *arguments, "--quiet") == (0, "", "")
+
+
 def test_json_is_the_verdict_and_where_it_is(tmp_path, monkeypatch, capsys):
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
     code, stdout, _ = call(monkeypatch, capsys, "run", path, "--out", out, "--json")
@@ -286,3 +320,18 @@ def test_an_interrupted_run_closes_its_recording(tmp_path):
     # An indexed file, read back as any finished one.
     times = read_signals(recording)["pose.position"][:, 0]
     assert len(times) > 50
+
+
+@pytest.mark.flight
+def test_an_interrupted_run_says_what_it_had_warned_of(tmp_path, monkeypatch, capsys):
+    """Whoever stops a flight wants to know why it went astray."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    dead = "events=[{kind: thrusters, at_s: 0, thrusters: [T1], state: dead}]"
+
+    def interrupted():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("cube_sim.commands.run.raise_on_interrupt", interrupted)
+    code, stdout, stderr = call(monkeypatch, capsys, "run", path, "--out", out, "--set", dead)
+    assert (code, stdout) == (130, "")
+    assert stderr == f"0.00 s  WARNING  T1: dead\ninterrupted; recorded so far: {out}\n"

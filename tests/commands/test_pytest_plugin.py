@@ -12,7 +12,8 @@ from support.scenario_files import FLIGHT
 
 pytest_plugins = ["pytester"]
 
-FAILING = FLIGHT.replace("at_most: 0.05", "at_most: -1").replace("short_flight", "too_strict")
+DEAD = "events: [{kind: thrusters, at_s: 0.2, thrusters: [T1], state: dead}]\nchecks:"
+FAILING = FLIGHT.replace("at_most: 0.05", "at_most: -1").replace("short_flight", "too_strict").replace("checks:", DEAD)
 MISNAMED = FLIGHT.replace("path_error.cross_track", "path_error.crosstrack").replace("short_flight", "misnamed")
 THROWN = "initial: {velocity_m_s: [1e5, 0, 0], position_m:"
 UNJUDGED = FLIGHT.replace("initial: {position_m:", THROWN).replace("short_flight", "thrown")
@@ -75,7 +76,12 @@ def test_outcomes_texts_properties_and_recordings(folder):
     assert failures["too_strict"].startswith("FAIL  too_strict.yaml")
     assert "thruster forces inside their allowed sets" in failures["too_strict"]
     assert failures["thrown"].startswith("ERROR  thrown.yaml")
-    assert "path_error.cross_track holds no samples" in " ".join(failures["thrown"].split())
+    thrown = " ".join(failures["thrown"].split())
+    assert "path_error.cross_track holds no samples" in thrown
+    assert "ended early, at 0 s: the acceleration of 'hull' is" in thrown
+    assert "0 of 0.5 s simulated" in thrown
+    assert "log:\n  0.00 s  ERROR  the acceleration of 'hull' is" in failures["thrown"]
+    assert failures["too_strict"].endswith("\n\nlog:\n  0.20 s  WARNING  T1: dead")
     assert failures["misnamed"] == (
         f"{path.with_name('misnamed.yaml')}:9:28: checks.0.signal: no signal 'path_error.crosstrack' is recorded, "
         "did you mean path_error.cross_track?"
@@ -88,6 +94,9 @@ def test_outcomes_texts_properties_and_recordings(folder):
     assert 0.0 <= float(properties["short_flight"]["max of path_error.cross_track"]) < 0.05
     assert properties["too_strict"]["verdict"] == "FAIL"
     assert properties["wrong"] == {}
+    assert properties["too_strict"]["log"] == "0.20 s  WARNING  T1: dead"
+    assert properties["thrown"]["ended_early"].startswith("ended early, at 0 s: the acceleration of 'hull' is")
+    assert {"log", "ended_early"}.isdisjoint(properties["short_flight"])
 
     # Each flight has left its recording where pytest keeps temporary files, and nowhere else.
     recordings = sorted(file.relative_to(base).parts[0] for file in base.rglob("run.mcap"))

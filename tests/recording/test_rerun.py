@@ -12,7 +12,7 @@ from rerun.chunk import RrdReader
 from support.helix_run import DT, HEADER, MJCF, THRUSTERS, append_tick, fly, model, table
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Batch, LogLine, split_into_batches
+from cube_sim.recording.batch import Batch, split_into_batches
 from cube_sim.recording.channels import channel_table
 from cube_sim.recording.export import rrd_from_mcap
 from cube_sim.recording.geometry import thruster_mounts, vehicle_name, vehicle_shapes, world_shapes
@@ -20,6 +20,7 @@ from cube_sim.recording.reading import read_recording
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.rerun.gathering import GatheringSink
 from cube_sim.recording.rerun.scene import ARROW_M_PER_M_S, ARROW_M_PER_N
+from cube_sim.run_log import LogLine
 
 TICKS = 330  # 6.6 s: the view's pieces of five seconds join in the middle of the run
 

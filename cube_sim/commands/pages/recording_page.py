@@ -26,7 +26,8 @@ from cube_sim.recording.mcap.sink import (
     topic,
 )
 from cube_sim.recording.navigation_channels import READINGS, navigation_channels
-from cube_sim.verdict import CheckResult, to_json
+from cube_sim.run_log import ALIKE, LogLine
+from cube_sim.verdict import CheckResult, Flown, to_json
 
 WRITTEN_BY = {
     "actuation": "the allocator: the thrusters as the controller believes them, at the start, and again when it "
@@ -51,6 +52,7 @@ WRITTEN_BY = {
 """Which part of the program a channel's numbers come from."""
 
 _CHECK = CheckResult("rms of path_error.cross_track", "PASS", 0.031, "<=", 0.1, 0.069, 52.36, "4001 samples")
+_FLOWN = Flown(120.0, None, (LogLine(40.0, "WARNING", "T1: dead"),))
 _EPOCH = f"{datetime.fromtimestamp(EPOCH_NS // 10**9, UTC):%Y-%m-%dT%H:%M:%SZ}"
 _FEW = 6
 _INTRODUCTION = f"""\
@@ -65,7 +67,7 @@ A run writes four files into its folder.
 | `run.mcap` | the record: inputs, versions, every signal, what was said. The same scenario gives the same bytes. |
 | `run.rrd` | the same for the Rerun viewer: a function of `run.mcap` |
 | `{RESOLVED}` | the scenario with every default written out; run as it is, it gives the same signals |
-| `verdict.json` | the verdict, and of each check value, relation, limit, margin, time and reason |
+| `verdict.json` | the verdict, of each check value, relation, limit, margin, time and reason, and the log's warnings |
 
 A signal is called `channel.field`, as in `path_error.cross_track`: by that name a check asks for it, and by that name
 it is read back. `cube-sim signals SCENARIO` lists those of one scenario, with the names of its thrusters and sensors.
@@ -96,10 +98,19 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
 - **Times**: simulated time starts at {_EPOCH} in every file. There is no wall clock in it.
 - **Chunks**: one simulated second each, compressed with zstd and handed to the operating system when it is over. A
   killed process loses less than a second. What is whole is read, and the recording is marked incomplete."""
-_VERDICT = """\
+_VERDICT = f"""\
 `verdict` is PASS when every check was shown to hold, FAIL when one was shown not to, ERROR when none failed but
 something could not be judged. `value` is the worst value, in the unit of what was checked, and `at_s` when it was.
-`margin` is its distance from the limit, positive on the side that passes. What could not be judged is null."""
+`margin` is its distance from the limit, positive on the side that passes. What could not be judged is null.
+
+`simulated_s` is the time really flown. `ended_early` is null, or has `time_s` and `reason` of a run that ended before
+its time, because its state left all bounds or the controller had no answer. Its verdict is ERROR.
+
+`log` holds what was said at the levels WARNING, ERROR and FATAL: faults, a path given up, a wrench out of reach, a hull
+that comes out of the water, MuJoCo's warnings. What was said again is one entry: how often (`count`), first and last
+(`time_s`, `last_s`). Of sentences that differ in nothing but their numbers {ALIKE} are told; the rest count as the last
+of these. The terminal, a failing pytest item and the properties of its JUnit case show the same.
+`cube_sim.run(...).log` has each sentence, the log in `run.mcap` also those of level INFO."""
 _CHANNELS = f"""\
 *m* is the number of thrusters, in the order of the columns of A. World axes are ENU, body axes FLU, units SI. The unit
 1 is a pure number. Quaternions are w, x, y, z. "Every period" is a row for each control period, {TICK_HZ:g} Hz unless
@@ -118,7 +129,7 @@ def recording_page() -> str:
         _LAYOUT,
         heading(2, "`verdict.json`"),
         _VERDICT,
-        block(to_json("PASS", [_CHECK], 20.5, {"cube-sim": "0.1.0", "mujoco": "4.0.0"}), "json"),
+        block(to_json("PASS", [_CHECK], 20.5, {"cube-sim": "0.1.0", "mujoco": "4.0.0"}, _FLOWN), "json"),
         heading(2, "Channels"),
         _CHANNELS,
         table(("channel", "a row", "written by"), [_line(channel) for channel in (*usual, *navigation)]),

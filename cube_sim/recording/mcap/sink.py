@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.recording.batch import Batch, LogLine, Rows
+from cube_sim.recording.batch import Batch, Rows
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.mcap.fixed_width import channel_layout
@@ -24,6 +24,7 @@ from cube_sim.recording.mcap.schemas import (
     log_schema,
 )
 from cube_sim.recording.mcap.writer import McapWriter, MessageBatch, message_records
+from cube_sim.run_log import LogLine
 
 # 2000-01-01T00:00:00Z. Simulated time starts here in every recording: a recording has no wall clock.
 EPOCH_NS = 946_684_800 * 1_000_000_000

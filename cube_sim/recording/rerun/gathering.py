@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.recording.batch import Batch, LogLine, Rows, Sink, batch_number
+from cube_sim.recording.batch import Batch, Rows, Sink, batch_number
+from cube_sim.run_log import LogLine
 
 
 class GatheringSink:

@@ -1,0 +1,45 @@
+"""What a run says of itself, in lines for a terminal, a test report or a JUnit file: how long it lasted, its log."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cube_sim.run_log import LogLine, gathered
+
+if TYPE_CHECKING:
+    from cube_sim.simulation import Run
+
+MOST_LINES = 20
+"""So many different sentences are shown; the recording holds all of them."""
+
+
+def lasted(result: Run, duration_s: float) -> str:
+    """How much of the time asked for was simulated, e.g. ``120 s simulated`` or ``3.4 of 120 s simulated``."""
+    if result.ended_early is None:
+        return f"{result.simulated_s:g} s simulated"
+    return f"{result.simulated_s:g} of {duration_s:g} s simulated"
+
+
+def early_end(result: Run) -> list[str]:
+    """When and why the run ended before its time, as one line; none if it did not."""
+    end = result.ended_early
+    return [] if end is None else [f"ended early, at {end.time_s:g} s: {end.reason}"]
+
+
+def log_lines(log: tuple[LogLine, ...], most: int = MOST_LINES) -> list[str]:
+    """A line for each sentence of a log, those alike gathered; what is too much is left out, errors never.
+
+    Args:
+        log: in the order of time.
+        most: number of lines of no errors.
+    """
+    entries = gathered(log)
+    others = [entry for entry in entries if entry.first.level == "WARNING"]
+    left_out = others[most:]
+    lines = [str(entry) for entry in entries if entry not in left_out]
+    return [*lines, f"... and {len(left_out)} more, in the recording's log"] if left_out else lines
+
+
+def section(heading: str, lines: list[str]) -> list[str]:
+    """Lines set off under a heading; nothing at all where there are none."""
+    return ["", heading, *(f"  {line}" for line in lines)] if lines else []

@@ -1,0 +1,36 @@
+"""Telling that a simulation has failed, and by which of its numbers."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+DIVERGED = 1e6
+"""A position [m], velocity [m/s] or acceleration [m/s^2] beyond which a simulation has failed, far from any vehicle."""
+
+
+def divergence(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
+    """Why the state is none that a vehicle can be in; None as long as it may be one.
+
+    Args:
+        model: the compiled model.
+        data: of that model, its accelerations up to date (mj_forward).
+    """
+    if all(np.abs(values).max() < DIVERGED for values in (data.qpos, data.qvel, data.qacc)):
+        return None
+    joints_of_positions = np.repeat(np.arange(model.njnt), np.diff([*model.jnt_qposadr, model.nq]))
+    causes = (
+        ("position", data.qpos, joints_of_positions),
+        ("velocity", data.qvel, model.dof_jntid),
+        ("acceleration", data.qacc, model.dof_jntid),
+    )
+    # What is not a number is worse than any number.
+    sizes = [np.where(np.isfinite(values), np.abs(values), np.inf) for _, values, _ in causes]
+    failed = next(k for k, size in enumerate(sizes) if not size.max() < DIVERGED)
+    quantity, values, joints = causes[failed]
+    worst = int(np.argmax(sizes[failed]))
+    body = model.body(model.jnt_bodyid[joints[worst]]).name
+    finite = np.isfinite(values[worst])
+    how = f"{values[worst]:.3g} in SI units, beyond {DIVERGED:g}" if finite else "not a number"
+    at_start = " before anything has moved: see to the current, the initial state and the model"
+    return f"the {quantity} of '{body}' is {how}{at_start if data.time == 0.0 else ''}"

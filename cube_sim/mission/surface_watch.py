@@ -1,0 +1,96 @@
+"""Saying that a vehicle leaves the water, which no law of this simulation knows."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.recording.recorder import Recorder
+from cube_sim.vehicle.vehicle import Vehicle
+
+SURFACE_M = 0.0
+"""Height of the water's surface, world axes [m]."""
+CLEAR_M = 1e-3
+"""What is out of the water by less is at the surface (choice) [m]."""
+SUBMERGED_S = 1.0
+"""A hull has dived again once it has been under water for this long: one that bobs is out of it once (choice) [s]."""
+NOT_MODELLED = "no surface is modelled at z = 0: above it the vehicle is carried, damped and driven as below"
+
+_WITHOUT_EXTENT = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD)
+
+
+class SurfaceWatch:
+    """Logs each time that the vehicle comes out of the water, and at the end how long and how high it was.
+
+    Its top is that of its geoms, those of its moving parts included; one without geoms is its origin.
+
+    Args:
+        recorder: whose log it is.
+        model: the compiled model.
+        vehicle: the hull.
+    """
+
+    def __init__(self, recorder: Recorder, model: mujoco.MjModel, vehicle: Vehicle) -> None:
+        self._recorder, self._body = recorder, vehicle.body
+        its_own = model.body_rootid[model.geom_bodyid] == model.body_rootid[vehicle.body]
+        self._geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))
+        self._radius = model.geom_rbound[self._geoms]
+        self._centre, self._half = model.geom_aabb[self._geoms, :3], model.geom_aabb[self._geoms, 3:]
+        self._out, self._dry_at = False, -np.inf
+        self._emergences, self._highest, self._time_out, self._noted_at = 0, SURFACE_M, 0.0, 0.0
+
+    def note(self, t: float, data: mujoco.MjData) -> None:
+        """Take in the poses of one tick, at t [s]."""
+        since, self._noted_at = t - self._noted_at, t
+        origin = float(data.xpos[self._body, 2])
+        top = max(origin, self._top(data))
+        if top > SURFACE_M + CLEAR_M:
+            self._highest, self._dry_at = max(self._highest, top), t
+            if self._out:
+                self._time_out += since
+            else:
+                self._out = True
+                self._emergences += 1
+                self._recorder.log(
+                    t,
+                    "WARNING",
+                    f"the hull comes out of the water: its top is at z = {top:.2f} m, its origin at {origin:.2f} m; "
+                    f"{NOT_MODELLED}",
+                )
+        elif self._out and t - self._dry_at >= SUBMERGED_S:
+            self._out = False
+            self._recorder.log(t, "INFO", "the hull is under water again")
+
+    def finish(self, t: float) -> None:
+        """Sum up at the end of the run, at t [s]."""
+        if self._emergences:
+            times = "once" if self._emergences == 1 else f"{self._emergences} times"
+            self._recorder.log(
+                t,
+                "WARNING",
+                f"the hull came out of the water {times}, for {self._time_out:.2f} s in all, its top at z = "
+                f"{self._highest:.2f} m at most: that part of the run is not what a sea would do",
+            )
+
+    def _top(self, data: mujoco.MjData) -> float:
+        """Height of the highest geom's bounding box [m]; its sphere's as long as that is under water."""
+        heights = data.geom_xpos[self._geoms, 2]
+        spheres = float((heights + self._radius).max(initial=-np.inf))
+        if spheres <= SURFACE_M:
+            return spheres
+        vertical: NDArray[np.float64] = data.geom_xmat[self._geoms, 6:]  # third row of each R_WG
+        boxes = heights + (vertical * self._centre).sum(axis=1) + (np.abs(vertical) * self._half).sum(axis=1)
+        return float(boxes.max())
+
+
+def path_above_surface(points: NDArray[np.float64]) -> str | None:
+    """The warning that a path lies out of the water; None for one that does not.
+
+    Args:
+        points: (n,3) on the path [m], world axes.
+    """
+    highest = float(points[:, 2].max())
+    if highest <= SURFACE_M + CLEAR_M:
+        return None
+    return f"the path comes out of the water, it rises to z = {highest:.2f} m; {NOT_MODELLED}"
