@@ -35,6 +35,9 @@ def test_allocators_are_compared_on_the_vehicle_of_the_scenario(monkeypatch, tmp
         ("allocators", "--duration 6", "the window starts at 40 s, the run ends at 6 s"),
         ("allocation", "--wrenches 0", "--wrenches and --rounds must be 1 at least"),
         ("allocation", "--rounds 0", "--wrenches and --rounds must be 1 at least"),
+        ("missions", "--count 0", "--count and --jobs must be 1 at least"),
+        ("missions", "--only -3", "seeds must be 0 at least"),
+        ("missions", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
         ("allocation", "--dead-zone 2", "--dead-zone 2: must lie in 0 to 1"),
     ],
 )
