@@ -101,7 +101,8 @@ def fly_missions(every: list[Plan], arguments: argparse.Namespace) -> None:
         about = {"seed": plan.seed, "vehicle": plan.vehicle, "kind": plan.kind, "path": plan.path}
         rows[index] = about | {"ingredients": plan.ingredients} | row
         print(f"{plan.seed:6d}  {plan.vehicle:32s} {plan.kind:10s} {plan.path:9s} {_words(rows[index])}", flush=True)
-    tables.write(rows, arguments.out, "missions")
+        # After each, so that a campaign that is ended leaves what it has flown.
+        tables.write([r for r in rows if r], arguments.out, "missions")
     picture.draw(rows, arguments.out / "missions.png")
     tables.print_missions(rows)
     print(f"{time.perf_counter() - started:.0f} s; tables, picture and scenarios: {arguments.out}")
@@ -121,7 +122,7 @@ def fly_catalogue(vehicles: set[str], arguments: argparse.Namespace) -> None:
         rows[index] = {"vehicle": name, "path": path} | row
         if row.get("asked", True):
             print(f"{name:32s} {path:9s} {_words(rows[index])}", flush=True)
-    tables.write(rows, arguments.out, "catalogue")
+        tables.write([r for r in rows if r], arguments.out, "catalogue")
     found = sweep.verdicts(rows)
     print(f"\n{'vehicle':32s} {'says':5s} {'flies':6s} what came of each path")
     for name, says, flies, came, reason in found:

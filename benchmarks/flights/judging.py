@@ -19,6 +19,9 @@ LEAST_ADVANCE = 0.5
 DOUBT_S = 6.0
 """How long a thruster that has recovered may still be doubted."""
 
+LAP_M = 1.0
+"""A target that moves farther in one tick has begun another lap."""
+
 Signals = Mapping[str, np.ndarray]
 
 
@@ -79,7 +82,8 @@ def _advance(signals: Signals, scenario: Mapping[str, Any], from_s: float) -> fl
     if left < 0.1 or len(late) < 2:
         return 1.0
     asked = scenario["guidance"]["speed_m_s"] * (late[-1, 0] - late[0, 0])
-    return float(np.abs(np.diff(late[:, 1])[np.abs(np.diff(late[:, 1])) < 1.0].sum()) / asked)
+    steps = np.diff(late[:, 1])
+    return float(steps[np.abs(steps) < LAP_M].sum() / asked)
 
 
 def _cause(figures: Mapping[str, Any], error: np.ndarray, t: np.ndarray, complete: bool) -> str:

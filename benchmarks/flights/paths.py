@@ -61,13 +61,13 @@ def drawn_path(
 
 
 def _arc(rng, centre, heading, length, radius, slope) -> tuple[Block, np.ndarray, float]:
-    """Up to half a circle in a plane that is inclined about the chord's normal."""
+    """Up to half a circle, in a plane that rises ahead."""
     angle = float(rng.uniform(0.3, 0.95)) * min(np.pi, length / radius)
     r, side = length / angle, float(rng.choice([-1.0, 1.0]))
     turns = np.array([0.0, 0.5, 1.0]) * angle
     ahead, across = r * np.sin(turns), side * r * (1.0 - np.cos(turns))
-    c, s = np.cos(heading), np.sin(heading)
-    points = centre + np.column_stack([c * ahead - s * across, s * ahead + c * across, np.tan(slope) * ahead])
+    level = np.array([-np.sin(heading), np.cos(heading), 0.0])
+    points = centre + np.outer(ahead, _direction(heading, slope)) + np.outer(across, level)
     names = ("start_m", "through_m", "end_m")
     return {"type": "arc", **{k: _list(p) for k, p in zip(names, points, strict=True)}}, points[0], heading
 

@@ -12,11 +12,14 @@ from support.catalogue.vehicles import catalogue
 
 from flights.ability import ability_of
 from flights.flight import Row, fly
-from flights.mission import JUDGED_S, Mission
+from flights.mission import Mission
 from flights.paths import CENTRE_M
 from flights.plan import Plan
 
 FLIGHTS = ("line", "point", "helix")
+
+JUDGED_S = 20.0
+"""How long each flight is judged."""
 
 HELIX_SLOPE = np.radians(8.0)
 
