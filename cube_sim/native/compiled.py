@@ -104,7 +104,23 @@ def _compile(function: Callable[..., Any], **options: Any) -> Any:
     if file is not None:  # numba has no public way to say what a cached function depends on
         file._source_stamp = (file._source_stamp, _stamp(function))
         file._load_index = _forgiving(file._load_index)
+    # numba has no public way to ask for this either.
+    dispatcher.get_call_template = _once_for_all_numbers(dispatcher.get_call_template)
     return dispatcher
+
+
+def _once_for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function once for an integer, whether its callers give a variable or a constant.
+
+    numba takes each constant for a type of its own, and a variable that starts at one likewise until it knows what
+    follows. The same code would be compiled once for each of them.
+    """
+
+    def template_of(args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
+        by_place = tuple(types.unliteral(given) for given in args)
+        return template(by_place, {name: types.unliteral(given) for name, given in kws.items()})
+
+    return template_of
 
 
 def _forgiving(load: Callable[[], dict[Any, Any]]) -> Callable[[], dict[Any, Any]]:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from cube_sim.native.compiled import compiled
+
 INTRINSIC = """
 from numba.core import types
 from numba.extending import intrinsic
@@ -92,3 +94,23 @@ def test_cached_code_follows_the_way_it_is_compiled(tmp_path):
     compiled = package / "cube_sim" / "native" / "compiled.py"
     compiled.write_text(compiled.read_text().replace("fastmath=False", "fastmath=True "))
     assert outer(tmp_path, package) == (9.0, 0)
+
+
+@compiled
+def _added(x, step):
+    return x + step
+
+
+@compiled
+def _counted(n):
+    total = 0
+    for _ in range(n):  # `total` is the constant 0 until numba knows what is added
+        total = _added(total, 1)
+        total = _added(total, 2)
+    return total
+
+
+@pytest.mark.flight
+def test_a_function_is_compiled_once_for_constants_and_variables():
+    assert _counted(4) == _counted.py_func(4) == 12
+    assert len(_added.signatures) == 1
