@@ -24,13 +24,13 @@ def divergence(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
         ("velocity", data.qvel, model.dof_jntid),
         ("acceleration", data.qacc, model.dof_jntid),
     )
-    # What is not a number is worse than any number.
-    sizes = [np.where(np.isfinite(values), np.abs(values), np.inf) for _, values, _ in causes]
+    # What is not a number compares as larger than any, for max and for argmax.
+    sizes = [np.abs(values) for _, values, _ in causes]
     failed = next(k for k, size in enumerate(sizes) if not size.max() < DIVERGED)
     quantity, values, joints = causes[failed]
     worst = int(np.argmax(sizes[failed]))
     body = model.body(model.jnt_bodyid[joints[worst]]).name
     finite = np.isfinite(values[worst])
     how = f"{values[worst]:.3g} in SI units, beyond {DIVERGED:g}" if finite else "not a number"
-    at_start = " before anything has moved: see to the current, the initial state and the model"
+    at_start = " before anything has moved (see to the current, the initial state and the model)"
     return f"the {quantity} of '{body}' is {how}{at_start if data.time == 0.0 else ''}"

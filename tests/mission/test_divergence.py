@@ -10,7 +10,7 @@ from support.places import CUBE
 import cube_sim
 from cube_sim.mission.divergence import divergence
 
-AT_START = " before anything has moved: see to the current, the initial state and the model"
+AT_START = " before anything has moved (see to the current, the initial state and the model)"
 
 
 @pytest.fixture
