@@ -11,6 +11,8 @@ DIFFERENCE = 1e-3
 """Step of the central differences [m/s]."""
 QUIET = 0.05
 """Relative speed [m/s] at which the slope of the drag equals the damping s: slower flow is taken for noise."""
+SLOWEST_DECAY = 1e-3
+"""Share of its speed per second, of which a slope of the drag below takes less (choice): nothing is read off it."""
 
 
 class CurrentObserver:
@@ -29,7 +31,9 @@ class CurrentObserver:
 
     def __init__(self, dynamics: Dynamics, time: float) -> None:
         self._dynamics, self._time = dynamics, time
-        self._damping = float(np.median(np.abs(np.diag(self._slope(np.eye(3), QUIET * np.ones(6), np.zeros(3))))))
+        slope = float(np.median(np.abs(np.diag(self._slope(np.eye(3), QUIET * np.ones(6), np.zeros(3))))))
+        mass = (dynamics.mass_matrix + dynamics.added_mass)[:3, :3]
+        self._damping = max(slope, SLOWEST_DECAY * float(np.trace(mass)) / 3.0)
         self.estimate = np.zeros(3)
 
     def update(self, state: State, residual: Vector, dt: float) -> Vector:

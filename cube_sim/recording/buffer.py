@@ -25,7 +25,8 @@ class ChannelBuffer:
 
         Args:
             t: simulated time [s].
-            values: one per field in the order of the table: a float for width 1, an array (width,) else.
+            values: one per field in the order of the table: a float for one number without a name of its own, else
+                an array (width,).
 
         Raises:
             RecordingError: the values do not fit the fields. Shapes are looked at in the first row of each
@@ -62,15 +63,15 @@ class ChannelBuffer:
             rows[: self._count] = self._rows[: self._count]
         self._rows = rows
         self._times = rows[:, 0]
-        # A column of width 1 is a 1-D view, so that a float is one assignment and not a broadcast.
+        # A single number is a 1-D view, so that a float is one assignment and not a broadcast.
         self._views = tuple(
-            rows[:, columns.start] if field.width == 1 else rows[:, columns]
+            rows[:, columns.start] if field.is_single_number else rows[:, columns]
             for field, columns in zip(self._channel.fields, self._channel.columns, strict=True)
         )
 
     def _check(self, values: tuple[ArrayLike, ...]) -> None:
         shapes = [np.shape(value) for value in values]
-        wanted = [() if field.width == 1 else (field.width,) for field in self._channel.fields]
+        wanted = [() if field.is_single_number else (field.width,) for field in self._channel.fields]
         if shapes != wanted:
             fields = ", ".join(f"{field.name}({field.width})" for field in self._channel.fields)
             raise RecordingError(

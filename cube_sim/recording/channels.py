@@ -46,6 +46,11 @@ class Field:
         if self.columns and len(self.columns) != self.width:
             raise ValueError(f"field {self.name!r} has width {self.width} but {len(self.columns)} column names")
 
+    @property
+    def is_single_number(self) -> bool:
+        """Whether it is one number by its nature, not a list that happens to have one entry (one thruster)."""
+        return self.width == 1 and not self.columns
+
 
 @dataclass(frozen=True)
 class Channel:

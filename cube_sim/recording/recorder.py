@@ -77,7 +77,8 @@ class Recorder:
         Args:
             channel: its name in the channel table.
             t: simulated time [s]; never less than that of the row before it, in any channel.
-            values: one per field in the order of the table: a float for width 1, an array (width,) else.
+            values: one per field in the order of the table: a float for one number without a name of its own, else
+                an array (width,).
 
         Raises:
             RecordingError: no such channel, values that do not fit its fields, or time running backwards.

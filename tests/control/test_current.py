@@ -74,3 +74,20 @@ def test_at_rest_in_still_water_nothing_is_made_of_noise(dynamics):
         estimate = observer.update(state, rng.normal(0.0, 0.3, 6), DT)
     assert np.all(np.isfinite(estimate))
     assert np.linalg.norm(estimate) < 0.03
+
+
+@pytest.mark.parametrize("along", [(), (0,), (0, 5), (3, 4, 5)])
+@pytest.mark.parametrize("coefficient", [1e-300, 1.0])
+def test_what_no_drag_shows_is_left_alone(dynamics, along, coefficient):
+    """Drag along, or about, some axes only, or hardly any: of the others nothing is known, and nothing is divided."""
+    linear = np.zeros((6, 6))
+    linear[along, along] = coefficient
+    hull = replace(dynamics, linear_damping=linear, quadratic_damping=np.zeros((6, 6)))
+    observer = CurrentObserver(hull, 10.0)
+    R = Rotation.random(random_state=5).as_matrix()
+    state = State(np.zeros(3), quaternion_from_rotation(R), R, np.array([0.4, 0.1, -0.2]), np.zeros(3))
+    for _ in range(500):
+        estimate = observer.update(state, np.full(6, 0.1), DT)
+    assert np.linalg.norm(estimate) < 5.0
+    seen = R @ np.diag([float(0 in along and coefficient == 1.0), 0.0, 0.0]) @ R.T
+    np.testing.assert_allclose(estimate, seen @ estimate, atol=1e-6)
