@@ -43,7 +43,10 @@ class SafeModeGoal:
     def __init__(self, mode: SafeMode, state: State, reason: str) -> None:
         self._mode = mode
         self._place = state.position.copy()
+        self._does = "it holds its position as well as it can"
         if mode.surface is not None:
+            above = float(self._place[2]) - mode.surface
+            self._does = "it makes for the surface" + (f", {above:.2g} m below it" if above > 0.0 else "")
             self._place[2] = mode.surface
         ahead = state.rotation[:, 0]
         self.attitude = FixedAttitude(quaternion_from_euler(0.0, 0.0, atan2(ahead[1], ahead[0])))
@@ -51,8 +54,7 @@ class SafeModeGoal:
 
     def set_reason(self, reason: str) -> None:
         """Say why the path is given up; what the vehicle does instead is added."""
-        does = "it holds its position as well as it can" if self._mode.surface is None else "it makes for the surface"
-        self.reason = f"{reason}; {does}"
+        self.reason = f"{reason}; {self._does}"
 
     def motion(self, position: Vector) -> DesiredMotion:
         """Towards the place, never faster than the mode's speed."""

@@ -50,6 +50,12 @@ def test_surfacing_rises_above_the_same_place():
     assert goal.reason.endswith("it makes for the surface")
 
 
+def test_a_surface_below_the_vehicle_is_said():
+    goal = SafeModeGoal(SafeMode(surface=-20.0), still_at([1.0, 2.0, -8.0]), "lost")
+    np.testing.assert_allclose(goal.motion(np.array([1.0, 2.0, -8.0])).velocity, [0.0, 0.0, -0.2], atol=1e-12)
+    assert goal.reason == "lost; it makes for the surface, 12 m below it"
+
+
 def flown(tmp_path, changes):
     run = cube_sim.run(HELIX, {**ON_PATH, **changes}, out=tmp_path)
     return run.signals, said(run)
@@ -61,7 +67,7 @@ def test_without_a_thruster_left_the_ballast_brings_it_to_the_surface(tmp_path):
     signals, log = flown(tmp_path, {"duration_s": 50, "events": [thruster_event(8, ALL)], "control.safe_mode": safe})
     height = signals["pose.position"][:, 3]
     assert height[400] < -7.5  # it was still at depth when they died
-    assert np.all(np.abs(height[-500:] + 5.0) < 0.6)  # and floats at the surface
+    assert np.all(np.abs(height[-500:] + 5.0) < 0.01)  # comes up, and stops at the surface
     assert signals["health.authority"][-1, 1] == SAFE
     told = [text for text in log if text.startswith("the path is given up")]
     assert len(told) >= 1
