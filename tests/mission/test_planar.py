@@ -32,6 +32,21 @@ def vehicle_of(name):
     return model, cube_sim.Vehicle.from_model(model)
 
 
+ADDED_MASS = np.diag([141.9, 1715.4, 300.0, 100.0, 1349.0, 1349.0])
+ADDED_MASS[1, 5] = ADDED_MASS[5, 1] = 30.0
+
+
+def infante_with(changes, folder):
+    """Its compiled model with some words of the file changed, and the hull in it."""
+    text = (MODELS / "infante.xml").read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "hull.xml").write_text(text)
+    model = cube_sim.load_model(folder / "hull.xml")
+    return model, cube_sim.Vehicle.from_model(model)
+
+
 def test_the_model_read_off_the_compiled_hull_is_the_published_one():
     model, vehicle = vehicle_of("infante")
     model.opt.wind[:] = [0.3, -0.2, 0.0]  # a current must not get into it, and must stay
@@ -54,6 +69,56 @@ def test_kirchhoffs_terms_are_found_in_a_hull_without_lift():
 def test_a_hull_that_slips_as_fast_as_it_turns_is_refused(name):
     with pytest.raises(ModelError, match="slips sideways as fast as it turns"):
         identify_planar_model(*vehicle_of(name))
+
+
+MASS = 'inertial pos="0 0 0"'
+ADDED = 'data="141.9 1715.4 300 100 1349 1349"'
+COUPLED = 'data="' + " ".join(f"{value:g}" for value in ADDED_MASS.ravel()) + '"'
+LEVEL_LIFT = 'centre_of_buoyancy" data="0 0 0.05"'
+COUPLINGS = {
+    ((MASS, 'inertial pos="0.001 0 0"'),): (
+        "hull: its centre of mass lies 0.001 m ahead of the body's origin, which couples sway and yaw by 2.23 kg m:"
+    ),
+    ((MASS, 'inertial pos="-0.02 0.01 0"'),): (
+        "hull: its centre of mass lies 0.02 m behind and 0.01 m to port of the body's origin, which couples surge and"
+        " yaw by -22.3 kg m, sway and yaw by -44.7 kg m:"
+    ),
+    ((ADDED, COUPLED),): "hull:added_mass: its added mass is not diagonal, which couples sway and yaw by 30 kg m:",
+    ((ADDED, COUPLED), (MASS, 'inertial pos="0.001 0 0"')): (
+        "hull: its centre of mass lies 0.001 m ahead of the body's origin and its added mass is not diagonal, which"
+        " couples sway and yaw by 32.2 kg m:"
+    ),
+    ((MASS, 'inertial pos="0 0 -0.05"'), (LEVEL_LIFT, 'centre_of_buoyancy" data="0.01 0 0.05"')): (
+        "hull: level and at rest it is pushed: surge by -7.31 N;"
+    ),
+    (("35.4 0 0 0 0 0", "35.4 1 0 0 0 0"),): "hull: its resistance to surge depends on v|v|,",
+}
+
+
+@pytest.mark.parametrize("changes", COUPLINGS)
+def test_what_the_planar_laws_do_not_know_of_a_hull_is_named_with_its_figure_and_the_law_that_does(changes, tmp_path):
+    with pytest.raises(ModelError) as caught:
+        identify_planar_model(*infante_with(changes, tmp_path))
+    assert str(caught.value).startswith(COUPLINGS[changes])
+    assert str(caught.value).endswith("; `control.law: motion_6dof` knows it")
+
+
+@pytest.mark.parametrize(
+    "changes", [(("35.4 0 0 0 0 0", "0 0 0 0 0 0"),), ((MASS, 'inertial pos="1e-6 0 0"'),)], ids=["no drag", "rounding"]
+)
+def test_rounding_is_not_read_as_a_resistance(changes, tmp_path):
+    model, vehicle = infante_with(changes, tmp_path)
+    drag = 0.0 if "0 0 0 0 0 0" in changes[0][1] else INFANTE.D_uu
+    np.testing.assert_allclose(identify_planar_model(model, vehicle), INFANTE._replace(D_uu=drag), atol=0.01)
+
+
+def test_the_law_named_takes_the_hull_that_the_planar_law_refuses(tmp_path):
+    infante_with(((MASS, 'inertial pos="0.001 0 0"'),), tmp_path)
+    path = tmp_path / "mission.yaml"
+    path.write_text(MISSION)
+    with pytest.raises(ScenarioError, match=r"8:16: control.law: hull: its centre of mass lies 0.001 m ahead"):
+        prepare(load(path, {"model": str(tmp_path / "hull.xml")}))
+    prepare(load(path, {"model": str(tmp_path / "hull.xml"), "control.law": "motion_6dof"}))
 
 
 WRONG = {
