@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 import time
 from pathlib import Path
@@ -38,6 +39,9 @@ from flights.plan import KINDS, Plan, drawn_plan  # noqa: E402
 from flights.workers import in_processes  # noqa: E402
 from support.catalogue.vehicles import catalogue  # noqa: E402
 
+WALL = 20.0
+"""Seconds of the clock for one of processor time: what a crowded machine may take."""
+
 
 def main() -> None:
     """Fly, and write the tables and the picture."""
@@ -48,7 +52,7 @@ def main() -> None:
     parser.add_argument("--vehicles", nargs="+", metavar="NAME", help="only these, or those that begin so with NAME*")
     parser.add_argument("--kinds", nargs="+", choices=KINDS, help="only missions of these kinds")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="flights at a time")
-    parser.add_argument("--timeout", type=float, default=600.0, help="wall time [s] after which a flight is given up")
+    parser.add_argument("--timeout", type=float, default=120.0, help="processor time [s] of a flight; more is given up")
     parser.add_argument("--out", type=Path, default=Path("logs/missions"), help="folder for tables, picture, scenarios")
     parser.add_argument("--all", action="store_true", help="fly also what the analysis says no to")
     parser.add_argument("--keep", action="store_true", help="keep the recordings; the default with --only")
@@ -63,6 +67,8 @@ def main() -> None:
         parser.error("--timeout must be positive")
     vehicles = _vehicles(parser, arguments.vehicles)
     arguments.out.mkdir(parents=True, exist_ok=True)
+    # The processes of the flights end with this one, also when it is told to.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     if arguments.catalogue:
         fly_catalogue(vehicles, arguments)
     else:
@@ -135,7 +141,9 @@ def fly_catalogue(vehicles: set[str], arguments: argparse.Namespace) -> None:
 
 
 def _flights(calls: list[tuple], arguments: argparse.Namespace):
-    for index, good, value in in_processes(_call, calls, jobs=arguments.jobs, timeout_s=arguments.timeout):
+    for index, good, value in in_processes(
+        _call, calls, jobs=arguments.jobs, cpu_s=arguments.timeout, wall_s=WALL * arguments.timeout
+    ):
         yield index, value if good else {"flown": True, "forecast": True, "passes": False, "cause": str(value)}
 
 

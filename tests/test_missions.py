@@ -161,12 +161,20 @@ def test_the_figures_are_those_of_the_window():
 
 def test_a_process_that_hangs_or_dies_costs_its_own_call_only():
     calls = [("6 * 7",), ("__import__('os')._exit(3)",), ("1 / 0",), ("__import__('time').sleep(600)",), ("'last'",)]
-    found = {index: (good, value) for index, good, value in in_processes(eval, calls, jobs=2, timeout_s=15.0)}
+    found = {index: (good, value) for index, good, value in in_processes(eval, calls, jobs=2, cpu_s=60.0, wall_s=20.0)}
     assert found[0] == (True, 42)
     assert found[1] == (False, "crash: the process died")
     assert found[2] == (False, "ZeroDivisionError: division by zero")
-    assert found[3] == (False, "timeout: 15 s")
+    assert found[3] == (False, "timeout: 20 s")
     assert found[4] == (True, "last")
+
+
+def test_a_call_that_computes_for_ever_ends_by_its_processor_time():
+    endless = [("sum(0 for _ in iter(int, 1))",), ("6 * 7",)]
+    found = {
+        index: (good, value) for index, good, value in in_processes(eval, endless, jobs=1, cpu_s=1.0, wall_s=600.0)
+    }
+    assert found == {0: (False, "timeout: it took all its processor time"), 1: (True, 42)}
 
 
 def test_tables_count_what_the_analysis_calls_flyable():

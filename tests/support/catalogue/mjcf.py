@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 T200 = (
     (-1.00, -39.91), (-0.90, -35.85), (-0.80, -29.36), (-0.70, -24.07), (-0.60, -19.04), (-0.50, -14.10),
@@ -29,8 +30,8 @@ class Thruster(NamedTuple):
         share: of the thrust that `Layout.thrust` says; a fin given as a thruster makes less than the propeller.
     """
 
-    position: Sequence[float]
-    axis: Sequence[float]
+    position: ArrayLike
+    axis: ArrayLike
     reaction_m: float = 0.0
     share: float = 1.0
 
@@ -83,7 +84,7 @@ class Layout:
 
 def box_hull(
     mass: float,
-    box: Sequence[float],
+    box: ArrayLike,
     rise: float,
     *,
     drag_coefficient: float = 1.0,
