@@ -215,7 +215,9 @@ def _update_health(mission: Mission, recorder: Recorder, t: float) -> bool:
     if health is allocator.health or health.equals(allocator.health):
         return False
     allocator.set_health(health)
-    left = remaining_capability(allocator.A, allocator.limits, health, mission.scenario.control.cost_limit)
+    left = remaining_capability(
+        allocator.A, allocator.limits, health, mission.scenario.control.cost_limit, mission.hold
+    )
     mission.controller.reconfigure(left)
     recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
     return True
@@ -285,11 +287,10 @@ def _describe(mission: Mission, recorder: Recorder) -> None:
     length = mission.path.length
     recorder.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
     allocator, limit = mission.allocator, mission.scenario.control.cost_limit
-    left = remaining_capability(allocator.A, allocator.limits, allocator.health, limit)
+    left = remaining_capability(allocator.A, allocator.limits, allocator.health, limit, mission.hold)
     if left.within_cost_limit is not None:
-        recorder.log(
-            0.0, "INFO", f"what costs more than {limit:g} N/N is left alone; {left.authority.name}: {left.reason}"
-        )
+        dear = "costs too much" if limit is None else f"costs more than {limit:g} N/N"
+        recorder.log(0.0, "INFO", f"what {dear} is left alone; {left.authority.name}: {left.reason}")
 
 
 def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:

@@ -27,6 +27,7 @@ class Situation(NamedTuple):
         view: the vehicle seen from its target on the path.
         rotation: R_WB (3,3), its attitude now.
         force: force (3,) [N] demanded of the thrusters at the tick before, world axes.
+        torque: torque (3,) [N m] that keeps the hull as it goes beside its righting moment, body axes.
         current: the current (3,) [m/s] as estimated, world axes.
         effort: Q (6,6) of the thrusters that still work, see `cube_sim.control.effort`.
     """
@@ -34,6 +35,7 @@ class Situation(NamedTuple):
     view: TargetView
     rotation: Matrix
     force: Vector
+    torque: Vector
     current: Vector
     effort: Matrix
 

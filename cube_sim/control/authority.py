@@ -1,9 +1,11 @@
 """What the thrusters still working can do for path following, and how the vehicle goes on with it.
 
-A path needs forces; torques point them. The attitude is under control as long as every torque can be produced, whatever
-force comes with it. Then the number of directions of pure force decides:
+A path needs forces; torques point them. What thrusters cannot produce are combinations N_f' F + N_t' M of both. A
+torque about a level axis need not be produced where the hull rights itself: then every force is there, and roll or
+pitch stay at trim. Where forces drag along more torque than the hull holds, forces give way, and the attitude has to
+point the others. The number of directions of force that are left decides:
 
-    3     the vehicle moves freely in any attitude
+    3     the vehicle moves freely, at trim
     2, 1  the attitude points them where force is needed
     0     the vehicle cannot follow a path
 
@@ -22,6 +24,8 @@ from numpy.typing import NDArray
 
 from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
 from cube_sim.control.effort import effort_matrix
+from cube_sim.control.levelling import UP
+from cube_sim.control.yielding import WaterHold
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.wrench.axes import PLANAR, SPATIAL, WrenchAxes
 from cube_sim.wrench.health import Health
@@ -30,6 +34,10 @@ from cube_sim.wrench.tolerances import RANK_TOLERANCE
 
 OUT_OF_PLANE = np.array([False, False, True, True, True, False])
 """Heave, roll and pitch among the components of a wrench."""
+FORCES_YIELD = np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+"""Weights of a projection that keeps torques, see `cube_sim.control.yielding`."""
+DEAR = 10.0
+"""A direction that costs more than this many times the cheapest one's is left alone where the vehicle flies without."""
 LEAST_SHARE = 0.1
 """A thruster that gives less than this share of a whole one's largest force is no way of moving."""
 
@@ -44,6 +52,7 @@ class Authority(IntEnum):
         SAFE: no path can be followed.
         LEVEL: surge, sway and yaw and nothing else: any motion in a level plane.
         UNICYCLE: yaw and one direction of force in a level plane, pointed by the heading.
+        TRIM: yaw and forces; roll or pitch stay where the water holds them.
     """
 
     HOLONOMIC = 0
@@ -52,6 +61,7 @@ class Authority(IntEnum):
     SAFE = 3
     LEVEL = 4
     UNICYCLE = 5
+    TRIM = 6
 
 
 @dataclass(frozen=True)
@@ -91,14 +101,15 @@ class Capability:
     @property
     def steers_by_attitude(self) -> bool:
         """Whether force has to be pointed where it is needed."""
-        return self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
+        return self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE, Authority.TRIM)
 
-    def project_onto_range(self, wrench: Vector) -> Vector:
-        """The wrench (6,) in the range of A, displaced by the held one, that keeps all torques and changes force least.
+    def project_onto_range(self, wrench: Vector, weights: Matrix = FORCES_YIELD) -> Vector:
+        """The wrench (6,) in the range of A, displaced by the held one, nearest to the demand by the weights W.
 
-        All that can be produced has N_f' F + N_t' M = b; F moves by -N_f (N_f' N_f)^-1 (N_f' F + N_t' M - b). No limits
-        of the thrusters are looked at. Where no path can be followed the wrench is left to the allocation, which comes
-        as close as it can; directions beyond the cost limit are taken out of it there, too.
+        All that can be produced has N' w = N_f' F + N_t' M = b; w moves by -W N (N' W N)^-1 (N' w - b). By default all
+        torques are kept, and the force changes least. No limits of the thrusters are looked at. Where no path can be
+        followed the wrench is left to the allocation, which comes as close as it can; directions beyond the cost limit
+        are taken out of it there, too.
         """
         if self.level:
             wrench = np.where(OUT_OF_PLANE, self.held, wrench)
@@ -106,12 +117,14 @@ class Capability:
             return (
                 wrench if self.within_cost_limit is None else self.held + self.within_cost_limit @ (wrench - self.held)
             )
-        missing = self.lost_forces.T @ wrench[:3] + self.lost_torques.T @ wrench[3:] - self.constants
-        step = self.lost_forces @ np.linalg.solve(self.lost_forces.T @ self.lost_forces, missing)
-        return np.concatenate([wrench[:3] - step, wrench[3:]])
+        lost = np.concatenate([self.lost_forces, self.lost_torques])
+        directions = weights @ lost
+        return wrench - directions @ np.linalg.solve(lost.T @ directions, lost.T @ wrench - self.constants)
 
 
-def remaining_capability(A: Matrix, limits: Matrix, health: Health, cost_limit: float | None = None) -> Capability:
+def remaining_capability(
+    A: Matrix, limits: Matrix, health: Health, cost_limit: float | None = None, hold: WaterHold | None = None
+) -> Capability:
     """Judge thrusters in the state they are in.
 
     Dead and stuck ones do not count, nor do those whose largest force is below `LEAST_SHARE` of a whole one's, or no
@@ -122,14 +135,20 @@ def remaining_capability(A: Matrix, limits: Matrix, health: Health, cost_limit: 
         limits: (m,4) of whole ones [F_max-, F_DZ-, F_DZ+, F_max+] [N].
         health: what is believed of them.
         cost_limit: see `capability`.
+        hold: see `capability`.
     """
     passes_dead_zone = (limits[:, 0] < limits[:, 1]) | (limits[:, 3] > limits[:, 2])
     counts = health.responsive & (health.efficiency >= LEAST_SHARE) & passes_dead_zone
-    return capability(A[:, counts], A @ np.nan_to_num(health.stuck), cost_limit=cost_limit, whole=A)
+    return capability(A[:, counts], A @ np.nan_to_num(health.stuck), cost_limit=cost_limit, whole=A, hold=hold)
 
 
 def capability(
-    A: Matrix, held: Vector | None = None, *, cost_limit: float | None = None, whole: Matrix | None = None
+    A: Matrix,
+    held: Vector | None = None,
+    *,
+    cost_limit: float | None = None,
+    whole: Matrix | None = None,
+    hold: WaterHold | None = None,
 ) -> Capability:
     """Judge thrusters that work.
 
@@ -137,7 +156,9 @@ def capability(
         A: (6,m) their columns.
         held: (6,) [N, N m] the wrench others hold beside them.
         cost_limit: directions of the wrench that cost more thruster force than this [N/N] count as lost, as those do
-            for which thrusters are missing. By default those that cost a hundred times the cheapest one's.
+            for which thrusters are missing. By default those that cost `DEAR` times the cheapest one's, as long as the
+            vehicle flies without them, else a hundred times.
+        hold: what the water holds of the hull; default nothing.
         whole: (6,k) columns of all thrusters, whose rms lever arm makes torques and forces comparable for the limit.
     """
     constant = np.zeros(6) if held is None else held
@@ -146,7 +167,9 @@ def capability(
         rows = ~OUT_OF_PLANE
         found = _in_plane(A[rows], constant[rows], _cost_arguments(cost_limit, everything[rows], PLANAR))
     else:
-        found = _in_space(A, constant, _cost_arguments(cost_limit, everything, SPATIAL))
+        found = _in_space(
+            A, constant, _cost_arguments(cost_limit, everything, SPATIAL), hold, lever_arm(everything, SPATIAL)
+        )
     return Capability(
         authority=found.authority,
         pure_forces=found.pure_forces,
@@ -189,20 +212,34 @@ def _cost_projector(space: Subspaces, rows: NDArray[np.bool_]) -> Matrix | None:
     return projector
 
 
-def _in_space(A: Matrix, held: Vector, cost: _CostArguments) -> _Finding:
+def _in_space(A: Matrix, held: Vector, cost: _CostArguments, hold: WaterHold | None, length_m: float) -> _Finding:
     if A.shape[1] == 0:
         return _Finding(Authority.SAFE, np.zeros((3, 0)), np.eye(6), "no thruster is left")
+    if not cost:
+        cheap = _in_space(
+            A, held, _CostArguments(cost_limit=DEAR * _cheapest(A, length_m), length_m=length_m), hold, length_m
+        )
+        if cheap.authority is not Authority.SAFE:
+            return cheap
     space = subspaces(A, **cost)
     within = _cost_projector(space, np.ones(6, dtype=bool))
     lost = np.array([combination.coefficients for combination in space.unreachable]).reshape(-1, 6).T
     if space.rank == 6:
         return _Finding(Authority.HOLONOMIC, np.eye(3), lost, "all six components of the wrench are there")
     words = "; ".join(combination.beside(held) for combination in space.unreachable)
-    p = space.pure_forces.shape[1]
-    if p == 0 or not _steerable(lost):
+    shares = _force_shares(lost, FORCES_YIELD if hold is None else hold.weights(UP), length_m)
+    pointed = None if shares is None else int(np.count_nonzero(shares > 0.5))
+    if pointed is None or pointed == 3:
         return _Finding(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed", within)
-    authority = Authority.PLANE if p == 2 else Authority.LINE
+    if pointed == 0:
+        return _Finding(Authority.TRIM, space.pure_forces, lost, f"{words}: the water holds what is missing", within)
+    authority = Authority.PLANE if pointed == 1 else Authority.LINE
     return _Finding(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust", within)
+
+
+def _cheapest(A: Matrix, length_m: float) -> float:
+    """What the cheapest direction of the wrench costs [N/N]."""
+    return 1.0 / float(np.linalg.norm(SPATIAL.scale(length_m)[:, None] * A, 2))
 
 
 def _in_plane(A: Matrix, held: Vector, cost: _CostArguments) -> _Finding:
@@ -226,3 +263,17 @@ def _steerable(lost: Matrix) -> bool:
     """Whether every torque comes with some force: exactly when the lost combinations differ in their force parts."""
     singular = np.linalg.svd(lost[:3], compute_uv=False)
     return len(singular) == lost.shape[1] and bool(singular[-1] > RANK_TOLERANCE)
+
+
+def _force_shares(lost: Matrix, weights: Matrix, length_m: float) -> Vector | None:
+    """(k,) how much of what is lost comes out of the forces, 0 to 1, the rest out of torques that the water holds.
+
+    The eigenvalues of (N' W N)^-1 N_f' N_f. None where some combination is neither: the vehicle cannot be steered.
+    """
+    scale = SPATIAL.scale(length_m)
+    size_2, axes = np.linalg.eigh(lost.T @ weights @ lost)
+    all_of_it = float(np.linalg.norm(lost / scale[:, None], 2))
+    if not size_2[0] > (RANK_TOLERANCE * all_of_it) ** 2:
+        return None
+    shares = np.linalg.svd(lost[:3] @ axes / np.sqrt(size_2), compute_uv=False) ** 2
+    return np.asarray(shares, dtype=np.float64)

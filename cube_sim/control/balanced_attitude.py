@@ -11,10 +11,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.attitude_mode import DesiredAttitude, Situation
+from cube_sim.control.attitude_mode import AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
-from cube_sim.control.levelling import UP
-from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation, rotation_about, skew
+from cube_sim.spatial import (
+    Matrix,
+    Vector,
+    cross,
+    quaternion_from_rotation,
+    rotation_about,
+    rotation_from_quaternion,
+    skew,
+)
 from cube_sim.vehicle.dynamics import Dynamics
 
 SOFTNESS_N = 0.6
@@ -26,36 +33,54 @@ MAX_RATE = 1.0
 class BalancedAttitude:
     """Two tasks by priority (Nakamura 1987), on the turning rate w of the desired attitude, body axes.
 
-    First, with F = R' F_W and z = R' e_z, the imbalance g = N_f' F + N_t' M_hold(z) - b decays over `time`:
-    w = -J# g / time, J = dg/dw = N_f' S(F) - N_t' S(r) S(z), where M_hold = -r x z holds the hull against the moment
-    r = rho V |g| r_CB - m |g| r_CG of its buoyancy and weight. Second, in the null space of the first, the hull rights
-    itself over `levelling_time`: w_level = e_z x z / levelling_time. Both J# are damped, so nothing is singular when
-    the force vanishes or lines up with the axis it cannot be turned about.
+    First, with F = R' F_W and z = R' e_z, the imbalance g = N_f' F + N_t' (M_0 - r x z) - b decays over `time`:
+    w = -J# (g / time + N_f' R' F_W'), J = dg/dw = N_f' S(F) - N_t' S(r) S(z). The torque -r x z holds the hull against
+    the moment of its buoyancy and weight, r = rho V |g| r_CB - m |g| r_CG. M_0 is all else that has to be held: the
+    moment of the flow, and what is estimated on top of it. Second, in the null space of the first, the hull turns to
+    the attitude the mission asks for, over `wish_time`. J# is damped, so nothing is singular when the force vanishes or
+    lines up with the axis it cannot be turned about.
+
+    The force is averaged over `time` and led by as much: F = 2 F_1 - F_2, F_1 and F_2 averaged once and twice, and
+    F_W' = (F_1 - F_2) / time. A force that turns evenly with the path is so pointed without lag.
 
     Args:
         left: what the thrusters can still do, and it steers by attitude; in a level plane by heading alone.
         dynamics: of the hull.
         rotation: R_WB (3,3) now, from which the first turn starts.
         time: of the first task, and over which the demanded force is averaged [s].
-        levelling_time: of the second [s].
+        wish: the attitude of the second task.
+        wish_time: of the second task [s].
     """
 
     def __init__(
-        self, left: Capability, dynamics: Dynamics, rotation: Matrix, time: float, levelling_time: float = 2.0
+        self,
+        left: Capability,
+        dynamics: Dynamics,
+        rotation: Matrix,
+        time: float,
+        wish: AttitudeMode,
+        wish_time: float = 2.0,
     ) -> None:
         self._forces, self._torques, self._level = left.lost_forces, left.lost_torques, left.level
         self._constants = left.constants
         self._righting = dynamics.righting_moment
-        self._rotation, self._time, self._levelling_time = rotation.copy(), time, levelling_time
+        self._rotation, self._time, self._wish_time = rotation.copy(), time, wish_time
+        self._wish = wish
         self._force: Vector | None = None
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """See `AttitudeMode.attitude`."""
+        wish = self._wish.attitude(situation, dt)
         if self._force is None:
-            self._force = situation.force
-        self._force = self._force + min(1.0, dt / self._time) * (situation.force - self._force)
+            self._force = self._twice = situation.force
+            self._torque = situation.torque
+        share = min(1.0, dt / self._time)
+        self._force = self._force + share * (situation.force - self._force)
+        self._twice = self._twice + share * (self._force - self._twice)
+        self._torque = self._torque + share * (situation.torque - self._torque)
         R = self._rotation
-        rates = self._rates(R.T @ self._force, R[2])
+        slope = (self._force - self._twice) / self._time
+        rates = self._rates(R.T @ (self._force + self._time * slope), R.T @ slope, R, wish)
         speed = float(np.linalg.norm(rates))
         if speed > MAX_RATE:
             rates, speed = rates * (MAX_RATE / speed), MAX_RATE
@@ -63,10 +88,13 @@ class BalancedAttitude:
             self._rotation = R @ rotation_about(rates / speed, speed * dt)
         return DesiredAttitude(quaternion_from_rotation(R), R @ rates)
 
-    def _rates(self, F: Vector, z: Vector) -> Vector:
-        imbalance = self._forces.T @ F - self._torques.T @ cross(self._righting, z) - self._constants
+    def _rates(self, F: Vector, dF: Vector, R: Matrix, wish: DesiredAttitude) -> Vector:
+        z = R[2]
+        torque = self._torque - cross(self._righting, z)
+        imbalance = self._forces.T @ F + self._torques.T @ torque - self._constants
         J = self._forces.T @ skew(F) - self._torques.T @ skew(self._righting) @ skew(z)
         inverse = J.T @ np.linalg.inv(J @ J.T + SOFTNESS_N**2 * np.eye(len(J)))
-        level = cross(UP, z) / self._levelling_time
-        rates = -inverse @ imbalance / self._time + level - inverse @ (J @ level)
+        error = quaternion_from_rotation(R.T @ rotation_from_quaternion(wish.quaternion))
+        second = R.T @ wish.rates + 2.0 * error[1:] / self._wish_time
+        rates = -inverse @ (imbalance / self._time + self._forces.T @ dF) + second - inverse @ (J @ second)
         return z * (z @ rates) if self._level else rates

@@ -16,6 +16,9 @@ from cube_sim.guidance.law import DesiredMotion
 from cube_sim.spatial import State, Vector, conjugate, cross, multiply
 from cube_sim.vehicle.dynamics import Dynamics
 
+MAX_RATE = 1.0
+"""Bound on the rate at which an attitude error is turned back [rad/s]."""
+
 
 class Reference(NamedTuple):
     """What the loops followed at one tick, body axes.
@@ -24,11 +27,14 @@ class Reference(NamedTuple):
         velocity: v_ref (3,) [m/s].
         rates: w_ref (3,) [rad/s].
         attitude_error: angle between desired and actual attitude [rad].
+        steady_torque: torque (3,) [N m] of the water on a hull that goes at v_ref without turning, weight and lift
+            apart, that has to be made.
     """
 
     velocity: Vector
     rates: Vector
     attitude_error: float
+    steady_torque: Vector
 
 
 @dataclass(frozen=True)
@@ -67,11 +73,18 @@ class MotionLoops:
         eta, eps = short_way * q_e[0], short_way * q_e[1:]
         w_d = attitude.rates @ R
         w_e = w - w_d
-        w_ref = w_d - 2.0 * eps / self.attitude_time
+        back = 2.0 * eps / self.attitude_time
+        back *= 1.0 / max(1.0, float(np.linalg.norm(back)) / MAX_RATE)
+        w_ref = w_d - back
         dw_ref = -cross(w, w_d) - (eta * w_e + cross(eps, w_e)) / self.attitude_time
         dw = dw_ref + (w_ref - w) / self.rate_time
 
         nu, nu_dot = np.concatenate([v, w]), np.concatenate([dv, dw])
         tau = self.dynamics.wrench(R, nu, nu_dot, current)
+        flow = np.concatenate([current @ R, np.zeros(3)])
+        wanted = np.concatenate([v_ref, w_ref])
+        tau += self.dynamics.damping(wanted - flow) - self.dynamics.damping(nu - flow)
         angle = 2.0 * float(np.arctan2(np.linalg.norm(eps), eta))
-        return tau, Reference(v_ref, w_ref, angle)
+        ahead = np.concatenate([v_ref, np.zeros(3)]) - flow
+        steady = self.dynamics.damping(ahead)[3:] + cross(ahead[:3], self.dynamics.added_mass[:3, :3] @ ahead[:3])
+        return tau, Reference(v_ref, w_ref, angle, steady)

@@ -15,8 +15,15 @@ from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.priority import split_path_first
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
+from cube_sim.control.yielding import WaterHold
+from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import MotionLaw, Target, TargetView
 from cube_sim.spatial import State, Vector
+
+SLOWER = 2.0
+"""A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
+SLOWER_ACROSS = 5.0
+"""The cross-track error is then removed this many times more slowly than that of the velocity."""
 
 
 @dataclass
@@ -32,6 +39,8 @@ class PathFollower:
         observer: the disturbance estimate, None for none.
         current_observer: reads that estimate; None to take the water to be at rest.
         safe_mode: what to do when the path cannot be followed.
+        hold: what the water holds of the hull.
+        most_rest: how much of a force that could not be made is asked for again at the next tick [N].
         capability: what the thrusters can still do; demands are projected onto it.
         path_first: whether the attitude gives way to the path when the thrusters cannot serve both. Where the attitude
             has to point the thrust, it never does.
@@ -45,12 +54,16 @@ class PathFollower:
     observer: DisturbanceObserver | None
     current_observer: CurrentObserver | None
     safe_mode: SafeMode
+    hold: WaterHold
+    most_rest: float = 0.0
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
     path_first: bool = False
 
     def __post_init__(self) -> None:
         """Fly with what the thrusters can do from the start."""
         self._force: Vector = np.zeros(3)
+        self._torque: Vector = np.zeros(3)
+        self._asked: Vector | None = None
         self._goal: SafeModeGoal | None = None
         self._balanced: BalancedAttitude | None = None
         self._monitor = LossOfTargetMonitor(self.safe_mode)
@@ -59,30 +72,34 @@ class PathFollower:
     def reconfigure(self, left: Capability) -> None:
         """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
         self.capability = left
-        self._balanced, self._loops = None, self.loops
+        self._balanced, self._loops, self._approach = None, self.loops, self.approach
         if left.authority is not Authority.SAFE:
             self._goal = None
         elif self._goal is not None:
             self._goal.set_reason(left.reason)
-        if left.authority in (Authority.LINE, Authority.UNICYCLE):
+        if left.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE):
             # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
-            slower = max(self.loops.velocity_time, 2.0 * self.loops.attitude_time)
+            slower = max(self.loops.velocity_time, SLOWER * self.loops.attitude_time)
             self._loops = replace(self.loops, velocity_time=slower)
+            if isinstance(self.approach, Approach):
+                self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
 
     def decide(self, state: State, applied: Vector, dt: float) -> Decision:
         """See `Controller.decide`."""
         view = self.target.view(state.position, state.rotation @ state.velocity)
         goal = self._safe_mode_goal(state, view, dt)
-        motion = self.approach.motion(view) if goal is None else goal.motion(state.position)
+        motion = self._approach.motion(view) if goal is None else goal.motion(state.position)
         disturbance, current = self._unknowns(state, applied, dt)
-        situation = Situation(view, state.rotation, self._force, current, self.capability.effort)
+        situation = Situation(view, state.rotation, self._force, self._torque, current, self.capability.effort)
         attitude = self._mode(state).attitude(situation, dt)
         wrench, reference = self._loops.wrench(state, motion, attitude, current)
         demanded = wrench - disturbance
         self._force = state.rotation @ demanded[:3]
+        self._torque = reference.steady_torque - disturbance[3:]
         if goal is None:
             self.target.advance(view.speed, dt)
-        in_range = self.capability.project_onto_range(demanded)
+        in_range = self._projected(demanded, state) + self._rest(applied)
+        self._asked = in_range
         return Decision(
             wrench=in_range,
             secondary=self._secondary(in_range),
@@ -106,12 +123,23 @@ class PathFollower:
             self._goal = SafeModeGoal(self.safe_mode, state, reason) if reason else None
         return self._goal
 
+    def _rest(self, applied: Vector) -> Vector:
+        """What was not made of the last demand (6,), bounded: what a dead zone swallows is asked for again."""
+        rest = np.zeros(6) if self._asked is None else self._asked - applied
+        size = float(np.linalg.norm(rest[:3]))
+        return rest * min(1.0, self.most_rest / max(size, 1e-12))
+
+    def _projected(self, demanded: Vector, state: State) -> Vector:
+        """The demand (6,) as the thrusters left can make it, limits apart; what the hull holds by itself yields."""
+        weights = self.hold.weights(state.rotation[2], float(np.linalg.norm(demanded[:3])))
+        return self.capability.project_onto_range(demanded, weights)
+
     def _mode(self, state: State) -> AttitudeMode:
         """Who says which attitude to take."""
         if self.capability.steers_by_attitude:
             if self._balanced is None:
                 self._balanced = BalancedAttitude(
-                    self.capability, self.loops.dynamics, state.rotation, self.balancing_time
+                    self.capability, self.loops.dynamics, state.rotation, self.balancing_time, self.attitude
                 )
             return self._balanced
         return self.attitude if self._goal is None else self._goal.attitude

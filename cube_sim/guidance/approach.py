@@ -28,6 +28,11 @@ class Approach:
     def __init__(self, profile: SpeedProfile, angle: float, gain: float, stop_time: float | None) -> None:
         self._profile, self._angle, self._gain, self._stop_time = profile, angle, gain, stop_time
 
+    def no_faster_than(self, time: float) -> Approach:
+        """The same, with a small cross-track error removed in no less than a time [s] at the path's highest speed."""
+        gain = 1.0 / (time * self._angle * self._profile.most)
+        return self if self._gain <= gain else Approach(self._profile, self._angle, gain, self._stop_time)
+
     def motion(self, view: TargetView) -> DesiredMotion:
         """Desired velocity and its derivative, for a vehicle seen from the target."""
         s1, y1, z1 = view.error.tolist()

@@ -43,6 +43,11 @@ class SpeedProfile(Protocol):
         """The lowest speed anywhere [m/s]."""
         ...
 
+    @property
+    def most(self) -> float:
+        """The highest speed anywhere [m/s]."""
+        ...
+
     def at(self, s: float) -> Speed:
         """The speed at arc length s [m]."""
         ...
@@ -53,7 +58,7 @@ class ConstantSpeed:
 
     def __init__(self, speed: float) -> None:
         self._speed = Speed(speed, 0.0)
-        self.least = speed
+        self.least = self.most = speed
 
     def at(self, s: float) -> Speed:
         """The same everywhere."""
@@ -72,6 +77,7 @@ class StoppingSpeed:
     def __init__(self, profile: SpeedProfile, end: float, time: float) -> None:
         self._profile, self._end, self._time = profile, end, time
         self.least = profile.least if end == inf else 0.0
+        self.most = profile.most
 
     def at(self, s: float) -> Speed:
         """The speed at arc length s [m]; 0 from the end on."""
@@ -110,7 +116,7 @@ class PlannedSpeed:
         slope = 2.0 * acceleration
         nodes = _peaks(s, _within_slope(s, allowed, slope, path.closed), between, slope)
         self._s, self._square = (column.tolist() for column in nodes.T)
-        self.least = sqrt(min(self._square))
+        self.least, self.most = sqrt(min(self._square)), sqrt(max(self._square))
         self._length, self._closed = path.length, path.closed
 
     def at(self, s: float) -> Speed:

@@ -20,12 +20,13 @@ FREE_SLOWNESS = 3.0
 """How many times slower than its attitude loop a free vehicle looks for its attitude."""
 
 
-def attitude_of(control: ControlBlock, dynamics: Dynamics) -> AttitudeMode:
+def attitude_of(control: ControlBlock, dynamics: Dynamics, attitude_time_s: float) -> AttitudeMode:
     """The rule for the desired attitude.
 
     Args:
         control: the scenario's block.
         dynamics: what the controller knows of the vehicle.
+        attitude_time_s: of the attitude loop [s].
     """
     block = control.attitude
     match block:
@@ -34,10 +35,10 @@ def attitude_of(control: ControlBlock, dynamics: Dynamics) -> AttitudeMode:
         case blocks.FixedAttitudeBlock():
             return FixedAttitude(quaternion_from_euler(*np.radians(block.attitude_deg)))
         case blocks.FreeAttitudeBlock():
-            return FreeAttitude(dynamics, FREE_SLOWNESS * control.attitude_time_s)
+            return FreeAttitude(dynamics, FREE_SLOWNESS * attitude_time_s)
         case blocks.LookAtBlock():
             axis = np.array(block.axis)
-            return LookAt(np.array(block.point_m), axis / np.linalg.norm(axis), block.near_m, control.attitude_time_s)
+            return LookAt(np.array(block.point_m), axis / np.linalg.norm(axis), block.near_m, attitude_time_s)
         case _:
             assert_never(block)
 

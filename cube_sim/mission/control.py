@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from math import inf
 
+import numpy as np
+
 from cube_sim.actuation.directions.selection_criteria import final_approach
 from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability, capability
 from cube_sim.control.controller import Controller
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
+from cube_sim.control.loop_times import LoopTimes
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.safe_mode import SafeMode
+from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.mission.attitude import attitude_of, is_path_first
@@ -23,6 +27,11 @@ from cube_sim.mission.planar import planar_follower
 from cube_sim.mission.refusals import too_slow_period, wrong_depth
 from cube_sim.scenario import Loaded, Scenario, schema
 from cube_sim.spatial import Matrix
+from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.vehicle import Vehicle
+
+REST = 3.0
+"""How many times the force at which the widest dead zone ends is asked for again where it could not be made."""
 
 
 def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Controller:
@@ -35,13 +44,15 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
     control = scenario.control
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
     time, flow = control.disturbance_time_s, control.current_time_s
-    whole = capability(believed.vehicle.actuation_matrix)
+    hold = water_hold(loaded.scenario, dynamics)
+    whole = capability(believed.vehicle.actuation_matrix, hold=hold)
     if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
         return planar_follower(loaded, believed, path)
-    mistakes = too_slow_period(loaded, _loop_times(scenario))
+    times = _times(scenario, believed.vehicle)
+    mistakes = too_slow_period(loaded, _loop_times(scenario, times))
     if control.cost_limit is not None:
         A = scenario.knowledge.thrust * believed.vehicle.actuation_matrix
-        within_limit = capability(A, cost_limit=control.cost_limit)
+        within_limit = capability(A, cost_limit=control.cost_limit, hold=hold)
         if within_limit.authority is Authority.SAFE and whole.authority is not Authority.SAFE:
             text = f"what is left of this vehicle at {control.cost_limit:g} N/N follows no path; " + _costs(A, whole)
             mistakes.append(loaded.mistake("control.cost_limit", text))
@@ -53,19 +64,26 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
         mistakes += wrong_depth(loaded, path)
     if mistakes:
         raise ScenarioError(mistakes)
-    target, approach = guidance_of(scenario, path)
+    target, approach = guidance_of(scenario, path, times.lateral)
     return PathFollower(
         target=target,
         approach=approach,
-        attitude=attitude_of(control, dynamics),
-        loops=MotionLoops(dynamics, control.velocity_time_s, control.attitude_time_s, control.rate_time_s),
-        balancing_time=0.5 * control.attitude_time_s,
+        attitude=attitude_of(control, dynamics, times.attitude),
+        loops=MotionLoops(dynamics, times.velocity, times.attitude, times.rate),
+        balancing_time=0.5 * times.attitude,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
         safe_mode=_safe_mode(control.safe_mode),
+        hold=hold,
+        most_rest=REST * float(np.abs(believed.vehicle.thrusters.limits[:, 1:3]).max(initial=0.0)),
         capability=whole,
         path_first=is_path_first(control),
     )
+
+
+def water_hold(scenario: Scenario, dynamics: Dynamics) -> WaterHold:
+    """What the water holds of the hull at the speed of the path."""
+    return WaterHold.of(dynamics, scenario.guidance.speed_m_s)
 
 
 def _costs(A: Matrix, whole: Capability) -> str:
@@ -74,17 +92,31 @@ def _costs(A: Matrix, whole: Capability) -> str:
     return f"its directions cost {', '.join(f'{cost:.3g}' for cost in costs)} N/N"
 
 
-def _loop_times(scenario: Scenario) -> dict[str, float]:
+def _times(scenario: Scenario, vehicle: Vehicle) -> LoopTimes:
+    """How fast each loop of the law for all axes is."""
+    control = scenario.control
+    delay = float(np.max(vehicle.thrusters.lag_s, initial=0.0)) + 1.5 * scenario.control_period_s
+    default = LoopTimes.behind(delay)
+    velocity = default.velocity if control.velocity_time_s is None else control.velocity_time_s
+    return LoopTimes(
+        lateral=4.0 * velocity,
+        velocity=velocity,
+        attitude=default.attitude if control.attitude_time_s is None else control.attitude_time_s,
+        rate=default.rate if control.rate_time_s is None else control.rate_time_s,
+    )
+
+
+def _loop_times(scenario: Scenario, times: LoopTimes) -> dict[str, float]:
     """How fast each loop of the law for all axes is, by the value that says so [s]."""
-    control, guidance = scenario.control, scenario.guidance
-    times = {
-        "control.velocity_time_s": control.velocity_time_s,
-        "control.attitude_time_s": control.attitude_time_s,
-        "control.rate_time_s": control.rate_time_s,
+    guidance = scenario.guidance
+    stated = {
+        "control.velocity_time_s": times.velocity,
+        "control.attitude_time_s": times.attitude,
+        "control.rate_time_s": times.rate,
     }
     if guidance.law == "path_following":
-        times["guidance.target_gain_per_s"] = 1.0 / guidance.target_gain_per_s
-    return times
+        stated["guidance.target_gain_per_s"] = 1.0 / guidance.target_gain_per_s
+    return stated
 
 
 def _safe_mode(block: schema.SafeModeBlock) -> SafeMode:

@@ -33,6 +33,8 @@ UNUSED = (
     "priority",
 )
 """Keys of `control` which only the law for all axes knows."""
+APPROACH_GAIN = 0.5
+"""k_delta [1/m] where the scenario does not say."""
 
 
 def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> PlanarFollower:
@@ -75,7 +77,10 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
         profile=profile,
         law=DynamicLaw(
             model=knowledge,
-            approach=ApproachAngle(radians(guidance.approach_angle_deg), guidance.approach_gain_per_m),
+            approach=ApproachAngle(
+                radians(guidance.approach_angle_deg),
+                APPROACH_GAIN if guidance.approach_gain_per_m is None else guidance.approach_gain_per_m,
+            ),
             gains=Gains(
                 planar.angle_gain_per_s,
                 guidance.target_gain_per_s,

@@ -8,14 +8,16 @@ import mujoco
 
 from cube_sim.allocation import FaultTolerant
 from cube_sim.control.controller import Controller
+from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.path import Path
 from cube_sim.mission.allocation import allocator_of
 from cube_sim.mission.channels import recorded_channels
-from cube_sim.mission.control import controller_of
+from cube_sim.mission.control import controller_of, water_hold
 from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.events import Events
 from cube_sim.mission.fault_finding import FaultFinding
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
+from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.navigation import StateEstimation
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
@@ -40,7 +42,7 @@ class Mission:
         allocator: wrench to thruster forces.
         supply: what feeds the thrusters.
         events: what happens on the way.
-        fault_finding: finds thruster faults; None when the scenario reports them to the controller or lets it ignore them.
+        fault_finding: finds thruster faults; None when the scenario tells the controller, or lets it ignore them.
         drop_weight: ballast that can be let go.
         estimation: makes the state the controller gets of sensors; None when it gets the true one.
         channels: what will be recorded.
@@ -54,6 +56,7 @@ class Mission:
     controller: Controller
     allocator: FaultTolerant
     supply: PowerSupply
+    hold: WaterHold
     events: Events
     fault_finding: FaultFinding | None
     drop_weight: DropWeight
@@ -86,6 +89,7 @@ def prepare(loaded: Loaded) -> Mission:
         controller=controller_of(loaded, believed, path),
         allocator=allocator_of(believed.vehicle, scenario),
         supply=supply_of(loaded, model, vehicle),
+        hold=water_hold(scenario, believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)),
         events=Events(scenario.events, model, vehicle),
         fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle, scenario.control_period_s),

@@ -96,10 +96,11 @@ class GuidanceBlock(Block):
         lt=90,
         description="Angle to the path at which the vehicle approaches from far away [deg].",
     )
-    approach_gain_per_m: float = Field(
-        default=0.5,
+    approach_gain_per_m: float | None = Field(
+        default=None,
         gt=0,
-        description="k_delta in theta = approach angle * tanh(k_delta * cross-track error) [1/m].",
+        description="k_delta in theta = approach angle * tanh(k_delta * cross-track error) [1/m]. Default: 0.5 for the"
+        " planar law; for all axes, what removes a small error in four times control.velocity_time_s.",
     )
     target_gain_per_s: float = Field(
         default=0.5,
@@ -166,9 +167,18 @@ class ControlBlock(Block):
         " torque about the vertical, on a level path. Default: the planar law for a vehicle built with just these two.",
     )
     planar: PlanarGainsBlock = PlanarGainsBlock()
-    velocity_time_s: float = Field(default=1.0, gt=0, description="Velocity loop [s].")
-    attitude_time_s: float = Field(default=1.0, gt=0, description="Attitude loop [s].")
-    rate_time_s: float = Field(default=0.3, gt=0, description="Angular rate loop [s].")
+    velocity_time_s: float | None = Field(
+        default=None,
+        gt=0,
+        description="Velocity loop [s]. Default: 0.5 s, or six delays if that is more; a delay is the thrusters' lag"
+        " and 1.5 control periods.",
+    )
+    attitude_time_s: float | None = Field(
+        default=None, gt=0, description="Attitude loop [s]. Default: 0.5 s, or ten delays if that is more."
+    )
+    rate_time_s: float | None = Field(
+        default=None, gt=0, description="Angular rate loop [s]. Default: 0.15 s, or three delays if that is more."
+    )
     disturbance_time_s: float | None = Field(
         default=1.0,
         gt=0,
@@ -190,7 +200,7 @@ class ControlBlock(Block):
         gt=0,
         description="Directions of the wrench that cost more thruster force than this are given up, as if thrusters "
         "were missing: N per N, torques divided by the thrusters' rms lever arm, as `cube-sim analyze` lists them. "
-        "Default: those that cost a hundred times the cheapest one's.",
+        "Default: ten times what the cheapest one costs, as long as the vehicle flies without what is dearer.",
     )
     safe_mode: SafeModeBlock = SafeModeBlock()
     attitude: AnyAttitude = Field(

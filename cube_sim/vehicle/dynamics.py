@@ -102,6 +102,14 @@ class Dynamics:
             )
         )
 
+    def damping(self, nu_r: Vector) -> Vector:
+        """D nu_r + D_q |nu_r| nu_r (6,) [N, N m]: the wrench against which the water damps, body axes.
+
+        Args:
+            nu_r: [v; w] (6,) [m/s, rad/s] relative to the water, body axes.
+        """
+        return self.linear_damping @ nu_r + self.quadratic_damping @ (np.abs(nu_r) * nu_r)
+
     def steady_wrenches(self, velocities: Matrix, ups: Matrix) -> Matrix:
         """The wrenches (q,6) [N, N m] that keep q motions without rotation steady, in still water.
 
