@@ -9,12 +9,17 @@ what is believed of the thruster:
     dead   y = 0
     stuck  y = c
 
-The belief stays as long as it fits. When it no longer fits, the window has to say which of the others the thruster is.
+The belief stays as long as it fits. When it no longer fits, the window has to say which of the others the thruster is
+(`cube_sim.control.window_reading`).
 
 A weak and a stuck thruster look alike while x stands still, and nearly so while it creeps: y = e x fits any constant.
 So a thruster is believed weak only when its force was seen to move with x. It is believed stuck only when y = e x does
 not fit. In between it is doubtful, and gets another command for a moment (`Probes`). Dead thrusters are probed too:
 otherwise nothing would show that they recover.
+
+Telemetry has a gain and noise. The gain is learned while the thruster is whole, and what is measured is divided by it.
+Under noise longer windows find what is too faint for the first. And each has to say the same for as long as the first
+is, or half its own length: while a fault moves through a window, the line that fits best turns all the time.
 """
 
 from __future__ import annotations
@@ -22,8 +27,15 @@ from __future__ import annotations
 import numpy as np
 
 from cube_sim.control.probing import Probes
+from cube_sim.control.telemetry_gain import TelemetryGain
+from cube_sim.control.window_reading import Evidence, Reading, contradicts, read_window
 from cube_sim.spatial import Vector
 from cube_sim.wrench.health import Health
+
+_LENGTHS = (1, 4, 16)
+"""Lengths of the windows under noise, in lengths of the first."""
+_SAME_EFFICIENCY = 0.1
+"""Readings of an efficiency that differ by less are the same."""
 
 
 class Diagnosis:
@@ -34,23 +46,32 @@ class Diagnosis:
         threshold_N: forces and differences below this say nothing [N].
         dt: control period [s].
         probe_N: (m,) what silent thrusters are asked for [N], well beyond the threshold.
+        noise_N: standard deviation of a measured force [N], white.
+        gain_tolerance: how far from 1 the gain of a measured force may be.
 
     Attributes:
         health: what is believed.
         doubtful: (m,) bool, which thrusters do something else than believed that can be read in more than one way.
     """
 
-    WHOLE = 0.9
-    """Efficiencies above this count as whole; a characteristic is not known better."""
-    DEAD = 0.1
-    """Efficiencies below this count as dead."""
-
-    def __init__(self, window_s: float, threshold_N: float, dt: float, probe_N: Vector) -> None:
-        self._threshold = threshold_N
+    def __init__(
+        self,
+        window_s: float,
+        threshold_N: float,
+        dt: float,
+        probe_N: Vector,
+        noise_N: float = 0.0,
+        gain_tolerance: float = 0.0,
+    ) -> None:
         n, m = max(2, round(window_s / dt)), len(probe_N)
-        self._size = np.sqrt(n) * threshold_N
-        self._expected, self._measured = np.zeros((n, m)), np.zeros((n, m))
+        self._threshold, self._noise = threshold_N, noise_N
+        self._lengths = tuple(n * k for k in _LENGTHS) if noise_N > 0.0 else (n,)
+        self._expected, self._measured = np.zeros((self._lengths[-1], m)), np.zeros((self._lengths[-1], m))
         self._filled, self._row = 0, 0
+        self._gain = TelemetryGain(m, gain_tolerance, n * threshold_N**2)
+        self._suspect = np.zeros(m, dtype=bool)
+        self._suggested: dict[tuple[int, int], tuple[Reading, int]] = {}
+        self._age = np.full(m, self._lengths[-1])
         self._probes = Probes(probe_N, dt)
         self.health = Health.whole(m)
         self.doubtful = np.zeros(m, dtype=bool)
@@ -59,60 +80,83 @@ class Diagnosis:
         """The forces (m,) [N] to ask for at this tick, a probe among them when one is due."""
         return self._probes.with_probe(force, self.health, self.doubtful)
 
-    def update(self, expected: Vector, measured: Vector) -> Health:
+    def update(self, expected: Vector, measured: Vector, force_ratio: float = 1.0) -> Health:
         """Judge after one more tick.
 
         Args:
-            expected: (m,) forces [N] whole thrusters would give now.
-            measured: (m,) forces [N] they give.
+            expected: (m,) forces [N] whole thrusters would give now, at the voltage of their characteristics.
+            measured: (m,) forces [N] they are measured to give.
+            force_ratio: the share of these forces that their supply leaves them, above 0.
         """
-        n = len(self._expected)
-        self._expected[self._row], self._measured[self._row] = expected, measured
-        self._row = (self._row + 1) % n
-        self._filled = min(self._filled + 1, n)
-        if self._filled < n:
-            return self.health
-        health = self.health
-        believed = np.where(np.isnan(health.stuck), health.efficiency * self._expected, health.stuck)
-        contradicted = np.linalg.norm(self._measured - believed, axis=0) > self._size
+        noise = self._noise / force_ratio
+        self._take(expected, measured / force_ratio, noise)
+        self._age += 1
         self.doubtful = np.zeros(len(expected), dtype=bool)
-        for i in np.flatnonzero(contradicted):
-            self._judge(int(i))
+        self._suspect[:] = False
+        for n in self._lengths:
+            if self._filled >= n:
+                self._judge(n, noise)
         return self.health
 
-    def _judge(self, i: int) -> None:
-        """Believe something else of a thruster that does not do what is believed of it, if its window says what."""
-        x, y, size = self._expected[:, i], self._measured[:, i], self._size
-        energy = float(x @ x)
-        share = min(1.0, max(0.0, float(x @ y) / energy)) if energy > 0.0 else 0.0
-        misfit = float(np.linalg.norm(y - share * x))
-        swing = float(np.linalg.norm(y - y.mean()))
-        proportional = energy > size**2 and misfit <= 0.5 * size
-        if proportional and share >= self.DEAD and not self._holds_for_newer_half(i, share):
-            return  # the fault came amid the window, which mixes two truths
-        if np.all(np.abs(y) <= self._threshold):
-            # So little that it does not matter whether it is weak or stuck at that; or a stuck one that has let go.
-            self._believe(i, self._efficiency(share) if proportional else 0.0)
-        elif proportional:
-            efficiency = self._efficiency(share)
-            if swing > 0.5 * size and misfit <= 0.5 * swing:
-                self._believe(i, efficiency)
-            elif efficiency != self.health.efficiency[i]:
-                self.doubtful[i] = True
-        elif swing < 0.2 * size and np.all(np.abs(y) > self._threshold):
-            self._believe(i, 0.0, float(y.mean()))
+    def _take(self, expected: Vector, measured: Vector, noise: float) -> None:
+        """Put a pair of forces in the place of the oldest, of which the gains are learned."""
+        row = self._row
+        if self._filled == len(self._expected):
+            sound = (self.health.efficiency == 1.0) & np.isnan(self.health.stuck) & ~self._suspect
+            sound &= self._age >= len(self._expected)  # else the oldest pair is from before the belief
+            self._gain.learn(self._expected[row], self._measured[row], sound, noise)
+        self._expected[row], self._measured[row] = expected, measured
+        self._row = (row + 1) % len(self._expected)
+        self._filled = min(self._filled + 1, len(self._expected))
 
-    def _holds_for_newer_half(self, i: int, share: float) -> bool:
-        """Whether y = share x, found over the window, holds for its newer half too."""
-        n = len(self._expected)
-        newer = (self._row + np.arange(n // 2, n)) % n
-        x, y = self._expected[newer, i], self._measured[newer, i]
-        tolerance = max(0.2 * share * float(np.linalg.norm(x)), 0.1 * self._size)
-        return bool(np.linalg.norm(y - share * x) <= tolerance)
+    def _judge(self, n: int, noise: float) -> None:
+        """Believe something else of thrusters that do not do what is believed of them, if n ticks say what."""
+        newest = (self._row - n + np.arange(n)) % len(self._expected)
+        gain = self._gain.gain
+        x, y = self._expected[newest], self._measured[newest] / gain
+        least, most = (self._gain.least / gain).tolist(), (self._gain.most / gain).tolist()
+        health = self.health
+        believed = np.where(np.isnan(health.stuck), health.efficiency * x, health.stuck)
+        contradicted = contradicts(x, y, believed, self._threshold, noise / gain)
+        for i in range(len(gain)):
+            reading = None
+            # A window longer than the belief is old holds what was before it.
+            if contradicted[i] and (n == self._lengths[0] or self._age[i] >= n):
+                evidence = Evidence(self._threshold, float(noise / gain[i]), (least[i], most[i]))
+                reading = read_window(x[:, i], y[:, i], evidence, idle=not health.responsive[i])
+                self._suspect[i] |= reading is None or reading.efficiency < 1.0
+            settled = self._settled(i, n, reading)
+            if settled is not None:
+                self._follow(i, settled)
 
-    def _efficiency(self, share: float) -> float:
-        return 0.0 if share < self.DEAD else 1.0 if share > self.WHOLE else round(share, 2)
+    def _settled(self, i: int, n: int, reading: Reading | None) -> Reading | None:
+        """The reading, when it has been the same for long enough: at once without noise."""
+        if self._noise == 0.0:
+            return reading
+        first, count = self._suggested.pop((i, n), (reading, 0))
+        if reading is None:
+            return None
+        if first is None or not self._are_the_same(first, reading):
+            first, count = reading, 0
+        self._suggested[i, n] = first, count + 1
+        return reading if count + 1 >= max(self._lengths[0], n // 2) else None
 
-    def _believe(self, i: int, efficiency: float, stuck: float = np.nan) -> None:
-        if efficiency != self.health.efficiency[i] or not np.isnan(stuck) or not np.isnan(self.health.stuck[i]):
-            self.health = self.health.with_thruster(i, efficiency, stuck)
+    def _are_the_same(self, one: Reading, other: Reading) -> bool:
+        if np.isnan(one.stuck) or np.isnan(other.stuck):
+            both = bool(np.isnan(one.stuck) and np.isnan(other.stuck))
+            return both and abs(one.efficiency - other.efficiency) <= _SAME_EFFICIENCY
+        return abs(one.stuck - other.stuck) <= self._threshold + self._noise
+
+    def _follow(self, i: int, reading: Reading) -> None:
+        efficiency, stuck, certain = reading
+        before = self.health.efficiency[i], self.health.stuck[i]
+        if not certain:
+            self.doubtful[i] |= efficiency != before[0]
+        elif efficiency != before[0] or not np.isnan(stuck) or not np.isnan(before[1]):
+            self._believe(i, efficiency, stuck)
+
+    def _believe(self, i: int, efficiency: float, stuck: float) -> None:
+        self.health = self.health.with_thruster(i, efficiency, stuck)
+        self._age[i] = 0
+        for n in self._lengths:
+            self._suggested.pop((i, n), None)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from math import sqrt
+
 import mujoco
 import numpy as np
 
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.mission.hull import CompiledHull
+from cube_sim.mission.telemetry import Telemetry
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.motor_lag import MotorLag
 from cube_sim.wrench.health import Health
 
+PROBE_S = 0.3
+"""The most a probe takes [s]."""
 WINDOW_S = 0.5
 """Evidence needed [s]."""
 LEAST_THRESHOLD_N = 0.5
@@ -29,6 +34,7 @@ class FaultFinding:
     def __init__(self, flown: CompiledHull, scenario: Scenario) -> None:
         self._thrusters = flown.vehicle.thrusters
         self._lag = MotorLag(flown.model, self._thrusters, scenario.steps_per_tick)
+        self._telemetry = Telemetry(scenario.telemetry, len(self._thrusters.names), scenario.seed)
         self._diagnosis = _diagnosis(self._thrusters.limits, scenario)
 
     def judge(self, data: mujoco.MjData, force_ratio: float) -> Health:
@@ -38,10 +44,10 @@ class FaultFinding:
             data: MuJoCo's, up to date.
             force_ratio: the share of their characteristics' forces that the supply leaves them.
         """
+        measured = self._telemetry.read(data.actuator_force[self._thrusters.actuators])
         if force_ratio == 0.0:
             return self._diagnosis.health
-        expected = self._thrusters.force(self._lag.activation)
-        return self._diagnosis.update(expected, data.actuator_force[self._thrusters.actuators] / force_ratio)
+        return self._diagnosis.update(self._thrusters.force(self._lag.activation), measured, force_ratio)
 
     def probed(self, force: Vector) -> Vector:
         """The forces (m,) [N] to ask for at this tick, a probe among them when one is due."""
@@ -56,6 +62,10 @@ def _diagnosis(limits: Vector, scenario: Scenario) -> Diagnosis:
     """Differences beyond the dead zone count, within which no thruster's force is certain."""
     threshold = max(LEAST_THRESHOLD_N, 1.2 * float(np.abs(limits[:, 1:3]).max()))
     least, most = limits[:, 0], limits[:, 3]
-    # Three times what says nothing: an answer is seen within a few control periods, and the probe is over.
-    probe = np.where(most >= -least, np.minimum(3.0 * threshold, most), np.maximum(-3.0 * threshold, least))
-    return Diagnosis(WINDOW_S, threshold, scenario.control_period_s, probe)
+    period, noise = scenario.control_period_s, scenario.telemetry.noise_N
+    # Three times what says nothing: an answer is seen within a few control periods, and the probe is over. Under noise
+    # as much as shows the share of it to a thirtieth, one standard deviation, in the readings of a probe.
+    readings = max(1, round(PROBE_S / period))
+    size = max(3.0 * threshold, 30.0 * noise / sqrt(readings))
+    probe = np.where(most >= -least, np.minimum(size, most), np.maximum(-size, least))
+    return Diagnosis(WINDOW_S, threshold, period, probe, noise, scenario.telemetry.gain_tolerance)

@@ -36,12 +36,17 @@ def require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
 
 
 def require_a_value_per_thruster(loaded: Loaded, vehicle: Vehicle) -> None:
-    """Refuse lists of the allocation that do not have an entry for each thruster."""
-    block, names, mistakes = loaded.scenario.allocation, vehicle.thrusters.names, []
-    for key, values in (("target_N", block.target_N), ("thruster_weights", block.thruster_weights)):
+    """Refuse lists that do not have an entry for each thruster."""
+    allocation, names, mistakes = loaded.scenario.allocation, vehicle.thrusters.names, []
+    lists = {
+        "allocation.target_N": allocation.target_N,
+        "allocation.thruster_weights": allocation.thruster_weights,
+        "telemetry.thruster_gains": loaded.scenario.telemetry.thruster_gains,
+    }
+    for key, values in lists.items():
         if values is not None and len(values) != len(names):
             text = f"{len(values)} numbers for {len(names)} thrusters; the model has {', '.join(names)}"
-            mistakes.append(loaded.mistake(f"allocation.{key}", text))
+            mistakes.append(loaded.mistake(key, text))
     if mistakes:
         raise ScenarioError(mistakes)
 

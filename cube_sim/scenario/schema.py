@@ -21,6 +21,7 @@ from cube_sim.scenario.file_names import ModelFile
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
 from cube_sim.scenario.navigation_blocks import NavigationBlock, require_slower_than
 from cube_sim.scenario.path_blocks import AnyPath
+from cube_sim.scenario.telemetry_block import TelemetryBlock
 from cube_sim.scenario.values import Block, Name, Pair, Place, Vector3, refuse
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
@@ -249,6 +250,7 @@ class Scenario(Block):
         default=None, description="Sensors and an estimate for the controller. Default: it sees the true state."
     )
     knowledge: KnowledgeBlock = KnowledgeBlock()
+    telemetry: TelemetryBlock = TelemetryBlock()
     allocation: AllocationBlock = AllocationBlock()
     events: Annotated[tuple[AnyEvent, ...], Strict(False)] = Field(
         default=(), description="What happens during the run."

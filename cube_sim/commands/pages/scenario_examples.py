@@ -93,6 +93,11 @@ navigation:
     "knowledge": """\
 knowledge: {mass: 1.1, drag: 0.7}   # the controller believes this of a vehicle that has not changed
 """,
+    "telemetry": """\
+telemetry:
+  noise_N: 1.0
+  thruster_gains: [1.05, 0.95, 1.1, 1, 1, 1, 0.9, 1]   # within 1 +- gain_tolerance
+""",
     "allocation": """\
 allocation:
   objective: reactivity

@@ -1,0 +1,181 @@
+"""What one thruster is, read from one window of its expected and measured forces.
+
+Whole and weak thrusters lie on a line y = e x, a dead one on y = 0, a stuck one on y = c. Each of these is a least
+squares fit. Between two of them decides the difference of their sums of squares, which for white noise is the logarithm
+of a likelihood ratio: of two fits whose forces differ by M in norm, it is M^2 apart with a standard deviation of
+2 sigma M, so that 25 sigma^2 is never reached by five standard deviations from the wrong side.
+
+Where readings are noisy more is asked of a window before it is believed: that the force expected stands out enough for
+the share of it to be known to a twentieth. Without noise this asks for nothing.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.spatial import Vector
+
+WHOLE = 0.9
+"""Efficiencies above this count as whole; a characteristic is not known better."""
+DEAD = 0.1
+"""Efficiencies below this count as dead."""
+
+_SHARE_DEVIATION = 0.05
+"""The largest standard deviation with which a share says something."""
+_FAINT = 0.35
+"""A thruster of which little is expected is believed dead when its share lies below this for certain."""
+_DECISIVE = 25.0
+"""By how many sigma^2 one fit has to be better than another."""
+_RARE = 15.0
+"""-log of the probability with which noise alone exceeds its allowance."""
+
+
+class Reading(NamedTuple):
+    """What a window says of a thruster.
+
+    Attributes:
+        efficiency: share of its force it gives, 0 for a dead and a stuck one.
+        stuck: force [N] it holds; NaN where it responds, or is dead.
+        certain: whether it can be nothing else; if not, it may as well be stuck.
+    """
+
+    efficiency: float
+    stuck: float = np.nan
+    certain: bool = True
+
+
+class Evidence(NamedTuple):
+    """How far forces may be trusted.
+
+    Attributes:
+        threshold: forces and differences below this say nothing [N].
+        noise: standard deviation of a measured force [N], white.
+        gain: (least, most) that a whole thruster is measured to give of what is expected.
+    """
+
+    threshold: float
+    noise: float
+    gain: tuple[float, float]
+
+    def size(self, n: int) -> float:
+        """Norm of n differences that say nothing, noise aside [N]."""
+        return sqrt(n) * self.threshold
+
+    def noise_energy(self, n: int) -> float:
+        """What the squares of n noises sum up to at most [N^2]."""
+        return self.noise**2 * _noise_energy(n)
+
+
+def contradicts(
+    expected: Vector, measured: Vector, believed: Vector, threshold: float, noise: Vector
+) -> NDArray[np.bool_]:
+    """(m,) bool: which measured forces are not those believed.
+
+    Noise hides most of a difference that is spread over all n readings, but little of one that has the shape of a
+    fault: a constant and a share of what is expected.
+
+    Args:
+        expected: (n,m) [N].
+        measured: (n,m) [N].
+        believed: (n,m) [N].
+        threshold: differences below this say nothing [N].
+        noise: (m,) standard deviations of measured forces [N].
+    """
+    n = len(expected)
+    r = measured - believed
+    total = np.einsum("ij,ij->j", r, r)
+    if not noise.any():
+        return np.sqrt(total) > sqrt(n) * threshold
+    x = expected - expected.mean(axis=0)
+    swing = np.einsum("ij,ij->j", x, x)
+    along = np.einsum("ij,ij->j", x, r) ** 2
+    shaped = n * r.mean(axis=0) ** 2 + np.divide(along, swing, out=np.zeros_like(swing), where=swing > 1e-9)
+    return (shaped > n * threshold**2 + 2.0 * _RARE * noise**2) | (
+        total > n * threshold**2 + _noise_energy(n) * noise**2
+    )
+
+
+def _noise_energy(n: int) -> float:
+    """What the squares of n unit noises sum up to at most.
+
+    By the bound of Laurent and Massart (2000, Annals of Statistics 28(5), lemma 1) on chi squared of n degrees of
+    freedom: P(chi2 >= n + 2 sqrt(n t) + 2 t) <= exp(-t).
+    """
+    return n + 2.0 * sqrt(n * _RARE) + 2.0 * _RARE
+
+
+def read_window(x: Vector, y: Vector, evidence: Evidence, idle: bool) -> Reading | None:
+    """What a thruster is that does not do what is believed of it.
+
+    Args:
+        x: (n,) forces [N] expected of it if it were whole, oldest first.
+        y: (n,) forces [N] measured.
+        evidence: how far these may be trusted.
+        idle: whether it is believed to give no answer, and so is asked for none.
+
+    Returns:
+        None when the window mixes two truths, or says nothing.
+    """
+    n, size, noise2 = len(x), evidence.size(len(x)), evidence.noise**2
+    noise_energy = evidence.noise_energy(n)
+    energy = float(x @ x)
+    most = evidence.gain[1]
+    share = min(most, max(0.0, float(x @ y) / energy)) if energy > 0.0 else 0.0
+    deviation = evidence.noise / sqrt(energy) if energy > 0.0 else inf
+    line, level = y - share * x, y - y.mean()
+    off_line, off_level = float(line @ line), float(level @ level)
+    clearer = off_line - off_level  # by how much a constant fits better than a line
+    proportional = (
+        energy > size**2
+        and (deviation <= _SHARE_DEVIATION or noise2 == 0.0)
+        and off_line <= (0.5 * size) ** 2 + noise_energy
+        and clearer <= (0.5 * size) ** 2 + _DECISIVE * noise2
+    )
+    if proportional and share >= DEAD and not _holds_for_newer_half(x, line, share, evidence):
+        return None  # the fault came amid the window
+    if _is_silent(y, share, deviation, evidence, idle):
+        # So little that it does not matter whether it is weak or stuck at that; or a stuck one that has let go.
+        return Reading(_efficiency(share, deviation, evidence) if proportional else 0.0)
+    if proportional:
+        moved = off_level > (0.5 * size) ** 2 and max(0.0, off_line - noise_energy) <= 0.25 * off_level
+        return Reading(_efficiency(share, deviation, evidence), certain=moved and clearer <= -_DECISIVE * noise2)
+    held = float(y.mean())
+    if noise2 == 0.0:
+        constant = sqrt(off_level) < 0.2 * size and bool(np.all(np.abs(y) > evidence.threshold))
+    else:
+        constant = (
+            clearer > (0.5 * size) ** 2 + _DECISIVE * noise2
+            and off_level <= (0.2 * size) ** 2 + noise_energy
+            and abs(held) > evidence.threshold + 3.0 * evidence.noise / sqrt(n)
+        )
+    return Reading(0.0, held) if constant else None
+
+
+def _is_silent(y: Vector, share: float, deviation: float, evidence: Evidence, idle: bool) -> bool:
+    if evidence.noise == 0.0:
+        return bool(np.all(np.abs(y) <= evidence.threshold))
+    n = len(y)
+    small = float(y @ y) <= evidence.size(n) ** 2 + evidence.noise_energy(n)
+    level = abs(float(y.mean())) <= evidence.threshold + 3.0 * evidence.noise / sqrt(n)
+    return small and level and (idle or share + 3.0 * deviation <= _FAINT)
+
+
+def _holds_for_newer_half(x: Vector, line: Vector, share: float, evidence: Evidence) -> bool:
+    """Whether y = share x, found over the window, holds for its newer half too; `line` is y - share x."""
+    newer, r = x[len(x) // 2 :], line[len(x) // 2 :]
+    norm = float(np.linalg.norm(newer))
+    tolerance = max(0.2 * share * norm, 0.1 * evidence.size(len(x)))
+    if evidence.noise == 0.0:
+        return bool(np.linalg.norm(r) <= tolerance)
+    return norm == 0.0 or abs(float(newer @ r)) / norm <= tolerance + 4.0 * evidence.noise
+
+
+def _efficiency(share: float, deviation: float, evidence: Evidence) -> float:
+    if share < DEAD:
+        return 0.0
+    whole = WHOLE * evidence.gain[0] - (4.0 * deviation if evidence.noise > 0.0 else 0.0)
+    return 1.0 if share > whole else round(share, 2)

@@ -1,0 +1,27 @@
+"""A scenario's `telemetry` block at work: forces as the motors report them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cube_sim.navigation.streams import stream
+from cube_sim.scenario.telemetry_block import TelemetryBlock
+from cube_sim.spatial import Vector
+
+
+class Telemetry:
+    """What is read of the forces of m thrusters: gain times force, and white noise.
+
+    Args:
+        block: the scenario's `telemetry`.
+        m: number of thrusters.
+        seed: root of the random stream.
+    """
+
+    def __init__(self, block: TelemetryBlock, m: int, seed: int) -> None:
+        self._gain = np.full(m, block.gain) if block.thruster_gains is None else np.array(block.thruster_gains)
+        self._noise, self._random = block.noise_N, stream(seed, "telemetry")
+
+    def read(self, force: Vector) -> Vector:
+        """(m,) readings [N] of the forces (m,) [N]; once per control period."""
+        return self._gain * force + self._noise * self._random.standard_normal(len(force))
