@@ -28,7 +28,7 @@ import numpy as np
 
 from cube_sim.control.probing import Probes
 from cube_sim.control.telemetry_gain import TelemetryGain
-from cube_sim.control.window_reading import Evidence, Reading, contradicts, read_window
+from cube_sim.control.window_reading import Evidence, WindowReading, contradicts, read_window
 from cube_sim.spatial import Vector
 from cube_sim.wrench.health import Health
 
@@ -70,7 +70,7 @@ class Diagnosis:
         self._filled, self._row = 0, 0
         self._gain = TelemetryGain(m, gain_tolerance, n * threshold_N**2)
         self._suspect = np.zeros(m, dtype=bool)
-        self._suggested: dict[tuple[int, int], tuple[Reading, int]] = {}
+        self._suggested: dict[tuple[int, int], tuple[WindowReading, int]] = {}
         self._age = np.full(m, self._lengths[-1])
         self._probes = Probes(probe_N, dt)
         self.health = Health.whole(m)
@@ -129,7 +129,7 @@ class Diagnosis:
             if settled is not None:
                 self._follow(i, settled)
 
-    def _settled(self, i: int, n: int, reading: Reading | None) -> Reading | None:
+    def _settled(self, i: int, n: int, reading: WindowReading | None) -> WindowReading | None:
         """The reading, when it has been the same for long enough: at once without noise."""
         if self._noise == 0.0:
             return reading
@@ -141,13 +141,13 @@ class Diagnosis:
         self._suggested[i, n] = first, count + 1
         return reading if count + 1 >= max(self._lengths[0], n // 2) else None
 
-    def _are_the_same(self, one: Reading, other: Reading) -> bool:
+    def _are_the_same(self, one: WindowReading, other: WindowReading) -> bool:
         if np.isnan(one.stuck) or np.isnan(other.stuck):
             both = bool(np.isnan(one.stuck) and np.isnan(other.stuck))
             return both and abs(one.efficiency - other.efficiency) <= _SAME_EFFICIENCY
         return abs(one.stuck - other.stuck) <= self._threshold + self._noise
 
-    def _follow(self, i: int, reading: Reading) -> None:
+    def _follow(self, i: int, reading: WindowReading) -> None:
         efficiency, stuck, certain = reading
         before = self.health.efficiency[i], self.health.stuck[i]
         if not certain:

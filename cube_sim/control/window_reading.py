@@ -34,7 +34,7 @@ _RARE = 15.0
 """-log of the probability with which noise alone exceeds its allowance."""
 
 
-class Reading(NamedTuple):
+class WindowReading(NamedTuple):
     """What a window says of a thruster.
 
     Attributes:
@@ -108,7 +108,7 @@ def _noise_energy(n: int) -> float:
     return n + 2.0 * sqrt(n * _RARE) + 2.0 * _RARE
 
 
-def read_window(x: Vector, y: Vector, evidence: Evidence, idle: bool) -> Reading | None:
+def read_window(x: Vector, y: Vector, evidence: Evidence, idle: bool) -> WindowReading | None:
     """What a thruster is that does not do what is believed of it.
 
     Args:
@@ -139,10 +139,10 @@ def read_window(x: Vector, y: Vector, evidence: Evidence, idle: bool) -> Reading
         return None  # the fault came amid the window
     if _is_silent(y, share, deviation, evidence, idle):
         # So little that it does not matter whether it is weak or stuck at that; or a stuck one that has let go.
-        return Reading(_efficiency(share, deviation, evidence) if proportional else 0.0)
+        return WindowReading(_efficiency(share, deviation, evidence) if proportional else 0.0)
     if proportional:
         moved = off_level > (0.5 * size) ** 2 and max(0.0, off_line - noise_energy) <= 0.25 * off_level
-        return Reading(_efficiency(share, deviation, evidence), certain=moved and clearer <= -_DECISIVE * noise2)
+        return WindowReading(_efficiency(share, deviation, evidence), certain=moved and clearer <= -_DECISIVE * noise2)
     held = float(y.mean())
     if noise2 == 0.0:
         constant = sqrt(off_level) < 0.2 * size and bool(np.all(np.abs(y) > evidence.threshold))
@@ -152,7 +152,7 @@ def read_window(x: Vector, y: Vector, evidence: Evidence, idle: bool) -> Reading
             and off_level <= (0.2 * size) ** 2 + noise_energy
             and abs(held) > evidence.threshold + 3.0 * evidence.noise / sqrt(n)
         )
-    return Reading(0.0, held) if constant else None
+    return WindowReading(0.0, held) if constant else None
 
 
 def _is_silent(y: Vector, share: float, deviation: float, evidence: Evidence, idle: bool) -> bool:
