@@ -50,6 +50,9 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
         return planar_follower(loaded, believed, path)
     times = _times(scenario, believed.vehicle)
     mistakes = too_slow_period(loaded, _loop_times(scenario, times))
+    if any(scenario.knowledge.current_m_s):
+        text = "only the planar law takes a current that is known, the law for all axes estimates it: leave it out"
+        mistakes.append(loaded.mistake("knowledge.current_m_s", text))
     if control.cost_limit is not None:
         A = scenario.knowledge.thrust * believed.vehicle.actuation_matrix
         within_limit = capability(A, cost_limit=control.cost_limit, hold=hold)

@@ -17,6 +17,8 @@ from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_planar_model
 from cube_sim.mission.path import is_level, laps_of, speed_of
 from cube_sim.mission.planar_identification import identify_planar_model
+from cube_sim.mission.planar_speed import flyable_speed
+from cube_sim.mission.planar_water import planar_observer
 from cube_sim.mission.refusals import too_slow_period, wrong_depth
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.path_blocks import PointBlock
@@ -26,8 +28,6 @@ UNUSED = (
     "velocity_time_s",
     "attitude_time_s",
     "rate_time_s",
-    "disturbance_time_s",
-    "current_time_s",
     "cost_limit",
     "attitude",
     "priority",
@@ -71,6 +71,8 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
         raise ScenarioError(mistakes) from None
     if mistakes:
         raise ScenarioError(mistakes)
+    attainable = PlanarAttainableSet.of(vehicle.actuation_matrix, vehicle.thrusters.limits[:, [0, 3]])
+    profile = flyable_speed(profile, guidance, path, knowledge, attainable)
     limit = inf if guidance.target_speed_limit_m_s is None else guidance.target_speed_limit_m_s
     return PlanarFollower(
         target=VirtualTarget(path, guidance.target_gain_per_s, limit, laps=laps_of(scenario.path)),
@@ -91,7 +93,8 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
             least_speed=planar.least_speed_m_s,
             target_speed_limit=limit,
         ),
-        attainable=PlanarAttainableSet.of(vehicle.actuation_matrix, vehicle.thrusters.limits[:, [0, 3]]),
+        observer=planar_observer(scenario, knowledge, profile.least),
+        attainable=attainable,
     )
 
 

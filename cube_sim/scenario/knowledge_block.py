@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from cube_sim.scenario.file_names import ModelFile
-from cube_sim.scenario.values import Block
+from cube_sim.scenario.values import Block, Vector3
 
 
 class KnowledgeBlock(Block):
@@ -26,4 +26,9 @@ class KnowledgeBlock(Block):
     drag: float = Field(default=1.0, ge=0, description="Factor on linear and quadratic damping.")
     thrust: float = Field(
         default=1.0, gt=0, description="Factor on the actuation matrix: on what a newton of a thruster does."
+    )
+    current_m_s: Vector3 = Field(
+        default=(0.0, 0.0, 0.0),
+        description="Velocity of the water as the planar law knows it beforehand, world axes [m/s]: its estimate starts"
+        " from it, and with control.current_time_s: null it stays.",
     )

@@ -134,8 +134,7 @@ WRONG = {
         "6:23: initial.position_m: starts at z = -5.1 m, the path lies at z = -5 m, and nothing the controller asks for"
     ),
     ("lapierre_2007", "lapierre_2007, attitude: {mode: free}"): "control.attitude: the planar law has no use",
-    ("lapierre_2007", "lapierre_2007, current_time_s: null"): "control.current_time_s: the planar law has no use",
-    ("lapierre_2007", "lapierre_2007, disturbance_time_s: 2"): "control.disturbance_time_s: the planar law has no use",
+    ("lapierre_2007", "lapierre_2007, velocity_time_s: 2"): "control.velocity_time_s: the planar law has no use",
     ("lapierre_2007", "lapierre_2007, safe_mode: {distance_limit_m: 4}"): (
         "control.safe_mode.distance_limit_m: the planar law has no use for it"
     ),
@@ -173,7 +172,7 @@ def test_what_a_saved_scenario_writes_out_of_the_keys_it_has_no_use_for_is_no_mi
     path.write_text(MISSION)
     saved = tmp_path / "resolved.yaml"
     saved.write_text(load(path).resolved_yaml())
-    assert "current_time_s" in saved.read_text()
+    assert "velocity_time_s" in saved.read_text()
     prepare(load(saved))
 
 

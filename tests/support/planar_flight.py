@@ -7,8 +7,8 @@ from math import cos, inf, pi, sin
 import numpy as np
 
 from cube_sim.control.planar.approach_angle import ApproachAngle
-from cube_sim.control.planar.dynamic import DesiredSpeed, DynamicLaw, Gains, PlanarCommand
-from cube_sim.control.planar.model import PlanarModel, PlanarMotion
+from cube_sim.control.planar.dynamic import STILL, DesiredSpeed, DynamicLaw, Gains, PlanarCommand, Water
+from cube_sim.control.planar.model import PlanarCurrent, PlanarModel, PlanarMotion
 from cube_sim.control.planar.path_view import plane_view
 from cube_sim.guidance.law import TargetView
 
@@ -38,8 +38,8 @@ def see(path, x, y, psi_W, s):
     return plane_view(TargetView(s, inf, 0.0, point, error, np.zeros(3)), psi_W)
 
 
-def corrected(motion, view):
-    return LAW.command(motion, view, DesiredSpeed(SPEED))
+def corrected(motion, view, water=STILL):
+    return LAW.command(motion, view, DesiredSpeed(SPEED), water)
 
 
 def printed(resistance=-1.0, square=False, loop_solved=False):
@@ -70,16 +70,35 @@ def printed(resistance=-1.0, square=False, loop_solved=False):
     return law
 
 
-def derivative(law, path, q):
-    """d/dt of q = [x, y, psi_B, u, v, r, s], and the view at q."""
+def in_body(current, psi_B):
+    """A current (2,) [m/s] in world axes, in the axes of a hull at this heading."""
+    c, s = cos(psi_B), sin(psi_B)
+    return PlanarCurrent(c * current[0] + s * current[1], c * current[1] - s * current[0])
+
+
+def acceleration(motion, current, F, Gamma, model=INFANTE):
+    """(u', v', r') over ground of a hull in a current given in body axes."""
+    through = PlanarMotion(motion.u - current.u, motion.v - current.v, motion.r)
+    return np.array(
+        [
+            (F - model.d_u(through)) / model.m_u + motion.r * current.v,
+            model.sway_acceleration(through) - motion.r * current.u,
+            (Gamma - model.d_r(through)) / model.m_r,
+        ]
+    )
+
+
+def derivative(law, path, q, current=(0.0, 0.0)):
+    """d/dt of q = [x, y, psi_B, u, v, r, s] in a current in world axes, and the view at q.
+
+    The law gets the current only where there is one: it may take no more than the motion and the view.
+    """
     x, y, psi_B, u, v, r, s = q
-    motion = PlanarMotion(u, v, r)
-    view = see(path, x, y, psi_B + LAW.flow(motion).side_slip, s)
-    command = law(motion, view)
-    du = (command.F - INFANTE.d_u(motion)) / INFANTE.m_u
-    dr = (command.Gamma - INFANTE.d_r(motion)) / INFANTE.m_r
+    motion, flow = PlanarMotion(u, v, r), in_body(current, psi_B)
+    view = see(path, x, y, psi_B + LAW.flow(motion, flow).side_slip, s)
+    command = law(motion, view, Water(flow)) if any(current) else law(motion, view)
     dx, dy = u * cos(psi_B) - v * sin(psi_B), u * sin(psi_B) + v * cos(psi_B)
-    return np.array([dx, dy, r, du, INFANTE.sway_acceleration(motion), dr, command.ds]), view
+    return np.array([dx, dy, r, *acceleration(motion, flow, command.F, command.Gamma), command.ds]), view
 
 
 def step(rate, q, dt):
@@ -91,15 +110,15 @@ def step(rate, q, dt):
     return q + dt / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
 
-def fly(law, path, q, duration, dt=0.1):
+def fly(law, path, q, duration, dt=0.1, current=(0.0, 0.0)):
     """Rows [t, s1, y1, psi, u - u_d, psi - delta] of a flight from q."""
     rows = []
     q = np.array(q, dtype=float)
     for i in range(round(duration / dt)):
-        _, view = derivative(law, path, q)
+        _, view = derivative(law, path, q, current)
         error = view.psi - LAW.approach.at(view.y1).value
         rows.append([i * dt, view.s1, view.y1, view.psi, q[3] - SPEED, error])
-        q = step(lambda q: derivative(law, path, q)[0], q, dt)
+        q = step(lambda q: derivative(law, path, q, current)[0], q, dt)
     return np.array(rows)
 
 

@@ -34,6 +34,10 @@ class PlanarAttainableSet(NamedTuple):
         each = normals @ A[[0, 5]]
         return cls(normals, np.maximum(each * limits[:, 0], each * limits[:, 1]).sum(axis=1))
 
+    def holds(self, F: float, Gamma: float) -> bool:
+        """Whether a demand [N, N m] is attainable."""
+        return bool((self.normals @ (F, Gamma) <= self.sizes * (1.0 + 1e-9) + 1e-9).all())
+
     def saturate(self, F: float, Gamma: float) -> tuple[float, float]:
         """An attainable demand [N, N m]: itself where it is one, otherwise neither part at the cost of the other.
 
@@ -45,7 +49,7 @@ class PlanarAttainableSet(NamedTuple):
         2. The force takes what it wants of the rest.
         3. The torque takes what it wants of what that leaves.
         """
-        if (self.normals @ (F, Gamma) <= self.sizes * (1.0 + 1e-9) + 1e-9).all():
+        if self.holds(F, Gamma):
             return F, Gamma
         low, high = self._range(1, 0.0)
         F = float(np.clip(F, *self._range(0, float(np.clip(Gamma, 0.5 * low, 0.5 * high)))))

@@ -6,7 +6,7 @@ from math import cos, sin
 from typing import NamedTuple
 
 from cube_sim.control.planar.approach_angle import ApproachAngle
-from cube_sim.control.planar.model import PlanarModel, PlanarMotion
+from cube_sim.control.planar.model import STILL_WATER, PlanarCurrent, PlanarModel, PlanarMotion
 from cube_sim.control.planar.path_view import PathView, wrap
 
 
@@ -34,6 +34,26 @@ class DesiredSpeed(NamedTuple):
     value: float
     rate: float = 0.0
     bend: float = 0.0
+
+
+class Water(NamedTuple):
+    """What the law reckons with beside its model of the hull in still water.
+
+    Attributes:
+        current: velocity of the water, body axes.
+        du: what of u' the model does not explain [m/s^2].
+        dv: the same of v' [m/s^2].
+        dr: the same of r' [rad/s^2].
+    """
+
+    current: PlanarCurrent = STILL_WATER
+    du: float = 0.0
+    dv: float = 0.0
+    dr: float = 0.0
+
+
+STILL = Water()
+"""The water of the published law."""
 
 
 class PlanarCommand(NamedTuple):
@@ -86,8 +106,21 @@ class DynamicLaw(NamedTuple):
     Then psi - delta obeys e'' + (k1 + k3) e' + (k5 + k1 k3) e = 0. beta'' depends on r' = alpha_r through v''; the law
     is affine in it and is solved for it.
 
-    At low surge speed side-slip means nothing. The law is then evaluated as if u were `least_speed`, until its force
-    has brought the vehicle to speed.
+    In a current u, v and beta are taken over ground: then (1), (3) and (4) hold as they stand, psi_W is the course, and
+    s1, y1, psi - delta and u - u_d obey the same equations as in still water. Only (2) is about the velocity through
+    the water (u_r, v_r) = (u - u_c, v - v_c). As the hull turns, a steady current turns in body axes, u_c' = r v_c and
+    v_c' = -r u_c, so
+
+        F  = m_u (u' - r v_c) + d_u(u_r, v_r, r)            Gamma = m_r alpha_r + d_r(u_r, v_r, r)
+        v' = -(m_ur u_r r + d_v(u_r, v_r)) / m_v - r u_c    v'' likewise
+
+    Both are affine in r and r' again and solved for them (`PlanarModel.loop_gain`). The hull holds the crab angle at
+    which v_r is that of a turn in still water. This is the case of a current that is known of P. Encarnacao, A. Pascoal
+    and M. Arcak 2000 (Path following for marine vehicles in the presence of unknown currents, IFAC SYROCO), for the law
+    of 2007; `CurrentFilter` estimates one that is not.
+
+    At low surge speed side-slip means nothing. The law is then evaluated as if u and u_r were `least_speed` at least,
+    until its force has brought the vehicle to speed.
 
     Attributes:
         model: the vehicle.
@@ -103,12 +136,12 @@ class DynamicLaw(NamedTuple):
     least_speed: float
     target_speed_limit: float
 
-    def command(self, motion: PlanarMotion, path: PathView, speed: DesiredSpeed) -> PlanarCommand:
-        """Force and torque for a vehicle in this motion, seen from the virtual target."""
+    def command(self, motion: PlanarMotion, path: PathView, speed: DesiredSpeed, water: Water = STILL) -> PlanarCommand:
+        """Force and torque for a vehicle in this motion over ground, seen from the virtual target."""
         k1, _, k3, _, k5 = self.gains
         model, c_c, g_c = self.model, path.c_c, path.g_c
-        flow = self.flow(motion)
-        k = self.kinematics(motion, path, speed)
+        flow = self.flow(motion, water.current)
+        k = self.kinematics(motion, path, speed, water)
         alpha_r = (
             k.dddelta
             - k.ddbeta_without_dr
@@ -116,26 +149,35 @@ class DynamicLaw(NamedTuple):
             - (k5 + k1 * k3) * k.error
             + c_c * k.dds
             + g_c * k.ds**2
-        ) / model.loop_gain(flow)
-        return PlanarCommand(model.m_u * k.du + model.d_u(motion), model.m_r * alpha_r + model.d_r(motion), k.ds)
+        ) / model.loop_gain(flow, water.current)
+        through = motion.through(water.current)
+        du_through = k.du - motion.r * water.current.v
+        return PlanarCommand(
+            F=model.m_u * (du_through - water.du) + model.d_u(through),
+            Gamma=model.m_r * (alpha_r - water.dr) + model.d_r(through),
+            ds=k.ds,
+        )
 
-    def flow(self, motion: PlanarMotion) -> PlanarMotion:
-        """The motion for which side-slip is evaluated."""
-        return motion._replace(u=max(motion.u, self.least_speed))
+    def flow(self, motion: PlanarMotion, current: PlanarCurrent = STILL_WATER) -> PlanarMotion:
+        """The motion over ground for which side-slip is evaluated."""
+        return motion._replace(u=max(motion.u, self.least_speed + max(current.u, 0.0)))
 
-    def kinematics(self, motion: PlanarMotion, path: PathView, speed: DesiredSpeed) -> Kinematics:
+    def kinematics(self, motion: PlanarMotion, path: PathView, speed: DesiredSpeed, water: Water = STILL) -> Kinematics:
         """What `command` combines."""
         _, k2, _, k4, _ = self.gains
-        model, (s1, y1, psi, c_c, g_c) = self.model, path
-        # surge under its own loop, sway by (2)
+        model, (s1, y1, psi, c_c, g_c), current = self.model, path, water.current
+        # surge over ground under its own loop, sway by (2)
         du = speed.rate - k4 * (motion.u - speed.value)
         ddu = speed.bend - k4 * (du - speed.rate)
-        flow = self.flow(motion)
+        flow = self.flow(motion, current)
         u, v, r = flow
         v_t = flow.speed
-        dv = model.sway_acceleration(flow)
-        d_v_u, d_v_v = model.d_v_slopes(u, v)
-        ddv_without_dr = -(model.m_ur * du * r + d_v_u * du + d_v_v * dv) / model.m_v
+        through = flow.through(current)
+        du_through, dv_through = du - r * current.v, model.sway_acceleration(through) + water.dv
+        dv = dv_through - r * current.u
+        d_v_u, d_v_v = model.d_v_slopes(through.u, through.v)
+        ddv_through = -(model.m_ur * du_through * r + d_v_u * du_through + d_v_v * dv_through) / model.m_v
+        ddv_without_dr = ddv_through - r * r * current.v
         dv_t = (u * du + v * dv) / v_t
         dbeta = (u * dv - v * du) / v_t**2
         ddbeta_without_dr = (u * ddv_without_dr - v * ddu) / v_t**2 - 2.0 * dbeta * dv_t / v_t

@@ -9,32 +9,37 @@ import numpy as np
 from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.controller import Decision
 from cube_sim.control.planar.attainable_set import PlanarAttainableSet
-from cube_sim.control.planar.dynamic import DesiredSpeed, DynamicLaw
+from cube_sim.control.planar.dynamic import DesiredSpeed, DynamicLaw, Water
 from cube_sim.control.planar.kinematic import KinematicLaw
-from cube_sim.control.planar.model import PlanarMotion
+from cube_sim.control.planar.model import PlanarCurrent, PlanarMotion
+from cube_sim.control.planar.observer import PlanarObserver
 from cube_sim.control.planar.path_view import heading, plane_view
 from cube_sim.guidance.speed import SpeedProfile
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.spatial import State, Vector, quaternion_from_euler
+
+IN_PLANE = [0, 1, 5]
+"""Surge, sway and yaw among the components of a wrench."""
 
 
 @dataclass
 class PlanarFollower:
     """Follows a level path with a force ahead and a torque about the vertical; depth, roll and pitch are left alone.
 
-    It steers by moving ahead, so it does not stop. After the end of a path it runs on along the last tangent. The water
-    is taken to be at rest.
+    It steers by moving ahead, so it does not stop. After the end of a path it runs on along the last tangent.
 
     Attributes:
         target: the virtual target on the path; its gain is the law's k2.
         profile: u_d along the path; its rate of change is fed forward, the rate of that is not.
         law: equation (6).
+        observer: what it reckons with of the water.
         attainable: what the thrusters can make of its demand.
     """
 
     target: VirtualTarget
     profile: SpeedProfile
     law: DynamicLaw
+    observer: PlanarObserver
     attainable: PlanarAttainableSet
 
     def __post_init__(self) -> None:
@@ -50,24 +55,26 @@ class PlanarFollower:
         """See `Controller.decide`."""
         view = self.target.view(state.position, state.rotation @ state.velocity)
         motion = PlanarMotion(float(state.velocity[0]), float(state.velocity[1]), float(state.rates[2]))
-        flow = self.law.flow(motion)
         psi_B = heading(state.rotation)
+        water = self.observer.update(psi_B, motion, applied[IN_PLANE], dt)
+        flow = self.law.flow(motion, water.current)
         path = plane_view(view, psi_B + flow.side_slip)
         if view.remaining <= 0.0:
             path = path._replace(c_c=0.0, g_c=0.0)  # the path goes on straight
-        speed = self.profile.at(view.arc_length)
-        command = self.law.command(motion, path, DesiredSpeed(speed.value, speed.slope * view.speed))
+        speed = self.wanted_speed(view.arc_length, water.current, view.speed)
+        command = self.law.command(motion, path, speed, water)
         F, Gamma = self.attainable.saturate(command.F, command.Gamma)
         k1, k2 = self.law.gains.k1, self.law.gains.k2
-        wanted = KinematicLaw(self.law.model, self.law.approach, k1, k2).command(flow, path)
-        error = self.law.kinematics(motion, path, DesiredSpeed(speed.value)).error
+        kinematic = KinematicLaw(self.law.model, self.law.approach, k1, k2)
+        wanted = kinematic.command(flow, path, water.current, water.dv)
+        error = self.law.kinematics(motion, path, DesiredSpeed(speed.value), water).error
         self.target.advance(view.speed, dt)
         follows = self._authority is not Authority.SAFE
         return Decision(
             wrench=np.array([F, 0.0, 0.0, 0.0, 0.0, Gamma]) if follows else np.zeros(6),
             secondary=np.zeros(6),
-            disturbance=np.zeros(6),
-            current=np.zeros(3),
+            disturbance=self._disturbance(water),
+            current=np.append(self.observer.current, 0.0),
             view=view,
             remaining=view.remaining,
             velocity=np.array([speed.value, 0.0, 0.0]),
@@ -77,3 +84,25 @@ class PlanarFollower:
             authority=self._authority,
             given_up=self._given_up,
         )
+
+    def wanted_speed(self, arc_length: float, current: PlanarCurrent, target_speed: float) -> DesiredSpeed:
+        """u_d over ground: as planned, but through the water no slower than the water itself.
+
+        A hull that is slower than the current cannot head up against it when its path turns.
+
+        Args:
+            arc_length: of the target [m].
+            current: of the water.
+            target_speed: s' [m/s], at which the plan goes by.
+        """
+        planned, least = self.profile.at(arc_length), current.u + current.speed
+        if planned.value < least:
+            return DesiredSpeed(least)
+        return DesiredSpeed(planned.value, planned.slope * target_speed)
+
+    def _disturbance(self, water: Water) -> Vector:
+        """What the model does not explain, as a wrench (6,) [N, N m]."""
+        model = self.law.model
+        result = np.zeros(6)
+        result[IN_PLANE] = model.m_u * water.du, model.m_v * water.dv, model.m_r * water.dr
+        return result

@@ -29,6 +29,30 @@ class PlanarMotion(NamedTuple):
         """beta = atan2(v, u) [rad]: the flow angle psi_W is psi_B + beta."""
         return atan2(self.v, self.u)
 
+    def through(self, current: PlanarCurrent) -> PlanarMotion:
+        """The motion through water that moves, of a motion over ground."""
+        return PlanarMotion(self.u - current.u, self.v - current.v, self.r)
+
+
+class PlanarCurrent(NamedTuple):
+    """Velocity of the water over ground, body axes: the same water turns backwards as the hull turns.
+
+    Attributes:
+        u: ahead [m/s].
+        v: to the left [m/s].
+    """
+
+    u: float
+    v: float
+
+    @property
+    def speed(self) -> float:
+        """[m/s]."""
+        return hypot(self.u, self.v)
+
+
+STILL_WATER = PlanarCurrent(0.0, 0.0)
+
 
 class PlanarModel(NamedTuple):
     """Equation (2) of Lapierre and Soetanto 2007 (Ocean Eng. 34), written with what resists on the left.
@@ -37,7 +61,8 @@ class PlanarModel(NamedTuple):
         0     = m_v v' + m_ur u r + d_v   d_v = D_v v + D_vv v|v| + D_uv u v
         Gamma = m_r r' + d_r              d_r = K_r r + K_rr r|r| + K_v v + K_vv v|v| + K_uv u v + K_ur u r
 
-    Their vehicle has m_vr = 0; by Kirchhoff's equations it is m_v.
+    Their vehicle has m_vr = 0; by Kirchhoff's equations it is m_v. In a steady current the equations hold for the
+    velocity through the water (Fossen 2011, Handbook of Marine Craft Hydrodynamics and Motion Control, section 8.3).
 
     Attributes:
         m_u: mass with added mass, surge [kg].
@@ -99,10 +124,18 @@ class PlanarModel(NamedTuple):
         u, v, r = motion
         return -(self.m_ur * u * r + self.d_v(u, v)) / self.m_v
 
-    def loop_gain(self, motion: PlanarMotion) -> float:
-        """1 - (m_ur / m_v) cos^2 beta: how much of a yaw rate turns the flow angle, the rest being side-slip.
+    def loop_gain(self, motion: PlanarMotion, current: PlanarCurrent = STILL_WATER) -> float:
+        """How much of a yaw rate turns the course over ground, the rest being side-slip.
 
-        beta' = (u v' - v u') / v_t^2 holds r through v', and beta'' holds r' in the same way; a law for psi_W has to
-        divide by this. It is positive for every side-slip iff m_ur < m_v.
+        In still water it is 1 - (m_ur / m_v) cos^2 beta. beta' = (u v' - v u') / v_t^2 holds r through v', and beta''
+        holds r' in the same way; a law for psi_W has to divide by this. In a current v' = v_r' - r u_c, and the gain is
+        (v^2 + (1 - m_ur / m_v) u u_r) / v_t^2: positive where m_ur < m_v and the hull moves ahead both over ground and
+        through the water.
+
+        Args:
+            motion: over ground.
+            current: of the water.
         """
-        return 1.0 - self.m_ur / self.m_v * cos(motion.side_slip) ** 2
+        ratio = self.m_ur / self.m_v
+        drift = (1.0 - ratio) * motion.u * current.u / motion.speed**2
+        return 1.0 - ratio * cos(motion.side_slip) ** 2 - drift

@@ -1,0 +1,80 @@
+"""The speed along a path, lowered where a planar hull cannot turn as the path does."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import hypot
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.control.planar.attainable_set import PlanarAttainableSet
+from cube_sim.control.planar.model import PlanarModel
+from cube_sim.control.planar.turning import turning_speed
+from cube_sim.guidance.path import Path
+from cube_sim.guidance.speed import PlannedSpeed, Speed, SpeedProfile
+from cube_sim.scenario.schema import GuidanceBlock
+
+SAMPLES = 16
+"""Curvatures looked at between two edges of a path, and kinds of curve told apart on all of it."""
+
+
+class TurningSpeed(NamedTuple):
+    """A profile lowered to what a hull can keep: planned round its curves, or as slow as its slowest curve asks.
+
+    Attributes:
+        wanted: before.
+        planned: nowhere faster than what its curve allows.
+        slowest: a speed that every curve allows [m/s].
+    """
+
+    wanted: SpeedProfile
+    planned: SpeedProfile
+    slowest: float
+
+    @property
+    def least(self) -> float:
+        """The lowest speed anywhere [m/s]."""
+        return max(self.planned.least, min(self.wanted.least, self.slowest))
+
+    def at(self, s: float) -> Speed:
+        """The speed at arc length s [m]: the higher one of the two, both of which can be flown."""
+        wanted, planned = self.wanted.at(s), self.planned.at(s)
+        steady = wanted if wanted.value <= self.slowest else Speed(self.slowest, 0.0)
+        return max(planned, steady, key=lambda speed: speed.value)
+
+
+def flyable_speed(
+    wanted: SpeedProfile, guidance: GuidanceBlock, path: Path, model: PlanarModel, attainable: PlanarAttainableSet
+) -> SpeedProfile:
+    """The wanted profile, or where the thrusters cannot keep it in a curve, one that they can.
+
+    In a curve u_d^2 |curvature| is bounded by its least value among the curves that have to be slower, with the braking
+    planned ahead (`PlannedSpeed`). Thrusters and drag are those of the hull as known, in still water, none dead.
+
+    Args:
+        wanted: what the scenario asks for.
+        guidance: the block that says so.
+        path: the path.
+        model: the controller's knowledge of the hull.
+        attainable: what its thrusters can make.
+    """
+    straight = turning_speed(model, attainable, 0.0, guidance.speed_m_s)
+    allowed = [(c, turning_speed(model, attainable, c, straight)) for c in _curvatures(path)]
+    slowest = min(u for _, u in allowed)
+    if slowest >= guidance.speed_m_s:
+        return wanted
+    lateral = [c * u * u for c, u in allowed if u < straight]
+    if guidance.lateral_acceleration_m_s2 is not None:
+        lateral.append(guidance.lateral_acceleration_m_s2)
+    bound = min(lateral) if lateral else straight**2 * max(c for c, _ in allowed) + 1.0  # straight on is all there is
+    return TurningSpeed(wanted, PlannedSpeed(path, straight, bound, guidance.along_acceleration_m_s2), slowest)
+
+
+def _curvatures(path: Path) -> NDArray[np.float64]:
+    """The kinds of curve on the path, the tightest among them, in rising order [1/m]."""
+    shares = np.linspace(0.0, 1.0, SAMPLES, endpoint=False)
+    stations = np.concatenate([first + (last - first) * shares for first, last in pairwise(path.edges)])
+    found = [hypot(*path.at(s).curvature) for s in (*stations, path.length)]
+    return np.unique(np.quantile(found, np.linspace(0.0, 1.0, SAMPLES + 1), method="nearest"))
