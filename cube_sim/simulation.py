@@ -17,11 +17,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.allocation import Allocation
 from cube_sim.checks import evaluate
 from cube_sim.control.authority import remaining_capability
+from cube_sim.control.controller import Decision
 from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.mission.divergence import divergence
+from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.run_header import header, versions
 from cube_sim.mission.supply import allocate_at
 from cube_sim.mission.surface_watch import SurfaceWatch, path_above_surface
@@ -154,6 +157,7 @@ def _run_ticks(mission: Mission, recorder: Recorder, warnings: list[str], progre
     ticks_per_second = max(1, round(1.0 / scenario.control_period_s))
     _describe(mission, recorder)
     applied, unattainable, logged_reason = np.zeros(6), UnattainableLog(recorder), ""
+    pace = PaceLog(recorder, scenario.guidance.speed_m_s)
     surface, t, failure = SurfaceWatch(recorder, model, mission.vehicle), 0.0, None
     for k in range(ticks + 1):
         t = k * scenario.control_period_s
@@ -170,14 +174,16 @@ def _run_ticks(mission: Mission, recorder: Recorder, warnings: list[str], progre
         if _update_health(mission, recorder, t) or other_voltage or k == 0:
             _record_actuation(mission, recorder, t)
         try:
-            applied, status, given_up = _tick(mission, recorder, t, applied)
+            decision, allocation = _tick(mission, recorder, t, applied)
         except _NotANumberError as error:
             failure = str(error)
             break
-        unattainable.note(t, status)
-        if given_up != logged_reason:
-            _log_given_up(mission, recorder, t, given_up)
-            logged_reason = given_up
+        applied = allocation.wrench
+        unattainable.note(t, allocation.status)
+        pace.note(t, decision.pace)
+        if decision.given_up != logged_reason:
+            _log_given_up(mission, recorder, t, decision.given_up)
+            logged_reason = decision.given_up
         mission.drop_weight.lift(data)
         if k < ticks:
             mujoco.mj_step(model, data, nstep=steps)
@@ -223,10 +229,10 @@ def _update_health(mission: Mission, recorder: Recorder, t: float) -> bool:
     return True
 
 
-def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.float64]):
+def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.float64]) -> tuple[Decision, Allocation]:
     """One control period up to the thruster commands.
 
-    Returns the wrench the commands make, the allocation's status and why the path is given up, if it is.
+    Returns what the controller decided and what was allocated for it.
 
     Args:
         mission: whose MuJoCo data are up to date at t.
@@ -237,7 +243,7 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     vehicle, data, allocator = mission.vehicle, mission.data, mission.allocator
     state = read_state(vehicle, data)
     known = state if mission.estimation is None else mission.estimation.estimate(state, data, recorder, t)
-    decision = mission.controller.decide(known, applied, mission.scenario.control_period_s)
+    decision = mission.controller.decide(known, applied, mission.scenario.control_period_s, mission.supply.force_ratio)
     if not all(np.isfinite(values).all() for values in (decision.wrench, decision.quaternion, decision.view.error)):
         raise _NotANumberError("the controller's answer is not a number")
     allocation, thruster_force = allocate_at(mission.supply.force_ratio, allocator, decision.wrench, decision.secondary)
@@ -268,7 +274,7 @@ def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.fl
     recorder.append("health", t, mission.events.health.efficiency, believed, decision.authority)
     water = water_velocity(mission.model, t, state.position[2])
     recorder.append("water", t, water, decision.current)
-    return allocation.wrench, allocation.status, decision.given_up
+    return decision, allocation
 
 
 def _log_given_up(mission: Mission, recorder: Recorder, t: float, reason: str) -> None:

@@ -15,18 +15,21 @@ in it; with yaw and one direction of force the heading points that force, as a u
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import NamedTuple, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.actuation.attainable.attainable_set import attainable_set
 from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
 from cube_sim.control.effort import effort_matrix
 from cube_sim.control.levelling import UP
+from cube_sim.control.pace import ForceBudget
 from cube_sim.control.yielding import WaterHold
 from cube_sim.spatial import Matrix, Vector
+from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, SPATIAL, WrenchAxes
 from cube_sim.wrench.health import Health
 from cube_sim.wrench.matrix import lever_arm
@@ -36,6 +39,8 @@ OUT_OF_PLANE = np.array([False, False, True, True, True, False])
 """Heave, roll and pitch among the components of a wrench."""
 FORCES_YIELD = np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 """Weights of a projection that keeps torques, see `cube_sim.control.yielding`."""
+NOTHING = 1e-9
+"""Squared weight of a lost combination that counts as none [1]."""
 DEAR = 10.0
 """A direction that costs more than this many times the cheapest one's is left alone where the vehicle flies without."""
 LEAST_SHARE = 0.1
@@ -77,6 +82,7 @@ class Capability:
         effort: Q (6,6) [1, 1/m, 1/m^2], of `effort_matrix`.
         held: (6,) [N, N m] the wrench of thrusters that are stuck; it comes on top of whatever the others do.
         within_cost_limit: (6,6) projector onto the wrenches within the cost limit; None where no direction exceeds it.
+        budget: what they can make; None where their limits are not known.
     """
 
     authority: Authority
@@ -87,6 +93,7 @@ class Capability:
     effort: Matrix
     held: Vector
     within_cost_limit: Matrix | None = None
+    budget: ForceBudget | None = None
 
     @property
     def constants(self) -> Vector:
@@ -119,7 +126,15 @@ class Capability:
             )
         lost = np.concatenate([self.lost_forces, self.lost_torques])
         directions = weights @ lost
-        return wrench - directions @ np.linalg.solve(lost.T @ directions, lost.T @ wrench - self.constants)
+        # A hull that lies over holds nothing for a while: what can yield in nothing is left to the allocation.
+        inner = lost.T @ directions + NOTHING * np.eye(lost.shape[1])
+        return wrench - directions @ np.linalg.solve(inner, lost.T @ wrench - self.constants)
+
+    def project_all(self, wrenches: Matrix, weights: Matrix) -> Matrix:
+        """`project_onto_range` of many wrenches (q,6)."""
+        if not self.steers_by_attitude and self.within_cost_limit is None and not self.level:
+            return wrenches
+        return np.array([self.project_onto_range(wrench, weights) for wrench in wrenches])
 
 
 def remaining_capability(
@@ -139,7 +154,14 @@ def remaining_capability(
     """
     passes_dead_zone = (limits[:, 0] < limits[:, 1]) | (limits[:, 3] > limits[:, 2])
     counts = health.responsive & (health.efficiency >= LEAST_SHARE) & passes_dead_zone
-    return capability(A[:, counts], A @ np.nan_to_num(health.stuck), cost_limit=cost_limit, whole=A, hold=hold)
+    left = capability(A[:, counts], A @ np.nan_to_num(health.stuck), cost_limit=cost_limit, whole=A, hold=hold)
+    if not counts.any():
+        return left
+    whole_forces = AllowedForces.from_limits(
+        limits[counts] * health.efficiency[counts, None], int(counts.sum()), dead_zones=False
+    )
+    budget = ForceBudget(attainable_set(subspaces(A[:, counts]), whole_forces), left.held)
+    return replace(left, budget=budget)
 
 
 def capability(

@@ -24,6 +24,7 @@ class Decision(NamedTuple):
         quaternion: desired attitude q_WD (4,) wxyz.
         attitude_error: angle between desired and actual attitude [rad].
         authority: how it flies with the thrusters it believes to have.
+        pace: share of the speed along the path that is asked for; below 1 where the thrusters cannot keep it.
         given_up: why the path is no longer followed and what is done instead; "" while it is.
     """
 
@@ -38,19 +39,21 @@ class Decision(NamedTuple):
     quaternion: Vector
     attitude_error: float
     authority: Authority
+    pace: float = 1.0
     given_up: str = ""
 
 
 class Controller(Protocol):
     """A law from the vehicle's state to the wrench that should act on it; keeps its own virtual target."""
 
-    def decide(self, state: State, applied: Vector, dt: float) -> Decision:
+    def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """The wrench for the coming tick.
 
         Args:
             state: the vehicle now.
             applied: wrench (6,) [N, N m] the thrusters were allocated over the tick before, body axes.
             dt: length of a tick [s].
+            force_ratio: share of their force that the supply leaves the thrusters.
         """
         ...
 

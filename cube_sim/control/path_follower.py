@@ -12,18 +12,28 @@ from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
-from cube_sim.control.loops import MotionLoops
+from cube_sim.control.loops import MotionLoops, Reference
+from cube_sim.control.pace import largest_pace
 from cube_sim.control.priority import split_path_first
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.approach import Approach
-from cube_sim.guidance.law import MotionLaw, Target, TargetView
-from cube_sim.spatial import State, Vector
+from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
+from cube_sim.spatial import Matrix, State, Vector, cross
 
 SLOWER = 2.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
 SLOWER_ACROSS = 5.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
+
+
+def along_path(motion: DesiredMotion, view: TargetView) -> DesiredMotion:
+    """The part of a motion along the path; it turns with the path frame, at s' [0, -k2, k1] about its axes."""
+    T, N1, N2 = view.point.rotation.T
+    k1, k2 = view.point.curvature
+    along = float(motion.velocity @ T)
+    turning = along * view.speed * (k1 * N1 + k2 * N2)
+    return DesiredMotion(along * T, (motion.acceleration @ T) * T + turning)
 
 
 @dataclass
@@ -41,6 +51,7 @@ class PathFollower:
         safe_mode: what to do when the path cannot be followed.
         hold: what the water holds of the hull.
         most_rest: how much of a force that could not be made is asked for again at the next tick [N].
+        waits: whether the speed along the path falls to what the thrusters can keep.
         capability: what the thrusters can still do; demands are projected onto it.
         path_first: whether the attitude gives way to the path when the thrusters cannot serve both. Where the attitude
             has to point the thrust, it never does.
@@ -56,6 +67,7 @@ class PathFollower:
     safe_mode: SafeMode
     hold: WaterHold
     most_rest: float = 0.0
+    waits: bool = True
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
     path_first: bool = False
 
@@ -64,6 +76,7 @@ class PathFollower:
         self._force: Vector = np.zeros(3)
         self._torque: Vector = np.zeros(3)
         self._asked: Vector | None = None
+        self._force_ratio = 1.0
         self._goal: SafeModeGoal | None = None
         self._balanced: BalancedAttitude | None = None
         self._monitor = LossOfTargetMonitor(self.safe_mode)
@@ -84,8 +97,9 @@ class PathFollower:
             if isinstance(self.approach, Approach):
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
 
-    def decide(self, state: State, applied: Vector, dt: float) -> Decision:
+    def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """See `Controller.decide`."""
+        self._force_ratio = force_ratio
         view = self.target.view(state.position, state.rotation @ state.velocity)
         goal = self._safe_mode_goal(state, view, dt)
         motion = self._approach.motion(view) if goal is None else goal.motion(state.position)
@@ -93,6 +107,16 @@ class PathFollower:
         situation = Situation(view, state.rotation, self._force, self._torque, current, self.capability.effort)
         attitude = self._mode(state).attitude(situation, dt)
         wrench, reference = self._loops.wrench(state, motion, attitude, current)
+        pace = 1.0
+        if goal is None and self.waits and isinstance(self._approach, Approach):
+            pace = self._pace(state, motion, view, wrench - disturbance, reference, disturbance, current)
+            if pace < 1.0:
+                along = along_path(motion, view)
+                motion = DesiredMotion(
+                    motion.velocity + (pace - 1.0) * along.velocity,
+                    motion.acceleration + (pace - 1.0) * along.acceleration,
+                )
+                wrench, reference = self._loops.wrench(state, motion, attitude, current)
         demanded = wrench - disturbance
         self._force = state.rotation @ demanded[:3]
         self._torque = reference.steady_torque - disturbance[3:]
@@ -112,6 +136,7 @@ class PathFollower:
             quaternion=attitude.quaternion,
             attitude_error=reference.attitude_error,
             authority=self.capability.authority if goal is None else Authority.SAFE,
+            pace=pace,
             given_up="" if goal is None else goal.reason,
         )
 
@@ -122,6 +147,41 @@ class PathFollower:
             reason = lost or self._monitor.reason(view, dt)
             self._goal = SafeModeGoal(self.safe_mode, state, reason) if reason else None
         return self._goal
+
+    def _pace(
+        self,
+        state: State,
+        motion: DesiredMotion,
+        view: TargetView,
+        demanded: Vector,
+        reference: Reference,
+        disturbance: Vector,
+        current: Vector,
+    ) -> float:
+        """The share of the speed along the path that the thrusters can keep, 1 at most."""
+        budget = self.capability.budget
+        if budget is None:
+            return 1.0
+        loops, dynamics, R = self._loops, self.loops.dynamics, state.rotation
+        hold = reference.steady_torque - disturbance[3:] - cross(dynamics.righting_moment, R[2])
+        weights = self.hold.weights(R[2], float(np.linalg.norm(demanded[:3])))
+        along = along_path(motion, view)
+        velocity, acceleration = along.velocity @ R, along.acceleration @ R
+        flow, mass = current @ R, dynamics.total_mass[:3, :3]
+        D, D_q = dynamics.linear_damping[:3, :3], dynamics.quadratic_damping[:3, :3]
+
+        def drag(v: Matrix) -> Matrix:
+            return (v - flow) @ D.T + (np.abs(v - flow) * (v - flow)) @ D_q.T
+
+        def demand(paces: Vector) -> Matrix:
+            fewer = (paces - 1.0)[:, None]
+            push = fewer * (mass @ (velocity / loops.velocity_time + acceleration))
+            v = reference.velocity + fewer * velocity
+            forces = demanded[:3] + push + drag(v) - drag(reference.velocity[None])
+            wrenches = np.hstack([forces, np.tile(hold, (len(paces), 1))])
+            return self.capability.project_all(wrenches, weights)
+
+        return largest_pace(lambda wrenches: budget.allows(wrenches, self._force_ratio), demand)
 
     def _rest(self, applied: Vector) -> Vector:
         """What was not made of the last demand (6,), bounded: what a dead zone swallows is asked for again."""

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from cube_sim.actuation.directions.selection_criteria import final_approach
-from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability, capability
+from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability, remaining_capability
 from cube_sim.control.controller import Controller
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
@@ -29,6 +29,7 @@ from cube_sim.scenario import Loaded, Scenario, schema
 from cube_sim.spatial import Matrix
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.wrench.health import Health
 
 REST = 3.0
 """How many times the force at which the widest dead zone ends is asked for again where it could not be made."""
@@ -45,7 +46,8 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
     time, flow = control.disturbance_time_s, control.current_time_s
     hold = water_hold(loaded.scenario, dynamics)
-    whole = capability(believed.vehicle.actuation_matrix, hold=hold)
+    A, limits = scenario.knowledge.thrust * believed.vehicle.actuation_matrix, believed.vehicle.thrusters.limits
+    whole = remaining_capability(A, limits, Health.whole(A.shape[1]), hold=hold)
     if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
         return planar_follower(loaded, believed, path)
     times = _times(scenario, believed.vehicle)
@@ -54,8 +56,7 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
         text = "only the planar law takes a current that is known, the law for all axes estimates it: leave it out"
         mistakes.append(loaded.mistake("knowledge.current_m_s", text))
     if control.cost_limit is not None:
-        A = scenario.knowledge.thrust * believed.vehicle.actuation_matrix
-        within_limit = capability(A, cost_limit=control.cost_limit, hold=hold)
+        within_limit = remaining_capability(A, limits, Health.whole(A.shape[1]), control.cost_limit, hold)
         if within_limit.authority is Authority.SAFE and whole.authority is not Authority.SAFE:
             text = f"what is left of this vehicle at {control.cost_limit:g} N/N follows no path; " + _costs(A, whole)
             mistakes.append(loaded.mistake("control.cost_limit", text))
@@ -79,6 +80,7 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
         safe_mode=_safe_mode(control.safe_mode),
         hold=hold,
         most_rest=REST * float(np.abs(believed.vehicle.thrusters.limits[:, 1:3]).max(initial=0.0)),
+        waits=scenario.guidance.wait_for_thrusters,
         capability=whole,
         path_first=is_path_first(control),
     )

@@ -111,6 +111,11 @@ class GuidanceBlock(Block):
     target_speed_limit_m_s: float | None = Field(
         default=None, gt=0, description="Bound on |s'|, the virtual target's speed [m/s]. Default: none."
     )
+    wait_for_thrusters: bool = Field(
+        default=True,
+        description="Whether the speed along the path falls to what the thrusters can keep where they cannot make all"
+        " that is asked (path_following, law for all axes). false: the path is cut instead.",
+    )
     stop_at_end: bool = Field(
         default=True, description="Whether to come to rest at the end, or run on along the last tangent."
     )

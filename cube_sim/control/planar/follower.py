@@ -51,7 +51,7 @@ class PlanarFollower:
         self._authority = Authority.UNICYCLE if left.pure_forces.shape[1] else Authority.SAFE
         self._given_up = "" if left.pure_forces.shape[1] else f"{left.reason}; it drifts"
 
-    def decide(self, state: State, applied: Vector, dt: float) -> Decision:
+    def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """See `Controller.decide`."""
         view = self.target.view(state.position, state.rotation @ state.velocity)
         motion = PlanarMotion(float(state.velocity[0]), float(state.velocity[1]), float(state.rates[2]))

@@ -1,0 +1,37 @@
+"""Messages about a path that is followed more slowly than asked, few enough to be read."""
+
+from __future__ import annotations
+
+from cube_sim.recording.recorder import Recorder
+
+PATIENCE_S = 2.0
+"""A change is logged once it has lasted this long: a start or a gust is no news."""
+SLOWER = 0.95
+"""Share of the speed asked for below which the vehicle is said to be slower."""
+
+
+class PaceLog:
+    """Logs when the thrusters have not kept the speed along the path for a while, and when they have again.
+
+    Args:
+        recorder: gets the messages.
+        speed_m_s: asked for along the path [m/s].
+    """
+
+    def __init__(self, recorder: Recorder, speed_m_s: float) -> None:
+        self._recorder, self._speed = recorder, speed_m_s
+        self._logged, self._since = False, 0.0
+
+    def note(self, t: float, pace: float) -> None:
+        """Take in the share of the speed of one tick, at t [s]."""
+        slower = pace < SLOWER
+        if slower is self._logged:
+            self._since = t
+        elif t - self._since >= PATIENCE_S:
+            self._logged = slower
+            if slower:
+                asked, left = f"{self._speed:g} m/s along the path", f"{max(0.0, pace) * self._speed:.2g} m/s"
+                text = f"the thrusters cannot keep {asked}: it goes on at {left}, and the path is kept"
+                self._recorder.log(t, "WARNING", text)
+            else:
+                self._recorder.log(t, "INFO", "the thrusters keep the speed along the path again")
