@@ -92,6 +92,25 @@ def test_told_more_than_it_can_keep_the_vehicle_holds_its_circle_at_what_it_can(
     assert run.signals["velocity.linear"][-1, 1] > 2.0
 
 
+@pytest.mark.flight
+def test_a_fast_hull_short_of_torque_slows_down_and_settles(tmp_path):
+    """At 1.98 m/s, with the torque cut off and nothing given up, it swings about this line by 5 m for ever."""
+    changes = {
+        "guidance.speed_m_s": 1.98,
+        "current_m_s": [-0.06, -0.03, 0.0],
+        "initial.position_m": [-5.1, 7.7, -5.0],
+        "initial.attitude_deg": [0.0, 0.0, -129.0],
+        "initial.velocity_m_s": [0.09, 0.0, 0.0],
+        "knowledge": {"drag": 0.79, "thrust": 1.11},
+        "duration_s": 60,
+        "checks": [{"kind": "allowed_forces"}],
+    }
+    run = cube_sim.run(SCENARIOS / "infante_line_current.yaml", changes, out=tmp_path / "out")
+    track = run.signals["path_error.cross_track"]
+    assert track[track[:, 0] >= 45.0, 1].max() < 0.02
+    assert run.signals["velocity.linear"][-1, 1] > 1.5
+
+
 def test_the_scenarios_as_they_stand_keep_their_speeds():
     for name in ("infante_circle", "infante_line", "infante_sinusoid"):
         follower = prepare(load(SCENARIOS / f"{name}.yaml")).controller

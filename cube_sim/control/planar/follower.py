@@ -14,6 +14,7 @@ from cube_sim.control.planar.kinematic import KinematicLaw
 from cube_sim.control.planar.model import PlanarCurrent, PlanarMotion
 from cube_sim.control.planar.observer import PlanarObserver
 from cube_sim.control.planar.path_view import heading, plane_view
+from cube_sim.control.planar.short_of_torque import ShortOfTorque
 from cube_sim.guidance.speed import SpeedProfile
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.spatial import State, Vector, quaternion_from_euler
@@ -45,6 +46,7 @@ class PlanarFollower:
     def __post_init__(self) -> None:
         """Fly with the thrusters of the hull as built."""
         self._authority, self._given_up = Authority.UNICYCLE, ""
+        self._short = ShortOfTorque()
 
     def reconfigure(self, left: Capability) -> None:
         """Go on while there is a force that comes without a torque; then the other direction steers."""
@@ -64,6 +66,7 @@ class PlanarFollower:
         speed = self.wanted_speed(view.arc_length, water.current, view.speed)
         command = self.law.command(motion, path, speed, water)
         F, Gamma = self.attainable.saturate(command.F, command.Gamma)
+        self._short.update(motion.u, self.profile.at(view.arc_length).value, command.Gamma, Gamma, dt)
         k1, k2 = self.law.gains.k1, self.law.gains.k2
         kinematic = KinematicLaw(self.law.model, self.law.approach, k1, k2)
         wanted = kinematic.command(flow, path, water.current, water.dv)
@@ -86,19 +89,20 @@ class PlanarFollower:
         )
 
     def wanted_speed(self, arc_length: float, current: PlanarCurrent, target_speed: float) -> DesiredSpeed:
-        """u_d over ground: as planned, but through the water no slower than the water itself.
+        """u_d over ground: as planned, less what is given up for want of torque.
 
-        A hull that is slower than the current cannot head up against it when its path turns.
+        Through the water it is no slower than the water itself: a hull that is slower than the current cannot head up
+        against it when its path turns.
 
         Args:
             arc_length: of the target [m].
             current: of the water.
             target_speed: s' [m/s], at which the plan goes by.
         """
-        planned, least = self.profile.at(arc_length), current.u + current.speed
-        if planned.value < least:
+        planned, least, share = self.profile.at(arc_length), current.u + current.speed, self._short.share
+        if share * planned.value < least:
             return DesiredSpeed(least)
-        return DesiredSpeed(planned.value, planned.slope * target_speed)
+        return DesiredSpeed(share * planned.value, share * planned.slope * target_speed)
 
     def _disturbance(self, water: Water) -> Vector:
         """What the model does not explain, as a wrench (6,) [N, N m]."""

@@ -1,0 +1,34 @@
+"""How much of the speed wanted a hull gives up while it is short of the torque to turn as it should."""
+
+from __future__ import annotations
+
+LEAST_SHARE = 0.5
+"""Share of the speed wanted that is always kept: it is what the hull steers by."""
+FALL, RISE = 0.2, 0.02
+"""How fast that share falls while the torque does not suffice, and rises again after [1/s]."""
+
+
+class ShortOfTorque:
+    """The torque that a change of course takes grows with the square of the speed; what the thrusters make does not.
+
+    A law whose torque is cut off at a high speed turns too late, and may swing about its path for ever. So the speed
+    falls until the torque suffices, and comes back slowly enough for the course to settle. Below `LEAST_SHARE` of the
+    speed wanted it is the speed that is missing, not the torque, and nothing is given up.
+    """
+
+    def __init__(self) -> None:
+        self.share = 1.0
+
+    def update(self, u: float, wanted: float, asked: float, made: float, dt: float) -> None:
+        """Learn from one tick.
+
+        Args:
+            u: surge [m/s].
+            wanted: the speed wanted, nothing given up [m/s].
+            asked: torque of the law [N m].
+            made: the part of it that is attainable [N m].
+            dt: length of the tick [s].
+        """
+        short = abs(asked) > 1.02 * abs(made) and u > LEAST_SHARE * wanted
+        step = -FALL if short else RISE
+        self.share = min(max(self.share + dt * step, LEAST_SHARE), 1.0)
