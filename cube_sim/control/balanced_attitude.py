@@ -93,6 +93,8 @@ class BalancedAttitude:
         torque = self._torque - cross(self._righting, z)
         imbalance = self._forces.T @ F + self._torques.T @ torque - self._constants
         J = self._forces.T @ skew(F) - self._torques.T @ skew(self._righting) @ skew(z)
+        if self._level:  # it turns about the vertical only, and no other turn counts as a way out
+            J = np.outer(J @ z, z)
         inverse = J.T @ np.linalg.inv(J @ J.T + SOFTNESS_N**2 * np.eye(len(J)))
         error = quaternion_from_rotation(R.T @ rotation_from_quaternion(wish.quaternion))
         second = R.T @ wish.rates + 2.0 * error[1:] / self._wish_time

@@ -20,7 +20,7 @@ HELIX = Helix([0.0, 0.0, 0.0], 3.0, 8.0, 2.0)
 
 def seen(view: TargetView) -> Situation:
     """These attitudes ask for nothing but the view."""
-    return Situation(view, np.eye(3), np.zeros(3), np.zeros(3), np.eye(6))
+    return Situation(view, np.eye(3), np.zeros(3), np.zeros(3), np.zeros(3), np.eye(6))
 
 
 def at(path, s: float, speed: float = 0.4) -> Situation:

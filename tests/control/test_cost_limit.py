@@ -1,5 +1,7 @@
 """Directions that cost too much: given up as if thrusters were missing, by the judgement and in flight."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from support.flights import FORCES_ONLY, said
@@ -8,8 +10,9 @@ from support.places import MODELS, SCENARIOS
 import cube_sim
 from cube_sim import Vehicle, load_model
 from cube_sim.actuation.directions.selection_criteria import final_approach
-from cube_sim.control.authority import Authority, capability, remaining_capability
+from cube_sim.control.authority import DEAR, Authority, capability, remaining_capability
 from cube_sim.control.path_follower import PathFollower
+from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ScenarioError
 from cube_sim.mission import prepare
 from cube_sim.scenario import load
@@ -49,16 +52,46 @@ def test_a_costly_direction_is_lost_as_one_without_thrusters_is(vehicle):
     length = lever_arm(A, SPATIAL)
     directions = final_approach(left, length_m=length)
     assert directions.costs[-1] > 30 > 1 > directions.costs[-2]
-    assert damaged(vehicle).authority is Authority.HOLONOMIC
-    with_limit = damaged(vehicle, 10.0)
-    assert with_limit.authority is Authority.PLANE
-    assert with_limit.pure_forces.shape == (3, 2)
-    assert "too costly but together" in with_limit.reason
+    assert damaged(vehicle, 100.0).authority is Authority.HOLONOMIC
     rng = np.random.default_rng(0)
-    for demand in rng.normal(size=(20, 6)) * [20, 20, 20, 5, 5, 5]:
-        asked = with_limit.project_onto_range(demand)
-        assert directions.coordinates(asked)[-1] == pytest.approx(0, abs=1e-9)
-        assert np.allclose(asked[3:], demand[3:])
+    for limit in (10.0, None):
+        with_limit = damaged(vehicle, limit)
+        assert with_limit.authority is Authority.PLANE
+        assert with_limit.pure_forces.shape == (3, 2)
+        assert "too costly but together" in with_limit.reason
+        for demand in rng.normal(size=(20, 6)) * [20, 20, 20, 5, 5, 5]:
+            asked = with_limit.project_onto_range(demand)
+            assert directions.coordinates(asked)[-1] == pytest.approx(0, abs=1e-9)
+            assert np.allclose(asked[3:], demand[3:])
+
+
+def test_by_default_what_costs_ten_times_the_cheapest_is_left_alone_where_the_vehicle_flies_without(vehicle):
+    """The CUBE as built without every pair of its thrusters, against the costs that the analysis lists."""
+    A = vehicle.actuation_matrix
+    length = lever_arm(A, SPATIAL)
+    cut = 0
+    for lost in combinations(range(8), 2):
+        left = np.delete(A, lost, axis=1)
+        costs = final_approach(left, length_m=length).costs
+        found = capability(left, whole=A)
+        dear = costs[costs > DEAR * costs.min()]
+        assert capability(left, whole=A, cost_limit=DEAR * costs.min()).authority is found.authority
+        assert found.lost_forces.shape == (3, len(dear))
+        assert (found.within_cost_limit is None) is (len(dear) == 0)
+        cut += len(dear)
+    assert cut == 12  # the pairs whose loss takes a direction from the CUBE as drawn
+
+
+def test_by_default_what_is_dear_is_used_where_the_vehicle_does_not_fly_without():
+    """Yaw by two thrusters a centimetre apart: it costs 50 N/N with a lever arm of half a metre."""
+    A = np.zeros((6, 4))
+    A[0, :2], A[5, :2] = 1.0, [0.01, -0.01]
+    A[1, 2], A[2, 3] = 1.0, 1.0
+    whole = np.hstack([A, np.vstack([np.zeros((3, 2)), np.eye(3)[:, :2]])])  # pitch and roll for the lever arm
+    hold = WaterHold(np.array([0.0, 0.0, 50.0]), 10.0)
+    with_yaw = capability(A, whole=whole, hold=hold)
+    assert with_yaw.authority is Authority.TRIM
+    assert capability(A, whole=whole, hold=hold, cost_limit=20.0).authority is Authority.SAFE
 
 
 def test_the_limit_decides_alone_and_a_high_one_keeps_what_rank_would_cut(vehicle):
@@ -96,10 +129,10 @@ def test_a_level_vehicle_that_pushes_sideways_at_a_cost_steers_by_its_heading():
 
 
 @pytest.mark.flight
-def test_with_the_limit_the_vehicle_turns_and_pushes_less(tmp_path):
+def test_within_the_default_limit_the_vehicle_turns_and_pushes_less(tmp_path):
     free, limited = (
         cube_sim.run(FLIGHT, SHORT | more, out=tmp_path / name)
-        for name, more in (("free", {}), ("limited", {"control.cost_limit": 10.0}))
+        for name, more in (("free", {"control.cost_limit": 100.0}), ("limited", {}))
     )
 
     def after(run, signal):
@@ -124,7 +157,7 @@ def test_a_whole_vehicle_does_without_what_is_too_costly_from_the_start(tmp_path
     assert any(text.startswith(told) for text in said(run))
 
 
-def test_the_default_is_no_limit():
+def test_the_default_takes_nothing_from_a_whole_cube():
     loaded = load(FLIGHT)
     assert loaded.scenario.control.cost_limit is None
     controller = prepare(loaded).controller

@@ -37,7 +37,7 @@ def settle(vehicle, R, velocity, current, rest=STILL, duration=60.0):
     view = TargetView(0.0, 1.0, 0.0, HERE, STILL, velocity)
     for _ in range(round(duration / DT)):
         force = R @ needed(vehicle, R, velocity, current)[:3] + rest
-        desired = mode.attitude(Situation(view, R, force, current, effort), DT)
+        desired = mode.attitude(Situation(view, R, force, STILL, current, effort), DT)
         yield R, desired.rates
         R = rotation_from_quaternion(desired.quaternion)
 
@@ -176,7 +176,7 @@ def test_when_thrusters_are_lost_it_reckons_with_those_that_are_left(bluerov2):
     force = R @ needed(bluerov2, R, STILL, current)[:3]
 
     def rates(mode, effort):
-        return mode.attitude(Situation(view, R, force, current, effort), 0.0).rates
+        return mode.attitude(Situation(view, R, force, STILL, current, effort), 0.0).rates
 
     veteran, fresh = FreeAttitude(bluerov2.dynamics, TIME), FreeAttitude(bluerov2.dynamics, TIME)
     before = rates(veteran, effort_matrix(A))

@@ -13,6 +13,7 @@ import cube_sim
 from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.authority import Authority, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
+from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.planar.follower import PlanarFollower
 from cube_sim.errors import ScenarioError
@@ -23,6 +24,7 @@ from cube_sim.scenario import load
 from cube_sim.spatial import rotation_from_quaternion
 
 JACK, INFANTE = SCENARIOS / "jack_exact.yaml", SCENARIOS / "infante_circle.yaml"
+UPRIGHT = FixedAttitude(np.array([1.0, 0.0, 0.0, 0.0]))
 
 
 @pytest.fixture(scope="module")
@@ -55,11 +57,11 @@ def test_a_unicycle_is_asked_for_its_torque_and_the_nearest_force_that_comes_wit
 
 def test_a_unicycle_turns_about_the_vertical_only_until_its_thrust_points_where_force_is_needed(matrix):
     left = capability(np.delete(matrix, [1, 2], axis=1))
-    law = BalancedAttitude(left, vehicle("jack").dynamics, np.eye(3), time=0.5)
+    law = BalancedAttitude(left, vehicle("jack").dynamics, np.eye(3), time=0.5, wish=UPRIGHT)
     force = np.array([3.0, 9.0, -4.0])  # world axes; the vertical part is nobody's business
     view = VirtualTarget(Line([0, 0, 0], [10, 0, 0]), 0.5).view(np.zeros(3), np.zeros(3))
     for _ in range(1500):
-        wanted = law.attitude(Situation(view, np.eye(3), force, np.zeros(3), np.eye(6)), 0.02)
+        wanted = law.attitude(Situation(view, np.eye(3), force, np.zeros(3), np.zeros(3), np.eye(6)), 0.02)
         np.testing.assert_allclose(wanted.rates[:2], 0.0, atol=1e-12)
     R = rotation_from_quaternion(wanted.quaternion)
     body = R.T @ force

@@ -23,7 +23,8 @@ def at_rest(t):
 
 def at(position, velocity=(0.0, 0.0, 0.0), rotation=None) -> Situation:
     view = TargetView(0.0, 1.0, 0.0, HERE, np.asarray(position, float), np.asarray(velocity, float))
-    return Situation(view, np.eye(3) if rotation is None else rotation, np.zeros(3), np.zeros(3), np.eye(6))
+    R = np.eye(3) if rotation is None else rotation
+    return Situation(view, R, np.zeros(3), np.zeros(3), np.zeros(3), np.eye(6))
 
 
 def flown(mode, course, rotation=None, duration=20.0, dt=DT):

@@ -42,7 +42,15 @@ def test_inverse_dynamics_undo_mujocos_forward_dynamics(coupled):
     model.opt.wind[:] = 0.0
 
 
-def test_the_velocity_error_decays_with_its_time_constant(coupled):
+def water_damping(vehicle, nu, flow):
+    """D nu_r + D_q |nu_r| nu_r (6,) [N, N m] of the swimmer, whose coefficients are diagonal."""
+    through = nu - np.append(flow, np.zeros(3))
+    linear, quadratic = np.diag(vehicle.dynamics.linear_damping), np.diag(vehicle.dynamics.quadratic_damping)
+    return linear * through + quadratic * np.abs(through) * through
+
+
+def test_the_velocity_error_decays_with_its_time_constant_and_the_damping_of_the_error_helps(coupled):
+    """M (nu' - nu'_promised) = D(nu_wanted - c) - D(nu - c): what the water damps of the error, on top of the gains."""
     model, vehicle = coupled
     rng = np.random.default_rng(6)
     loops = MotionLoops(vehicle.dynamics, velocity_time=1.3, attitude_time=1.0, rate_time=0.3)
@@ -50,12 +58,18 @@ def test_the_velocity_error_decays_with_its_time_constant(coupled):
         data, state = moving(rng, model, vehicle)
         motion = DesiredMotion(rng.normal(size=3), rng.normal(size=3))
         attitude = DesiredAttitude(quaternion_from_euler(*rng.uniform(-3.0, 3.0, 3)), np.zeros(3))
-        current = model.opt.wind[:] = rng.normal(0.0, 0.2, 3)
-        tau, _ = loops.wrench(state, motion, attitude, current)
-        body_acceleration(data, state, tau)
+        current = rng.normal(0.0, 0.2, 3)
+        tau, reference = loops.wrench(state, motion, attitude, current)
+        nu = np.concatenate([state.velocity, state.rates])
+        wanted = np.concatenate([reference.velocity, reference.rates])
+        flow = state.rotation.T @ current
+        helps = water_damping(vehicle, wanted, flow) - water_damping(vehicle, nu, flow)
+        assert helps @ (nu - wanted) < 0.0  # it takes energy out of the error
+        model.opt.wind[:] = current
+        body_acceleration(data, state, tau - helps)
+        model.opt.wind[:] = 0.0
         error = motion.velocity - state.rotation @ state.velocity
         np.testing.assert_allclose(data.qacc[:3], motion.acceleration + error / 1.3, atol=1e-9)
-    model.opt.wind[:] = 0.0
 
 
 def test_the_attitude_is_reached_the_short_way_from_anywhere_and_q_equals_minus_q(coupled):
@@ -91,7 +105,8 @@ def test_turning_with_the_desired_rate_needs_no_error(coupled):
     data, state = moving(np.random.default_rng(8), model, vehicle)
     w_W = state.rotation @ state.rates
     attitude = DesiredAttitude(state.quaternion, w_W)
-    tau, reference = loops.wrench(state, DesiredMotion(np.zeros(3), np.zeros(3)), attitude, STILL_WATER)
+    on_course = DesiredMotion(state.rotation @ state.velocity, np.zeros(3))
+    tau, reference = loops.wrench(state, on_course, attitude, STILL_WATER)
     np.testing.assert_allclose(reference.rates, state.rates, atol=1e-12)
     acceleration = body_acceleration(data, state, tau)
     np.testing.assert_allclose(state.rotation @ acceleration[3:], 0.0, atol=1e-9)  # w_W is constant
