@@ -38,6 +38,8 @@ def test_allocators_are_compared_on_the_vehicle_of_the_scenario(monkeypatch, tmp
         ("missions", "--count 0", "--count and --jobs must be 1 at least"),
         ("missions", "--only -3", "seeds must be 0 at least"),
         ("missions", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
+        ("margins", "--jobs 0", "--jobs must be 1 at least"),
+        ("margins", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
         ("allocation", "--dead-zone 2", "--dead-zone 2: must lie in 0 to 1"),
     ],
 )

@@ -1,0 +1,92 @@
+"""Stability margins of the whole loop, controller, thrusters, hull and water, linearised for every vehicle.
+
+    python benchmarks/margins.py
+    python benchmarks/margins.py --vehicles cube "bluerov2*" --wrong one
+    python benchmarks/margins.py --wrong all --jobs 2
+
+Each vehicle of `tests/support/catalogue/vehicles.py` holds a point, and follows a level line at three speeds that the
+analysis calls flyable. One tick of the real loop is differentiated about that steady motion: MuJoCo's hull, water and
+lag of the thrusters, the controller's observers and the control period are in it; dead zones and limits are not. Then
+it is opened where the wrench goes to the thrusters, in one direction at a time with the others closed.
+
+`--wrong one` believes drag, added mass or thrust 30 % less and more, and a current that is 0.5 m/s off; `--wrong all`
+also everything wrong at once. Printed is the worst of a vehicle and speed; margins.csv has every row.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from fnmatch import fnmatchcase
+from functools import partial
+from itertools import product
+from multiprocessing import get_context
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
+for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ.setdefault(threads, "1")
+
+from closed_loop.condition import NOMINAL, Condition, corners, one_at_a_time  # noqa: E402
+from closed_loop.survey import SHARES, Row, surveyed  # noqa: E402
+from support.catalogue.vehicles import catalogue  # noqa: E402
+
+
+def main() -> None:
+    """Look at all of them, print and write the table."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument(
+        "--vehicles", nargs="+", metavar="NAME", default=["*"], help="only these; * stands for anything"
+    )
+    parser.add_argument("--wrong", choices=("none", "one", "all"), default="none", help="what is known wrongly")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
+    parser.add_argument("--out", type=Path, default=Path("logs/margins.csv"), help="the table")
+    options = parser.parse_args()
+    if options.jobs < 1:
+        parser.error("--jobs must be 1 at least")
+    names = [name for name in catalogue() if any(fnmatchcase(name, said) for said in options.vehicles)]
+    if not names:
+        parser.error(f"--vehicles {' '.join(options.vehicles)}: no such vehicle")
+    conditions = [NOMINAL]
+    if options.wrong != "none":
+        conditions += one_at_a_time()
+    if options.wrong == "all":
+        conditions += corners()
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    with (
+        options.out.open("w", newline="") as file,
+        ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool,
+    ):
+        writer = csv.writer(file)
+        writer.writerow(Row._fields)
+        print(f"{'vehicle':30s} {'m/s':>5s} flies      upright stable  gain dB  phase deg  the worst when")
+        for rows in pool.map(partial(_rows, conditions=conditions), product(names, SHARES)):
+            writer.writerows(rows)
+            print(_line(rows), flush=True)
+
+
+def _rows(job: tuple[str, float], conditions: list[Condition]) -> list[Row]:
+    name, share = job
+    return surveyed(catalogue()[name], share, conditions)
+
+
+def _line(rows: list[Row]) -> str:
+    head = f"{rows[0].vehicle:30s} {rows[0].speed_m_s:5.2f}"
+    known = [row for row in rows if not row.why]
+    if not known:
+        return f"{head} {rows[0].authority:10s} {rows[0].why[:100]}"
+    least = min(known, key=lambda row: row.phase_deg)
+    odd = [row.words for row in rows if row.why]
+    return (
+        f"{head} {least.authority:10s} {least.upright:7.2f} {'yes' if all(r.stable for r in known) else 'NO':6s}"
+        f"  {min(row.gain_db for row in known):7.1f}  {least.phase_deg:9.0f}  {least.words}"
+        + (f"; no steady motion: {len(odd)}" if odd else "")
+    )
+
+
+if __name__ == "__main__":
+    main()
