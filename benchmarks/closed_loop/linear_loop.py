@@ -20,7 +20,7 @@ MOST_TURNED = 0.3
 FLOWN_S = 60.0
 """How long a loop is flown where Newton's method does not help [s]."""
 SETTLED = 1e-5
-"""Change over a tick that counts as none, in SI units."""
+"""Change over a tick that counts as none, as a share of what changes, or in SI units where that is below 1."""
 NEUTRAL = 1e-6
 """How far from 1 an eigenvalue is still that of something that stays where it is: for hours."""
 UNMOVED = 1e-4
@@ -42,7 +42,7 @@ class LinearLoop:
             the axes of the body where they can make them all.
         period: control period [s].
         point: of steady motion.
-        drift: largest change over a tick that is left there.
+        drift: largest change over a tick that is left there, as a share of what changes.
     """
 
     closed: Matrix
@@ -93,7 +93,7 @@ def _about(loop: FlownLoop, point: Point) -> LinearLoop:
     """The derivative at the steady motion that Newton's method finds from a point."""
     for _ in range(STEPS):
         off = loop.tick(point, NOTHING)[0].step_from(point)
-        if np.abs(off).max() < SETTLED:
+        if _share(off, point) < SETTLED:
             break
         closed, _ = _slopes(loop, point)
         by = np.linalg.lstsq(np.eye(len(off)) - closed, off, rcond=1e-9)[0]
@@ -108,7 +108,14 @@ def _about(loop: FlownLoop, point: Point) -> LinearLoop:
     U, gains, _ = np.linalg.svd(loop.actuation / scale[:, None])
     rank = int(np.count_nonzero(gains > 1e-6 * gains[0]))
     directions = scale[:, None] * (np.eye(6) if rank == 6 else U[:, :rank])
-    return LinearLoop(closed, push, drag, demand, directions, loop.period, point, float(np.abs(off).max()))
+    return LinearLoop(closed, push, drag, demand, directions, loop.period, point, _share(off, point))
+
+
+def _share(off: Vector, point: Point) -> float:
+    """The largest change (n,), as a share of what changes."""
+    sizes = np.ones(len(off))
+    sizes[: len(point.vectors)] += np.abs(point.vectors)
+    return float(np.abs(off / sizes).max())
 
 
 def _slopes(loop: FlownLoop, point: Point) -> tuple[Matrix, Matrix]:

@@ -39,7 +39,7 @@ class Row(NamedTuple):
         speed_m_s: along the path.
         words: what is known wrongly.
         authority: how it flies; empty where it does not.
-        upright: share of its righting moment that the flow leaves it, in roll or pitch, whichever is less.
+        upright: share of its righting moment that the flow ahead leaves it, in roll or pitch, the less.
         radius: spectral radius over a tick; below 1 it is stable.
         gain_db: least gain margin of any direction.
         phase_deg: least phase margin.
@@ -61,7 +61,7 @@ class Row(NamedTuple):
     @property
     def held(self) -> bool:
         """Whether nothing is steered: what the thrusters do not make, the water holds as well as nearly at rest."""
-        return self.authority in ("HOLONOMIC", "LEVEL") or (self.authority == "TRIM" and self.upright >= WATER_HOLDS)
+        return self.authority == "HOLONOMIC" or (self.authority in ("LEVEL", "TRIM") and self.upright >= WATER_HOLDS)
 
     @property
     def stable(self) -> bool:
@@ -83,6 +83,8 @@ def surveyed(entry: Entry, share: float, conditions: Sequence[Condition], held_o
         model = folder / "vehicle.xml"
         model.write_text(entry.make())
         speed = share * ability_of(model, entry.lost, entry.planar).top_m_s
+        if entry.planar:  # nothing of it answers water that rises
+            conditions = [c for c in conditions if not c.water[2] and not (c.believed and c.believed[2])]
         rows, near = [], None
         for condition in conditions:
             try:
@@ -92,10 +94,11 @@ def surveyed(entry: Entry, share: float, conditions: Sequence[Condition], held_o
             authority = flown.authority
             if authority is Authority.SAFE:
                 return [Row(entry.name, speed, "", why=flown.controller.capability.reason)]
-            upright = uprightness(flown.hull, speed)
+            upright = uprightness(flown.hull, float(np.linalg.norm(np.subtract((speed, 0.0, 0.0), condition.water))))
             start = Row(entry.name, speed, condition.words, authority.name, upright)
             if held_only and not start.held:
-                return [start._replace(why="left out")]
+                rows.append(start._replace(why="left out"))
+                continue
             if not rows and share > 0.0:
                 said = forecast(model, lost=entry.lost, weak={}, stuck={}, speed_m_s=speed, planar=entry.planar)
                 if not said.flies:
@@ -122,7 +125,7 @@ def surveyed(entry: Entry, share: float, conditions: Sequence[Condition], held_o
 
 
 def uprightness(hull: Dynamics, speed_m_s: float) -> float:
-    """How much of its righting moment a level hull keeps at a speed ahead, 1 at rest; negative where it turns over.
+    """Share of its righting moment a level hull keeps at a speed through the water; negative where it turns over.
 
     A hull tilted against its course is turned further by the Munk moment wherever it has more added mass aside.
     """
