@@ -56,14 +56,21 @@ def test_its_inertia_is_that_of_a_body_in_water(path):
     assert np.linalg.eigvalsh(vehicle.added_mass).min() >= 0.0
 
 
-def test_it_floats_level_and_at_rest(path):
+def test_it_stays_as_it_floats_and_at_rest(path):
+    """Level, but for the one that is lopsided on purpose: its righting moment points up 24 degrees aslant."""
     model = cube_sim.load_model(path)
     vehicle = cube_sim.Vehicle.from_model(model)
     data = mujoco.MjData(model)
+    lift = vehicle.dynamics.righting_moment / np.linalg.norm(vehicle.dynamics.righting_moment)
+    aslant = float(np.arccos(min(1.0, lift[2])))
+    assert np.degrees(aslant) == pytest.approx(24.2, abs=0.5) if path.stem == "rov6" else aslant < 1e-9
+    if aslant > 0.0:
+        axis = np.cross(lift, [0.0, 0.0, 1.0])
+        mujoco.mju_axisAngle2Quat(data.qpos[3:7], axis / np.linalg.norm(axis), aslant)
     mujoco.mj_step(model, data, nstep=round(10.0 / model.opt.timestep))
     assert np.all(np.isfinite(data.qpos))
-    tilt = np.arccos(np.clip(data.xmat[1, 8], -1.0, 1.0))
-    assert tilt < 1e-6
+    tilt = np.arccos(np.clip(data.xmat[1].reshape(3, 3)[2] @ lift, -1.0, 1.0))
+    assert tilt < (0.05 if aslant > 0.0 else 1e-6)  # what rises aslant is turned by the water a little
     sinking = (vehicle.mass - vehicle.displaced_mass) * 9.81
     assert abs(data.qvel[2]) <= abs(sinking) / 30.0 + 1e-12  # neutral, or slower than its linear heave drag allows
     assert vehicle.centre_of_buoyancy[2] > vehicle.centre_of_mass[2]

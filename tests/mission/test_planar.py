@@ -191,9 +191,10 @@ def test_a_corner_out_of_the_plane_is_seen_between_legs_of_any_length(tmp_path):
     ("overrides", "mistake"),
     [
         ({}, None),
-        ({"control_period_s": 0.3}, None),
+        ({"control_period_s": 0.31}, None),  # the loops are as slow as that period asks for
+        ({"control_period_s": 0.3, "control.rate_time_s": 0.3}, None),
         (
-            {"control_period_s": 0.31},
+            {"control_period_s": 0.31, "control.rate_time_s": 0.3},
             "override control_period_s: 0.31 s is longer than the 0.3 s that control.rate_time_s asks for",
         ),
         (

@@ -22,9 +22,6 @@ BLUEROV2_BENZON = Hull(13.5, (0.26, 0.23, 0.37), (0.457, 0.338, 0.254), (0, 0, 0
                        (141, 217, 190, 1.19, 0.47, 1.5), volume=0.0134)  # fmt: skip
 """von Benzon et al. 2022, JMSE 10(12):1898, table A1."""
 
-FULL_ADDED_MASS = (14, 0.5, 0.3, 0, -0.2, 0.1, 0.5, 28, 0, 0.4, 0, 0.9, 0.3, 0, 36, 0, -0.8, 0,
-                   0, 0.4, 0, 1.2, 0, 0, -0.2, 0, -0.8, 0, 1.9, 0, 0.1, 0.9, 0, 0, 0, 1.5)  # fmt: skip
-
 
 def vectored(x: float, y: float, z: float, angle_deg: float = 45.0, front: float | None = None) -> list[Thruster]:
     """Four horizontal thrusters, mirrored both ways, each inclined to the x axis."""
@@ -45,7 +42,6 @@ def pair(x: float, y: float, z: float, axis: tuple[float, float, float], reactio
 
 def known_layouts() -> dict[str, Layout]:
     """Name -> layout."""
-    vertical_pair = pair(0, 0.109, 0.077, UP)
     hover = box_hull(34.0, (0.9, 0.6, 0.45), 0.03, added_share=0.7)
     small = box_hull(12.0, (0.45, 0.32, 0.22), 0.015, added_share=0.7)
     torpedo = replace(
@@ -58,9 +54,6 @@ def known_layouts() -> dict[str, Layout]:
     rexrov = Hull(1862.87, (525.39, 794.2, 691.23), (2.6, 1.5, 1.6), (0, 0, 0.3),
                   (779.79, 1222.0, 3659.9, 534.9, 842.69, 224.32), (74.82, 69.48, 728.4, 268.8, 309.77, 105.0),
                   (748.22, 992.53, 1821.01, 672.0, 774.44, 523.27))  # fmt: skip
-    rov6 = Hull(40.8, (1.4, 2.1, 2.3, 0.05, -0.1, 0.02), (0.7, 0.44, 0.3), (0.02, 0.01, 0.04), FULL_ADDED_MASS,
-                (9, 12, 20, 1, 1.5, 1.2), (60, 140, 190, 3, 4, 3.5), volume=0.04,
-                centre_of_mass=(0.01, -0.005, 0), density=1025.0)  # fmt: skip
     a, t = 0.45, np.radians(74.53)
     rexrov_thrusters = [
         *(Thruster((s * 0.89, p * 0.334, 0.529), (-s * np.cos(t), -p * 0.8 * np.cos(t), np.sin(t))) for s in (-1, 1)
@@ -78,15 +71,8 @@ def known_layouts() -> dict[str, Layout]:
         Thruster(0.3 * np.roll(AHEAD, i) * s, np.roll(LEFT, i)) for i in range(3) for s in (1.0, -1.0)
     ]  # each pair pushes along one axis, and turns about another
     return {
-        # thruster places rounded from public drawings
-        "bluerov2_vectored": Layout(BLUEROV2_WU, [*vectored(0.15, 0.092, 0, front=0.14), *vertical_pair]),
         "bluerov2_standard": Layout(BLUEROV2_BENZON, [*vectored(0.156, 0.111, -0.085), *pair(0.0, 0.12, 0.0, UP)]),
         "bluerov2_apart": Layout(BLUEROV2_WU, [*vectored(0.15, 0.092, 0.03), *pair(0.02, 0.109, 0.077, UP, 0.015)]),
-        "rov6": Layout(rov6, [
-            Thruster((0.25, 0.18, 0), (1, -1, 0), 0.02), Thruster((0.25, -0.18, 0), (1, 1, 0), 0.02),
-            Thruster((-0.25, 0.18, 0.02), (1, 1, 0), 0.02), Thruster((-0.25, -0.18, 0.02), (1, -1, 0), 0.02),
-            Thruster((0.02, 0.2, 0.1), UP, 0.02), Thruster((0.02, -0.2, 0.1), UP, 0.02),
-        ], thrust=40.0, lag_s=0.1),
         # numbers of the hull as the public simulator of its name has them; places rounded
         "rexrov": Layout(rexrov, rexrov_thrusters, thrust=1200.0, lag_s=0.15),
         "three_astern_up": Layout(small, [*pair(-0.18, 0.12, 0, AHEAD), Thruster((0, 0, 0.05), UP)]),
