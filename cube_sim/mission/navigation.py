@@ -7,11 +7,12 @@ from math import radians
 import mujoco
 import numpy as np
 
+from cube_sim.guidance.path import Path
 from cube_sim.navigation.aid import Aid
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
 from cube_sim.navigation.filter import Fusion, ReadingOutcome
-from cube_sim.navigation.heading import Heading
+from cube_sim.navigation.heading import LEAST_LEVEL_PART, Heading
 from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion, Truth
 from cube_sim.navigation.navigator import Estimate, InitialErrors, Navigator
@@ -23,8 +24,12 @@ from cube_sim.recording.navigation_channels import navigation_channels
 from cube_sim.recording.recorder import Recorder
 from cube_sim.scenario import Scenario
 from cube_sim.scenario import navigation_blocks as blocks
-from cube_sim.spatial import Matrix, State, Vector
+from cube_sim.scenario.attitude_blocks import AlongPathBlock, AnyAttitude, FixedAttitudeBlock
+from cube_sim.spatial import Matrix, State, Vector, quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.vehicle import Vehicle
+
+STATIONS = 501
+"""Places at which the direction of a path is looked at."""
 
 
 class StateEstimation:
@@ -35,19 +40,25 @@ class StateEstimation:
         vehicle: the hull that carries the sensors.
         seed: root of their random streams.
         period_s: the control period.
+        drifts: what of the estimate is held by what, in words.
     """
 
-    def __init__(self, block: blocks.NavigationBlock, vehicle: Vehicle, seed: int, period_s: float) -> None:
+    def __init__(
+        self, block: blocks.NavigationBlock, vehicle: Vehicle, seed: int, period_s: float, drifts: str
+    ) -> None:
         self._block, self._vehicle, self._seed, self._period = block, vehicle, seed, period_s
+        self._drifts = drifts
         self._navigator: Navigator | None = None
         self._in_doubt: set[str] = set()
 
     @classmethod
-    def of(cls, scenario: Scenario, vehicle: Vehicle) -> StateEstimation | None:
+    def of(cls, scenario: Scenario, vehicle: Vehicle, path: Path) -> StateEstimation | None:
         """As the scenario says; None when its controller sees the true state."""
-        if scenario.navigation is None:
+        block = scenario.navigation
+        if block is None:
             return None
-        return cls(scenario.navigation, vehicle, scenario.seed, scenario.control_period_s)
+        drifts = what_drifts(block.aids, nose_level_share(scenario.control.attitude, path), moves_level(path))
+        return cls(block, vehicle, scenario.seed, scenario.control_period_s, drifts)
 
     def estimate(self, true: State, data: mujoco.MjData, recorder: Recorder, t: float) -> State:
         """The estimated state; once per tick.
@@ -69,7 +80,7 @@ class StateEstimation:
 
     def _start(self, truth: Motion, recorder: Recorder, t: float) -> Navigator:
         block = self._block
-        recorder.log(t, "INFO", f"navigation: {what_drifts(block.aids)}")
+        recorder.log(t, "INFO", f"navigation: {self._drifts}")
         return Navigator(
             imu=_imu(block.imu),
             aids=[_aid(aid) for aid in block.aids.values()],
@@ -123,6 +134,26 @@ class StateEstimation:
 def channels_of(block: blocks.NavigationBlock | None) -> tuple[Channel, ...]:
     """What navigation will record; nothing without it."""
     return () if block is None else navigation_channels({name: aid.rate_hz for name, aid in block.aids.items()})
+
+
+def nose_level_share(attitude: AnyAttitude, path: Path) -> float | None:
+    """Share of the path on which a compass reads in the attitude asked for; None where only the flight shows it."""
+    if isinstance(attitude, FixedAttitudeBlock):
+        nose = rotation_from_quaternion(quaternion_from_euler(*np.radians(attitude.attitude_deg)))[:, 0]
+        return float(np.hypot(*nose[:2]) >= LEAST_LEVEL_PART)
+    if not isinstance(attitude, AlongPathBlock):
+        return None
+    return float(np.mean(_level_parts(path) >= LEAST_LEVEL_PART))
+
+
+def moves_level(path: Path) -> bool:
+    """Whether the path goes anywhere but up and down."""
+    return bool(path.length) and bool(_level_parts(path).max() >= LEAST_LEVEL_PART)
+
+
+def _level_parts(path: Path) -> Vector:
+    """The level part of the path's direction, at places all along it."""
+    return np.array([np.hypot(*path.at(s).rotation[:2, 0]) for s in np.linspace(0.0, path.length, STATIONS)])
 
 
 def read_truth(state: State, data: mujoco.MjData, vehicle: Vehicle) -> Truth:

@@ -93,6 +93,6 @@ def prepare(loaded: Loaded) -> Mission:
         events=Events(scenario.events, model, vehicle),
         fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle, scenario.control_period_s),
-        estimation=StateEstimation.of(scenario, vehicle),
+        estimation=StateEstimation.of(scenario, vehicle, path),
         channels=channels,
     )

@@ -14,6 +14,12 @@ from pydantic import Field, field_validator, model_validator
 from cube_sim.scenario.values import Block, Vector3, refuse
 
 LONGEST_DELAY_S = 10.0
+LARGEST_SCALE_ERROR = 0.1
+"""Up to here the estimator, linear in the scale error, is as good as it says.
+
+The NEES of the velocity over 60 runs is 1.32 per component at 0.1, and 1.50 at 0.2, where 1.38 is the most to be
+expected; at 0.3 it may be off by 7 sigma.
+"""
 
 
 class ImuBlock(Block):
@@ -60,7 +66,10 @@ class DvlBlock(AidBlock):
     noise_m_s: float = Field(default=0.01, gt=0, description="Standard deviation of a reading, each axis [m/s].")
     bias_m_s: float = Field(default=0.002, ge=0, description="Standard deviation of the bias, each axis [m/s].")
     scale_error: float = Field(
-        default=0.005, ge=0, description="Standard deviation of the scale error, a share of the velocity."
+        default=0.005,
+        ge=0,
+        le=LARGEST_SCALE_ERROR,
+        description="Standard deviation of the scale error, a share of the velocity.",
     )
     delay_s: float = _delay(0.1)
     lever_arm_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="Where it sits, body axes from the origin [m].")

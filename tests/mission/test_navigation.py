@@ -18,6 +18,8 @@ from cube_sim.spatial import angle_between, rotation_about, rotation_from_quater
 from cube_sim.vehicle.state import read_state
 
 NAVIGATED = SCENARIOS / "cube_navigated.yaml"
+UPRIGHT = {"type": "line", "start_m": [0, 0, -8], "end_m": [0, 0, -2]}
+CORNER = {"type": "polyline", "points_m": [[0, 0, -8], [4, 0, -8], [4, 0, -4]], "corner_radius_m": 0.01}
 SHORT = {"duration_s": 4.0, "checks": FORCES_ONLY}
 
 
@@ -154,3 +156,25 @@ def test_the_rotation_vector_undoes_a_rotation():
     axis = np.array([0.6, 0.0, -0.8])
     for angle in (0.0, 1e-7, 0.3, 3.0):
         np.testing.assert_allclose(rotation_vector(rotation_about(axis, angle)), angle * axis, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "heading"),
+    [
+        ({}, "; heading is held by the compass;"),
+        ({"path": UPRIGHT}, "; the nose points steeply up or down and the compass reads nothing: heading drifts with"),
+        ({"path": UPRIGHT, "control.attitude": {"mode": "fixed", "attitude_deg": [0, 20, 0]}}, "held by the compass;"),
+        ({"control.attitude": {"mode": "fixed", "attitude_deg": [0, -80, 0]}}, "reads nothing: heading is seen while"),
+        ({"path": CORNER}, "; heading is held by the compass on 50% of the path;"),
+        ({"control.attitude": {"mode": "free"}}, "; heading is held by the compass, but where the nose points steeply"),
+    ],
+)
+def test_the_log_says_what_holds_the_heading_on_this_path_in_this_attitude(changes, heading, tmp_path):
+    run = cube_sim.run(NAVIGATED, SHORT | changes | {"duration_s": 0.2}, tmp_path)
+    (said,) = [line.text for line in read_recording(run.directory / "run.mcap").log if "navigation:" in line.text]
+    assert heading in said
+
+
+def test_a_scale_error_the_filter_is_not_linear_in_is_refused():
+    with pytest.raises(ScenarioError, match=r"navigation.dvl.scale_error: .*0\.1"):
+        load(NAVIGATED, {"navigation.dvl.scale_error": 0.3})

@@ -146,6 +146,29 @@ def test_every_sensor_may_be_missing_and_what_is_lost_is_said():
     assert "sideways or ahead" in what_drifts({"depth", "position"})
 
 
+@pytest.mark.parametrize(
+    ("aids", "nose_level", "moves_level", "heading"),
+    [
+        ({"dvl", "heading"}, 1.0, False, "heading is held by the compass"),
+        (
+            {"dvl", "heading"},
+            0.0,
+            False,
+            "the nose points steeply up or down and the compass reads nothing: heading drifts with the gyro, and the"
+            " level position with it",
+        ),
+        ({"dvl", "heading", "position"}, 0.0, False, "the compass reads nothing: heading drifts with the gyro"),
+        ({"dvl", "heading", "position"}, 0.0, True, "as the turn between DVL and fixes"),
+        ({"dvl", "position"}, 1.0, False, "heading drifts with the gyro"),
+        ({"dvl", "heading"}, 0.4, True, "heading is held by the compass on 40% of the path; on the rest the nose"),
+        ({"dvl", "heading"}, None, True, "heading is held by the compass, but where the nose points steeply"),
+    ],
+)
+def test_what_holds_the_heading_depends_on_path_and_attitude(aids, nose_level, moves_level, heading):
+    _, said, _ = what_drifts(aids, nose_level, moves_level).replace("; on the rest", "/ on the rest").split("; ")
+    assert heading.replace("; on", "/ on") in said
+
+
 def test_a_period_of_rest_leaves_the_estimate_where_it_was():
     motions = truths(straight, 0.0) * 200
     quiet = replace(IMU, gyro_bias=0.0, accelerometer_bias=0.0)
