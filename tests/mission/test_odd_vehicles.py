@@ -52,4 +52,4 @@ def test_a_hull_without_drag_follows_the_helix(tmp_path):
     (tmp_path / "hull.xml").write_text(DAMPING.sub("", edited_text()))
     run = cube_sim.run(HELIX, {"model": str(tmp_path / "hull.xml")}, out=tmp_path / "run")
     assert run.verdict == "PASS"
-    assert np.abs(run.signals["water.estimated"][:, 1:]).max() == 0.0  # nothing shows it the current
+    assert np.abs(run.signals["water.estimated"][:, 1:]).max() < 1e-9  # nothing shows it the current
