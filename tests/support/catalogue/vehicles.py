@@ -28,7 +28,7 @@ LOSSES = {
     "five_survey": ("T1", "T5"),
     "torpedo_fins": ("T1", "T2"),
     "four_all_astern": ("T1",),
-    "rov6": ("T1", "T6"),
+    "rov6": ("FL", "VR"),
     "rexrov": ("T1", "T5,T8"),
     "eight_on_a_ball": ("T1,T5", "T1,T2"),
     "six_octahedron": ("T1",),

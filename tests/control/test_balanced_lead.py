@@ -1,0 +1,58 @@
+"""A force that turns evenly with the path is pointed without lag."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.vehicles import vehicle
+
+from cube_sim.control.attitude_mode import Situation
+from cube_sim.control.authority import capability
+from cube_sim.control.balanced_attitude import BalancedAttitude
+from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.spatial import rotation_from_quaternion
+
+UPRIGHT = FixedAttitude(np.array([1.0, 0.0, 0.0, 0.0]))
+TURN, TIME, DT = 0.4 / 3.0, 0.2, 0.0005
+"""0.4 m/s around a helix of 3 m [rad/s]; of the law [s]; a tick [s] so short that its own lag, a tick, is little."""
+
+
+def turning_force(t):
+    """So large that the wished attitude, which gets through where the inverse is damped, counts for little."""
+    return np.array([100.0 * np.cos(TURN * t), 100.0 * np.sin(TURN * t), 1.0])
+
+
+def pointed(name, lost, force_at, seconds=5.0):
+    """The capability left, the attitude after a while, and the force then."""
+    hull = vehicle(name)
+    left = capability(np.delete(hull.actuation_matrix, lost, axis=1))
+    law = BalancedAttitude(left, hull.dynamics, np.eye(3), TIME, UPRIGHT)
+    desired = None
+    for k in range(round(seconds / DT)):
+        situation = Situation(None, np.eye(3), force_at(k * DT), np.zeros(3), np.zeros(3), left.effort)
+        desired = law.attitude(situation, DT)
+    return left, rotation_from_quaternion(desired.quaternion), desired.rates, force_at(seconds - DT)
+
+
+def imbalance(name, left, R, force):
+    """How far off the force is pointed, [N] per [N]: what of it, with the torque that holds the hull, is lost."""
+    hold = vehicle(name).dynamics.wrench(R, np.zeros(6), np.zeros(6), np.zeros(3))[3:]
+    gap = left.lost_forces.T @ R.T @ force
+    return float(np.linalg.norm(gap if left.level else gap + left.lost_torques.T @ hold) / np.linalg.norm(force))
+
+
+@pytest.mark.parametrize(("name", "lost"), [("jack", [1, 2]), ("cube", [0, 1])])
+def test_a_force_that_turns_evenly_is_pointed_with_less_than_a_hundredth_of_the_lag(name, lost):
+    """Against the lag of an average over the law's time, TURN times TIME, that it would have without the lead."""
+    left, R, _, force = pointed(name, lost, turning_force)
+    assert imbalance(name, left, R, force) < 0.01 * TURN * TIME
+    assert imbalance(name, left, R, turning_force(5.0 - TIME)) > 0.3 * TURN * TIME  # a lag would be seen
+
+
+def test_a_force_that_stops_turning_is_not_overshot_for_long():
+    def force_at(t):
+        return turning_force(min(t, 2.0))
+
+    left, R, rates, force = pointed("jack", [1, 2], force_at)
+    assert imbalance("jack", left, R, force) < 1e-3
+    assert np.linalg.norm(rates) < 1e-3
