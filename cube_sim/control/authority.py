@@ -27,7 +27,7 @@ from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
 from cube_sim.control.effort import effort_matrix
 from cube_sim.control.levelling import UP
 from cube_sim.control.pace import ForceBudget
-from cube_sim.control.yielding import WaterHold
+from cube_sim.control.yielding import FORCES_YIELD, WaterHold, yielding_directions
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, SPATIAL, WrenchAxes
@@ -37,10 +37,6 @@ from cube_sim.wrench.tolerances import RANK_TOLERANCE
 
 OUT_OF_PLANE = np.array([False, False, True, True, True, False])
 """Heave, roll and pitch among the components of a wrench."""
-FORCES_YIELD = np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-"""Weights of a projection that keeps torques, see `cube_sim.control.yielding`."""
-NOTHING = 1e-9
-"""Squared weight of a lost combination that counts as none [1]."""
 DEAR = 10.0
 """A direction that costs more than this many times the cheapest one's is left alone where the vehicle flies without."""
 LEAST_SHARE = 0.1
@@ -79,6 +75,7 @@ class Capability:
         reason: one line for the log.
         lost_forces: N_f (3, 6 - rank) and
         lost_torques: N_t (3, 6 - rank) of the combinations N_f' F + N_t' M = b that hold for all the thrusters can do.
+        yielding: D (6, 6 - rank) what gives way in a demand off the range of A, see `cube_sim.control.yielding`.
         effort: Q (6,6) [1, 1/m, 1/m^2], of `effort_matrix`.
         held: (6,) [N, N m] the wrench of thrusters that are stuck; it comes on top of whatever the others do.
         within_cost_limit: (6,6) projector onto the wrenches within the cost limit; None where no direction exceeds it.
@@ -90,6 +87,7 @@ class Capability:
     reason: str
     lost_forces: Matrix
     lost_torques: Matrix
+    yielding: Matrix
     effort: Matrix
     held: Vector
     within_cost_limit: Matrix | None = None
@@ -110,31 +108,23 @@ class Capability:
         """Whether force has to be pointed where it is needed."""
         return self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE, Authority.TRIM)
 
-    def project_onto_range(self, wrench: Vector, weights: Matrix = FORCES_YIELD) -> Vector:
-        """The wrench (6,) in the range of A, displaced by the held one, nearest to the demand by the weights W.
+    def project_onto_range(self, wrenches: Matrix) -> Matrix:
+        """Wrenches (6,) or (q,6) in the range of A, displaced by the held one, that a demand gives way to.
 
-        All that can be produced has N' w = N_f' F + N_t' M = b; w moves by -W N (N' W N)^-1 (N' w - b). By default all
-        torques are kept, and the force changes least. No limits of the thrusters are looked at. Where no path can be
-        followed the wrench is left to the allocation, which comes as close as it can; directions beyond the cost limit
-        are taken out of it there, too.
+        All that can be produced has N' w = N_f' F + N_t' M = b; w moves by -D (N' D)^-1 (N' w - b), D what yields. No
+        limits of the thrusters are looked at. Where no path can be followed the wrench is left to the allocation, which
+        comes as close as it can; directions beyond the cost limit are taken out of it there, too.
         """
         if self.level:
-            wrench = np.where(OUT_OF_PLANE, self.held, wrench)
+            wrenches = np.where(OUT_OF_PLANE, self.held, wrenches)
         if not self.steers_by_attitude:
-            return (
-                wrench if self.within_cost_limit is None else self.held + self.within_cost_limit @ (wrench - self.held)
-            )
+            if self.within_cost_limit is None:
+                return wrenches
+            return self.held + (wrenches - self.held) @ self.within_cost_limit.T
         lost = np.concatenate([self.lost_forces, self.lost_torques])
-        directions = weights @ lost
-        # A hull that lies over holds nothing for a while: what can yield in nothing is left to the allocation.
-        inner = lost.T @ directions + NOTHING * np.eye(lost.shape[1])
-        return wrench - directions @ np.linalg.solve(inner, lost.T @ wrench - self.constants)
-
-    def project_all(self, wrenches: Matrix, weights: Matrix) -> Matrix:
-        """`project_onto_range` of many wrenches (q,6)."""
-        if not self.steers_by_attitude and self.within_cost_limit is None and not self.level:
-            return wrenches
-        return np.array([self.project_onto_range(wrench, weights) for wrench in wrenches])
+        return (
+            wrenches - np.linalg.solve(lost.T @ self.yielding, (wrenches @ lost - self.constants).T).T @ self.yielding.T
+        )
 
 
 def remaining_capability(
@@ -198,6 +188,7 @@ def capability(
         reason=found.reason,
         lost_forces=found.lost[:3],
         lost_torques=found.lost[3:],
+        yielding=FORCES_YIELD @ found.lost if found.yielding is None else found.yielding,
         effort=effort_matrix(A, cost_limit),
         held=constant,
         within_cost_limit=found.within_cost_limit,
@@ -212,6 +203,7 @@ class _Finding(NamedTuple):
     lost: Matrix
     reason: str
     within_cost_limit: Matrix | None = None
+    yielding: Matrix | None = None
 
 
 class _CostArguments(TypedDict, total=False):
@@ -249,14 +241,15 @@ def _in_space(A: Matrix, held: Vector, cost: _CostArguments, hold: WaterHold | N
     if space.rank == 6:
         return _Finding(Authority.HOLONOMIC, np.eye(3), lost, "all six components of the wrench are there")
     words = "; ".join(combination.beside(held) for combination in space.unreachable)
-    shares = _force_shares(lost, FORCES_YIELD if hold is None else hold.weights(UP), length_m)
-    pointed = None if shares is None else int(np.count_nonzero(shares > 0.5))
-    if pointed is None or pointed == 3:
+    found = yielding_directions(lost, FORCES_YIELD if hold is None else hold.weights(UP), length_m)
+    if found is None or found.pointed == 3:
         return _Finding(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed", within)
-    if pointed == 0:
-        return _Finding(Authority.TRIM, space.pure_forces, lost, f"{words}: the water holds what is missing", within)
-    authority = Authority.PLANE if pointed == 1 else Authority.LINE
-    return _Finding(authority, space.pure_forces, lost, f"{words}: the attitude now points the thrust", within)
+    authority, text = {
+        0: (Authority.TRIM, "the water holds what is missing"),
+        1: (Authority.PLANE, "the attitude now points the thrust"),
+        2: (Authority.LINE, "the attitude now points the thrust"),
+    }[found.pointed]
+    return _Finding(authority, space.pure_forces, lost, f"{words}: {text}", within, found.directions)
 
 
 def _cheapest(A: Matrix, length_m: float) -> float:
@@ -285,17 +278,3 @@ def _steerable(lost: Matrix) -> bool:
     """Whether every torque comes with some force: exactly when the lost combinations differ in their force parts."""
     singular = np.linalg.svd(lost[:3], compute_uv=False)
     return len(singular) == lost.shape[1] and bool(singular[-1] > RANK_TOLERANCE)
-
-
-def _force_shares(lost: Matrix, weights: Matrix, length_m: float) -> Vector | None:
-    """(k,) how much of what is lost comes out of the forces, 0 to 1, the rest out of torques that the water holds.
-
-    The eigenvalues of (N' W N)^-1 N_f' N_f. None where some combination is neither: the vehicle cannot be steered.
-    """
-    scale = SPATIAL.scale(length_m)
-    size_2, axes = np.linalg.eigh(lost.T @ weights @ lost)
-    all_of_it = float(np.linalg.norm(lost / scale[:, None], 2))
-    if not size_2[0] > (RANK_TOLERANCE * all_of_it) ** 2:
-        return None
-    shares = np.linalg.svd(lost[:3] @ axes / np.sqrt(size_2), compute_uv=False) ** 2
-    return np.asarray(shares, dtype=np.float64)

@@ -21,6 +21,8 @@ RESERVE = 0.05
 """Share of what is attainable that is kept for errors the demand does not know of yet."""
 PACES = np.linspace(1.0, -1.0, 33)
 """Shares of the speed along the path that are tried; a negative one goes back along it, with a current too strong."""
+LEAST_PACE = 0.25
+"""Share of the speed below which the vehicle turns to an attitude in which the thrusters have more (a choice)."""
 HALVINGS = 5
 """Steps of bisection between two of them."""
 
@@ -36,6 +38,11 @@ class ForceBudget:
 
     attainable: AttainableSet
     held: Vector
+
+    def excess(self, wrench: Vector, force_ratio: float) -> Vector:
+        """By how much a wrench (6,) [N, N m] exceeds each facet of what is attainable with the reserve (p,) [N]."""
+        bound = (1.0 - RESERVE) * force_ratio * self.attainable.offsets
+        return self.attainable.normals @ (wrench - self.held) - bound
 
     def allows(self, wrenches: Matrix, force_ratio: float) -> Flags:
         """Whether each of the wrenches (q,6) [N, N m] is attainable with the reserve.
@@ -56,12 +63,12 @@ def largest_pace(allowed: Callable[[Matrix], Flags], demand: Callable[[Vector], 
         allowed: wrenches (q,6) -> (q,) whether each can be made.
         demand: paces (q,) -> the wrenches (q,6) that they ask for.
     """
+    if allowed(demand(PACES[:1]))[0]:
+        return 1.0
     fits = allowed(demand(PACES))
     first = int(np.argmax(fits))
     if not fits[first]:
         return 0.0
-    if first == 0:
-        return 1.0
     low, high = float(PACES[first]), float(PACES[first - 1])
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,10 +14,9 @@ from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops, Reference
-from cube_sim.control.pace import largest_pace
+from cube_sim.control.pace import LEAST_PACE, Flags, largest_pace
 from cube_sim.control.priority import split_path_first
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
-from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.spatial import Matrix, State, Vector, cross
@@ -25,6 +25,11 @@ SLOWER = 2.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
 SLOWER_ACROSS = 5.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
+
+PATIENCE_S = 1.0
+"""How long the thrusters have to be short of what a slow pace asks for before the vehicle turns."""
+BACK_RAD = 0.02
+"""Within this angle of the attitude its mission asks for it is taken to be back there."""
 
 
 def along_path(motion: DesiredMotion, view: TargetView) -> DesiredMotion:
@@ -49,7 +54,6 @@ class PathFollower:
         observer: the disturbance estimate, None for none.
         current_observer: reads that estimate; None to take the water to be at rest.
         safe_mode: what to do when the path cannot be followed.
-        hold: what the water holds of the hull.
         most_rest: how much of a force that could not be made is asked for again at the next tick [N].
         waits: whether the speed along the path falls to what the thrusters can keep.
         capability: what the thrusters can still do; demands are projected onto it.
@@ -65,7 +69,6 @@ class PathFollower:
     observer: DisturbanceObserver | None
     current_observer: CurrentObserver | None
     safe_mode: SafeMode
-    hold: WaterHold
     most_rest: float = 0.0
     waits: bool = True
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
@@ -76,7 +79,7 @@ class PathFollower:
         self._force: Vector = np.zeros(3)
         self._torque: Vector = np.zeros(3)
         self._asked: Vector | None = None
-        self._force_ratio = 1.0
+        self._force_ratio, self._short_s, self._pressed = 1.0, 0.0, False
         self._goal: SafeModeGoal | None = None
         self._balanced: BalancedAttitude | None = None
         self._monitor = LossOfTargetMonitor(self.safe_mode)
@@ -104,12 +107,16 @@ class PathFollower:
         goal = self._safe_mode_goal(state, view, dt)
         motion = self._approach.motion(view) if goal is None else goal.motion(state.position)
         disturbance, current = self._unknowns(state, applied, dt)
-        situation = Situation(view, state.rotation, self._force, self._torque, current, self.capability.effort)
+        situation = Situation(
+            view, state.rotation, self._force, self._torque, current, force_ratio, self.capability.effort
+        )
         attitude = self._mode(state).attitude(situation, dt)
         wrench, reference = self._loops.wrench(state, motion, attitude, current)
-        pace = 1.0
-        if goal is None and self.waits and isinstance(self._approach, Approach):
-            pace = self._pace(state, motion, view, wrench - disturbance, reference, disturbance, current)
+        pace, pointed = 1.0, wrench - disturbance
+        if self.capability.budget is not None:
+            demand = self._demand(state, motion, view, wrench - disturbance, reference, disturbance, current)
+            if goal is None and self.waits and isinstance(self._approach, Approach):
+                pace = largest_pace(self._allowed, demand)
             if pace < 1.0:
                 along = along_path(motion, view)
                 motion = DesiredMotion(
@@ -117,12 +124,15 @@ class PathFollower:
                     motion.acceleration + (pace - 1.0) * along.acceleration,
                 )
                 wrench, reference = self._loops.wrench(state, motion, attitude, current)
+            pointed = demand(np.array([max(pace, LEAST_PACE)]))
+            self._watch_shortage(bool(self._allowed(pointed)[0]), dt)
+            pointed = pointed[0]
         demanded = wrench - disturbance
-        self._force = state.rotation @ demanded[:3]
+        self._force = state.rotation @ pointed[:3]
         self._torque = reference.steady_torque - disturbance[3:]
         if goal is None:
             self.target.advance(view.speed, dt)
-        in_range = self._projected(demanded, state) + self._rest(applied)
+        in_range = self.capability.project_onto_range(demanded) + self._rest(applied)
         self._asked = in_range
         return Decision(
             wrench=in_range,
@@ -148,7 +158,7 @@ class PathFollower:
             self._goal = SafeModeGoal(self.safe_mode, state, reason) if reason else None
         return self._goal
 
-    def _pace(
+    def _demand(
         self,
         state: State,
         motion: DesiredMotion,
@@ -157,14 +167,10 @@ class PathFollower:
         reference: Reference,
         disturbance: Vector,
         current: Vector,
-    ) -> float:
-        """The share of the speed along the path that the thrusters can keep, 1 at most."""
-        budget = self.capability.budget
-        if budget is None:
-            return 1.0
+    ) -> Callable[[Vector], Matrix]:
+        """Paces (q,) along the path -> the wrenches (q,6) they ask for, with the torque that holds the attitude."""
         loops, dynamics, R = self._loops, self.loops.dynamics, state.rotation
         hold = reference.steady_torque - disturbance[3:] - cross(dynamics.righting_moment, R[2])
-        weights = self.hold.weights(R[2], float(np.linalg.norm(demanded[:3])))
         along = along_path(motion, view)
         velocity, acceleration = along.velocity @ R, along.acceleration @ R
         flow, mass = current @ R, dynamics.total_mass[:3, :3]
@@ -178,10 +184,25 @@ class PathFollower:
             push = fewer * (mass @ (velocity / loops.velocity_time + acceleration))
             v = reference.velocity + fewer * velocity
             forces = demanded[:3] + push + drag(v) - drag(reference.velocity[None])
-            wrenches = np.hstack([forces, np.tile(hold, (len(paces), 1))])
-            return self.capability.project_all(wrenches, weights)
+            return np.hstack([forces, np.tile(hold, (len(paces), 1))])
 
-        return largest_pace(lambda wrenches: budget.allows(wrenches, self._force_ratio), demand)
+        return demand
+
+    def _allowed(self, wrenches: Matrix) -> Flags:
+        """Whether wrenches (q,6) can be made, as far as they lie in the range of A."""
+        budget, left = self.capability.budget, self.capability
+        assert budget is not None
+        return budget.allows(left.project_onto_range(wrenches), self._force_ratio)
+
+    def _watch_shortage(self, enough: bool, dt: float) -> None:
+        """Turn to where the thrusters have more when they have been short for a while, and back when they are not."""
+        self._short_s = 0.0 if enough else self._short_s + dt
+        if self._short_s > PATIENCE_S:
+            self._pressed = True
+        elif (
+            self._pressed and self._balanced is not None and not self._balanced.short and self._balanced.off < BACK_RAD
+        ):
+            self._pressed = False
 
     def _rest(self, applied: Vector) -> Vector:
         """What was not made of the last demand (6,), bounded: what a dead zone swallows is asked for again."""
@@ -189,19 +210,19 @@ class PathFollower:
         size = float(np.linalg.norm(rest[:3]))
         return rest * min(1.0, self.most_rest / max(size, 1e-12))
 
-    def _projected(self, demanded: Vector, state: State) -> Vector:
-        """The demand (6,) as the thrusters left can make it, limits apart; what the hull holds by itself yields."""
-        weights = self.hold.weights(state.rotation[2], float(np.linalg.norm(demanded[:3])))
-        return self.capability.project_onto_range(demanded, weights)
-
     def _mode(self, state: State) -> AttitudeMode:
         """Who says which attitude to take."""
-        if self.capability.steers_by_attitude:
+        if self.capability.steers_by_attitude or self._pressed:
             if self._balanced is None:
                 self._balanced = BalancedAttitude(
-                    self.capability, self.loops.dynamics, state.rotation, self.balancing_time, self.attitude
+                    self.capability,
+                    self.loops.dynamics,
+                    state.rotation,
+                    self.balancing_time,
+                    self.attitude if self._goal is None else self._goal.attitude,
                 )
             return self._balanced
+        self._balanced = None
         return self.attitude if self._goal is None else self._goal.attitude
 
     def _secondary(self, wrench: Vector) -> Vector:

@@ -15,7 +15,10 @@ import numpy as np
 
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.wrench.tolerances import RANK_TOLERANCE
 
+FORCES_YIELD = np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+"""W of a hull that holds nothing: forces give way, torques do not."""
 SMALL_FORCE = 1e-3
 """Share of the weight below which a force counts as none."""
 MAX_TILT_SINE = 0.5
@@ -35,24 +38,65 @@ class WaterHold(NamedTuple):
 
     @staticmethod
     def of(dynamics: Dynamics, speed_m_s: float) -> WaterHold:
-        """Of a hull whose missions ask for its drag ahead at this speed, and for its weight less its buoyancy."""
-        drag = dynamics.damping(np.array([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0]))
-        force = float(np.linalg.norm(drag[:3])) + abs(dynamics.weight - dynamics.buoyancy)
+        """Of a hull whose missions ask for its drag at this speed, its weight less its buoyancy on top.
+
+        It is the drag of the axis with most of it: a slender hull that is pushed sideways meets that.
+        """
+        drag = max(float(np.linalg.norm(dynamics.damping(speed_m_s * axis)[:3])) for axis in np.eye(6)[:3])
+        force = drag + abs(dynamics.weight - dynamics.buoyancy)
         return WaterHold(dynamics.righting_moment, float(np.hypot(force, SMALL_FORCE * max(1.0, dynamics.weight))))
 
-    def weights(self, up: Vector, force: float | None = None) -> Matrix:
+    def weights(self, up: Vector) -> Matrix:
         """W (6,6) [1, m^2]: how readily each force and torque gives way; W^-1 is the price of a change.
 
-        W = diag(I, (r'z / 2 F)^2 (I - z z')). Torques about the vertical z, and all torques of a hull that does
-        not right itself, do not give way: nothing else holds them.
+        W = diag(I, (r'z / 2 F)^2 (I - z z')). Torques about the vertical z, and all torques of a hull that does not
+        right itself, do not give way: nothing else holds them.
 
         Args:
             up: z = R' e_z (3,), world up in body axes.
-            force: F, the size of the forces that are asked for now [N], if that is more than what missions ask for.
         """
-        F = self.force if force is None else max(force, self.force)
-        W = np.zeros((6, 6))
-        W[:3, :3] = np.eye(3)
-        lever = MAX_TILT_SINE * max(0.0, float(self.righting @ up)) / F
+        W = FORCES_YIELD.copy()
+        lever = MAX_TILT_SINE * max(0.0, float(self.righting @ up)) / self.force
         W[3:, 3:] = lever**2 * (np.eye(3) - np.outer(up, up))
         return W
+
+
+class Yielding(NamedTuple):
+    """What gives way in a demand that the thrusters cannot produce.
+
+    Attributes:
+        directions: D (6,k), one for each lost combination: torques that the hull holds, or forces.
+        pointed: how many of them are forces, which the attitude has to point.
+    """
+
+    directions: Matrix
+    pointed: int
+
+
+def yielding_directions(lost: Matrix, weights: Matrix, length_m: float) -> Yielding | None:
+    """Who gives way for each lost combination: its torques where they are the cheaper, else its forces. Never both.
+
+    A share s of a combination falls on forces, the rest on torques: the eigenvalues of (N' W N)^-1 N_f' N_f. Up to a
+    half the torques take all of it, so that no attitude the hull cannot reach costs the path any force.
+
+    Args:
+        lost: N (6,k) the combinations N' w = b of all that can be produced [1, 1/m].
+        weights: W (6,6), of `WaterHold.weights`.
+        length_m: the thrusters' rms lever arm, which makes forces and torques comparable [m].
+
+    Returns:
+        None where some combination is neither pointed nor held: the vehicle cannot be steered.
+    """
+    scaled = np.concatenate([lost[:3], lost[3:] / length_m])
+    size, axes = np.linalg.eigh(lost.T @ weights @ lost)
+    if not size[0] > (RANK_TOLERANCE * float(np.linalg.norm(scaled, 2))) ** 2:
+        return None
+    unit = lost @ axes / np.sqrt(size)
+    _, share_roots, turn = np.linalg.svd(unit[:3])
+    shares = np.zeros(len(size))
+    shares[: len(share_roots)] = share_roots**2
+    forces = shares > 0.5
+    directions = weights @ unit @ turn.T
+    directions[3:, forces] = 0.0
+    directions[:3, ~forces] = 0.0
+    return Yielding(directions, int(np.count_nonzero(forces)))

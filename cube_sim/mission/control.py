@@ -78,7 +78,6 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
         safe_mode=_safe_mode(control.safe_mode),
-        hold=hold,
         most_rest=REST * float(np.abs(believed.vehicle.thrusters.limits[:, 1:3]).max(initial=0.0)),
         waits=scenario.guidance.wait_for_thrusters,
         capability=whole,

@@ -38,6 +38,11 @@ class TurningSpeed(NamedTuple):
         """The lowest speed anywhere [m/s]."""
         return max(self.planned.least, min(self.wanted.least, self.slowest))
 
+    @property
+    def most(self) -> float:
+        """The highest speed anywhere [m/s]."""
+        return max(self.planned.most, min(self.wanted.most, self.slowest))
+
     def at(self, s: float) -> Speed:
         """The speed at arc length s [m]: the higher one of the two, both of which can be flown."""
         wanted, planned = self.wanted.at(s), self.planned.at(s)
