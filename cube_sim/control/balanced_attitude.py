@@ -13,6 +13,7 @@ import numpy as np
 
 from cube_sim.control.attitude_mode import AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
+from cube_sim.control.loop_times import FASTEST_TURN
 from cube_sim.spatial import (
     Matrix,
     Vector,
@@ -28,8 +29,6 @@ SOFTNESS_N = 0.6
 """Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
 SHORTAGE_TIME = 2.0
 """Over which the force that is compared with what is attainable is averaged, and in which the vehicle turns [s]."""
-MAX_RATE = 1.0
-"""Bound on the turning of the desired attitude [rad/s]."""
 
 
 class BalancedAttitude:
@@ -55,6 +54,7 @@ class BalancedAttitude:
         time: of the first task, and over which the demanded force is averaged [s].
         wish: the attitude of the second task.
         wish_time: of the second task [s].
+        most_rate: bound on the turning of the desired attitude [rad/s].
     """
 
     def __init__(
@@ -65,12 +65,13 @@ class BalancedAttitude:
         time: float,
         wish: AttitudeMode,
         wish_time: float = 2.0,
+        most_rate: float = FASTEST_TURN,
     ) -> None:
         self._forces, self._torques, self._level = left.lost_forces, left.lost_torques, left.level
         self._constants, self._budget = left.constants, left.budget
         self._righting = dynamics.righting_moment
         self._rotation, self._time, self._wish_time = rotation.copy(), time, wish_time
-        self._wish = wish
+        self._wish, self._most_rate = wish, most_rate
         self._force: Vector | None = None
         self.short, self.off = False, np.inf
 
@@ -90,8 +91,8 @@ class BalancedAttitude:
         slope = (self._force - self._twice) / self._time
         rates = self._rates(R.T @ (self._force + self._time * slope), R.T @ slope, R, wish, situation.force_ratio)
         speed = float(np.linalg.norm(rates))
-        if speed > MAX_RATE:
-            rates, speed = rates * (MAX_RATE / speed), MAX_RATE
+        if speed > self._most_rate:
+            rates, speed = rates * (self._most_rate / speed), self._most_rate
         if speed > 0.0:
             self._rotation = R @ rotation_about(rates / speed, speed * dt)
         return DesiredAttitude(quaternion_from_rotation(R), R @ rates)

@@ -7,6 +7,18 @@ error, velocity and attitude, angular rate. Each is several times quicker than t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf, sqrt
+
+import numpy as np
+
+from cube_sim.spatial import Matrix, Vector
+
+FASTEST_TURN = 1.0
+"""Bound on the rate at which any vehicle is asked to turn [rad/s]."""
+COMMON_ERROR = 0.5
+"""An attitude error that the torque still turns back without saturating [rad]."""
+NO_TORQUE = 1e-6
+"""Share of the largest torque that counts as none."""
 
 
 @dataclass(frozen=True)
@@ -18,25 +30,53 @@ class LoopTimes:
         velocity: the velocity.
         attitude: the attitude.
         rate: the angular rate.
+        turn: not a time: how fast the vehicle is asked to turn at most [rad/s].
     """
 
     lateral: float
     velocity: float
     attitude: float
     rate: float
+    turn: float = FASTEST_TURN
 
     @staticmethod
-    def behind(delay_s: float) -> LoopTimes:
-        """The times that leave margins behind a delay.
+    def behind(delay_s: float, turning: float = inf) -> LoopTimes:
+        """The times that leave margins behind a delay, with the torque there is.
 
         A rate loop of T_w = 3 delays crosses over at 1 / (3 delays), where the delay costs 19 degrees of phase and the
         loop around it 17 of the other 90; the gain may rise by more than a factor 4. The velocity loop is as far from
         its limit with the disturbance estimate in it. No loop is quicker than 0.15 s (rate) and 0.5 s: quicker ones
-        gain millimetres and pass on the noise of every sensor.
+        gain millimetres and pass on the noise of every sensor. An attitude error of half a radian asks for
+        0.5 / T_a^2 rad/s^2, and that is not more than the torque gives.
 
         Args:
             delay_s: mean delay from state to force: lag of the thrusters and 1.5 control periods [s].
+            turning: angular acceleration that the thrusters' torque gives [rad/s^2].
         """
-        rate = max(0.15, 3.0 * delay_s)
+        attitude = max(0.5, 10.0 * delay_s, sqrt(COMMON_ERROR / turning))
         velocity = max(0.5, 6.0 * delay_s)
-        return LoopTimes(lateral=4.0 * velocity, velocity=velocity, attitude=rate / 0.3, rate=rate)
+        return LoopTimes(
+            lateral=4.0 * velocity,
+            velocity=velocity,
+            attitude=attitude,
+            rate=0.3 * attitude,
+            turn=min(FASTEST_TURN, turning * attitude),
+        )
+
+
+def angular_acceleration(A: Matrix, limits: Matrix, inertia: Matrix, righting: Vector) -> float:
+    """What the thrusters' torque gives about the axis with least of it [rad/s^2]; infinite where there is none.
+
+    Axes about which the hull's righting moment has twice the thrusters' torque do not count: the water holds these.
+
+    Args:
+        A: (6,m).
+        limits: (m,4) [N].
+        inertia: (3,3) [kg m^2], added inertia included.
+        righting: r (3,) [N m], body axes.
+    """
+    ends = A[3:, :, None] * limits[None, :, [0, 3]]
+    torque = np.minimum(ends.max(axis=2).sum(axis=1), -ends.min(axis=2).sum(axis=1))
+    held = np.array([righting[2], righting[2], 0.0]) / 2.0
+    counts = torque > np.maximum(held, NO_TORQUE * torque.max(initial=0.0))
+    return float(np.min(torque[counts] / np.diag(inertia)[counts], initial=inf))

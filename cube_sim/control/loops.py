@@ -12,12 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cube_sim.control.attitude_mode import DesiredAttitude
+from cube_sim.control.loop_times import FASTEST_TURN
 from cube_sim.guidance.law import DesiredMotion
 from cube_sim.spatial import State, Vector, conjugate, cross, multiply
 from cube_sim.vehicle.dynamics import Dynamics
-
-MAX_RATE = 1.0
-"""Bound on the rate at which an attitude error is turned back [rad/s]."""
 
 
 class Reference(NamedTuple):
@@ -52,12 +50,14 @@ class MotionLoops:
         velocity_time: [s].
         attitude_time: [s].
         rate_time: [s].
+        most_rate: bound on the rate at which an attitude error is turned back [rad/s].
     """
 
     dynamics: Dynamics
     velocity_time: float
     attitude_time: float
     rate_time: float
+    most_rate: float = FASTEST_TURN
 
     def wrench(
         self, state: State, motion: DesiredMotion, attitude: DesiredAttitude, current: Vector
@@ -74,7 +74,7 @@ class MotionLoops:
         w_d = attitude.rates @ R
         w_e = w - w_d
         back = 2.0 * eps / self.attitude_time
-        back *= 1.0 / max(1.0, float(np.linalg.norm(back)) / MAX_RATE)
+        back *= 1.0 / max(1.0, float(np.linalg.norm(back)) / self.most_rate)
         w_ref = w_d - back
         dw_ref = -cross(w, w_d) - (eta * w_e + cross(eps, w_e)) / self.attitude_time
         dw = dw_ref + (w_ref - w) / self.rate_time

@@ -220,6 +220,7 @@ class PathFollower:
                     state.rotation,
                     self.balancing_time,
                     self.attitude if self._goal is None else self._goal.attitude,
+                    most_rate=self.loops.most_rate,
                 )
             return self._balanced
         self._balanced = None

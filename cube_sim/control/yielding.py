@@ -87,7 +87,7 @@ def yielding_directions(lost: Matrix, weights: Matrix, length_m: float) -> Yield
     Returns:
         None where some combination is neither pointed nor held: the vehicle cannot be steered.
     """
-    scaled = np.concatenate([lost[:3], lost[3:] / length_m])
+    scaled = np.concatenate([lost[:3], lost[3:] * length_m])
     size, axes = np.linalg.eigh(lost.T @ weights @ lost)
     if not size[0] > (RANK_TOLERANCE * float(np.linalg.norm(scaled, 2))) ** 2:
         return None

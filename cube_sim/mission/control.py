@@ -11,7 +11,7 @@ from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability, rema
 from cube_sim.control.controller import Controller
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
-from cube_sim.control.loop_times import LoopTimes
+from cube_sim.control.loop_times import LoopTimes, angular_acceleration
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.safe_mode import SafeMode
@@ -50,7 +50,7 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
     whole = remaining_capability(A, limits, Health.whole(A.shape[1]), hold=hold)
     if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
         return planar_follower(loaded, believed, path)
-    times = _times(scenario, believed.vehicle)
+    times = _times(scenario, believed.vehicle, dynamics)
     mistakes = too_slow_period(loaded, _loop_times(scenario, times))
     if any(scenario.knowledge.current_m_s):
         text = "only the planar law takes a current that is known, the law for all axes estimates it: leave it out"
@@ -73,7 +73,7 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
         target=target,
         approach=approach,
         attitude=attitude_of(control, dynamics, times.attitude),
-        loops=MotionLoops(dynamics, times.velocity, times.attitude, times.rate),
+        loops=MotionLoops(dynamics, times.velocity, times.attitude, times.rate, times.turn),
         balancing_time=0.5 * times.attitude,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
@@ -96,17 +96,24 @@ def _costs(A: Matrix, whole: Capability) -> str:
     return f"its directions cost {', '.join(f'{cost:.3g}' for cost in costs)} N/N"
 
 
-def _times(scenario: Scenario, vehicle: Vehicle) -> LoopTimes:
+def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics) -> LoopTimes:
     """How fast each loop of the law for all axes is."""
     control = scenario.control
     delay = float(np.max(vehicle.thrusters.lag_s, initial=0.0)) + 1.5 * scenario.control_period_s
-    default = LoopTimes.behind(delay)
+    turning = angular_acceleration(
+        scenario.knowledge.thrust * vehicle.actuation_matrix,
+        vehicle.thrusters.limits,
+        dynamics.total_mass[3:, 3:],
+        dynamics.righting_moment,
+    )
+    default = LoopTimes.behind(delay, turning)
     velocity = default.velocity if control.velocity_time_s is None else control.velocity_time_s
     return LoopTimes(
         lateral=4.0 * velocity,
         velocity=velocity,
         attitude=default.attitude if control.attitude_time_s is None else control.attitude_time_s,
         rate=default.rate if control.rate_time_s is None else control.rate_time_s,
+        turn=default.turn,
     )
 
 
