@@ -29,8 +29,8 @@ class Situation(NamedTuple):
         force: force (3,) [N] demanded of the thrusters at the tick before, world axes.
         torque: torque (3,) [N m] that keeps the hull as it goes beside its righting moment, body axes.
         current: the current (3,) [m/s] as estimated, world axes.
-        force_ratio: share of their force that the supply leaves the thrusters.
         effort: Q (6,6) of the thrusters that still work, see `cube_sim.control.effort`.
+        force_ratio: share of their force that the supply leaves the thrusters.
     """
 
     view: TargetView
@@ -38,8 +38,8 @@ class Situation(NamedTuple):
     force: Vector
     torque: Vector
     current: Vector
-    force_ratio: float
     effort: Matrix
+    force_ratio: float = 1.0
 
 
 class AttitudeMode(Protocol):

@@ -108,7 +108,7 @@ class PathFollower:
         motion = self._approach.motion(view) if goal is None else goal.motion(state.position)
         disturbance, current = self._unknowns(state, applied, dt)
         situation = Situation(
-            view, state.rotation, self._force, self._torque, current, force_ratio, self.capability.effort
+            view, state.rotation, self._force, self._torque, current, self.capability.effort, force_ratio
         )
         attitude = self._mode(state).attitude(situation, dt)
         wrench, reference = self._loops.wrench(state, motion, attitude, current)
@@ -128,7 +128,7 @@ class PathFollower:
             self._watch_shortage(bool(self._allowed(pointed)[0]), dt)
             pointed = pointed[0]
         demanded = wrench - disturbance
-        self._force = state.rotation @ pointed[:3]
+        self._force = state.rotation @ (pointed[:3] - self._of_own_turning(state, view, current))
         self._torque = reference.steady_torque - disturbance[3:]
         if goal is None:
             self.target.advance(view.speed, dt)
@@ -149,6 +149,22 @@ class PathFollower:
             pace=pace,
             given_up="" if goal is None else goal.reason,
         )
+
+    def _of_own_turning(self, state: State, view: TargetView, current: Vector) -> Vector:
+        """The force (3,) [N], body axes, that the hull asks for as it turns otherwise than the path.
+
+        An attitude that points it would chase itself: added mass makes that force grow with the turning, not the path.
+        """
+        T, N1, N2 = view.point.rotation.T
+        k1, k2 = view.point.curvature
+        along = cross(T, view.speed * (k1 * N1 + k2 * N2)) @ state.rotation
+        v, none = state.velocity, np.zeros(3)
+
+        def force(w: Vector) -> Vector:
+            nu, nu_dot = np.concatenate([v, w]), np.concatenate([-cross(w, v), none])
+            return self.loops.dynamics.wrench(state.rotation, nu, nu_dot, current)[:3]
+
+        return force(state.rates) - force(along)
 
     def _safe_mode_goal(self, state: State, view: TargetView, dt: float) -> SafeModeGoal | None:
         """Where to go instead of along the path, once there is a reason to; only other thrusters end it."""
@@ -218,7 +234,7 @@ class PathFollower:
                     self.capability,
                     self.loops.dynamics,
                     state.rotation,
-                    self.balancing_time,
+                    self.balancing_time * (2.0 if self.capability.authority is Authority.TRIM else 1.0),
                     self.attitude if self._goal is None else self._goal.attitude,
                     most_rate=self.loops.most_rate,
                 )

@@ -17,7 +17,6 @@ from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.priority import split_path_first
 from cube_sim.control.safe_mode import SafeMode
-from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.helix import Helix
 from cube_sim.guidance.speed import ConstantSpeed
@@ -64,7 +63,6 @@ def follower(vehicle, attitude) -> PathFollower:
         observer=None,
         current_observer=None,
         safe_mode=SafeMode(None, 0.2, 1e3, 1.0),
-        hold=WaterHold.of(dynamics, 0.4),
         capability=capability(np.eye(6)),
         path_first=True,
     )
