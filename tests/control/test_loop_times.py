@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cube_sim.control.loop_times import LoopTimes
+from cube_sim.control.loop_times import FASTEST_TURN, LoopTimes, angular_acceleration
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import PathPoint
@@ -47,13 +47,32 @@ def test_the_velocity_loop_has_its_margins_with_the_disturbance_estimate_in_it(d
 @pytest.mark.parametrize("delay", [0.0, 0.01, 0.05, 0.1, 0.25, 1.0])
 def test_each_loop_is_several_times_slower_than_the_one_inside_it(delay):
     times = LoopTimes.behind(delay)
-    assert times.rate >= max(0.15, 3.0 * delay)
-    assert times.velocity >= max(0.5, 6.0 * delay)
-    assert times.attitude >= 3.0 * times.rate
+    assert times.rate >= max(0.15, 3.0 * delay) - 1e-12
+    assert times.velocity >= max(0.5, 6.0 * delay) - 1e-12
+    assert times.attitude >= 3.0 * times.rate - 1e-12
     assert times.lateral >= 4.0 * times.velocity
     later = LoopTimes.behind(2.0 * delay)
     assert later.rate >= times.rate
     assert later.velocity >= times.velocity
+
+
+def test_the_attitude_loop_asks_for_no_more_than_the_torque_gives():
+    for turning in (0.05, 0.3, 1.0):
+        times = LoopTimes.behind(0.05, turning)
+        assert 0.5 / times.attitude**2 == pytest.approx(turning)
+        assert times.turn == pytest.approx(min(FASTEST_TURN, turning * times.attitude))
+        assert times.velocity == LoopTimes.behind(0.05).velocity
+    assert LoopTimes.behind(0.05, 100.0) == LoopTimes.behind(0.05)
+
+
+def test_the_axis_with_least_torque_counts_unless_the_water_holds_it():
+    A = np.zeros((6, 2))
+    A[3, 0], A[5, 1] = 0.1, 0.4  # roll and yaw
+    limits = np.array([[-30.0, 0.0, 0.0, 40.0], [-20.0, 0.0, 0.0, 20.0]])
+    inertia = np.diag([2.0, 2.0, 4.0])
+    assert angular_acceleration(A, limits, inertia, np.zeros(3)) == pytest.approx(3.0 / 2.0)
+    assert angular_acceleration(A, limits, inertia, np.array([0.0, 0.0, 7.0])) == pytest.approx(8.0 / 4.0)
+    assert angular_acceleration(0.0 * A, limits, inertia, np.zeros(3)) == np.inf
 
 
 def lateral_time(approach, speed, error=1e-4):

@@ -11,7 +11,6 @@ from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.safe_mode import SafeMode
-from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.clocked_target import ClockedTarget
 from cube_sim.guidance.point import Point
 from cube_sim.guidance.pursuit import Pursuit
@@ -34,7 +33,6 @@ def asked_of(thrusters, most_rest, ticks=400):
         observer=None,
         current_observer=None,
         safe_mode=SafeMode(None, 0.2, 1e3, 1.0),
-        hold=WaterHold.of(dynamics, 0.4),
         most_rest=most_rest,
         capability=capability(np.eye(6)),
     )

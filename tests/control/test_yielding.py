@@ -1,4 +1,4 @@
-"""What gives way of a demand that cannot be made: against least squares, and against closed forms."""
+"""What gives way of a demand that cannot be made: torques or forces, against least squares and closed forms."""
 
 from __future__ import annotations
 
@@ -6,55 +6,71 @@ import numpy as np
 import pytest
 from support.vehicles import random_hull, random_rotation, vehicle
 
-from cube_sim.control.authority import Authority, Capability, capability
-from cube_sim.control.yielding import SMALL_FORCE, WaterHold
+from cube_sim.control.authority import Authority, capability
+from cube_sim.control.yielding import SMALL_FORCE, WaterHold, yielding_directions
 
-
-def without(lost, held):
-    """The capability of thrusters that make everything but the columns of lost (6,k)."""
-    none = np.zeros((3, 0))
-    return Capability(Authority.PLANE, none, "", lost[:3], lost[3:], np.eye(6), held)
+UP = np.array([0.0, 0.0, 1.0])
 
 
 def draw(rng):
-    """(weights, lost (6,k), held): a hull somewhere within 60 degrees of upright, and k = 1 to 3 lost combinations."""
+    """(weights, lost (6,k)): a hull somewhere within 60 degrees of upright, and k = 1 to 3 lost combinations."""
     up = random_rotation(rng)[2]
     while up[2] < 0.5:
         up = random_rotation(rng)[2]
     hold = WaterHold(np.append(rng.normal(0.0, 1.0, 2), rng.uniform(5.0, 20.0)), rng.uniform(5.0, 50.0))
-    return hold.weights(up), rng.normal(size=(6, rng.integers(1, 4))), rng.normal(0.0, 3.0, 6)
+    return hold.weights(up), rng.normal(size=(6, rng.integers(1, 4)))
 
 
-def test_of_all_that_can_be_made_the_cheapest_change_is_taken():
-    """min d' W^-1 d with N'(w + d) = b, by least squares: d = L y, W = L L', N'L y = b - N'w."""
+def projected(wrench, lost, directions, constants):
+    return wrench - directions @ np.linalg.solve(lost.T @ directions, lost.T @ wrench - constants)
+
+
+def test_what_is_left_can_be_made_and_torques_or_forces_yielded_never_both():
     rng = np.random.default_rng(11)
     for _ in range(100):
-        weights, lost, held = draw(rng)
-        left, wrench = without(lost, held), rng.normal(0.0, 20.0, 6)
-        asked = left.project_onto_range(wrench, weights)
-        values, axes = np.linalg.eigh(weights)
-        L = axes * np.sqrt(np.maximum(values, 0.0))
-        y = np.linalg.lstsq(lost.T @ L, left.constants - lost.T @ wrench, rcond=None)[0]
+        weights, lost = draw(rng)
+        found, wrench, constants = yielding_directions(lost, weights, 0.3), rng.normal(0.0, 20.0, 6), rng.normal(size=1)
+        assert found is not None
+        asked = projected(wrench, lost, found.directions, constants)
+        np.testing.assert_allclose(lost.T @ asked, constants[0], atol=1e-6)
+        forces = np.abs(found.directions[:3]).max(axis=0) > 0.0
+        torques = np.abs(found.directions[3:]).max(axis=0) > 0.0
+        assert not np.any(forces & torques)
+        assert np.count_nonzero(forces) == found.pointed
+
+
+def test_where_only_one_kind_yields_it_is_the_cheapest_change_of_that_kind():
+    """min d' W^-1 d over torques alone, or forces alone, with N'(w + d) = b: by least squares."""
+    rng = np.random.default_rng(12)
+    seen = set()
+    for _ in range(200):
+        weights, lost = draw(rng)
+        found = yielding_directions(lost, weights, 0.3)
+        assert found is not None
+        if found.pointed not in (0, lost.shape[1]):
+            continue
+        seen.add(found.pointed > 0)
+        part = np.diag(np.repeat([1.0, 0.0] if found.pointed else [0.0, 1.0], 3))
+        values, axes = np.linalg.eigh(part @ weights @ part)
+        L, wrench = axes * np.sqrt(np.maximum(values, 0.0)), rng.normal(0.0, 20.0, 6)
+        y = np.linalg.lstsq(lost.T @ L, -lost.T @ wrench, rcond=1e-10)[0]
+        asked = projected(wrench, lost, found.directions, np.zeros(lost.shape[1]))
         np.testing.assert_allclose(asked, wrench + L @ y, atol=1e-5)
-        np.testing.assert_allclose(lost.T @ asked, left.constants, atol=1e-5)
-        free = np.linalg.svd(lost.T @ L)[2][lost.shape[1] :].T  # other ways to make it, by chance
-        for other in (y[:, None] + free @ rng.normal(0.0, 0.1 * np.linalg.norm(y), (free.shape[1], 50))).T:
-            np.testing.assert_allclose(lost.T @ (wrench + L @ other), left.constants, atol=1e-8)
-            assert other @ other >= y @ y
+    assert seen == {True, False}
 
 
 def test_what_nothing_holds_never_gives_way():
     """Torque about the vertical; and of a hull that is top-heavy or upside down, all torque."""
-    rng = np.random.default_rng(12)
+    rng = np.random.default_rng(13)
     for _ in range(30):
         up, lost, wrench = random_rotation(rng)[2], rng.normal(size=(6, 2)), rng.normal(0.0, 20.0, 6)
-        hold = WaterHold(np.array([0.0, 0.0, 10.0]), 20.0)
-        asked = without(lost, np.zeros(6)).project_onto_range(wrench, hold.weights(up))
-        assert up @ asked[3:] == pytest.approx(up @ wrench[3:], abs=1e-12)
+        found = yielding_directions(lost, WaterHold(10.0 * UP, 20.0).weights(up), 0.3)
+        assert found is not None
+        asked = projected(wrench, lost, found.directions, np.zeros(2))
+        assert up @ asked[3:] == pytest.approx(up @ wrench[3:], abs=1e-9)
         if up[2] <= 0.0:
-            np.testing.assert_allclose(asked[3:], wrench[3:], atol=1e-12)
-        top_heavy = WaterHold(np.array([0.0, 0.0, -10.0]), 20.0)
-        np.testing.assert_array_equal(top_heavy.weights(np.array([0.0, 0.0, 1.0]))[3:], 0.0)
+            np.testing.assert_allclose(asked[3:], wrench[3:], atol=1e-9)
+    np.testing.assert_array_equal(WaterHold(-10.0 * UP, 20.0).weights(UP)[3:], 0.0)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -66,11 +82,18 @@ def test_a_single_combination_comes_out_of_what_is_cheaper(seed):
     force, arm = 20.0, np.linalg.norm(n[:3]) / np.linalg.norm(n[3:])
     for share, authority in ((0.51, Authority.PLANE), (0.49, Authority.TRIM)):
         lever = arm * np.sqrt((1.0 - share) / share)
-        hold = WaterHold(np.array([0.0, 0.0, lever * 2.0 * force]), force)
-        assert capability(A, cost_limit=1e3, hold=hold).authority is authority
-        asked = capability(A, cost_limit=1e3, hold=hold).project_onto_range(n, hold.weights(np.array([0.0, 0.0, 1.0])))
-        gone = n - asked
-        np.testing.assert_allclose(gone[:3], share / (n[:3] @ n[:3]) * (n @ n) * n[:3], atol=1e-6)
+        left = capability(A, cost_limit=1e3, hold=WaterHold(lever * 2.0 * force * UP, force))
+        assert left.authority is authority
+        gone = n - left.project_onto_range(n)
+        yielded = n[:3] if authority is Authority.PLANE else n[3:]
+        part = slice(0, 3) if authority is Authority.PLANE else slice(3, 6)
+        np.testing.assert_allclose(gone[part], (n @ n) / (yielded @ yielded) * yielded, atol=1e-9)
+        assert np.linalg.norm(gone) == pytest.approx(np.linalg.norm(gone[part]))
+
+
+def test_a_vehicle_that_can_be_neither_pointed_nor_held_is_told():
+    yaw = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]).T
+    assert yielding_directions(yaw, WaterHold(10.0 * UP, 20.0).weights(UP), 0.3) is None
 
 
 def test_without_a_righting_moment_roll_and_pitch_have_to_be_made():
@@ -82,13 +105,11 @@ def test_without_a_righting_moment_roll_and_pitch_have_to_be_made():
     assert capability(A).authority is Authority.SAFE
 
 
-def test_the_force_of_a_mission_is_drag_ahead_and_what_the_lift_leaves():
+def test_the_force_of_a_mission_is_the_drag_of_its_broadest_side_and_what_the_lift_leaves():
     rng = np.random.default_rng(13)
     hull, speed = random_hull(rng), 0.7
-    drag = hull.linear_damping[0, 0] * speed + hull.quadratic_damping[0, 0] * speed**2
+    linear, quadratic = hull.linear_damping, hull.quadratic_damping
+    drags = [np.linalg.norm((linear[:3, i] + quadratic[:3, i] * speed) * speed) for i in range(3)]
     hold = WaterHold.of(hull, speed)
-    assert hold.force == pytest.approx(np.hypot(drag + 1.0, SMALL_FORCE * 10.0))  # 10 N in water, 11 N of lift
+    assert hold.force == pytest.approx(np.hypot(max(drags) + 1.0, SMALL_FORCE * 10.0))  # 10 N in water, 11 N of lift
     np.testing.assert_array_equal(hold.righting, hull.righting_moment)
-    up = np.array([0.0, 0.0, 1.0])
-    np.testing.assert_array_equal(hold.weights(up, 0.1 * hold.force), hold.weights(up))
-    np.testing.assert_allclose(hold.weights(up, 2.0 * hold.force)[3:], hold.weights(up)[3:] / 4.0)
