@@ -44,7 +44,7 @@ class LoopTimes:
         """The times that leave margins behind a delay, with the torque there is.
 
         A rate loop of T_w = 3 delays crosses over at 1 / (3 delays), where the delay costs 19 degrees of phase and the
-        loop around it 17 of the other 90; the gain may rise by more than a factor 4. The velocity loop is as far from
+        loop around it 17 of the other 90; the gain may rise by more than a factor 3. The velocity loop is as far from
         its limit with the disturbance estimate in it. No loop is quicker than 0.15 s (rate) and 0.5 s: quicker ones
         gain millimetres and pass on the noise of every sensor. An attitude error of half a radian asks for
         0.5 / T_a^2 rad/s^2, and that is not more than the torque gives.
