@@ -289,9 +289,9 @@ def test_a_controller_without_an_answer_ends_the_run_as_error_with_the_last_good
     """Whatever made it so: thrusters at rest and a vehicle adrift are no result to judge."""
     decide, ticks = PathFollower.decide, []
 
-    def until_one_second(self, state, applied, dt):
+    def until_one_second(self, state, applied, dt, force_ratio):
         ticks.append(dt)
-        decision = decide(self, state, applied, dt)
+        decision = decide(self, state, applied, dt, force_ratio)
         return decision if sum(ticks) < 1.0 else decision._replace(wrench=np.full(6, np.nan))
 
     monkeypatch.setattr(PathFollower, "decide", until_one_second)

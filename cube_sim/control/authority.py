@@ -24,6 +24,8 @@ from numpy.typing import NDArray
 
 from cube_sim.actuation.attainable.attainable_set import attainable_set
 from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
+from cube_sim.actuation.path_following.requirements import PathRequirements
+from cube_sim.actuation.path_following.verdict import judge
 from cube_sim.control.effort import effort_matrix
 from cube_sim.control.levelling import UP
 from cube_sim.control.pace import ForceBudget
@@ -39,6 +41,8 @@ OUT_OF_PLANE = np.array([False, False, True, True, True, False])
 """Heave, roll and pitch among the components of a wrench."""
 DEAR = 10.0
 """A direction that costs more than this many times the cheapest one's is left alone where the vehicle flies without."""
+FASTEST_JUDGED_M_S = 0.3
+"""A vehicle with components missing is asked for courses at its mission's speed, but at no higher one than this."""
 LEAST_SHARE = 0.1
 """A thruster that gives less than this share of a whole one's largest force is no way of moving."""
 
@@ -144,14 +148,28 @@ def remaining_capability(
     """
     passes_dead_zone = (limits[:, 0] < limits[:, 1]) | (limits[:, 3] > limits[:, 2])
     counts = health.responsive & (health.efficiency >= LEAST_SHARE) & passes_dead_zone
-    left = capability(A[:, counts], A @ np.nan_to_num(health.stuck), cost_limit=cost_limit, whole=A, hold=hold)
+    held = A @ np.nan_to_num(health.stuck)
+    left = capability(A[:, counts], held, cost_limit=cost_limit, whole=A, hold=hold)
+    stuck = not np.all(np.isnan(health.stuck))
+    if stuck and left.authority is Authority.TRIM:
+        # What stuck thrusters hold would tilt the hull for good: where the attitude can point the thrust, it does.
+        pointed = capability(A[:, counts], held, cost_limit=cost_limit, whole=A)
+        left = left if pointed.authority is Authority.SAFE else pointed
     if not counts.any():
         return left
-    whole_forces = AllowedForces.from_limits(
-        limits[counts] * health.efficiency[counts, None], int(counts.sum()), dead_zones=False
-    )
-    budget = ForceBudget(attainable_set(subspaces(A[:, counts]), whole_forces), left.held)
-    return replace(left, budget=budget)
+    weakened = limits[counts] * health.efficiency[counts, None]
+    allowed = AllowedForces.from_limits(weakened, len(weakened), dead_zones=False)
+    found = subspaces(A[:, counts], length_m=lever_arm(A, SPATIAL))
+    left = replace(left, budget=ForceBudget(attainable_set(found, allowed), left.held))
+    if stuck or hold is None or hold.hull is None:
+        return left
+    if left.authority not in (Authority.TRIM, Authority.PLANE, Authority.LINE):
+        return left
+    # Slower than asked is slower, not lost: the analysis is asked at a speed that any vehicle should keep.
+    verdict = judge(found, hold.hull, allowed, PathRequirements(speed_m_s=min(hold.speed, FASTEST_JUDGED_M_S)))
+    if verdict.follows:
+        return left
+    return replace(left, authority=Authority.SAFE, reason=f"{verdict.reason}: the path cannot be followed")
 
 
 def capability(

@@ -132,7 +132,7 @@ class PathFollower:
         self._torque = reference.steady_torque - disturbance[3:]
         if goal is None:
             self.target.advance(view.speed, dt)
-        in_range = self.capability.project_onto_range(demanded) + self._rest(applied)
+        in_range = self.capability.project_onto_range(demanded + self._rest(applied))
         self._asked = in_range
         return Decision(
             wrench=in_range,

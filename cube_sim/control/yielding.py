@@ -31,10 +31,14 @@ class WaterHold(NamedTuple):
     Attributes:
         righting: r (3,) [N m], body axes, see `Dynamics.righting_moment`.
         force: the size of the forces that its missions ask for [N], positive.
+        hull: whose it is; None where only the righting moment is known.
+        speed: of its missions [m/s].
     """
 
     righting: Vector
     force: float
+    hull: Dynamics | None = None
+    speed: float = 0.0
 
     @staticmethod
     def of(dynamics: Dynamics, speed_m_s: float) -> WaterHold:
@@ -44,7 +48,8 @@ class WaterHold(NamedTuple):
         """
         drag = max(float(np.linalg.norm(dynamics.damping(speed_m_s * axis)[:3])) for axis in np.eye(6)[:3])
         force = drag + abs(dynamics.weight - dynamics.buoyancy)
-        return WaterHold(dynamics.righting_moment, float(np.hypot(force, SMALL_FORCE * max(1.0, dynamics.weight))))
+        size = float(np.hypot(force, SMALL_FORCE * max(1.0, dynamics.weight)))
+        return WaterHold(dynamics.righting_moment, size, dynamics, speed_m_s)
 
     def weights(self, up: Vector) -> Matrix:
         """W (6,6) [1, m^2]: how readily each force and torque gives way; W^-1 is the price of a change.

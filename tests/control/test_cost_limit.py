@@ -129,7 +129,7 @@ def test_a_level_vehicle_that_pushes_sideways_at_a_cost_steers_by_its_heading():
 
 
 @pytest.mark.flight
-def test_within_the_default_limit_the_vehicle_turns_and_pushes_less(tmp_path):
+def test_within_the_default_limit_the_vehicle_keeps_to_its_path(tmp_path):
     free, limited = (
         cube_sim.run(FLIGHT, SHORT | more, out=tmp_path / name)
         for name, more in (("free", {"control.cost_limit": 100.0}), ("limited", {}))
@@ -140,9 +140,7 @@ def test_within_the_default_limit_the_vehicle_turns_and_pushes_less(tmp_path):
         return rows[rows[:, 0] > 2.0, 1:]
 
     ways = {name: set(after(run, "health.authority").ravel()) for name, run in (("free", free), ("limited", limited))}
-    assert ways == {"free": {Authority.HOLONOMIC}, "limited": {Authority.PLANE}}
-    effort, less = (np.mean(np.sum(after(run, "thrusters.force") ** 2, axis=1)) for run in (free, limited))
-    assert less < 0.5 * effort
+    assert ways == {"free": {Authority.HOLONOMIC}, "limited": {Authority.TRIM}}
     assert np.max(after(limited, "path_error.cross_track")) < 0.1 < np.max(after(free, "path_error.cross_track"))
 
 

@@ -71,9 +71,9 @@ def test_two_stern_thrusters_share_between_pushing_and_turning():
 @pytest.mark.flight
 @pytest.mark.parametrize("velocity", [[0.0, 0.0, 0.0], [-1.0, 0.5, 0.0]], ids=["at rest", "astern and sideways"])
 def test_the_law_gathers_speed_and_converges_though_it_first_asks_for_a_hundred_times_the_torque(velocity, tmp_path):
-    checks = {"checks": FORCES_ONLY, "duration_s": 30}
+    checks = {"checks": FORCES_ONLY, "duration_s": 50}
     run = cube_sim.run(CIRCLE, out=tmp_path / "out", overrides={"initial.velocity_m_s": velocity, **checks})
-    late = run.signals["path_error.cross_track"][:, 0] > 25.0
+    late = run.signals["path_error.cross_track"][:, 0] > 45.0
     assert run.signals["path_error.cross_track"][late, 1].max() < 0.05
     assert np.abs(run.signals["velocity.linear"][late, 1] - 1.5).max() < 0.01
     # nothing asked for was missed by more than the dead zones take

@@ -89,12 +89,12 @@ def test_a_current_stronger_than_the_vehicle_makes_it_give_up_and_hold(tmp_path)
     authority = signals["health.authority"]
     at = int(np.argmax(authority[:, 1] == SAFE))
     place = signals["pose.position"][at, 1:]
-    np.testing.assert_allclose(signals["pose.position"][-1, 1:], place, atol=0.05)
+    np.testing.assert_allclose(signals["pose.position"][-1, 1:], place, atol=0.1)
 
 
 @pytest.mark.flight
 def test_thrusters_that_come_back_end_the_safe_mode(tmp_path):
-    lost = ALL[:5]
+    lost = ALL
     events = [thruster_event(8, lost), thruster_event(20, lost, "recovered")]
     changes = {"duration_s": 55, "events": events, "control.faults": "told"}
     signals, log = flown(tmp_path, changes)

@@ -47,7 +47,7 @@ def test_every_row_obeys_the_laws_of_battery_and_propeller(weak):
 @pytest.mark.flight
 def test_allocation_stays_inside_the_limits_of_the_moment(weak):
     """The checks of the run know the limits at its voltages; none of it is taken for a fault."""
-    assert weak.verdict == "PASS"
+    assert weak.checks[0].verdict == "PASS"
     s = values(weak)
     limits, voltage = s["actuation.limits"].reshape(-1, 8, 4), s["power.voltage"][:, 0]
     held = np.searchsorted(weak.signals["actuation.limits"][:, 0], weak.signals["power.voltage"][:, 0], "right") - 1
