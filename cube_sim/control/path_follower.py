@@ -248,7 +248,7 @@ class PathFollower:
         None under a cost limit that takes directions away, either: with only a share of the secondary part the wrench
         would have a component along them again.
         """
-        if not self.path_first or self._balanced is not None or self.capability.within_cost_limit is not None:
+        if not self.path_first or self.capability.steers_by_attitude or self.capability.within_cost_limit is not None:
             return np.zeros(6)
         dynamics = self.loops.dynamics
         return split_path_first(wrench, dynamics.mass_matrix + dynamics.added_mass).secondary

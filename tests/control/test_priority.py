@@ -113,7 +113,7 @@ model: {CUBE}
 duration_s: 26
 initial: {{position_m: [0, 0.2, -5]}}
 path: {{type: line, start_m: [0, 0, -5], end_m: [20, 0, -5]}}
-guidance: {{speed_m_s: 0.4}}
+guidance: {{speed_m_s: 0.4, wait_for_thrusters: false}}
 events:
   - {{kind: thrusters, at_s: 0, thrusters: [T1, T2, T3, T4, T5, T6, T7, T8], state: weak, efficiency: 0.3}}
 control:
