@@ -32,8 +32,7 @@ class CurrentObserver:
     def __init__(self, dynamics: Dynamics, time: float) -> None:
         self._dynamics, self._time = dynamics, time
         slope = float(np.median(np.abs(np.diag(self._slope(np.eye(3), QUIET * np.ones(6), np.zeros(3))))))
-        mass = (dynamics.mass_matrix + dynamics.added_mass)[:3, :3]
-        self._damping = max(slope, SLOWEST_DECAY * float(np.trace(mass)) / 3.0)
+        self._damping = max(slope, SLOWEST_DECAY * float(np.trace(dynamics.total_mass[:3, :3])) / 3.0)
         self.estimate = np.zeros(3)
 
     def update(self, state: State, residual: Vector, dt: float) -> Vector:

@@ -25,7 +25,8 @@ SLOWER = 2.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
 SLOWER_ACROSS = 5.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
-
+SLOWER_AT_TRIM = 2.0
+"""Where roll or pitch is left to the water, the balance of force and torque is sought this many times more slowly."""
 PATIENCE_S = 1.0
 """How long the thrusters have to be short of what a slow pace asks for before the vehicle turns."""
 BACK_RAD = 0.02
@@ -234,7 +235,7 @@ class PathFollower:
                     self.capability,
                     self.loops.dynamics,
                     state.rotation,
-                    self.balancing_time * (2.0 if self.capability.authority is Authority.TRIM else 1.0),
+                    self.balancing_time * (SLOWER_AT_TRIM if self.capability.authority is Authority.TRIM else 1.0),
                     self.attitude if self._goal is None else self._goal.attitude,
                     most_rate=self.loops.most_rate,
                 )
@@ -250,8 +251,7 @@ class PathFollower:
         """
         if not self.path_first or self.capability.steers_by_attitude or self.capability.within_cost_limit is not None:
             return np.zeros(6)
-        dynamics = self.loops.dynamics
-        return split_path_first(wrench, dynamics.mass_matrix + dynamics.added_mass).secondary
+        return split_path_first(wrench, self.loops.dynamics.total_mass).secondary
 
     def _unknowns(self, state: State, applied: Vector, dt: float) -> tuple[Vector, Vector]:
         """The estimated disturbance and current: what the current explains is taken out of the disturbance."""
