@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation import Allocation
 from cube_sim.checks import evaluate
-from cube_sim.control.authority import remaining_capability
 from cube_sim.control.controller import Decision
 from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.mission.divergence import divergence
+from cube_sim.mission.fault_response import record_actuation, respond_to_faults
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.run_header import header, versions
 from cube_sim.mission.supply import allocate_at
@@ -171,8 +171,8 @@ def _run_ticks(mission: Mission, recorder: Recorder, warnings: list[str], progre
             break
         surface.note(t, data)
         other_voltage = _feed_thrusters(mission, recorder, t)
-        if _update_health(mission, recorder, t) or other_voltage or k == 0:
-            _record_actuation(mission, recorder, t)
+        if respond_to_faults(mission, recorder, t) or other_voltage or k == 0:
+            record_actuation(mission, recorder, t)
         try:
             decision, allocation = _tick(mission, recorder, t, applied)
         except _NotANumberError as error:
@@ -203,30 +203,6 @@ def _feed_thrusters(mission: Mission, recorder: Recorder, t: float) -> bool:
         recorder.log(t, "WARNING", "the battery is empty: the thrusters stand still")
     recorder.append("power", t, supply.power, supply.energy, supply.voltage, supply.charge)
     return supply.force_ratio != before
-
-
-def _update_health(mission: Mission, recorder: Recorder, t: float) -> bool:
-    """Let the controller learn of thruster faults the way the scenario says, and go on with the thrusters left.
-
-    Returns:
-        Whether the health it believes in has changed.
-    """
-    allocator, thrusters = mission.allocator, mission.vehicle.thrusters
-    if mission.fault_finding is not None:
-        health = mission.fault_finding.judge(mission.data, mission.supply.force_ratio)
-    elif mission.scenario.control.faults == "told":
-        health = mission.events.health
-    else:
-        return False
-    if health is allocator.health or health.equals(allocator.health):
-        return False
-    allocator.set_health(health)
-    left = remaining_capability(
-        allocator.A, allocator.limits, health, mission.scenario.control.cost_limit, mission.hold
-    )
-    mission.controller.reconfigure(left)
-    recorder.log(t, "WARNING", f"{health.describe(thrusters.names)}; {left.authority.name}: {left.reason}")
-    return True
 
 
 def _tick(mission: Mission, recorder: Recorder, t: float, applied: NDArray[np.float64]) -> tuple[Decision, Allocation]:
@@ -292,21 +268,7 @@ def _describe(mission: Mission, recorder: Recorder) -> None:
         recorder.log(0.0, "WARNING", warning)
     length = mission.path.length
     recorder.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
-    allocator, limit = mission.allocator, mission.scenario.control.cost_limit
-    left = remaining_capability(allocator.A, allocator.limits, allocator.health, limit, mission.hold)
-    if left.within_cost_limit is not None:
+    limit, able = mission.ability.cost_limit, mission.ability.within_limit
+    if able.within_cost_limit is not None:
         dear = "costs too much" if limit is None else f"costs more than {limit:g} N/N"
-        recorder.log(0.0, "INFO", f"what {dear} is left alone; {left.authority.name}: {left.reason}")
-
-
-def _record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
-    """Record A and the limits as the controller believes them.
-
-    A weak thruster has narrower limits; those of a dead or stuck one are all the one force it gives.
-    """
-    vehicle, health = mission.vehicle, mission.allocator.health
-    limits = vehicle.thrusters.limits * health.efficiency[:, None]
-    stuck = ~np.isnan(health.stuck)
-    limits[stuck] = health.stuck[stuck, None]
-    limits *= mission.supply.force_ratio
-    recorder.append("actuation", t, mission.allocator.A.ravel(), limits.ravel())
+        recorder.log(0.0, "INFO", f"what {dear} is left alone; {able.authority.name}: {able.reason}")

@@ -18,7 +18,7 @@ import numpy as np
 from support.catalogue.vehicles import Entry
 
 from closed_loop.condition import Condition
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.mission.prepare import prepare
@@ -111,8 +111,7 @@ class FlownLoop:
             health = Health.whole(len(names))
             for i in np.flatnonzero(~works).tolist():
                 health = health.with_thruster(i, 0.0)
-            left = remaining_capability(mission.allocator.A, mission.allocator.limits, health, None, mission.hold)
-            self.controller.reconfigure(left)
+            self.controller.reconfigure(mission.ability.left(health))
         self._believed, self._forces = believed, np.linalg.pinv(believed, rcond=1e-9)
         if condition.believed is not None:
             self.controller.current_observer = CurrentObserver(self.controller.loops.dynamics, NEVER_S)

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from cube_sim.actuation.directions.selection_criteria import final_approach
-from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability, remaining_capability
+from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability
 from cube_sim.control.controller import Controller
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
@@ -15,9 +15,9 @@ from cube_sim.control.loop_times import LoopTimes, angular_acceleration
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.safe_mode import SafeMode
-from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
+from cube_sim.mission.ability import Ability
 from cube_sim.mission.attitude import attitude_of, is_path_first
 from cube_sim.mission.guidance import guidance_of
 from cube_sim.mission.hull import CompiledHull
@@ -29,13 +29,12 @@ from cube_sim.scenario import Loaded, Scenario, schema
 from cube_sim.spatial import Matrix
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.vehicle import Vehicle
-from cube_sim.wrench.health import Health
 
 REST = 3.0
 """How many times the force at which the widest dead zone ends is asked for again where it could not be made."""
 
 
-def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Controller:
+def controller_of(loaded: Loaded, believed: CompiledHull, path: Path, ability: Ability) -> Controller:
     """The law from states to wrenches, for the vehicle the controller believes to fly.
 
     Raises:
@@ -45,9 +44,7 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
     control = scenario.control
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
     time, flow = control.disturbance_time_s, control.current_time_s
-    hold = water_hold(loaded.scenario, dynamics)
-    A, limits = scenario.knowledge.thrust * believed.vehicle.actuation_matrix, believed.vehicle.thrusters.limits
-    whole = remaining_capability(A, limits, Health.whole(A.shape[1]), hold=hold)
+    whole, within_limit = ability.whole, ability.within_limit
     if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
         return planar_follower(loaded, believed, path)
     times = _times(scenario, believed.vehicle, dynamics)
@@ -55,13 +52,11 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
     if any(scenario.knowledge.current_m_s):
         text = "only the planar law takes a current that is known, the law for all axes estimates it: leave it out"
         mistakes.append(loaded.mistake("knowledge.current_m_s", text))
-    if control.cost_limit is not None:
-        within_limit = remaining_capability(A, limits, Health.whole(A.shape[1]), control.cost_limit, hold)
-        if within_limit.authority is Authority.SAFE and whole.authority is not Authority.SAFE:
-            text = f"what is left of this vehicle at {control.cost_limit:g} N/N follows no path; " + _costs(A, whole)
-            mistakes.append(loaded.mistake("control.cost_limit", text))
-        whole = within_limit
-    if whole.level:
+    if within_limit.authority is Authority.SAFE and whole.authority is not Authority.SAFE:
+        costs = _costs(ability.A, whole)
+        text = f"what is left of this vehicle at {ability.cost_limit:g} N/N follows no path; {costs}"
+        mistakes.append(loaded.mistake("control.cost_limit", text))
+    if within_limit.level:
         if not is_level(path):
             text = "this path climbs or sinks, and the vehicle has thrusters for a level plane only"
             mistakes.append(loaded.mistake("path", text))
@@ -80,14 +75,9 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path) -> Control
         safe_mode=_safe_mode(control.safe_mode),
         most_rest=REST * float(np.abs(believed.vehicle.thrusters.limits[:, 1:3]).max(initial=0.0)),
         waits=scenario.guidance.wait_for_thrusters,
-        capability=whole,
+        capability=within_limit,
         path_first=is_path_first(control),
     )
-
-
-def water_hold(scenario: Scenario, dynamics: Dynamics) -> WaterHold:
-    """What the water holds of the hull at the speed of the path."""
-    return WaterHold.of(dynamics, scenario.guidance.speed_m_s)
 
 
 def _costs(A: Matrix, whole: Capability) -> str:

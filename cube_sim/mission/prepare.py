@@ -8,11 +8,11 @@ import mujoco
 
 from cube_sim.allocation import FaultTolerant
 from cube_sim.control.controller import Controller
-from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.path import Path
+from cube_sim.mission.ability import Ability
 from cube_sim.mission.allocation import allocator_of
 from cube_sim.mission.channels import recorded_channels
-from cube_sim.mission.control import controller_of, water_hold
+from cube_sim.mission.control import controller_of
 from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.events import Events
 from cube_sim.mission.fault_finding import FaultFinding
@@ -38,6 +38,7 @@ class Mission:
         data: its state, at the scenario's initial condition.
         vehicle: the hull that follows the path.
         path: the path.
+        ability: what its thrusters can do.
         controller: state to wrench.
         allocator: wrench to thruster forces.
         supply: what feeds the thrusters.
@@ -53,10 +54,10 @@ class Mission:
     data: mujoco.MjData
     vehicle: Vehicle
     path: Path
+    ability: Ability
     controller: Controller
     allocator: FaultTolerant
     supply: PowerSupply
-    hold: WaterHold
     events: Events
     fault_finding: FaultFinding | None
     drop_weight: DropWeight
@@ -80,16 +81,19 @@ def prepare(loaded: Loaded) -> Mission:
     require_signals(loaded, channels)
     require_possible_events(loaded, vehicle)
     require_a_value_per_thruster(loaded, vehicle)
+    allocator = allocator_of(believed.vehicle, scenario)
+    dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
+    ability = Ability.of(allocator, dynamics, scenario)
     return Mission(
         scenario=scenario,
         model=model,
         data=initial_state(model, vehicle, scenario),
         vehicle=vehicle,
         path=path,
-        controller=controller_of(loaded, believed, path),
-        allocator=allocator_of(believed.vehicle, scenario),
+        ability=ability,
+        controller=controller_of(loaded, believed, path, ability),
+        allocator=allocator,
         supply=supply_of(loaded, model, vehicle),
-        hold=water_hold(scenario, believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)),
         events=Events(scenario.events, model, vehicle),
         fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle, scenario.control_period_s),

@@ -1,0 +1,54 @@
+"""What the thrusters of a mission's vehicle can do, judged once at the start and again as they fail."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cube_sim.allocation import FaultTolerant
+from cube_sim.control.authority import Capability, remaining_capability
+from cube_sim.control.yielding import WaterHold
+from cube_sim.scenario import Scenario
+from cube_sim.spatial import Matrix
+from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.wrench.health import Health
+
+
+@dataclass(frozen=True)
+class Ability:
+    """What the vehicle can do while all thrusters work; the answers take up to half a second, so they are kept.
+
+    Attributes:
+        A: (6,m) of all thrusters, as the controller believes.
+        limits: (m,4) of whole ones, as the allocation keeps them [N].
+        hold: what the water holds of the hull.
+        cost_limit: `control.cost_limit` [N/N].
+        whole: what it can do at any cost that is not `DEAR`.
+        within_limit: what it can do within `cost_limit`; `whole` where there is none.
+    """
+
+    A: Matrix
+    limits: Matrix
+    hold: WaterHold
+    cost_limit: float | None
+    whole: Capability
+    within_limit: Capability
+
+    @classmethod
+    def of(cls, allocator: FaultTolerant, dynamics: Dynamics, scenario: Scenario) -> Ability:
+        """Judge a vehicle.
+
+        Args:
+            allocator: over its thrusters.
+            dynamics: the equations of motion the controller reckons with.
+            scenario: whose speed and cost limit count.
+        """
+        A, limits, cost_limit = allocator.A, allocator.limits, scenario.control.cost_limit
+        hold = WaterHold.of(dynamics, scenario.guidance.speed_m_s)
+        everything = Health.whole(A.shape[1])
+        whole = remaining_capability(A, limits, everything, hold=hold)
+        within = whole if cost_limit is None else remaining_capability(A, limits, everything, cost_limit, hold)
+        return cls(A, limits, hold, cost_limit, whole, within)
+
+    def left(self, health: Health) -> Capability:
+        """What it can do, within the cost limit, with thrusters in the state believed."""
+        return remaining_capability(self.A, self.limits, health, self.cost_limit, self.hold)

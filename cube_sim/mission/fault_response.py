@@ -1,0 +1,49 @@
+"""The controller learns of thruster faults the way the scenario says, and goes on with the thrusters left."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cube_sim.mission.prepare import Mission
+from cube_sim.recording.recorder import Recorder
+
+
+def respond_to_faults(mission: Mission, recorder: Recorder, t: float) -> bool:
+    """Hand what is now believed of the thrusters to allocation and controller.
+
+    Args:
+        mission: whose MuJoCo data are up to date at t.
+        recorder: gets a sentence when the belief changes.
+        t: simulated time [s].
+
+    Returns:
+        Whether the health believed in has changed.
+    """
+    allocator = mission.allocator
+    if mission.fault_finding is not None:
+        health = mission.fault_finding.judge(mission.data, mission.supply.force_ratio)
+    elif mission.scenario.control.faults == "told":
+        health = mission.events.health
+    else:
+        return False
+    if health is allocator.health or health.equals(allocator.health):
+        return False
+    allocator.set_health(health)
+    left = mission.ability.left(health)
+    mission.controller.reconfigure(left)
+    text = health.describe(mission.vehicle.thrusters.names)
+    recorder.log(t, "WARNING", f"{text}; {left.authority.name}: {left.reason}")
+    return True
+
+
+def record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
+    """Record A and the limits as the controller believes them.
+
+    A weak thruster has narrower limits; those of a dead or stuck one are all the one force it gives.
+    """
+    vehicle, health = mission.vehicle, mission.allocator.health
+    limits = vehicle.thrusters.limits * health.efficiency[:, None]
+    stuck = ~np.isnan(health.stuck)
+    limits[stuck] = health.stuck[stuck, None]
+    limits *= mission.supply.force_ratio
+    recorder.append("actuation", t, mission.allocator.A.ravel(), limits.ravel())
