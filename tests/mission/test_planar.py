@@ -12,6 +12,7 @@ from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.mission import prepare
 from cube_sim.mission.planar_identification import identify_planar_model
 from cube_sim.scenario import load
+from cube_sim.vehicle.current import water_velocity
 
 MISSION = f"""\
 schema_version: 1
@@ -32,6 +33,7 @@ def vehicle_of(name):
     return model, cube_sim.Vehicle.from_model(model)
 
 
+CUSTOM_END = "</custom>"
 ADDED_MASS = np.diag([141.9, 1715.4, 300.0, 100.0, 1349.0, 1349.0])
 ADDED_MASS[1, 5] = ADDED_MASS[5, 1] = 30.0
 
@@ -53,6 +55,14 @@ def test_the_model_read_off_the_compiled_hull_is_the_published_one():
     found = identify_planar_model(model, vehicle)
     np.testing.assert_allclose(found, INFANTE, atol=1e-9)
     np.testing.assert_array_equal(model.opt.wind, [0.3, -0.2, 0.0])
+
+
+def test_a_current_that_varies_with_time_and_depth_is_no_property_of_the_hull(tmp_path):
+    table = '<numeric name="water:current" data="0 -9 0.2 0.1 0  0 0 0.3 0 0  60 -9 -0.1 0.2 0  60 0 0.2 0 0"/>'
+    model, vehicle = infante_with(((CUSTOM_END, table + CUSTOM_END),), tmp_path)
+    before = water_velocity(model, 30.0, -4.5)
+    np.testing.assert_allclose(identify_planar_model(model, vehicle), INFANTE, atol=1e-9)
+    np.testing.assert_array_equal(water_velocity(model, 30.0, -4.5), before)
 
 
 def test_kirchhoffs_terms_are_found_in_a_hull_without_lift():

@@ -13,7 +13,7 @@ from support.water_bodies import DENSITY, Body, flown, fossen, get_state, random
 import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.spatial import rotation_from_quaternion
-from cube_sim.vehicle.current import set_current, water_velocity
+from cube_sim.vehicle.current import set_current, still_water, water_velocity
 from cube_sim.vehicle.laws import current
 
 
@@ -165,6 +165,15 @@ def test_the_current_changes_while_the_model_is_in_use():
         set_current(model, [0.0, 0.0, 0.0])
     with pytest.raises(ModelError, match=r"use model\.opt\.wind"):
         set_current(body.model(), [[[0.0, 0.0, 0.0]]])
+
+
+def test_all_of_the_water_can_be_stilled_for_a_while_and_moves_on_as_before():
+    model = with_current(Body(volume=0.01), table([0.0, 9.0], [-3.0], np.array([[[0.1, 0.5, 0.0]], [[0.3, 0.0, 0.2]]])))
+    model.opt.wind[:] = [0.0, 0.2, -0.1]
+    before = [water_velocity(model, t, -3.0) for t in (0.0, 4.0, 9.0)]
+    with still_water(model):
+        np.testing.assert_array_equal([water_velocity(model, t, -3.0) for t in (0.0, 4.0, 9.0)], np.zeros((3, 3)))
+    np.testing.assert_array_equal([water_velocity(model, t, -3.0) for t in (0.0, 4.0, 9.0)], before)
 
 
 @pytest.mark.parametrize(
