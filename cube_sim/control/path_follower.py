@@ -91,6 +91,8 @@ class PathFollower:
         self.capability = left
         self._balanced, self._loops, self._approach = None, self.loops, self.approach
         if left.authority is not Authority.SAFE:
+            if self._goal is not None:
+                self._monitor.restart()
             self._goal = None
         elif self._goal is not None:
             self._goal.set_reason(left.reason)

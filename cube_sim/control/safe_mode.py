@@ -11,6 +11,9 @@ from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.guidance.law import DesiredMotion, TargetView
 from cube_sim.spatial import State, Vector, quaternion_from_euler
 
+NEARER = 0.01
+"""Share of the distance limit by which a vehicle far off has to come nearer within its patience (a choice)."""
+
 
 @dataclass(frozen=True)
 class SafeMode:
@@ -21,7 +24,7 @@ class SafeMode:
         speed: bound on the velocity asked for [m/s].
         time: in which the distance to the place shrinks by 63 % [s].
         limit: distance from the target on the path [m] beyond which it is given up; infinite for never.
-        patience: how long the distance has to stay beyond the limit [s].
+        patience: how long the vehicle has to be beyond the limit without coming nearer [s].
     """
 
     surface: float | None = None
@@ -64,20 +67,29 @@ class SafeModeGoal:
 
 
 class LossOfTargetMonitor:
-    """Detects that a vehicle has lost its target: beyond the limit for as long as the patience lasts.
+    """Detects that a vehicle has lost its target: beyond the limit, and no nearer than before, for the patience.
 
-    It counts only after the vehicle has been within the limit once, so a start from far away is no loss.
+    It counts only after the vehicle has been within the limit once, so a start from far away is no loss. Neither is it
+    one to take the path up again from far away, as long as the vehicle comes nearer.
     """
 
     def __init__(self, mode: SafeMode) -> None:
-        self._mode, self._since, self._was_near = mode, 0.0, False
+        self._mode, self._was_near = mode, False
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin to count anew, from where the vehicle takes its path up again."""
+        self._since, self._nearest = 0.0, np.inf
 
     def reason(self, view: TargetView, dt: float) -> str:
         """Why the path is given up, "" if it is not; to be asked at every tick."""
-        distance = float(np.linalg.norm(view.error))
-        self._was_near |= distance <= self._mode.limit
-        self._since = self._since + dt if self._was_near and distance > self._mode.limit else 0.0
+        distance, limit = float(np.linalg.norm(view.error)), self._mode.limit
+        if distance <= limit:
+            self._was_near, self._since, self._nearest = True, 0.0, distance
+        elif distance <= self._nearest - NEARER * limit:
+            self._since, self._nearest = 0.0, distance
+        elif self._was_near:
+            self._since += dt
         if self._since < self._mode.patience:
             return ""
-        limit, patience = self._mode.limit, self._mode.patience
-        return f"{distance:.1f} m from its target on the path, beyond {limit:g} m for {patience:g} s"
+        return f"{distance:.1f} m from its target on the path, beyond {limit:g} m for {self._mode.patience:g} s"

@@ -161,7 +161,9 @@ class SafeModeBlock(Block):
         description="Distance from its target at which a vehicle that was nearer gives the path up, until other"
         " thrusters work; null: never [m].",
     )
-    patience_s: float = Field(default=10.0, gt=0, description="Time beyond that limit until it is given up [s].")
+    patience_s: float = Field(
+        default=10.0, gt=0, description="Time beyond that limit, coming no nearer, until it is given up [s]."
+    )
 
 
 class ControlBlock(Block):

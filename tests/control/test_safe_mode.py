@@ -36,6 +36,20 @@ def test_the_watch_gives_up_only_after_its_patience_and_forgets_when_the_path_is
     assert reasons[-1] == "2.5 m from its target on the path, beyond 2 m for 1 s"
 
 
+def test_a_path_taken_up_again_from_far_off_is_lost_only_when_the_vehicle_comes_no_nearer():
+    monitor, dt = LossOfTargetMonitor(SafeMode(limit=2.0, patience=1.0)), 0.125
+    assert not monitor.reason(view_at(1.0), dt)
+    away = [bool(monitor.reason(view_at(2.0 + 0.5 * k), dt)) for k in range(1, 9)]
+    assert away == [False] * 7 + [True]
+    monitor.restart()
+    turning = [6.0, 6.2, 6.3, 6.2, 6.0]
+    assert not any(monitor.reason(view_at(d), dt) for d in turning)
+    assert not any(monitor.reason(view_at(6.0 - 0.0125 * k), dt) for k in range(240))  # 0.1 m/s, 30 s
+    waits = [bool(monitor.reason(view_at(3.0 - 1e-4 * k), dt)) for k in range(20)]
+    assert waits[0] is False
+    assert waits[-1] is True
+
+
 def test_a_safe_mode_goal_is_where_the_vehicle_was_level_with_its_heading():
     goal = SafeModeGoal(SafeMode(speed=0.2, time=5.0), still_at([1.0, 2.0, -3.0]), "lost")
     assert goal.reason == "lost; it holds its position as well as it can"
@@ -103,3 +117,22 @@ def test_thrusters_that_come_back_end_the_safe_mode(tmp_path):
     assert authority[600] == SAFE
     assert authority[-1] == 0
     assert signals["path_error.cross_track"][-1, 1] < 0.05
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(
+    ("faults", "fault"),
+    [("told", {}), ("diagnosed", {}), ("told", {"state": "weak", "efficiency": 0.02})],
+    ids=["told", "diagnosed", "weak"],
+)
+def test_a_vehicle_carried_far_off_takes_its_path_up_again_once_its_thrusters_are_back(faults, fault, tmp_path):
+    events = [thruster_event(8, ALL, **fault), thruster_event(40, ALL, "recovered")]
+    safe = {"distance_limit_m": 2.0, "patience_s": 4.0}
+    changes = {"control.faults": faults, "control.safe_mode": safe, "current_m_s": [0, 0.3, 0]}
+    signals, log = flown(tmp_path, {"duration_s": 100, "events": events, **changes})
+    told = [text for text in log if text.startswith("the path is")]
+    assert told[-1] == "the path is followed again"
+    error = np.linalg.norm(signals["path_error.lateral"][:, 1:], axis=1)
+    assert error.max() > 3.0  # beyond the limit for longer than the patience, on its way back
+    assert error[-500:].max() < 0.02
+    assert signals["health.authority"][-1, 1] == 0
