@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -11,11 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Allocations, Status
+from cube_sim.allocation.exact.fewest_calls import FewestCalls, Solved
 from cube_sim.allocation.exact.packing import pack, previous_answer_rows
 from cube_sim.allocation.exact.problem import closest_wrench_data, make_problem
 from cube_sim.allocation.exact.solutions import force_solutions, wrench_metric
 from cube_sim.allocation.exact.solve import answer_size, solve_each
-from cube_sim.allocation.exact.step import no_previous_answer
+from cube_sim.allocation.exact.step import HISTORY, no_previous_answer
 from cube_sim.allocation.objectives import side_targets
 from cube_sim.allocation.options import WEIGHTS_SPAN, Method, Objective, Unattainable
 from cube_sim.allocation.previous import PreviousForces
@@ -85,7 +87,8 @@ class Allocator:
         reversal_penalty: cost of pushing against the side a thruster last pushed to [N^2].
         switching_penalty: cost of a thruster starting from rest or coming to rest [N^2].
         change_limit: most a thruster's force may change in one call [N], the dead zone not counted: a reversal is
-            walked through the zone's edges, so a small limit delays it and never locks the thruster. None: no limit.
+            walked through the zone's edges. A small limit delays what is made without one and never locks it: a demand
+            that stays is met after the fewest calls possible, see `FewestCalls`. None: no limit.
         method: see `Method`.
         length_m: divides torques wherever a wrench error is one number; the rms lever arm of A unless told.
         tolerance_N: force that counts as rounding, 1e-10 of the largest limit at least; 1e-9 of it unless told.
@@ -164,7 +167,7 @@ class Allocator:
             scaled=self.unattainable == "scaled",
         )
         self._closest = closest_wrench_data(wrench_metric(self.A, self.wrench_weights), facets=self._problem.scaled)
-        self._previous = no_previous_answer(m)
+        self._previous = no_previous_answer(m, self.change_limit)
         self._pack()
         self._size, self._ends = answer_size(n, m), (m, m + n, m + 2 * n)
         self._confirmer = (
@@ -182,13 +185,16 @@ class Allocator:
         return partial(Allocator, **options), (self.A, self.limits), (self._previous.copy(), replace(self.effort))
 
     def __setstate__(self, state: tuple[NDArray[np.float64], Effort]) -> None:
-        """Go on from a copy's previous answer (3, m) and effort."""
+        """Go on from a copy's previous answer (5, m) and effort."""
         self._previous[:], self.effort = state
 
     def _pack(self) -> None:
         """Prepare what answers demands; the previous answer lies in it."""
         self._packed = pack(self._problem, self._closest, self._previous)
         self._previous = previous_answer_rows(self._packed, len(self.limits))
+        self._fewest_calls = (
+            FewestCalls(self._packed, self.A.shape, self.change_limit) if self.change_limit < inf else None
+        )
         parallel = self.method == "enumerate_parallel"
         self._enumeration = (
             Enumeration(self._problem, self._closest, parallel) if self.method.startswith("enumerate") else None
@@ -196,7 +202,7 @@ class Allocator:
 
     def reset(self) -> None:
         """Forget the previous answer, as at the start of a run."""
-        self._previous[:] = 0.0
+        self._previous[HISTORY] = 0.0
 
     def resume(self, previous: PreviousForces) -> None:
         """Go on from forces of another allocator's as if they were this one's previous answer.
@@ -208,7 +214,7 @@ class Allocator:
         t = self._problem
         force = np.clip(previous.force, t.low[at], t.high[at])
         travel = np.where(t.low[at] <= t.high[at], force - t.edge[at], 0.0)
-        self._previous[:] = previous.subset, previous.push, travel
+        self._previous[HISTORY] = previous.subset, previous.push, travel
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench.
@@ -264,14 +270,15 @@ class Allocator:
         """Answer one demand (n,) given as it is, or as its two parts (2 n,)."""
         m, a, b = self._ends
         row, subset, effort = np.zeros(self._size), np.empty(m, SIDE), self.effort
-        if self._enumeration is None:
+        if self._fewest_calls is not None:
+            solve = self._search if self._enumeration is None else self._enumerate
+            residual, cost, status = self._answer_in_reach(solve, demands, row, subset)
+        elif self._enumeration is None:
             residual, cost, status, nodes, doubts = solve_each(self._packed, demands, row, subset)
             effort.nodes += nodes
             effort.unproven += doubts
         else:
-            effort.qps += self._enumeration.allocate(self._previous, demands, row)
-            residual, cost, status, _ = row[-4:].tolist()
-            subset[:] = row[b : b + m]
+            residual, cost, status = self._enumerate(demands, row, subset)
         if self._confirmer is not None:
             effort.qps += 1
             if not self._confirmer.confirms(row, demand):
@@ -280,8 +287,37 @@ class Allocator:
         # A named tuple's own constructor takes longer than the arrays it is given.
         return tuple.__new__(Allocation, (force, row[m:a], row[a:b], residual, cost, subset, status))
 
+    def _search(self, demands: NDArray[np.float64], row: NDArray[np.float64], subset: NDArray[np.int8]) -> Solved:
+        """Answer a demand by the search, within the reach of the previous answer."""
+        *solved, nodes, doubts = solve_each(self._packed, demands, row, subset)
+        self.effort.nodes += nodes
+        self.effort.unproven += doubts
+        return tuple(solved)
+
+    def _enumerate(self, demands: NDArray[np.float64], row: NDArray[np.float64], subset: NDArray[np.int8]) -> Solved:
+        """The same by every subset."""
+        assert self._enumeration is not None
+        m, _, b = self._ends
+        self.effort.qps += self._enumeration.allocate(self._previous, demands, row)
+        subset[:] = row[b : b + m]
+        return tuple(row[-4:-1].tolist())
+
+    def _answer_in_reach(
+        self,
+        solve: Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int8]], Solved],
+        demands: NDArray[np.float64],
+        row: NDArray[np.float64],
+        subset: NDArray[np.int8],
+    ) -> Solved:
+        """Answer a demand by one of the two methods, under the change limit."""
+        assert self._fewest_calls is not None
+        solved, nodes = self._fewest_calls.answer(demands, row, lambda: solve(demands, row, subset))
+        self.effort.nodes += nodes
+        subset[:] = row[self._ends[2] : self._ends[2] + len(subset)]
+        return solved
+
     def allocate_many(self, wrenches: ArrayLike) -> Allocations:
-        """Find the forces for N demanded wrenches in order, in one compiled call.
+        """Find the forces for N demanded wrenches in order, in one compiled call where no change limit is set.
 
         The answers are those of N calls of `allocate` with the method ``search``, whatever this allocator's method.
 
@@ -296,9 +332,11 @@ class Allocator:
         if demands.ndim != 2 or demands.shape[1] != n:
             raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")
         answers, subsets = np.zeros((len(demands), self._size)), np.empty((len(demands), m), SIDE)
-        *_, nodes, doubts = solve_each(self._packed, demands.ravel(), answers.ravel(), subsets.ravel())
-        self.effort.nodes += nodes
-        self.effort.unproven += doubts
+        if self._fewest_calls is None:
+            self._search(demands.ravel(), answers.ravel(), subsets.ravel())
+        else:
+            for demand, answer, subset in zip(demands, answers, subsets, strict=True):
+                self._answer_in_reach(self._search, demand, answer, subset)
         _, a, b = self._ends
         rest = answers[:, -4:]
         return Allocations(

@@ -69,8 +69,8 @@ class AllocationBlock(Block):
         default=None,
         gt=0,
         le=1e12,
-        description="Most a thruster's force may change in one control period, its dead zone not counted [N]. "
-        "Default: no limit.",
+        description="Most a thruster's force may change in one control period, its dead zone not counted [N]. A wrench"
+        " that takes several periods is approached so that it takes the fewest. Default: no limit.",
     )
 
     @field_validator("objective")

@@ -70,7 +70,9 @@ def test_lines_and_branch_and_bound_are_the_same_optimum(objective, allow_off):
             arguments["target"] = arguments["target"][: A.shape[1]]
         allocator = Allocator(A, LIMITS, allow_off=allow_off, objective=objective, weights=1.5, **arguments)
         assert allocator._problem.planar
-        other = pack(allocator._problem._replace(planar=False), allocator._closest, no_previous_answer(A.shape[1]))
+        other = pack(
+            allocator._problem._replace(planar=False), allocator._closest, no_previous_answer(A.shape[1], np.inf)
+        )
         n, m = A.shape
         reach = 0.2 * np.abs(A) @ np.full(m, 50.0)
         wrenches = np.vstack([np.zeros(n), rng.normal(size=(300, n)) * reach, np.diag(reach), -0.1 * np.diag(reach)])

@@ -189,7 +189,7 @@ def compare(
     closest = ClosestOfEverySubset(every, allocator.wrench_weights)
     for i, wrench in enumerate(wrenches):
         price = np.zeros((m, 3))
-        side, push, _ = allocator._previous
+        side, push = allocator._previous[:2]
         price[push == 1, 0], price[push == -1, 2] = penalty, penalty
         price[side == 0, 0::2] += switching
         price[side != 0, 1] += switching

@@ -25,7 +25,7 @@ def pack(problem: AllocationProblem, closest: ClosestWrenchData, previous: NDArr
     Args:
         problem: of the vehicle.
         closest: of the vehicle.
-        previous: (3, m), copied to the end.
+        previous: (5, m), copied to the end.
     """
     p, solutions, metric = problem, problem.solutions, closest.metric
     n, m = p.A.shape
@@ -121,14 +121,16 @@ def unpack_workspace(packed: NDArray[np.float64]) -> Workspace:
 def unpack_previous_answer(packed: NDArray[np.float64]) -> PreviousAnswer:
     """The previous answer, as views."""
     m = cut(packed, 1, (1,), np.int64)[0]
-    at = packed.shape[0] - 3 * m
+    at = packed.shape[0] - 5 * m
     return PreviousAnswer(
         cut(packed, at, (m,), np.float64),
         cut(packed, at + m, (m,), np.float64),
         cut(packed, at + 2 * m, (m,), np.float64),
+        cut(packed, at + 3 * m, (m,), np.float64),
+        cut(packed, at + 4 * m, (m,), np.float64),
     )
 
 
 def previous_answer_rows(packed: NDArray[np.float64], m: int) -> NDArray[np.float64]:
-    """(3, m) the same as one view, for Python."""
-    return packed[-3 * m :].reshape(3, m)
+    """(5, m) the same as one view, for Python."""
+    return packed[-5 * m :].reshape(5, m)

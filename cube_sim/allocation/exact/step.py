@@ -15,18 +15,23 @@ from cube_sim.native.compiled import compiled, inlined
 
 
 class PreviousAnswer(NamedTuple):
-    """The previous answer: the rows of one (3, m) array, all zeros at the start of a run.
+    """The previous answer, and how far the next one may be from it: the rows of one (5, m) array.
 
     Attributes:
         subset: (m,) its sides, -1, 0, +1: ties prefer them.
         push: (m,) direction each thruster last pushed to, rests passed over: reversals are counted from it.
         travel: (m,) force counted from the edge of the side it lies on [N]. Changes are counted in it: crossing the
             dead zone is no change and is never forbidden.
+        down: (m,) most ``travel`` may fall by [N]: the change limit, unless `FewestCalls` narrows it. One below 0 is
+            what it has to rise by.
+        up: (m,) most it may rise by [N], likewise.
     """
 
     subset: NDArray[np.float64]
     push: NDArray[np.float64]
     travel: NDArray[np.float64]
+    down: NDArray[np.float64]
+    up: NDArray[np.float64]
 
 
 class StepLimits(NamedTuple):
@@ -53,9 +58,15 @@ class StepLimits(NamedTuple):
     tolerance: float
 
 
-def no_previous_answer(thrusters: int) -> NDArray[np.float64]:
-    """(3, thrusters) rows of a `PreviousAnswer` as at the start of a run: all thrusters at rest."""
-    return np.zeros((3, thrusters))
+HISTORY, REACH = slice(3), slice(3, 5)
+"""Which rows of a `PreviousAnswer` say what it was, and which how far the next one may be from it."""
+
+
+def no_previous_answer(thrusters: int, change_limit: float) -> NDArray[np.float64]:
+    """(5, thrusters) rows of a `PreviousAnswer` as at the start of a run: all thrusters at rest."""
+    rows = np.zeros((5, thrusters))
+    rows[REACH] = change_limit
+    return rows
 
 
 @inlined
@@ -74,9 +85,9 @@ def side_cost_of(limits: StepLimits, alternative: int) -> SideCost:
 def step_limits(problem: AllocationProblem, previous: PreviousAnswer) -> StepLimits:
     """Sides and costs of the next call: reversals cost, and forces may move by the change limit only.
 
-    A side farther away than the change limit is closed; the side a thruster is on never is. A reversal walks down to
-    the edge of the dead zone, crosses it in no time, and walks on from the other edge. A limit smaller than the dead
-    zone therefore slows a thruster down and never locks it::
+    A side farther away than the change limit is closed. A reversal walks down to the edge of the dead zone, crosses it
+    in no time, and walks on from the other edge. A limit smaller than the dead zone therefore slows a thruster down and
+    never locks it; that several of them do not lock each other is the matter of `FewestCalls`::
 
         negative side          dead zone           positive side
         ----------------|                     |----------------
@@ -98,8 +109,8 @@ def step_limits(problem: AllocationProblem, previous: PreviousAnswer) -> StepLim
                 masks[i] = 0
                 for s in range(3):
                     if low[i, s] <= high[i, s]:
-                        bottom = problem.edge[i, s] + previous.travel[i] - problem.change_limit
-                        top = problem.edge[i, s] + previous.travel[i] + problem.change_limit
+                        bottom = problem.edge[i, s] + previous.travel[i] - previous.down[i]
+                        top = problem.edge[i, s] + previous.travel[i] + previous.up[i]
                         if bottom - problem.tolerance <= high[i, s] and top + problem.tolerance >= low[i, s]:
                             # What lies exactly one limit away may be reached, whatever the rounding.
                             low[i, s], high[i, s] = (
