@@ -95,6 +95,7 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
         ),
         observer=planar_observer(scenario, knowledge, profile.least),
         attainable=attainable,
+        waits=guidance.wait_for_thrusters,
     )
 
 

@@ -114,7 +114,7 @@ class GuidanceBlock(Block):
     wait_for_thrusters: bool = Field(
         default=True,
         description="Whether the speed along the path falls to what the thrusters can keep where they cannot make all"
-        " that is asked (path_following, law for all axes). false: the path is cut instead.",
+        " that is asked (path_following; the planar law: while it is short of torque). false: the path is cut instead.",
     )
     stop_at_end: bool = Field(
         default=True, description="Whether to come to rest at the end, or run on along the last tangent."

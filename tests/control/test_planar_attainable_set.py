@@ -66,14 +66,17 @@ def test_two_stern_thrusters_share_between_pushing_and_turning():
     assert attainable.saturate(1e5, -60.0) == pytest.approx((1500.0, -60.0))
     assert attainable.saturate(100.0, 1e6) == pytest.approx((100.0, 900.0))
     assert attainable.saturate(100.0, 900.0) == (100.0, 900.0)
+    assert attainable.saturate(-600.0, 850.0) == pytest.approx((-600.0, 600.0))
+    assert attainable.saturate(-600.0, 850.0, torque_share=0.9) == pytest.approx((850.0 / 0.6 - 1600.0, 850.0))
+    assert attainable.saturate(-600.0, 990.0, torque_share=1.0) == pytest.approx((0.0, 960.0))
 
 
 @pytest.mark.flight
 @pytest.mark.parametrize("velocity", [[0.0, 0.0, 0.0], [-1.0, 0.5, 0.0]], ids=["at rest", "astern and sideways"])
 def test_the_law_gathers_speed_and_converges_though_it_first_asks_for_a_hundred_times_the_torque(velocity, tmp_path):
-    checks = {"checks": FORCES_ONLY, "duration_s": 50}
+    checks = {"checks": FORCES_ONLY, "duration_s": 30}
     run = cube_sim.run(CIRCLE, out=tmp_path / "out", overrides={"initial.velocity_m_s": velocity, **checks})
-    late = run.signals["path_error.cross_track"][:, 0] > 45.0
+    late = run.signals["path_error.cross_track"][:, 0] > 25.0
     assert run.signals["path_error.cross_track"][late, 1].max() < 0.05
     assert np.abs(run.signals["velocity.linear"][late, 1] - 1.5).max() < 0.01
     # nothing asked for was missed by more than the dead zones take

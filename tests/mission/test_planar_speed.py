@@ -111,6 +111,14 @@ def test_a_fast_hull_short_of_torque_slows_down_and_settles(tmp_path):
     assert run.signals["velocity.linear"][-1, 1] > 1.5
 
 
+@pytest.mark.flight
+@pytest.mark.parametrize(("waits", "wanted"), [(True, 0.75), (False, 1.5)])
+def test_speed_is_given_up_for_want_of_torque_unless_told_not_to(waits, wanted, tmp_path):
+    changes = {"guidance.wait_for_thrusters": waits, "duration_s": 4, "checks": [{"kind": "allowed_forces"}]}
+    run = cube_sim.run(SCENARIOS / "infante_line.yaml", changes, out=tmp_path / "out")
+    assert run.signals["reference.linear"][-1, 1] == pytest.approx(wanted, abs=0.01)
+
+
 def test_the_scenarios_as_they_stand_keep_their_speeds():
     for name in ("infante_circle", "infante_line", "infante_sinusoid"):
         follower = prepare(load(SCENARIOS / f"{name}.yaml")).controller

@@ -38,21 +38,26 @@ class PlanarAttainableSet(NamedTuple):
         """Whether a demand [N, N m] is attainable."""
         return bool((self.normals @ (F, Gamma) <= self.sizes * (1.0 + 1e-9) + 1e-9).all())
 
-    def saturate(self, F: float, Gamma: float) -> tuple[float, float]:
+    def saturate(self, F: float, Gamma: float, torque_share: float = 0.5) -> tuple[float, float]:
         """An attainable demand [N, N m]: itself where it is one, otherwise neither part at the cost of the other.
 
         The closest attainable wrench is no use to the planar law. At low speed the law asks for a hundred times the
         torque of the hull. All thrust would then go into torque, and none would be left to gather the speed at which
         the law asks for less. So there are three steps:
 
-        1. The torque takes half of what it could have alone.
+        1. The torque takes `torque_share` of what it could have alone.
         2. The force takes what it wants of the rest.
         3. The torque takes what it wants of what that leaves.
+
+        Args:
+            F: force ahead asked for [N].
+            Gamma: torque asked for [N m].
+            torque_share: in [0, 1].
         """
         if self.holds(F, Gamma):
             return F, Gamma
         low, high = self._range(1, 0.0)
-        F = float(np.clip(F, *self._range(0, float(np.clip(Gamma, 0.5 * low, 0.5 * high)))))
+        F = float(np.clip(F, *self._range(0, float(np.clip(Gamma, torque_share * low, torque_share * high)))))
         return F, float(np.clip(Gamma, *self._range(1, F)))
 
     def _range(self, axis: int, other: float) -> tuple[float, float]:

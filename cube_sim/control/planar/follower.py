@@ -14,7 +14,7 @@ from cube_sim.control.planar.kinematic import KinematicLaw
 from cube_sim.control.planar.model import PlanarCurrent, PlanarMotion
 from cube_sim.control.planar.observer import PlanarObserver
 from cube_sim.control.planar.path_view import heading, plane_view
-from cube_sim.control.planar.short_of_torque import ShortOfTorque
+from cube_sim.control.planar.short_of_torque import ShortOfTorque, torque_share
 from cube_sim.guidance.speed import SpeedProfile
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.spatial import State, Vector, quaternion_from_euler
@@ -35,6 +35,7 @@ class PlanarFollower:
         law: equation (6).
         observer: what it reckons with of the water.
         attainable: what the thrusters can make of its demand.
+        waits: whether speed is given up while torque is short.
     """
 
     target: VirtualTarget
@@ -42,6 +43,7 @@ class PlanarFollower:
     law: DynamicLaw
     observer: PlanarObserver
     attainable: PlanarAttainableSet
+    waits: bool = True
 
     def __post_init__(self) -> None:
         """Fly with the thrusters of the hull as built."""
@@ -65,8 +67,10 @@ class PlanarFollower:
             path = path._replace(c_c=0.0, g_c=0.0)  # the path goes on straight
         speed = self.wanted_speed(view.arc_length, water.current, view.speed)
         command = self.law.command(motion, path, speed, water)
-        F, Gamma = self.attainable.saturate(command.F, command.Gamma)
-        self._short.update(motion.u, self.profile.at(view.arc_length).value, command.Gamma, Gamma, dt)
+        planned = self.profile.at(view.arc_length).value
+        F, Gamma = self.attainable.saturate(command.F, command.Gamma, torque_share(motion.u, planned))
+        if self.waits:
+            self._short.update(motion.u, planned, command.Gamma, Gamma, dt)
         k1, k2 = self.law.gains.k1, self.law.gains.k2
         kinematic = KinematicLaw(self.law.model, self.law.approach, k1, k2)
         wanted = kinematic.command(flow, path, water.current, water.dv)

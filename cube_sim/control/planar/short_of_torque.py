@@ -4,16 +4,30 @@ from __future__ import annotations
 
 LEAST_SHARE = 0.5
 """Share of the speed wanted that is always kept: it is what the hull steers by."""
-FALL, RISE = 0.2, 0.02
+FALL, RISE = 0.2, 0.1
 """How fast that share falls while the torque does not suffice, and rises again after [1/s]."""
+
+
+def torque_share(u: float, wanted: float) -> float:
+    """What the torque gets of the thrusters before the force, as a share of what it could have alone.
+
+    Half where the speed is missing, which has to be gathered before the hull steers; all of it at the speed wanted. To
+    brake or to speed up there at the cost of the torque would turn the hull even later.
+
+    Args:
+        u: surge [m/s].
+        wanted: the speed wanted, nothing given up [m/s].
+    """
+    return min(max(u / wanted, LEAST_SHARE), 1.0)
 
 
 class ShortOfTorque:
     """The torque that a change of course takes grows with the square of the speed; what the thrusters make does not.
 
     A law whose torque is cut off at a high speed turns too late, and may swing about its path for ever. So the speed
-    falls until the torque suffices, and comes back slowly enough for the course to settle. Below `LEAST_SHARE` of the
-    speed wanted it is the speed that is missing, not the torque, and nothing is given up.
+    falls until the torque suffices, and comes back at half that rate: a hull that swings is short of torque in every
+    swing, and loses more speed in it than it regains until the next. Below `LEAST_SHARE` of the speed wanted it is the
+    speed that is missing, not the torque, and nothing is given up.
     """
 
     def __init__(self) -> None:
