@@ -104,10 +104,19 @@ class PlannedSpeed:
         speed: where nothing asks for less [m/s].
         lateral_acceleration: bound on u_d^2 |curvature| [m/s^2].
         acceleration: bound on the speeding up and slowing down along the path [m/s^2].
+        turning_length: L [m]: |curvature| + L |d curvature / ds| counts as the curvature, for a vehicle that takes
+            torque to begin a turn.
     """
 
-    def __init__(self, path: Path, speed: float, lateral_acceleration: float, acceleration: float) -> None:
-        s, curvature = _sampled_curvature(path)
+    def __init__(
+        self,
+        path: Path,
+        speed: float,
+        lateral_acceleration: float,
+        acceleration: float,
+        turning_length: float = 0.0,
+    ) -> None:
+        s, curvature = _sampled_curvature(path, turning_length)
         # u_d^2 allowed between two nodes, by the tighter one; at a node by the tighter of its two sides
         tighter = np.maximum(curvature[1:], curvature[:-1])
         between = np.minimum(speed**2, lateral_acceleration / np.maximum(tighter, lateral_acceleration / speed**2))
@@ -131,23 +140,25 @@ class PlannedSpeed:
         return Speed(value, rise / (2.0 * value))
 
 
-def _sampled_curvature(path: Path) -> tuple[Array, Array]:
-    """Arc lengths (n,) [m] and curvatures there (n,) [1/m], dense enough to show every corner."""
+def _sampled_curvature(path: Path, turning_length: float) -> tuple[Array, Array]:
+    """Arc lengths (n,) [m] and what counts as curvature there (n,) [1/m], dense enough to show every corner."""
     edges = np.asarray(path.edges)
     shares = np.linspace(0.0, 1.0, min(SAMPLES, max(MIN_SAMPLES, MAX_SAMPLES // len(edges))) + 1)
     s: list[float] = [0.0]
-    curvature: list[float] = [_curvature(path, 0.0)]
+    curvature: list[float] = [_curvature(path, 0.0, turning_length)]
     for first, last in pairwise(edges):
-        few = [_curvature(path, at) for at in first + (last - first) * shares[[1, len(shares) // 3, -2, -1]]]
+        among = first + (last - first) * shares[[1, len(shares) // 3, -2, -1]]
+        few = [_curvature(path, at, turning_length) for at in among]
         one = max(*few, curvature[-1]) - min(*few, curvature[-1]) <= ALIKE * max(few)
         stations = [last] if one else first + (last - first) * shares[1:]
         s += list(stations)
-        curvature += [few[-1]] if one else [_curvature(path, at) for at in stations]
+        curvature += [few[-1]] if one else [_curvature(path, at, turning_length) for at in stations]
     return np.array(s), np.array(curvature)
 
 
-def _curvature(path: Path, s: float) -> float:
-    return hypot(*path.at(s).curvature)
+def _curvature(path: Path, s: float, turning_length: float) -> float:
+    point = path.at(s)
+    return hypot(*point.curvature) + turning_length * hypot(*point.curvature_rate)
 
 
 def _within_slope(s: Array, values: Array, slope: float, closed: bool) -> Array:

@@ -37,6 +37,17 @@ def test_it_keeps_all_three_bounds_everywhere(path):
         assert abs(value * slope) <= ALONG * (1.0 + 1e-9)
 
 
+def test_a_change_of_curvature_counts_by_the_turning_length(path):
+    profile, length = PlannedSpeed(path, TOP, LATERAL, ALONG, turning_length=3.0), 3.0
+    shares = []
+    for s in np.linspace(0.0, path.length, 2001):
+        point = path.at(s)
+        counts = np.hypot(*point.curvature) + length * np.hypot(*point.curvature_rate)
+        shares.append(profile.at(s).value ** 2 * counts / LATERAL)
+    assert 0.9 < max(shares) < 1.02
+    assert profile.least < 0.9 * PlannedSpeed(path, TOP, LATERAL, ALONG).least
+
+
 def test_it_slows_down_and_is_nowhere_slower_than_it_must(path):
     """Everywhere the speed is held down by the top speed, by the curvature, or by braking for a place that is."""
     profile = PlannedSpeed(path, TOP, LATERAL, ALONG)

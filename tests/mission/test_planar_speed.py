@@ -10,7 +10,13 @@ from support.planar_flight import INFANTE
 import cube_sim
 from cube_sim.control.planar.attainable_set import PlanarAttainableSet
 from cube_sim.control.planar.follower import PlanarFollower
-from cube_sim.control.planar.turning import KEPT_FOR_STEERING, steady_turn, tightest_turn, turning_speed
+from cube_sim.control.planar.turning import (
+    KEPT_FOR_STEERING,
+    steady_turn,
+    tightest_turn,
+    turning_length,
+    turning_speed,
+)
 from cube_sim.guidance.arc import circle
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.polyline import polyline
@@ -52,6 +58,29 @@ def test_at_the_turning_speed_the_thrusters_have_just_what_is_kept_for_steering_
     assert turning_speed(INFANTE, TWO_ASTERN, 1 / 12.0, 1.5) == 1.5
 
 
+def test_a_turn_that_tightens_is_flown_as_fast_as_the_torque_to_tighten_it_allows():
+    speed = turning_speed(INFANTE, TWO_ASTERN, 0.05, 10.0, 0.06)
+    turn = steady_turn(INFANTE, speed, 0.05)
+    assert turn is not None
+    # course rate c v_t, of which a yaw acceleration gives all but the side-slip
+    torque = abs(INFANTE.d_r(turn)) + INFANTE.m_r * 0.06 * turn.speed**2 / INFANTE.loop_gain(turn)
+    use = TWO_ASTERN.normals @ (INFANTE.d_u(turn), torque) / TWO_ASTERN.sizes
+    assert use.max() == pytest.approx(1.0 - KEPT_FOR_STEERING, rel=1e-6)
+    assert speed == turning_speed(INFANTE, TWO_ASTERN, 0.05, 10.0, -0.06)
+    assert speed < turning_speed(INFANTE, TWO_ASTERN, 0.05, 10.0)
+
+
+def test_the_turning_length_compares_a_change_of_curvature_with_curvature():
+    length, u = turning_length(INFANTE, 1.5), 1.5
+    c = 0.5 * tightest_turn(INFANTE, u)
+    turn = steady_turn(INFANTE, u, c)
+    assert turn is not None
+    tightening = INFANTE.m_r * (c / length) * turn.speed**2 / INFANTE.loop_gain(turn)
+    assert tightening == pytest.approx(abs(INFANTE.d_r(turn)))
+    assert 10.0 < length < 50.0  # the flow past this hull turns it nearly by itself in a steady turn
+    assert turning_length(INFANTE._replace(K_rr=0.0, K_vv=0.0, K_uv=0.0, K_ur=0.0), 1.5) == np.inf
+
+
 def profile(path, speed, **guidance):
     block = GuidanceBlock(speed_m_s=speed, **guidance)
     wanted = ConstantSpeed(speed)
@@ -73,14 +102,36 @@ def test_one_that_they_do_not_falls_to_what_the_curve_allows():
 def test_between_curves_it_runs_faster_and_brakes_in_time():
     corner = polyline([[0, 0, 0], [200, 0, 0], [200, 200, 0]], 12.0)
     wanted, flown = profile(corner, 5.0)
-    allowed = turning_speed(INFANTE, TWO_ASTERN, 1 / 12.0, 5.0)
     s = np.linspace(0.0, corner.length, 4001)
     speeds = np.array([flown.at(x).value for x in s])
-    assert speeds.max() > 1.3 * allowed
-    assert 0.95 * allowed < speeds[len(s) // 2] <= allowed
+    round_the_corner = np.flatnonzero([np.hypot(*corner.at(x).curvature) > 0.0 for x in s])[::4]
+    points = [corner.at(x) for x in s[round_the_corner]]
+    allowed = [
+        turning_speed(INFANTE, TWO_ASTERN, np.hypot(*point.curvature), 5.0, np.hypot(*point.curvature_rate))
+        for point in points
+    ]
+    shares = speeds[round_the_corner] / allowed
+    assert 0.95 < shares.max() <= 1.01
+    assert speeds.max() > 1.3 * min(allowed)
     assert np.abs(np.diff(speeds**2) / np.diff(s)).max() <= 2.0 * 0.05 * (1 + 1e-6)
     assert flown.least == pytest.approx(speeds.min())
     assert (speeds <= wanted.at(0.0).value).all()
+
+
+@pytest.mark.flight
+def test_a_corner_that_begins_faster_than_the_torque_allows_is_rounded_more_slowly(tmp_path):
+    """At 1.5 m/s throughout, beginning the turn takes more torque than the thrusters have."""
+    changes = {
+        "path": {"type": "polyline", "points_m": [[0, 0, -5], [45, 0, -5], [70, 35, -5]], "corner_radius_m": 8},
+        "initial.position_m": [0.0, 0.0, -5.0],
+        "initial.attitude_deg": [0.0, 0.0, 0.0],
+        "initial.velocity_m_s": [1.2, 0.0, 0.0],
+        "duration_s": 60,
+        "checks": [{"kind": "allowed_forces"}],
+    }
+    run = cube_sim.run(SCENARIOS / "infante_line.yaml", changes, out=tmp_path / "out")
+    assert run.signals["path_error.cross_track"][:, 1].max() < 0.05
+    assert run.signals["velocity.linear"][:, 1].max() > 1.3
 
 
 @pytest.mark.flight

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, inf
 
 from cube_sim.control.planar.attainable_set import PlanarAttainableSet
 from cube_sim.control.planar.model import PlanarModel, PlanarMotion
@@ -42,17 +42,45 @@ def tightest_turn(model: PlanarModel, u: float) -> float:
     return model.d_v(u, u) / (model.m_ur * u * u * hypot(1.0, 1.0))
 
 
-def turning_speed(model: PlanarModel, attainable: PlanarAttainableSet, curvature: float, speed: float) -> float:
+def turning_length(model: PlanarModel, u: float) -> float:
+    """L [m]: a turn that tightens by c' takes as much torque beside its own as one tighter by L c' takes for good.
+
+    The course turns at c v_t, and so by c' v_t^2 faster in a second. Only loop_gain of a yaw acceleration turns the
+    course, the rest being side-slip: r' = c' v_t^2 / loop_gain, by the torque m_r r'. A steady turn takes d_r, which
+    grows with c v_t^2 as well.
+
+    Args:
+        model: the hull.
+        u: surge [m/s] at which both are compared, in a turn half as tight as it can be.
+    """
+    curvature = 0.5 * tightest_turn(model, u)
+    turn = steady_turn(model, u, curvature)
+    if turn is None or model.d_r(turn) == 0.0:
+        return inf
+    return curvature * _torque_to_tighten(model, turn, 1.0) / abs(model.d_r(turn))
+
+
+def turning_speed(
+    model: PlanarModel, attainable: PlanarAttainableSet, curvature: float, speed: float, change: float = 0.0
+) -> float:
     """The highest surge up to `speed` [m/s] at which the hull stays on a circle, with some thrust kept for steering.
 
     A circle tighter than any it can run round is treated as the tightest one.
+
+    Args:
+        model: the hull.
+        attainable: what its thrusters can make.
+        curvature: of the circle [1/m], not negative.
+        speed: highest one of interest [m/s].
+        change: of the curvature along the path, either way [1/m^2].
     """
 
     def flies(u: float) -> bool:
         turn = steady_turn(model, u, min(curvature, (1.0 - 1e-9) * tightest_turn(model, u)))
-        return turn is not None and attainable.holds(
-            model.d_u(turn) / (1.0 - KEPT_FOR_STEERING), model.d_r(turn) / (1.0 - KEPT_FOR_STEERING)
-        )
+        if turn is None:
+            return False
+        torque = abs(model.d_r(turn)) + _torque_to_tighten(model, turn, abs(change))
+        return attainable.holds(model.d_u(turn) / (1.0 - KEPT_FOR_STEERING), torque / (1.0 - KEPT_FOR_STEERING))
 
     if flies(speed):
         return speed
@@ -61,3 +89,8 @@ def turning_speed(model: PlanarModel, attainable: PlanarAttainableSet, curvature
         middle = 0.5 * (low + high)
         low, high = (middle, high) if flies(middle) else (low, middle)
     return low
+
+
+def _torque_to_tighten(model: PlanarModel, turn: PlanarMotion, change: float) -> float:
+    """Torque [N m] by which a turn tightens by `change` [1/m^2] along its path."""
+    return model.m_r * change * turn.speed**2 / model.loop_gain(turn)
