@@ -119,22 +119,6 @@ def test_between_curves_it_runs_faster_and_brakes_in_time():
 
 
 @pytest.mark.flight
-def test_a_corner_that_begins_faster_than_the_torque_allows_is_rounded_more_slowly(tmp_path):
-    """At 1.5 m/s throughout, beginning the turn takes more torque than the thrusters have."""
-    changes = {
-        "path": {"type": "polyline", "points_m": [[0, 0, -5], [45, 0, -5], [70, 35, -5]], "corner_radius_m": 8},
-        "initial.position_m": [0.0, 0.0, -5.0],
-        "initial.attitude_deg": [0.0, 0.0, 0.0],
-        "initial.velocity_m_s": [1.2, 0.0, 0.0],
-        "duration_s": 60,
-        "checks": [{"kind": "allowed_forces"}],
-    }
-    run = cube_sim.run(SCENARIOS / "infante_line.yaml", changes, out=tmp_path / "out")
-    assert run.signals["path_error.cross_track"][:, 1].max() < 0.05
-    assert run.signals["velocity.linear"][:, 1].max() > 1.3
-
-
-@pytest.mark.flight
 def test_told_more_than_it_can_keep_the_vehicle_holds_its_circle_at_what_it_can(tmp_path):
     changes = {"guidance.speed_m_s": 10.0, "duration_s": 70, "checks": [{"kind": "allowed_forces"}]}
     run = cube_sim.run(CIRCLE, changes, out=tmp_path / "out")
