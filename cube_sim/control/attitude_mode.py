@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from cube_sim.guidance.law import TargetView
 from cube_sim.spatial import Matrix, Vector
+
+STILL: Vector = np.zeros(3)
+"""No flow [m/s]."""
 
 
 class DesiredAttitude(NamedTuple):
@@ -27,10 +32,11 @@ class Situation(NamedTuple):
         view: the vehicle seen from its target on the path.
         rotation: R_WB (3,3), its attitude now.
         force: force (3,) [N] demanded of the thrusters at the tick before, world axes.
-        torque: torque (3,) [N m] that keeps the hull as it goes beside its righting moment, body axes.
+        torque: torque (3,) [N m] demanded of them beside that of a steady motion, body axes.
         current: the current (3,) [m/s] as estimated, world axes.
         effort: Q (6,6) of the thrusters that still work, see `cube_sim.control.effort`.
         force_ratio: share of their force that the supply leaves the thrusters.
+        flow: the wanted velocity relative to the water (3,) [m/s], world axes.
     """
 
     view: TargetView
@@ -40,6 +46,7 @@ class Situation(NamedTuple):
     current: Vector
     effort: Matrix
     force_ratio: float = 1.0
+    flow: Vector = STILL
 
 
 class AttitudeMode(Protocol):

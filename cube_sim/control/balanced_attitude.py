@@ -17,7 +17,6 @@ from cube_sim.control.loop_times import FASTEST_TURN
 from cube_sim.spatial import (
     Matrix,
     Vector,
-    cross,
     quaternion_from_rotation,
     rotation_about,
     rotation_from_quaternion,
@@ -32,20 +31,23 @@ SHORTAGE_TIME = 2.0
 
 
 class BalancedAttitude:
-    """Two tasks by priority (Nakamura 1987), on the turning rate w of the desired attitude, body axes.
+    """Two tasks by priority (Nakamura 1987), on the turning rate w of the desired attitude R, body axes.
 
-    First, with F = R' F_W and z = R' e_z, the imbalance g = N_f' F + N_t' (M_0 - r x z) - b decays over `time`:
-    w = -J# (g / time + N_f' R' F_W'), J = dg/dw = N_f' S(F) - N_t' S(r) S(z). The torque -r x z holds the hull against
-    the moment of its buoyancy and weight, r = rho V |g| r_CB - m |g| r_CG. M_0 is all else that has to be held: the
-    moment of the flow, and what is estimated on top of it. Second, in the null space of the first, the hull turns to
-    the attitude the mission asks for, over `wish_time`. J# is damped, so nothing is singular when the force vanishes or
-    lines up with the axis it cannot be turned about.
+    What has to be made in an attitude is the wrench W(R) = W_s(R' U, R' e_z) + [R' F_W; M_0]. W_s keeps the wanted
+    velocity U through the water steady: drag, Munk moment, weight and lift. It turns with the hull, as the water
+    meets it from another side. F_W is the rest of the force, to change the velocity and against disturbances; its
+    direction is that of the world. M_0 is the torque against disturbances.
 
-    Where force and torque exceed what is attainable, the facet they exceed most is one more row of the first task: the
-    vehicle turns until they lie within.
+    First, the imbalance g = N' W - b decays over `time`: w = -J# (g / time + N' W'), J = dg/dw, W' that of U and F_W as
+    the path turns. Second, in the null space of the first, the hull turns to the attitude the mission asks for, over
+    `wish_time`. J# is damped, so nothing is singular when the force vanishes or lines up with the axis it cannot be
+    turned about.
 
-    The force is averaged over `time` and led by as much: F = 2 F_1 - F_2, F_1 and F_2 averaged once and twice, and
-    F_W' = (F_1 - F_2) / time. A force that turns evenly with the path is so pointed without lag.
+    Where W exceeds what is attainable, the facet it exceeds most is one more row of the first task: the vehicle turns
+    until it lies within.
+
+    U and F_W are averaged over `time` and led by as much: x = 2 x_1 - x_2, x_1 and x_2 averaged once and twice, and
+    x' = (x_1 - x_2) / time. A force that turns evenly with the path is so pointed without lag.
 
     Args:
         left: what the thrusters can still do, and it steers by attitude; in a level plane by heading alone.
@@ -67,29 +69,29 @@ class BalancedAttitude:
         wish_time: float = 2.0,
         most_rate: float = FASTEST_TURN,
     ) -> None:
-        self._forces, self._torques, self._level = left.lost_forces, left.lost_torques, left.level
+        self._lost, self._level = np.vstack([left.lost_forces, left.lost_torques]), left.level
         self._constants, self._budget = left.constants, left.budget
-        self._righting = dynamics.righting_moment
+        self._dynamics = dynamics
         self._rotation, self._time, self._wish_time = rotation.copy(), time, wish_time
         self._wish, self._most_rate = wish, most_rate
-        self._force: Vector | None = None
+        self._led: Vector | None = None
         self.short, self.off = False, np.inf
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """See `AttitudeMode.attitude`."""
         wish = self._wish.attitude(situation, dt)
-        if self._force is None:
-            self._force = self._twice = situation.force
-            self._slow = situation.force
+        demand = np.array([situation.flow, situation.force - self._steady_force(situation)])
+        if self._led is None:
+            self._led = self._twice = self._slow = demand
             self._torque = situation.torque
         share = min(1.0, dt / self._time)
-        self._force = self._force + share * (situation.force - self._force)
-        self._twice = self._twice + share * (self._force - self._twice)
-        self._slow = self._slow + min(1.0, dt / SHORTAGE_TIME) * (situation.force - self._slow)
+        self._led = self._led + share * (demand - self._led)
+        self._twice = self._twice + share * (self._led - self._twice)
+        self._slow = self._slow + min(1.0, dt / SHORTAGE_TIME) * (demand - self._slow)
         self._torque = self._torque + share * (situation.torque - self._torque)
         R = self._rotation
-        slope = (self._force - self._twice) / self._time
-        rates = self._rates(R.T @ (self._force + self._time * slope), R.T @ slope, R, wish, situation.force_ratio)
+        slope = (self._led - self._twice) / self._time
+        rates = self._rates((self._led + self._time * slope) @ R, slope @ R, R, wish, situation.force_ratio)
         speed = float(np.linalg.norm(rates))
         if speed > self._most_rate:
             rates, speed = rates * (self._most_rate / speed), self._most_rate
@@ -97,22 +99,31 @@ class BalancedAttitude:
             self._rotation = R @ rotation_about(rates / speed, speed * dt)
         return DesiredAttitude(quaternion_from_rotation(R), R @ rates)
 
-    def _rates(self, F: Vector, dF: Vector, R: Matrix, wish: DesiredAttitude, force_ratio: float) -> Vector:
-        """Turning rate (3,) [rad/s], body axes."""
-        z = R[2]
-        torque = self._torque - cross(self._righting, z)
-        forces, torques = self._forces.T, self._torques.T
-        imbalance = (forces @ F + torques @ torque - self._constants) / self._time + forces @ dF
-        turning = skew(self._righting) @ skew(z)
-        J = forces @ skew(F) - torques @ turning
+    def _steady_force(self, situation: Situation) -> Vector:
+        """The force (3,) [N], world axes, of the wanted velocity in the attitude the hull has."""
+        R = situation.rotation
+        return R @ self._dynamics.steady_wrenches((situation.flow @ R)[None], R[2:])[0, :3]
+
+    def _wrench(self, demand: Matrix, up: Vector) -> Vector:
+        """W (6,) [N, N m] for U and F_W (2,3) in body axes."""
+        wrench = self._dynamics.steady_wrenches(demand[:1], up[None])[0]
+        return wrench + np.concatenate([demand[1], self._torque])
+
+    def _rates(self, demand: Matrix, change: Matrix, R: Matrix, wish: DesiredAttitude, force_ratio: float) -> Vector:
+        """Turning rate (3,) [rad/s], body axes, for U and F_W (2,3) and their derivatives (2,3) in body axes."""
+        z, N = R[2], self._lost.T
+        by_velocity = self._dynamics.steady_wrench_slope(np.concatenate([demand[0], np.zeros(3)]))[:, :3]
+        changing = by_velocity @ change[0] + np.concatenate([change[1], np.zeros(3)])
+        imbalance = (N @ self._wrench(demand, z) - self._constants) / self._time + N @ changing
+        turning = by_velocity @ skew(demand[0]) - self._dynamics.restoring_slope(z)
+        turning[:3] += skew(demand[1])
+        J = N @ turning
         if self._budget is not None:
-            F = R.T @ self._slow
-            excess = self._budget.excess(np.concatenate([F, torque]), force_ratio)
+            excess = self._budget.excess(self._wrench(self._slow @ R, z), force_ratio)
             worst = int(np.argmax(excess))
             self.short = bool(excess[worst] > 0.0)
             if self.short:
-                normal = self._budget.attainable.normals[worst]
-                J = np.vstack([J, normal[:3] @ skew(F) - normal[3:] @ turning])
+                J = np.vstack([J, self._budget.attainable.normals[worst] @ turning])
                 imbalance = np.append(imbalance, excess[worst] / SHORTAGE_TIME)
         if self._level:  # it turns about the vertical only, and no other turn counts as a way out
             J = np.outer(J @ z, z)

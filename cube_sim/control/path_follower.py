@@ -78,7 +78,7 @@ class PathFollower:
     def __post_init__(self) -> None:
         """Fly with what the thrusters can do from the start."""
         self._force: Vector = np.zeros(3)
-        self._torque: Vector = np.zeros(3)
+        self._velocity: Vector = np.zeros(3)
         self._asked: Vector | None = None
         self._force_ratio, self._short_s, self._pressed = 1.0, 0.0, False
         self._goal: SafeModeGoal | None = None
@@ -111,7 +111,14 @@ class PathFollower:
         motion = self._approach.motion(view) if goal is None else goal.motion(state.position)
         disturbance, current = self._unknowns(state, applied, dt)
         situation = Situation(
-            view, state.rotation, self._force, self._torque, current, self.capability.effort, force_ratio
+            view,
+            state.rotation,
+            self._force,
+            -disturbance[3:],
+            current,
+            self.capability.effort,
+            force_ratio,
+            self._velocity - current,
         )
         attitude = self._mode(state).attitude(situation, dt)
         wrench, reference = self._loops.wrench(state, motion, attitude, current)
@@ -132,7 +139,7 @@ class PathFollower:
             pointed = pointed[0]
         demanded = wrench - disturbance
         self._force = state.rotation @ (pointed[:3] - self._of_own_turning(state, view, current))
-        self._torque = reference.steady_torque - disturbance[3:]
+        self._velocity = motion.velocity
         if goal is None:
             self.target.advance(view.speed, dt)
         in_range = self.capability.project_onto_range(demanded + self._rest(applied))
