@@ -112,6 +112,14 @@ class Capability:
         """Whether force has to be pointed where it is needed."""
         return self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE, Authority.TRIM)
 
+    @property
+    def dragged_force(self) -> Matrix:
+        """(3,3) [1/m]: the force that comes with a torque, as forces give way to it."""
+        if not self.steers_by_attitude:
+            return np.zeros((3, 3))
+        lost = np.concatenate([self.lost_forces, self.lost_torques])
+        return -self.yielding[:3] @ np.linalg.solve(lost.T @ self.yielding, self.lost_torques.T)
+
     def project_onto_range(self, wrenches: Matrix) -> Matrix:
         """Wrenches (6,) or (q,6) in the range of A, displaced by the held one, that a demand gives way to.
 

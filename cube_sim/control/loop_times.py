@@ -17,6 +17,8 @@ FASTEST_TURN = 1.0
 """Bound on the rate at which any vehicle is asked to turn [rad/s]."""
 COMMON_ERROR = 0.5
 """An attitude error that the torque still turns back without saturating [rad]."""
+POINTING_ERROR = 1.2
+"""The same for a vehicle whose attitude points its thrust, and so turns at every error of its path [rad]."""
 NO_TORQUE = 1e-6
 """Share of the largest torque that counts as none."""
 
@@ -40,7 +42,7 @@ class LoopTimes:
     turn: float = FASTEST_TURN
 
     @staticmethod
-    def behind(delay_s: float, turning: float = inf) -> LoopTimes:
+    def behind(delay_s: float, turning: float = inf, pointing: bool = False) -> LoopTimes:
         """The times that leave margins behind a delay, with the torque there is.
 
         A rate loop of T_w = 3 delays crosses over at 1 / (3 delays), where the delay costs 19 degrees of phase and the
@@ -52,8 +54,9 @@ class LoopTimes:
         Args:
             delay_s: mean delay from state to force: lag of the thrusters and 1.5 control periods [s].
             turning: angular acceleration that the thrusters' torque gives [rad/s^2].
+            pointing: whether the attitude points the thrust.
         """
-        attitude = max(0.5, 10.0 * delay_s, sqrt(COMMON_ERROR / turning))
+        attitude = max(0.5, 10.0 * delay_s, sqrt((POINTING_ERROR if pointing else COMMON_ERROR) / turning))
         velocity = max(0.5, 6.0 * delay_s)
         return LoopTimes(
             lateral=4.0 * velocity,

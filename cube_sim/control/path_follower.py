@@ -27,6 +27,8 @@ SLOWER_ACROSS = 5.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
 SLOWER_AT_TRIM = 2.0
 """Where roll or pitch is left to the water, the balance of force and torque is sought this many times more slowly."""
+MEAN_TIME_S = 10.0
+"""Over which the turning is averaged that the path asks for [s]."""
 PATIENCE_S = 1.0
 """How long the thrusters have to be short of what a slow pace asks for before the vehicle turns."""
 BACK_RAD = 0.02
@@ -79,6 +81,8 @@ class PathFollower:
         """Fly with what the thrusters can do from the start."""
         self._force: Vector = np.zeros(3)
         self._velocity: Vector = np.zeros(3)
+        self._torque: Vector = np.zeros(3)
+        self._mean_rates: Vector = np.zeros(3)
         self._asked: Vector | None = None
         self._force_ratio, self._short_s, self._pressed = 1.0, 0.0, False
         self._goal: SafeModeGoal | None = None
@@ -90,6 +94,8 @@ class PathFollower:
         """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
         self.capability = left
         self._balanced, self._loops, self._approach = None, self.loops, self.approach
+        mass = self.loops.dynamics.total_mass
+        self._dragged = np.linalg.solve(mass[:3, :3], left.dragged_force @ mass[3:, 3:])
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self._monitor.restart()
@@ -114,13 +120,14 @@ class PathFollower:
             view,
             state.rotation,
             self._force,
-            -disturbance[3:],
+            self._torque,
             current,
             self.capability.effort,
             force_ratio,
             self._velocity - current,
         )
         attitude = self._mode(state).attitude(situation, dt)
+        motion = self._undragged(state, motion, dt)
         wrench, reference = self._loops.wrench(state, motion, attitude, current)
         pace, pointed = 1.0, wrench - disturbance
         if self.capability.budget is not None:
@@ -144,6 +151,7 @@ class PathFollower:
             self.target.advance(view.speed, dt)
         in_range = self.capability.project_onto_range(demanded + self._rest(applied))
         self._asked = in_range
+        self._torque = applied[3:] - self._steady_torque(state, current)
         return Decision(
             wrench=in_range,
             secondary=self._secondary(in_range),
@@ -159,6 +167,21 @@ class PathFollower:
             pace=pace,
             given_up="" if goal is None else goal.reason,
         )
+
+    def _steady_torque(self, state: State, current: Vector) -> Vector:
+        """The torque (3,) [N m], body axes, that the wanted velocity asks for in the attitude the hull has."""
+        R, velocity = state.rotation, self._velocity - current
+        return self.loops.dynamics.steady_wrenches((velocity @ R)[None], R[2:])[0, 3:]
+
+    def _undragged(self, state: State, motion: DesiredMotion, dt: float) -> DesiredMotion:
+        """A motion whose velocity error does not count what the torque of turning drags along.
+
+        A hull that turns by a force on a lever is first pushed the wrong way. Answering that would feed on itself. The
+        centre of oscillation does not move then: its velocity is the one to correct.
+        """
+        self._mean_rates = self._mean_rates + min(1.0, dt / MEAN_TIME_S) * (state.rates - self._mean_rates)
+        pushed = state.rotation @ (self._dragged @ (state.rates - self._mean_rates))
+        return DesiredMotion(motion.velocity, motion.acceleration + pushed / self._loops.velocity_time)
 
     def _of_own_turning(self, state: State, view: TargetView, current: Vector) -> Vector:
         """The force (3,) [N], body axes, that the hull asks for as it turns otherwise than the path.

@@ -47,7 +47,8 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path, ability: A
     whole, within_limit = ability.whole, ability.within_limit
     if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
         return planar_follower(loaded, believed, path)
-    times = _times(scenario, believed.vehicle, dynamics)
+    pointing = whole.authority in (Authority.PLANE, Authority.LINE)
+    times = _times(scenario, believed.vehicle, dynamics, pointing)
     mistakes = too_slow_period(loaded, _loop_times(scenario, times))
     if any(scenario.knowledge.current_m_s):
         text = "only the planar law takes a current that is known, the law for all axes estimates it: leave it out"
@@ -86,7 +87,7 @@ def _costs(A: Matrix, whole: Capability) -> str:
     return f"its directions cost {', '.join(f'{cost:.3g}' for cost in costs)} N/N"
 
 
-def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics) -> LoopTimes:
+def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics, pointing: bool) -> LoopTimes:
     """How fast each loop of the law for all axes is."""
     control = scenario.control
     delay = float(np.max(vehicle.thrusters.lag_s, initial=0.0)) + 1.5 * scenario.control_period_s
@@ -96,7 +97,7 @@ def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics) -> LoopTime
         dynamics.total_mass[3:, 3:],
         dynamics.righting_moment,
     )
-    default = LoopTimes.behind(delay, turning)
+    default = LoopTimes.behind(delay, turning, pointing)
     velocity = default.velocity if control.velocity_time_s is None else control.velocity_time_s
     return LoopTimes(
         lateral=4.0 * velocity,
