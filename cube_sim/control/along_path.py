@@ -28,9 +28,8 @@ class AlongPath:
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """The attitude at the target's point of the path, and how it turns as the target runs on."""
         view = situation.view
-        T, N1, N2 = view.point.rotation.T
-        k1, k2 = view.point.curvature
-        dT = view.speed * (k1 * N1 + k2 * N2)
+        T, N1, _ = view.point.rotation.T
+        dT = cross(view.turning, T)
         if self._side is None:
             level = cross(UP, T)
             h = float(np.linalg.norm(level))
@@ -39,7 +38,7 @@ class AlongPath:
         side /= np.linalg.norm(side)
         top = cross(T, side)
 
-        rates = cross(T, dT) + levelling_spin(T, dT, side, self._levelling_time) * T
+        rates = view.turning + levelling_spin(T, dT, side, self._levelling_time) * T
         turned = side + dt * cross(rates, side)
         self._side = turned / np.linalg.norm(turned)
         return DesiredAttitude(quaternion_from_rotation(np.column_stack([T, side, top])), rates)

@@ -30,6 +30,8 @@ TORQUE_TIME = 5.0
 """Over which the torque that steady motion does not ask for is averaged [s]."""
 SHORTAGE_TIME = 2.0
 """Over which the force that is compared with what is attainable is averaged, and in which the vehicle turns [s]."""
+FARTHEST_RAD = 0.7
+"""A hull that is this far from the attitude found is held by its water elsewhere: the search goes on from there."""
 
 
 class BalancedAttitude:
@@ -91,6 +93,8 @@ class BalancedAttitude:
         self._twice = self._twice + share * (self._led - self._twice)
         self._slow = self._slow + min(1.0, dt / SHORTAGE_TIME) * (demand - self._slow)
         self._torque = self._torque + min(1.0, dt / TORQUE_TIME) * (situation.torque - self._torque)
+        if _angle_between(self._rotation, situation.rotation) > FARTHEST_RAD:
+            self._rotation = situation.rotation.copy()
         R = self._rotation
         slope = (self._led - self._twice) / self._time
         rates = self._rates((self._led + self._time * slope) @ R, slope @ R, R, wish, situation.force_ratio)
@@ -135,3 +139,8 @@ class BalancedAttitude:
         second = R.T @ wish.rates + 2.0 * error[1:] / self._wish_time
         rates = -inverse @ imbalance + second - inverse @ (J @ second)
         return z * (z @ rates) if self._level else rates
+
+
+def _angle_between(a: Matrix, b: Matrix) -> float:
+    """The angle of the rotation from one attitude (3,3) to another [rad]."""
+    return float(np.arccos(np.clip((np.trace(a.T @ b) - 1.0) / 2.0, -1.0, 1.0)))

@@ -25,14 +25,11 @@ class Reference(NamedTuple):
         velocity: v_ref (3,) [m/s].
         rates: w_ref (3,) [rad/s].
         attitude_error: angle between desired and actual attitude [rad].
-        steady_torque: torque (3,) [N m] of the water on a hull that goes at v_ref without turning, weight and lift
-            apart, that has to be made.
     """
 
     velocity: Vector
     rates: Vector
     attitude_error: float
-    steady_torque: Vector
 
 
 @dataclass(frozen=True)
@@ -85,6 +82,4 @@ class MotionLoops:
         wanted = np.concatenate([v_ref, w_ref])
         tau += self.dynamics.damping(wanted - flow) - self.dynamics.damping(nu - flow)
         angle = 2.0 * float(np.arctan2(np.linalg.norm(eps), eta))
-        ahead = np.concatenate([v_ref, np.zeros(3)]) - flow
-        steady = self.dynamics.damping(ahead)[3:] + cross(ahead[:3], self.dynamics.added_mass[:3, :3] @ ahead[:3])
-        return tau, Reference(v_ref, w_ref, angle, steady)
+        return tau, Reference(v_ref, w_ref, angle)

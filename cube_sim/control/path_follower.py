@@ -36,12 +36,10 @@ BACK_RAD = 0.02
 
 
 def along_path(motion: DesiredMotion, view: TargetView) -> DesiredMotion:
-    """The part of a motion along the path; it turns with the path frame, at s' [0, -k2, k1] about its axes."""
-    T, N1, N2 = view.point.rotation.T
-    k1, k2 = view.point.curvature
-    along = float(motion.velocity @ T)
-    turning = along * view.speed * (k1 * N1 + k2 * N2)
-    return DesiredMotion(along * T, (motion.acceleration @ T) * T + turning)
+    """The part of a motion along the path; it turns with the path frame."""
+    T = view.point.rotation[:, 0]
+    velocity = float(motion.velocity @ T) * T
+    return DesiredMotion(velocity, (motion.acceleration @ T) * T + cross(view.turning, velocity))
 
 
 @dataclass
@@ -188,9 +186,7 @@ class PathFollower:
 
         An attitude that points it would chase itself: added mass makes that force grow with the turning, not the path.
         """
-        T, N1, N2 = view.point.rotation.T
-        k1, k2 = view.point.curvature
-        along = cross(T, view.speed * (k1 * N1 + k2 * N2)) @ state.rotation
+        along = view.turning @ state.rotation
         v, none = state.velocity, np.zeros(3)
 
         def force(w: Vector) -> Vector:
@@ -219,21 +215,18 @@ class PathFollower:
     ) -> Callable[[Vector], Matrix]:
         """Paces (q,) along the path -> the wrenches (q,6) they ask for, with the torque that holds the attitude."""
         loops, dynamics, R = self._loops, self.loops.dynamics, state.rotation
-        hold = reference.steady_torque - disturbance[3:] - cross(dynamics.righting_moment, R[2])
         along = along_path(motion, view)
-        velocity, acceleration = along.velocity @ R, along.acceleration @ R
-        flow, mass = current @ R, dynamics.total_mass[:3, :3]
-        D, D_q = dynamics.linear_damping[:3, :3], dynamics.quadratic_damping[:3, :3]
-
-        def drag(v: Matrix) -> Matrix:
-            return (v - flow) @ D.T + (np.abs(v - flow) * (v - flow)) @ D_q.T
+        velocity, flow = along.velocity @ R, current @ R
+        push = dynamics.total_mass[:3, :3] @ (velocity / loops.velocity_time + along.acceleration @ R)
+        rest = np.concatenate([demanded[:3], -disturbance[3:]])
+        rest[:3] -= dynamics.steady_wrenches((reference.velocity - flow)[None], R[2:])[0, :3]
 
         def demand(paces: Vector) -> Matrix:
             fewer = (paces - 1.0)[:, None]
-            push = fewer * (mass @ (velocity / loops.velocity_time + acceleration))
-            v = reference.velocity + fewer * velocity
-            forces = demanded[:3] + push + drag(v) - drag(reference.velocity[None])
-            return np.hstack([forces, np.tile(hold, (len(paces), 1))])
+            steady = dynamics.steady_wrenches(
+                reference.velocity - flow + fewer * velocity, np.broadcast_to(R[2], (len(paces), 3))
+            )
+            return steady + rest + fewer * np.concatenate([push, np.zeros(3)])
 
         return demand
 

@@ -32,6 +32,13 @@ class TargetView(NamedTuple):
     error: Vector
     velocity: Vector
 
+    @property
+    def turning(self) -> Vector:
+        """How fast the path frame turns with the target (3,) [rad/s], world axes: s' [0, -k2, k1] about its axes."""
+        _, N1, N2 = self.point.rotation.T
+        k1, k2 = self.point.curvature
+        return self.speed * (k1 * N2 - k2 * N1)
+
 
 class DesiredMotion(NamedTuple):
     """What the velocity loop is to follow, world axes.
