@@ -39,12 +39,14 @@ MEMORIES = (
     ("observer", "_estimate"),
     ("current_observer", "estimate"),
     ("", "_force"),
+    ("", "_velocity"),
     ("", "_torque"),
-    ("_balanced", "_force"),
+    ("", "_mean_rates"),
+    ("_balanced", "_led"),
     ("_balanced", "_twice"),
     ("_balanced", "_torque"),
 )
-"""Vectors the controller remembers from tick to tick: the part that holds each (the controller itself: none)."""
+"""What the controller remembers from tick to tick: the part that holds each (the controller itself: none)."""
 
 
 class Point(NamedTuple):
@@ -176,7 +178,7 @@ class FlownLoop:
         state = read_state(self._vehicle, self._data)
         target = self.controller.target.view(np.zeros(3), np.zeros(3)).point.position
         place = state.position - target
-        remembered = [np.array(getattr(owner, name), dtype=float) for owner, name in self._memories]
+        remembered = [np.array(getattr(owner, name), dtype=float).ravel() for owner, name in self._memories]
         vectors = np.concatenate([place, state.velocity, state.rates, self._data.act, applied, *remembered])
         desired = () if self._balanced is None else (self._balanced._rotation.copy(),)
         return Point(vectors, (state.rotation, *desired))
@@ -200,8 +202,8 @@ class FlownLoop:
         mujoco.mj_kinematics(self._model, data)
         first = 15 + m
         for owner, name in self._memories:
-            size = np.size(getattr(owner, name))
-            setattr(owner, name, values[first : first + size].copy())
+            shape, size = np.shape(getattr(owner, name)), np.size(getattr(owner, name))
+            setattr(owner, name, values[first : first + size].reshape(shape).copy())
             first += size
         if self._balanced is not None:
             self._balanced._rotation = point.rotations[1].copy()

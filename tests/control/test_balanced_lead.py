@@ -27,11 +27,11 @@ def pointed(name, lost, force_at, seconds=5.0):
     hull = vehicle(name)
     left = capability(np.delete(hull.actuation_matrix, lost, axis=1))
     law = BalancedAttitude(left, hull.dynamics, np.eye(3), TIME, UPRIGHT)
-    desired = None
+    R, desired = np.eye(3), None
     for k in range(round(seconds / DT)):
-        situation = Situation(None, np.eye(3), force_at(k * DT), np.zeros(3), np.zeros(3), left.effort)
-        desired = law.attitude(situation, DT)
-    return left, rotation_from_quaternion(desired.quaternion), desired.rates, force_at(seconds - DT)
+        desired = law.attitude(Situation(None, R, force_at(k * DT), np.zeros(3), np.zeros(3), left.effort), DT)
+        R = rotation_from_quaternion(desired.quaternion)
+    return left, R, desired.rates, force_at(seconds - DT)
 
 
 def imbalance(name, left, R, force):

@@ -66,9 +66,11 @@ def settled(cube, lost, force, seconds=30.0, dt=0.05):
     """The attitude the law ends at under a constant demand, and its last rates."""
     left = capability(left_after(cube.actuation_matrix, list(lost)))
     mode = BalancedAttitude(left, cube.dynamics, np.eye(3), time=0.5, wish=UPRIGHT)
+    R = np.eye(3)
     for _ in range(int(seconds / dt)):
-        desired = mode.attitude(Situation(None, np.eye(3), force, np.zeros(3), np.zeros(3), left.effort), dt)
-    return rotation_from_quaternion(desired.quaternion), desired.rates
+        desired = mode.attitude(Situation(None, R, force, np.zeros(3), np.zeros(3), left.effort), dt)
+        R = rotation_from_quaternion(desired.quaternion)
+    return R, desired.rates
 
 
 @pytest.mark.flight
@@ -138,9 +140,10 @@ def test_the_balanced_attitude_counts_what_stuck_thrusters_hold(cube, stuck, con
         health = health.with_thruster(thruster, 0.0, 0.2 * force)
     left = remaining_capability(cube.actuation_matrix, cube.thrusters.limits, health)
     mode, force = BalancedAttitude(left, cube.dynamics, np.eye(3), time=0.5, wish=UPRIGHT), np.array([22.0, 9.0, 2.0])
+    R = np.eye(3)
     for _ in range(600):
-        desired = mode.attitude(Situation(None, np.eye(3), force, np.zeros(3), np.zeros(3), left.effort), 0.05)
-    R = rotation_from_quaternion(desired.quaternion)
+        desired = mode.attitude(Situation(None, R, force, np.zeros(3), np.zeros(3), left.effort), 0.05)
+        R = rotation_from_quaternion(desired.quaternion)
     hold = cube.dynamics.wrench(R, np.zeros(6), np.zeros(6), np.zeros(3))
     rest = np.concatenate([R.T @ force, hold[3:]]) - left.held
     A = left_after(cube.actuation_matrix, list(stuck))

@@ -60,10 +60,11 @@ def test_a_unicycle_turns_about_the_vertical_only_until_its_thrust_points_where_
     law = BalancedAttitude(left, vehicle("jack").dynamics, np.eye(3), time=0.5, wish=UPRIGHT)
     force = np.array([3.0, 9.0, -4.0])  # world axes; the vertical part is nobody's business
     view = VirtualTarget(Line([0, 0, 0], [10, 0, 0]), 0.5).view(np.zeros(3), np.zeros(3))
+    R = np.eye(3)
     for _ in range(1500):
-        wanted = law.attitude(Situation(view, np.eye(3), force, np.zeros(3), np.zeros(3), np.eye(6)), 0.02)
+        wanted = law.attitude(Situation(view, R, force, np.zeros(3), np.zeros(3), np.eye(6)), 0.02)
         np.testing.assert_allclose(wanted.rates[:2], 0.0, atol=1e-12)
-    R = rotation_from_quaternion(wanted.quaternion)
+        R = rotation_from_quaternion(wanted.quaternion)
     body = R.T @ force
     np.testing.assert_allclose(left.lost_forces.T @ body, 0.0, atol=0.02 * np.linalg.norm(force))
 
