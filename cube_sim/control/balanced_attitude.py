@@ -26,8 +26,6 @@ from cube_sim.vehicle.dynamics import Dynamics
 
 SOFTNESS_N = 0.6
 """Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
-TORQUE_TIME = 5.0
-"""Over which the torque that steady motion does not ask for is averaged [s]."""
 SHORTAGE_TIME = 2.0
 """Over which the force that is compared with what is attainable is averaged, and in which the vehicle turns [s]."""
 FARTHEST_RAD = 0.7
@@ -92,7 +90,7 @@ class BalancedAttitude:
         self._led = self._led + share * (demand - self._led)
         self._twice = self._twice + share * (self._led - self._twice)
         self._slow = self._slow + min(1.0, dt / SHORTAGE_TIME) * (demand - self._slow)
-        self._torque = self._torque + min(1.0, dt / TORQUE_TIME) * (situation.torque - self._torque)
+        self._torque = self._torque + share * (situation.torque - self._torque)
         if _angle_between(self._rotation, situation.rotation) > FARTHEST_RAD:
             self._rotation = situation.rotation.copy()
         R = self._rotation

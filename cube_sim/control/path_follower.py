@@ -21,13 +21,13 @@ from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.spatial import Matrix, State, Vector, cross
 
-SLOWER = 2.0
+SLOWER = 3.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
-SLOWER_ACROSS = 5.0
+SLOWER_ACROSS = 3.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
 SLOWER_AT_TRIM = 2.0
 """Where roll or pitch is left to the water, the balance of force and torque is sought this many times more slowly."""
-MEAN_TIME_S = 10.0
+MEAN_TIME_S = 4.0
 """Over which the turning is averaged that the path asks for [s]."""
 PATIENCE_S = 1.0
 """How long the thrusters have to be short of what a slow pace asks for before the vehicle turns."""
@@ -149,7 +149,7 @@ class PathFollower:
             self.target.advance(view.speed, dt)
         in_range = self.capability.project_onto_range(demanded + self._rest(applied))
         self._asked = in_range
-        self._torque = applied[3:] - self._steady_torque(state, current)
+        self._torque = self._turning_torque(state, current) - disturbance[3:]
         return Decision(
             wrench=in_range,
             secondary=self._secondary(in_range),
@@ -166,10 +166,12 @@ class PathFollower:
             given_up="" if goal is None else goal.reason,
         )
 
-    def _steady_torque(self, state: State, current: Vector) -> Vector:
-        """The torque (3,) [N m], body axes, that the wanted velocity asks for in the attitude the hull has."""
-        R, velocity = state.rotation, self._velocity - current
-        return self.loops.dynamics.steady_wrenches((velocity @ R)[None], R[2:])[0, 3:]
+    def _turning_torque(self, state: State, current: Vector) -> Vector:
+        """The torque (3,) [N m], body axes, that the hull asks for as it goes on turning as it has on average."""
+        v, w, none = state.velocity, self._mean_rates, np.zeros(3)
+        dynamics, R = self.loops.dynamics, state.rotation
+        turning = dynamics.wrench(R, np.concatenate([v, w]), np.concatenate([-cross(w, v), none]), current)
+        return (turning - dynamics.wrench(R, np.concatenate([v, none]), np.zeros(6), current))[3:]
 
     def _undragged(self, state: State, motion: DesiredMotion, dt: float) -> DesiredMotion:
         """A motion whose velocity error does not count what the torque of turning drags along.
