@@ -17,7 +17,7 @@ FASTEST_TURN = 1.0
 """Bound on the rate at which any vehicle is asked to turn [rad/s]."""
 COMMON_ERROR = 0.5
 """An attitude error that the torque still turns back without saturating [rad]."""
-POINTING_ERROR = 1.2
+POINTING_ERROR = 0.8
 """The same for a vehicle whose attitude points its thrust, and so turns at every error of its path [rad]."""
 NO_TORQUE = 1e-6
 """Share of the largest torque that counts as none."""

@@ -23,7 +23,7 @@ from cube_sim.spatial import Matrix, State, Vector, cross
 
 SLOWER = 3.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
-SLOWER_ACROSS = 3.0
+SLOWER_ACROSS = 2.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
 SLOWER_AT_TRIM = 2.0
 """Where roll or pitch is left to the water, the balance of force and torque is sought this many times more slowly."""
