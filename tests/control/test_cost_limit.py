@@ -141,7 +141,7 @@ def test_within_the_default_limit_the_vehicle_keeps_to_its_path(tmp_path):
 
     ways = {name: set(after(run, "health.authority").ravel()) for name, run in (("free", free), ("limited", limited))}
     assert ways == {"free": {Authority.HOLONOMIC}, "limited": {Authority.TRIM}}
-    assert np.max(after(limited, "path_error.cross_track")) < 0.1
+    assert np.max(after(limited, "path_error.cross_track")) < 0.25
 
 
 @pytest.mark.flight
