@@ -1,0 +1,22 @@
+"""Vehicles whose attitude has to point their thrust, in flight: what the analysis says yes to flies."""
+
+from __future__ import annotations
+
+import pytest
+from flights.sweep import swept
+
+pytestmark = pytest.mark.flight
+
+FLIGHTS = [
+    ("torpedo_four_fins", "helix"),  # its fins push it the wrong way first
+    ("three_astern_up", "helix"),  # level is unstable at this speed: it goes nose up or nose down
+    ("drawn3_0", "helix"),  # near the speed at which its righting moment is used up
+    ("drawn4_0", "line"),
+]
+
+
+@pytest.mark.parametrize(("name", "path"), FLIGHTS)
+def test_what_the_analysis_says_yes_to_flies(name, path, tmp_path):
+    row = swept(name, path, tmp_path, keep=False)
+    assert row["forecast"]
+    assert row["passes"], f"{row['rms_m']:.3f} m RMS: {row['cause']}"
