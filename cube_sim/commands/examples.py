@@ -14,7 +14,15 @@ from cube_sim.commands.ending import BAD_INPUT, stop
 from cube_sim.errors import DirectoryError
 
 EPILOG = "Exit code: 0 copied, 2 the folder cannot take them, and nothing is written."
-SCENARIOS = ("cube_helix", "bluerov2_free", "bluerov2_vectored_helix", "infante_line", "jack_exact", "rov6_helix")
+SCENARIOS = (
+    "cube_helix",
+    "bluerov2_free",
+    "bluerov2_vectored_helix",
+    "infante_line",
+    "jack_exact",
+    "rov6_helix",
+    "torpedo_line",
+)
 """One for each vehicle; the first is the one to begin with."""
 
 _PACKAGE = Path(__file__).resolve().parents[1]
