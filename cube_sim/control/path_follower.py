@@ -149,7 +149,8 @@ class PathFollower:
             self.target.advance(view.speed, dt)
         in_range = self.capability.project_onto_range(demanded + self._rest(applied))
         self._asked = in_range
-        self._torque = self._turning_torque(state, current) - disturbance[3:]
+        if self._balanced is not None:  # nobody else asks for it
+            self._torque = self._turning_torque(state, current) - disturbance[3:]
         return Decision(
             wrench=in_range,
             secondary=self._secondary(in_range),

@@ -8,10 +8,10 @@ from flights.sweep import swept
 pytestmark = pytest.mark.flight
 
 FLIGHTS = [
-    ("torpedo_four_fins", "helix"),  # its fins push it the wrong way first
     ("three_astern_up", "helix"),  # level is unstable at this speed: it goes nose up or nose down
-    ("drawn3_0", "helix"),  # near the speed at which its righting moment is used up
-    ("drawn4_0", "line"),
+    pytest.param("torpedo_four_fins", "helix", marks=pytest.mark.campaign),  # its fins push it the wrong way first
+    pytest.param("drawn3_0", "helix", marks=pytest.mark.campaign),  # its righting moment is nearly used up
+    pytest.param("drawn4_0", "line", marks=pytest.mark.campaign),
 ]
 
 
