@@ -149,8 +149,9 @@ class PathFollower:
             self.target.advance(view.speed, dt)
         in_range = self.capability.project_onto_range(demanded + self._rest(applied))
         self._asked = in_range
-        if self._balanced is not None:  # nobody else asks for it
-            self._torque = self._turning_torque(state, current) - disturbance[3:]
+        # Nobody but the balanced attitude asks for it.
+        turning = np.zeros(3) if self._balanced is None else self._turning_torque(state, current)
+        self._torque = turning - disturbance[3:]
         return Decision(
             wrench=in_range,
             secondary=self._secondary(in_range),
