@@ -98,6 +98,11 @@ class Capability:
     budget: ForceBudget | None = None
 
     @property
+    def lost(self) -> Matrix:
+        """N (6, 6 - rank) of the combinations N' w = b, forces above torques."""
+        return np.concatenate([self.lost_forces, self.lost_torques])
+
+    @property
     def constants(self) -> Vector:
         """b (6 - rank,) [N], N' times the held wrench: zero while nothing is stuck."""
         return self.lost_forces.T @ self.held[:3] + self.lost_torques.T @ self.held[3:]
@@ -117,8 +122,7 @@ class Capability:
         """(3,3) [1/m]: the force that comes with a torque, as forces give way to it."""
         if not self.steers_by_attitude:
             return np.zeros((3, 3))
-        lost = np.concatenate([self.lost_forces, self.lost_torques])
-        return -self.yielding[:3] @ np.linalg.solve(lost.T @ self.yielding, self.lost_torques.T)
+        return -self.yielding[:3] @ np.linalg.solve(self.lost.T @ self.yielding, self.lost_torques.T)
 
     def project_onto_range(self, wrenches: Matrix) -> Matrix:
         """Wrenches (6,) or (q,6) in the range of A, displaced by the held one, that a demand gives way to.
@@ -133,7 +137,7 @@ class Capability:
             if self.within_cost_limit is None:
                 return wrenches
             return self.held + (wrenches - self.held) @ self.within_cost_limit.T
-        lost = np.concatenate([self.lost_forces, self.lost_torques])
+        lost = self.lost
         return (
             wrenches - np.linalg.solve(lost.T @ self.yielding, (wrenches @ lost - self.constants).T).T @ self.yielding.T
         )

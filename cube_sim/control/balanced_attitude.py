@@ -38,7 +38,7 @@ class BalancedAttitude:
     What has to be made in an attitude is the wrench W(R) = W_s(R' U, R' e_z) + [R' F_W; M_0]. W_s keeps the wanted
     velocity U through the water steady: drag, Munk moment, weight and lift. It turns with the hull, as the water
     meets it from another side. F_W is the rest of the force, to change the velocity and against disturbances; its
-    direction is that of the world. M_0 is the torque against disturbances.
+    direction is that of the world. M_0 is the torque against disturbances and for the turning that goes on.
 
     First, the imbalance g = N' W - b decays over `time`: w = -J# (g / time + N' W'), J = dg/dw, W' that of U and F_W as
     the path turns. Second, in the null space of the first, the hull turns to the attitude the mission asks for, over
@@ -71,12 +71,12 @@ class BalancedAttitude:
         wish_time: float = 2.0,
         most_rate: float = FASTEST_TURN,
     ) -> None:
-        self._lost, self._level = np.vstack([left.lost_forces, left.lost_torques]), left.level
+        self._lost, self._level = left.lost, left.level
         self._constants, self._budget = left.constants, left.budget
         self._dynamics = dynamics
         self._rotation, self._time, self._wish_time = rotation.copy(), time, wish_time
         self._wish, self._most_rate = wish, most_rate
-        self._led: Vector | None = None
+        self._led: Matrix | None = None
         self.short, self.off = False, np.inf
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:

@@ -49,7 +49,8 @@ class LoopTimes:
         loop around it 17 of the other 90; the gain may rise by more than a factor 3. The velocity loop is as far from
         its limit with the disturbance estimate in it. No loop is quicker than 0.15 s (rate) and 0.5 s: quicker ones
         gain millimetres and pass on the noise of every sensor. An attitude error of half a radian asks for
-        0.5 / T_a^2 rad/s^2, and that is not more than the torque gives.
+        0.5 / T_a^2 rad/s^2, and that is not more than the torque gives; where the attitude points the thrust, one of
+        0.8 rad.
 
         Args:
             delay_s: mean delay from state to force: lag of the thrusters and 1.5 control periods [s].

@@ -170,10 +170,8 @@ class PathFollower:
 
     def _turning_torque(self, state: State, current: Vector) -> Vector:
         """The torque (3,) [N m], body axes, that the hull asks for as it goes on turning as it has on average."""
-        v, w, none = state.velocity, self._mean_rates, np.zeros(3)
-        dynamics, R = self.loops.dynamics, state.rotation
-        turning = dynamics.wrench(R, np.concatenate([v, w]), np.concatenate([-cross(w, v), none]), current)
-        return (turning - dynamics.wrench(R, np.concatenate([v, none]), np.zeros(6), current))[3:]
+        straight_on = self._as_it_turns(state, np.zeros(3), current)
+        return (self._as_it_turns(state, self._mean_rates, current) - straight_on)[3:]
 
     def _undragged(self, state: State, motion: DesiredMotion, dt: float) -> DesiredMotion:
         """A motion whose velocity error does not count what the torque of turning drags along.
@@ -191,13 +189,13 @@ class PathFollower:
         An attitude that points it would chase itself: added mass makes that force grow with the turning, not the path.
         """
         along = view.turning @ state.rotation
+        return (self._as_it_turns(state, state.rates, current) - self._as_it_turns(state, along, current))[:3]
+
+    def _as_it_turns(self, state: State, rates: Vector, current: Vector) -> Vector:
+        """The wrench (6,) [N, N m], body axes, of the velocity the hull has over ground, kept while it turns."""
         v, none = state.velocity, np.zeros(3)
-
-        def force(w: Vector) -> Vector:
-            nu, nu_dot = np.concatenate([v, w]), np.concatenate([-cross(w, v), none])
-            return self.loops.dynamics.wrench(state.rotation, nu, nu_dot, current)[:3]
-
-        return force(state.rates) - force(along)
+        nu, nu_dot = np.concatenate([v, rates]), np.concatenate([-cross(rates, v), none])
+        return self.loops.dynamics.wrench(state.rotation, nu, nu_dot, current)
 
     def _safe_mode_goal(self, state: State, view: TargetView, dt: float) -> SafeModeGoal | None:
         """Where to go instead of along the path, once there is a reason to; only other thrusters end it."""
