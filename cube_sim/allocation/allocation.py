@@ -27,8 +27,7 @@ class Status(IntEnum):
         UNPROVEN_CLOSEST: no forces that make the demanded wrench were found; these make the closest wrench found (or
             the largest scale found), without proof. Remedy: as for ``UNPROVEN`` and ``CLOSEST``.
         SCALED: no allowed forces make the demanded wrench; these make the largest part of it that keeps its direction
-            and is attainable. Where not even no wrench at all is, they make the closest to none. Remedy: as for
-            ``CLOSEST``.
+            and is attainable. Remedy: as for ``CLOSEST``.
         YIELDED: the primary part of the demand is made, and the largest share of the secondary part that is
             attainable together with it. Remedy: none where that is what priorities are for, else as for ``CLOSEST``.
     """

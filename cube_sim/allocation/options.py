@@ -26,7 +26,7 @@ without turning all thrusters round together.
 
 Unattainable = Literal["closest", "scaled"]
 """``closest``: the closest attainable wrench in the weighted norm. ``scaled``: the largest attainable part of the
-demand in its own direction."""
+demand in its own direction, and the closest wrench where nothing is left of it."""
 
 WEIGHTS_SPAN = 1e6
 """Largest ratio of two weights, and their distance from 1: beyond it, what light ones cost is lost in the rounding of

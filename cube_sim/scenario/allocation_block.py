@@ -50,7 +50,7 @@ class AllocationBlock(Block):
     unattainable: Unattainable = Field(
         default="closest",
         description="What is made of an unattainable wrench. closest: the closest attainable one. scaled: the largest "
-        "attainable part of it in its own direction; with dead zones that may be nothing.",
+        "attainable part of it in its own direction, and the closest one where dead zones leave nothing of it.",
     )
     dead_zone_margin: float = Field(
         default=0.1,

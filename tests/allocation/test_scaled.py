@@ -21,12 +21,12 @@ def check_scaled(allocator, allow_off, wrench):
     assert in_allowed_set(answer.force, allocator.limits, allow_off).all()
     if answer.status == Status.EXACT:
         return False
-    assert answer.status == Status.SCALED
     scale = largest_share(allocator.A, allocator.limits, allow_off, 0.0 * wrench, wrench)
-    if scale is None:
-        distance = np.linalg.norm(allocator.wrench_weights * answer.wrench)
+    assert answer.status == (Status.SCALED if scale else Status.CLOSEST)
+    if not scale:
+        distance = np.linalg.norm(allocator.wrench_weights * (answer.wrench - wrench))
         assert distance == pytest.approx(
-            least_distance(allocator.A, allocator.limits, allow_off, np.zeros(len(wrench)), allocator.wrench_weights),
+            least_distance(allocator.A, allocator.limits, allow_off, wrench, allocator.wrench_weights),
             rel=1e-7, abs=1e-6,
         )  # fmt: skip
         return True
@@ -59,22 +59,32 @@ def test_cube_against_linear_programmes_on_all_256_subsets():
 
 
 def test_scales_have_gaps_and_the_largest_is_taken():
-    """One pair pushes 8 to 50 or 0: of a demand of 5 nothing is left, of 60 there is 50."""
+    """Two thrusters push 4 to 25 or 0: of 60 there is 50. Of 2 nothing is left, nor of 3.999: the closest is made."""
     A = np.array([[1.0, 1.0], [0, 0], [0, 0]])
     allocator = Allocator(A, [0, 0, 4, 25], unattainable="scaled")
-    for demand, made in ((2.0, 0.0), (3.999, 0.0), (5.0, 5.0), (60.0, 50.0), (1e308, 50.0), (-5.0, 0.0)):
+    for demand, made in ((1.9, 0.0), (3.999, 4.0), (5.0, 5.0), (60.0, 50.0), (1e308, 50.0), (-5.0, 0.0)):
         answer = allocator.allocate([demand, 0, 0])
         assert answer.wrench[0] == pytest.approx(made)
-        assert answer.status == (Status.EXACT if demand == 5.0 else Status.SCALED)
+        assert answer.status == {5.0: Status.EXACT, 60.0: Status.SCALED, 1e308: Status.SCALED}.get(
+            demand, Status.CLOSEST
+        )
 
 
-def test_no_scale_at_all_makes_the_closest_to_nothing():
+def test_no_scale_at_all_makes_the_closest_wrench():
     """A thruster that may not rest pushes 4 to 25 or -20 to -3: no part of a demand of 2, nor none of it."""
     allocator = Allocator([[1.0], [0.0], [0.0]], LIMITS, allow_off=False, unattainable="scaled")
-    for demand, made in ((2.0, -3.0), (-2.0, -3.0), (30.0, 25.0), (-30.0, -20.0), (0.0, -3.0)):
+    for demand, made in ((2.0, 4.0), (-2.0, -3.0), (30.0, 25.0), (-30.0, -20.0), (0.0, -3.0)):
         answer = allocator.allocate([demand, 0, 0])
-        assert answer.status == Status.SCALED
+        assert answer.status == (Status.SCALED if abs(demand) == 30.0 else Status.CLOSEST)
         assert answer.force == pytest.approx([made])
+
+
+def test_a_demand_that_stays_is_not_left_at_nothing():
+    """Half a newton of torque lies in the gap of two thrusters, beside a force that they make easily: it is made."""
+    A = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
+    answer = Allocator(A, LIMITS, unattainable="scaled").allocate([20.0, 0.0, 0.5])
+    assert answer.status == Status.CLOSEST
+    assert answer.wrench == pytest.approx([20.0, 0.0, 0.0])
 
 
 def test_direction_is_kept_where_the_closest_wrench_turns():

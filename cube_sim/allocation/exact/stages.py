@@ -5,7 +5,8 @@ stage     tried                               makes                             
 ========  ==================================  =============================================  ===================
 EXACTLY   always                              the demand                                     EXACT
 SHARE     when a part of it may give way      the primary part and the largest attainable    YIELDED, or SCALED
-                                              share of the secondary one                     for one part only
+                                              share of the secondary one; of a single part   for one part only
+                                              only where that is more than nothing
 NEAREST   always                              the wrench closest to the part made so far,    CLOSEST, or as
                                               or to the demand                               above
 ========  ==================================  =============================================  ===================
@@ -117,10 +118,23 @@ def origins_of_stage(
             share, looked, proven = share_origin(
                 closest, problem.largest_wrench, limits, demand.primary, demand.secondary, origin[0], demand.part
             )
-            count = int(share >= 0.0 or not two_parts)
+            count = int(share >= 0.0) if two_parts else int(makes_any(origin[0], limits.tolerance))
             if count > 0:
                 status = YIELDED if two_parts else SCALED
+            elif not two_parts:
+                # To make nothing of a demand that stays would be to make nothing for ever.
+                for a in range(demand.part.shape[0]):
+                    demand.part[a] = demand.whole[a]
     return origins, count, status, looked, proven
+
+
+@inlined
+def makes_any(force: NDArray[np.float64], tolerance: float) -> bool:
+    """Whether any of the forces (m,) [N] is more than rounding."""
+    some = False
+    for i in range(force.shape[0]):
+        some = some or abs(force[i]) > tolerance
+    return some
 
 
 @inlined
