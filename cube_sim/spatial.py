@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+Record = NDArray[np.void]
+"""A structured array of one element: named numbers, as compiled functions take them."""
 
 
 class State(NamedTuple):
@@ -56,22 +58,28 @@ def rotation_from_quaternion(q: ArrayLike) -> Matrix:
     )
 
 
+def quaternion_components(R):  # type: ignore[no-untyped-def]
+    """`quaternion_from_rotation` as a 4-tuple; compiled in `cube_sim.tuples`."""
+    r, s, t = R[0, 0], R[1, 1], R[2, 2]
+    trace = r + s + t
+    x2, y2, z2 = 2.0 * r - trace, 2.0 * s - trace, 2.0 * t - trace  # 4 q_i^2 - 1
+    if trace >= max(x2, y2, z2):
+        w, x, y, z = trace + 1.0, R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+    elif x2 >= max(y2, z2):
+        w, x, y, z = R[2, 1] - R[1, 2], x2 + 1.0, R[1, 0] + R[0, 1], R[0, 2] + R[2, 0]
+    elif y2 >= z2:
+        w, x, y, z = R[0, 2] - R[2, 0], R[1, 0] + R[0, 1], y2 + 1.0, R[2, 1] + R[1, 2]
+    else:
+        w, x, y, z = R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[2, 1] + R[1, 2], z2 + 1.0
+    scale = sqrt(w * w + x * x + y * y + z * z)
+    if w < 0.0:
+        scale = -scale
+    return (w / scale, x / scale, y / scale, z / scale)
+
+
 def quaternion_from_rotation(R: Matrix) -> Vector:
     """Unit quaternion wxyz with w >= 0, from the largest of its four components (Shepperd 1978)."""
-    diagonal = np.array([R[0, 0], R[1, 1], R[2, 2]])
-    trace = diagonal.sum()
-    squares = np.array([trace, *(2.0 * diagonal - trace)])  # 4 q_i^2 - 1
-    i = int(np.argmax(squares))
-    products = np.array(
-        [
-            [squares[0] + 1.0, R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
-            [R[2, 1] - R[1, 2], squares[1] + 1.0, R[1, 0] + R[0, 1], R[0, 2] + R[2, 0]],
-            [R[0, 2] - R[2, 0], R[1, 0] + R[0, 1], squares[2] + 1.0, R[2, 1] + R[1, 2]],
-            [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[2, 1] + R[1, 2], squares[3] + 1.0],
-        ]
-    )
-    q = products[i] / np.linalg.norm(products[i])
-    return -q if q[0] < 0.0 else q
+    return np.array(quaternion_components(R))
 
 
 def rotation_about(axis: Vector, angle: float) -> Matrix:
@@ -80,18 +88,21 @@ def rotation_about(axis: Vector, angle: float) -> Matrix:
     return np.eye(3) + sin(angle) * S + (1.0 - cos(angle)) * S @ S
 
 
-def multiply(p: Vector, q: Vector) -> Vector:
-    """Quaternion product p q."""
+def product_components(p, q):  # type: ignore[no-untyped-def]
+    """`multiply` as a 4-tuple; compiled in `cube_sim.tuples`."""
     a, b, c, d = p
     w, x, y, z = q
-    return np.array(
-        [
-            a * w - b * x - c * y - d * z,
-            a * x + b * w + c * z - d * y,
-            a * y - b * z + c * w + d * x,
-            a * z + b * y - c * x + d * w,
-        ]
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
     )
+
+
+def multiply(p: Vector, q: Vector) -> Vector:
+    """Quaternion product p q."""
+    return np.array(product_components(p, q))
 
 
 def conjugate(q: Vector) -> Vector:

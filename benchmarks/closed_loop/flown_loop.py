@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 from support.catalogue.vehicles import Entry
 
 from closed_loop.condition import Condition
@@ -35,18 +36,12 @@ NEVER_S = 1e12
 """Time constant of an estimate that is frozen."""
 
 MEMORIES = (
-    ("observer", "_integral"),
-    ("observer", "_estimate"),
-    ("current_observer", "estimate"),
-    ("", "_force"),
-    ("", "_velocity"),
-    ("", "_torque"),
-    ("", "_mean_rates"),
-    ("_balanced", "_led"),
-    ("_balanced", "_twice"),
-    ("_balanced", "_torque"),
+    ("observer", "memory", ("integral", "estimate")),
+    ("", "memory", ("force", "velocity", "torque", "mean_rates")),
+    ("_balanced", "memory", ("led", "twice", "torque")),
 )
-"""What the controller remembers from tick to tick: the part that holds each (the controller itself: none)."""
+"""What the controller remembers from tick to tick: the part that holds it (the controller itself: none), the name of
+its record, and the fields. Beside these the estimate of the current."""
 
 
 class Point(NamedTuple):
@@ -120,7 +115,7 @@ class FlownLoop:
             self.controller.current_observer.estimate = np.array(condition.believed)
         self._along = self.controller.target.view(np.zeros(3), np.zeros(3)).point.rotation[:, 0]
         self._started = 0.5 * FAR_M if speed_m_s > 0.0 else 0.0
-        self._memories: list[tuple[Any, str]] = []
+        self._memories: list[NDArray[np.float64]] = []
         self.start = self._warmed_up(speed_m_s)
 
     @property
@@ -168,19 +163,21 @@ class FlownLoop:
         for _ in range(2):
             decision = self.controller.decide(read_state(self._vehicle, self._data), np.zeros(6), self.period)
             self.controller.target.arc_length = self._started
-        for part, name in MEMORIES:
+        for part, name, fields in MEMORIES:
             owner = getattr(self.controller, part) if part else self.controller
             if owner is not None:
-                self._memories.append((owner, name))
+                self._memories += [getattr(owner, name)[field][0] for field in fields]
+        if self.controller.current_observer is not None:
+            self._memories.append(self.controller.current_observer.estimate)
         return self._read(decision.wrench)
 
     def _read(self, applied: Vector) -> Point:
         state = read_state(self._vehicle, self._data)
         target = self.controller.target.view(np.zeros(3), np.zeros(3)).point.position
         place = state.position - target
-        remembered = [np.array(getattr(owner, name), dtype=float).ravel() for owner, name in self._memories]
+        remembered = [memory.flatten() for memory in self._memories]
         vectors = np.concatenate([place, state.velocity, state.rates, self._data.act, applied, *remembered])
-        desired = () if self._balanced is None else (self._balanced._rotation.copy(),)
+        desired = () if self._balanced is None else (self._balanced.memory["rotation"][0].copy(),)
         return Point(vectors, (state.rotation, *desired))
 
     @property
@@ -201,12 +198,11 @@ class FlownLoop:
         data.act[:] = values[9 : 9 + m]
         mujoco.mj_kinematics(self._model, data)
         first = 15 + m
-        for owner, name in self._memories:
-            shape, size = np.shape(getattr(owner, name)), np.size(getattr(owner, name))
-            setattr(owner, name, values[first : first + size].reshape(shape).copy())
-            first += size
+        for memory in self._memories:
+            memory[...] = values[first : first + memory.size].reshape(memory.shape)
+            first += memory.size
         if self._balanced is not None:
-            self._balanced._rotation = point.rotations[1].copy()
+            self._balanced.memory["rotation"][0] = point.rotations[1]
         return values[9 + m : 15 + m].copy()
 
 

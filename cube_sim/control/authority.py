@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from functools import cached_property
 from typing import NamedTuple, TypedDict
 
 import numpy as np
@@ -30,7 +31,7 @@ from cube_sim.control.effort import effort_matrix
 from cube_sim.control.levelling import UP
 from cube_sim.control.pace import ForceBudget
 from cube_sim.control.yielding import FORCES_YIELD, WaterHold, yielding_directions
-from cube_sim.spatial import Matrix, Vector
+from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, SPATIAL, WrenchAxes
 from cube_sim.wrench.health import Health
@@ -45,6 +46,16 @@ FASTEST_JUDGED_M_S = 0.3
 """A vehicle with components missing is asked for courses at its mission's speed, but at no higher one than this."""
 LEAST_SHARE = 0.1
 """A thruster that gives less than this share of a whole one's largest force is no way of moving."""
+
+CAPABILITY = np.dtype(
+    [
+        ("projector", np.float64, (6, 6)),
+        ("shift", np.float64, 6),
+        ("dragged", np.float64, (3, 3)),
+    ]
+)
+"""What compiled laws know of `Capability`: `project_onto_range` as projector w + shift, and how a turning drags the
+hull along, (3,3) [m]."""
 
 
 class Authority(IntEnum):
@@ -131,16 +142,36 @@ class Capability:
         limits of the thrusters are looked at. Where no path can be followed the wrench is left to the allocation, which
         comes as close as it can; directions beyond the cost limit are taken out of it there, too.
         """
+        projector, shift = self._onto_range
+        return wrenches @ projector.T + shift
+
+    @cached_property
+    def _onto_range(self) -> tuple[Matrix, Vector]:
+        """`project_onto_range` as a matrix (6,6) and what is added (6,)."""
+        projector, shift = np.eye(6), np.zeros(6)
+        if self.steers_by_attitude:
+            lost = self.lost
+            back = self.yielding @ np.linalg.inv(lost.T @ self.yielding)
+            projector, shift = projector - back @ lost.T, back @ self.constants
+        elif self.within_cost_limit is not None:
+            projector = self.within_cost_limit
+            shift = self.held - projector @ self.held
         if self.level:
-            wrenches = np.where(OUT_OF_PLANE, self.held, wrenches)
-        if not self.steers_by_attitude:
-            if self.within_cost_limit is None:
-                return wrenches
-            return self.held + (wrenches - self.held) @ self.within_cost_limit.T
-        lost = self.lost
-        return (
-            wrenches - np.linalg.solve(lost.T @ self.yielding, (wrenches @ lost - self.constants).T).T @ self.yielding.T
-        )
+            out = np.diag(OUT_OF_PLANE.astype(float))
+            shift = shift + projector @ out @ self.held
+            projector = projector @ (np.eye(6) - out)
+        return projector, shift
+
+    def record(self, total_mass: Matrix) -> Record:
+        """What compiled laws know of it: (1,) of `CAPABILITY`.
+
+        Args:
+            total_mass: M (6,6) of the hull.
+        """
+        record = np.zeros(1, CAPABILITY)
+        record["projector"], record["shift"] = self._onto_range
+        record["dragged"] = np.linalg.solve(total_mass[:3, :3], self.dragged_force @ total_mass[3:, 3:])
+        return record
 
 
 def remaining_capability(

@@ -13,23 +13,11 @@ import numpy as np
 
 from cube_sim.control.attitude_mode import AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
+from cube_sim.control.balancing import BALANCE, DESIRED, MEMORY, balance
 from cube_sim.control.loop_times import FASTEST_TURN
-from cube_sim.spatial import (
-    Matrix,
-    Vector,
-    quaternion_from_rotation,
-    rotation_about,
-    rotation_from_quaternion,
-    skew,
-)
+from cube_sim.control.pace import NO_BUDGET
+from cube_sim.spatial import Matrix, Record
 from cube_sim.vehicle.dynamics import Dynamics
-
-SOFTNESS_N = 0.6
-"""Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
-SHORTAGE_TIME = 2.0
-"""Over which the force that is compared with what is attainable is averaged, and in which the vehicle turns [s]."""
-FARTHEST_RAD = 0.7
-"""A hull that is this far from the attitude found is held by its water elsewhere: the search goes on from there."""
 
 
 class BalancedAttitude:
@@ -71,74 +59,42 @@ class BalancedAttitude:
         wish_time: float = 2.0,
         most_rate: float = FASTEST_TURN,
     ) -> None:
-        self._lost, self._level = left.lost, left.level
-        self._constants, self._budget = left.constants, left.budget
-        self._dynamics = dynamics
-        self._rotation, self._time, self._wish_time = rotation.copy(), time, wish_time
-        self._wish, self._most_rate = wish, most_rate
-        self._led: Matrix | None = None
-        self.short, self.off = False, np.inf
+        self._hull, self._wish = dynamics.record, wish
+        budget = left.budget
+        self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
+        self._parameters, count = np.zeros(1, BALANCE), left.lost.shape[1]
+        parameters = self._parameters[0]
+        parameters["lost"][:, :count], parameters["constants"][:count] = left.lost, left.constants
+        parameters["count"], parameters["level"] = count, left.level
+        parameters["time"], parameters["wish_time"], parameters["most_rate"] = time, wish_time, most_rate
+        self.memory: Record = np.zeros(1, MEMORY)
+        self.memory["rotation"], self.memory["off"] = rotation, np.inf
+
+    @property
+    def short(self) -> bool:
+        """Whether the wrench exceeds what is attainable in the attitude found."""
+        return bool(self.memory["short"][0])
+
+    @property
+    def off(self) -> float:
+        """How far the attitude found is from the wish [rad]."""
+        return float(self.memory["off"][0])
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """See `AttitudeMode.attitude`."""
-        wish = self._wish.attitude(situation, dt)
-        demand = np.array([situation.flow, situation.force - self._steady_force(situation)])
-        if self._led is None:
-            self._led = self._twice = self._slow = demand
-            self._torque = situation.torque
-        share = min(1.0, dt / self._time)
-        self._led = self._led + share * (demand - self._led)
-        self._twice = self._twice + share * (self._led - self._twice)
-        self._slow = self._slow + min(1.0, dt / SHORTAGE_TIME) * (demand - self._slow)
-        self._torque = self._torque + share * (situation.torque - self._torque)
-        if _angle_between(self._rotation, situation.rotation) > FARTHEST_RAD:
-            self._rotation = situation.rotation.copy()
-        R = self._rotation
-        slope = (self._led - self._twice) / self._time
-        rates = self._rates((self._led + self._time * slope) @ R, slope @ R, R, wish, situation.force_ratio)
-        speed = float(np.linalg.norm(rates))
-        if speed > self._most_rate:
-            rates, speed = rates * (self._most_rate / speed), self._most_rate
-        if speed > 0.0:
-            self._rotation = R @ rotation_about(rates / speed, speed * dt)
-        return DesiredAttitude(quaternion_from_rotation(R), R @ rates)
-
-    def _steady_force(self, situation: Situation) -> Vector:
-        """The force (3,) [N], world axes, of the wanted velocity in the attitude the hull has."""
-        R = situation.rotation
-        return R @ self._dynamics.steady_wrenches((situation.flow @ R)[None], R[2:])[0, :3]
-
-    def _wrench(self, demand: Matrix, up: Vector) -> Vector:
-        """W (6,) [N, N m] for U and F_W (2,3) in body axes."""
-        wrench = self._dynamics.steady_wrenches(demand[:1], up[None])[0]
-        return wrench + np.concatenate([demand[1], self._torque])
-
-    def _rates(self, demand: Matrix, change: Matrix, R: Matrix, wish: DesiredAttitude, force_ratio: float) -> Vector:
-        """Turning rate (3,) [rad/s], body axes, for U and F_W (2,3) and their derivatives (2,3) in body axes."""
-        z, N = R[2], self._lost.T
-        by_velocity = self._dynamics.steady_wrench_slope(np.concatenate([demand[0], np.zeros(3)]))[:, :3]
-        changing = by_velocity @ change[0] + np.concatenate([change[1], np.zeros(3)])
-        imbalance = (N @ self._wrench(demand, z) - self._constants) / self._time + N @ changing
-        turning = by_velocity @ skew(demand[0]) - self._dynamics.restoring_slope(z)
-        turning[:3] += skew(demand[1])
-        J = N @ turning
-        if self._budget is not None:
-            excess = self._budget.excess(self._wrench(self._slow @ R, z), force_ratio)
-            worst = int(np.argmax(excess))
-            self.short = bool(excess[worst] > 0.0)
-            if self.short:
-                J = np.vstack([J, self._budget.attainable.normals[worst] @ turning])
-                imbalance = np.append(imbalance, excess[worst] / SHORTAGE_TIME)
-        if self._level:  # it turns about the vertical only, and no other turn counts as a way out
-            J = np.outer(J @ z, z)
-        inverse = J.T @ np.linalg.inv(J @ J.T + SOFTNESS_N**2 * np.eye(len(J)))
-        error = quaternion_from_rotation(R.T @ rotation_from_quaternion(wish.quaternion))
-        self.off = 2.0 * float(np.linalg.norm(error[1:]))
-        second = R.T @ wish.rates + 2.0 * error[1:] / self._wish_time
-        rates = -inverse @ imbalance + second - inverse @ (J @ second)
-        return z * (z @ rates) if self._level else rates
-
-
-def _angle_between(a: Matrix, b: Matrix) -> float:
-    """The angle of the rotation from one attitude (3,3) to another [rad]."""
-    return float(np.arccos(np.clip((np.trace(a.T @ b) - 1.0) / 2.0, -1.0, 1.0)))
+        wish, desired = self._wish.attitude(situation, dt), np.zeros(1, DESIRED)
+        balance(
+            self._hull,
+            self._parameters,
+            *self._budget,
+            self.memory,
+            desired,
+            situation.rotation,
+            situation.flow,
+            situation.force,
+            situation.torque,
+            *wish,
+            dt,
+            situation.force_ratio,
+        )
+        return DesiredAttitude(*desired[0])

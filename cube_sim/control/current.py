@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.spatial import Matrix, State, Vector
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import State, Vector
+from cube_sim.tuples import solve_positive, triple
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.laws.hull_motion import inverse_dynamics
 
 DIFFERENCE = 1e-3
 """Step of the central differences [m/s]."""
@@ -30,9 +33,10 @@ class CurrentObserver:
     """
 
     def __init__(self, dynamics: Dynamics, time: float) -> None:
-        self._dynamics, self._time = dynamics, time
-        slope = float(np.median(np.abs(np.diag(self._slope(np.eye(3), QUIET * np.ones(6), np.zeros(3))))))
-        self._damping = max(slope, SLOWEST_DECAY * float(np.trace(dynamics.total_mass[:3, :3])) / 3.0)
+        self._hull, self._time = dynamics.record, time
+        slope = current_slope(self._hull, np.eye(3), QUIET * np.ones(3), QUIET * np.ones(3), (0.0, 0.0, 0.0))
+        damping = float(np.median(np.abs(np.diag(slope))))
+        self._damping = max(damping, SLOWEST_DECAY * float(np.trace(dynamics.total_mass[:3, :3])) / 3.0)
         self.estimate = np.zeros(3)
 
     def update(self, state: State, residual: Vector, dt: float) -> Vector:
@@ -43,18 +47,60 @@ class CurrentObserver:
             residual: wrench (6,) the model does not explain with the estimate as it stands, body axes.
             dt: length of the tick [s].
         """
-        nu = np.concatenate([state.velocity, state.rates])
-        J = self._slope(state.rotation, nu, self.estimate)
-        step = np.linalg.solve(J.T @ J + self._damping**2 * np.eye(3), J.T @ residual[:3])
-        self.estimate = self.estimate + dt / self._time * step
-        return self.estimate
+        observe_current(
+            self._hull,
+            self._damping,
+            dt / self._time,
+            self.estimate,
+            state.rotation,
+            state.velocity,
+            state.rates,
+            residual,
+        )
+        return self.estimate.copy()
 
-    def _slope(self, rotation: Matrix, nu: Vector, current: Vector) -> Matrix:
-        """J (3,3) [N s/m]: how the force of the water, body axes, grows with the current, world axes."""
-        rest = np.zeros(6)
-        columns = [
-            self._dynamics.wrench(rotation, nu, rest, current - step)[:3]
-            - self._dynamics.wrench(rotation, nu, rest, current + step)[:3]
-            for step in DIFFERENCE * np.eye(3)
-        ]
-        return np.column_stack(columns) / (2.0 * DIFFERENCE)
+
+@compiled
+def observe_current(hull, damping, share, estimate, R, v, w, residual):
+    """One tick of the observer.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        damping: s [N s/m].
+        share: dt / T.
+        estimate: (3,) [m/s], world axes, moved on.
+        R: R_WB (3,3).
+        v: (3,) over ground [m/s], body axes.
+        w: (3,) [rad/s], body axes.
+        residual: (6,) [N, N m], body axes.
+    """
+    J = current_slope(hull, R, v, w, triple(estimate))
+    d = (residual[0], residual[1], residual[2])
+    square = np.empty((3, 3))
+    for i in range(3):
+        for j in range(i + 1):
+            square[i, j] = J[0, i] * J[0, j] + J[1, i] * J[1, j] + J[2, i] * J[2, j]
+        square[i, i] += damping * damping
+    right = (
+        J[0, 0] * d[0] + J[1, 0] * d[1] + J[2, 0] * d[2],
+        J[0, 1] * d[0] + J[1, 1] * d[1] + J[2, 1] * d[2],
+        J[0, 2] * d[0] + J[1, 2] * d[1] + J[2, 2] * d[2],
+    )
+    step = solve_positive(square, right)
+    for i in range(3):
+        estimate[i] += share * step[i]
+
+
+@compiled
+def current_slope(hull, R, v, w, current):
+    """J (3,3) [N s/m]: how the force of the water, body axes, grows with the current (3-tuple), world axes."""
+    nu, rest = (v[0], v[1], v[2], w[0], w[1], w[2]), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    a, b, c = current
+    J = np.empty((3, 3))
+    for j in range(3):
+        x, y, z = (DIFFERENCE if j == 0 else 0.0), (DIFFERENCE if j == 1 else 0.0), (DIFFERENCE if j == 2 else 0.0)
+        less = inverse_dynamics(hull, R, nu, rest, (a - x, b - y, c - z))
+        more = inverse_dynamics(hull, R, nu, rest, (a + x, b + y, c + z))
+        for i in range(3):
+            J[i, j] = (less[i] - more[i]) / (2.0 * DIFFERENCE)
+    return J

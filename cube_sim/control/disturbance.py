@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.spatial import State, Vector
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record, State, Vector
+from cube_sim.tuples import matrix_times_tuple, sextuple, triple
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.laws.hull_motion import inverse_dynamics
+
+MEMORY = np.dtype([("integral", np.float64, 6), ("estimate", np.float64, 6), ("started", np.bool_)])
+"""What the observer remembers: the integral [N s, N m s], its estimate [N, N m], whether there was a tick before."""
 
 
 class DisturbanceObserver:
@@ -21,10 +27,8 @@ class DisturbanceObserver:
     """
 
     def __init__(self, dynamics: Dynamics, time: float) -> None:
-        self._dynamics, self._time = dynamics, time
-        self._mass = dynamics.mass_matrix + dynamics.added_mass
-        self._integral: Vector | None = None
-        self._estimate = np.zeros(6)
+        self._hull, self._time = dynamics.record, time
+        self.memory: Record = np.zeros(1, MEMORY)
 
     def update(self, state: State, applied: Vector, current: Vector, dt: float) -> Vector:
         """The estimate (6,) [N, N m], body axes, after a tick.
@@ -35,12 +39,25 @@ class DisturbanceObserver:
             current: the current (3,) the model is to reckon with [m/s], world axes.
             dt: length of the tick [s].
         """
-        nu = np.concatenate([state.velocity, state.rates])
-        momentum = self._mass @ nu
-        if self._integral is None:
-            self._integral = momentum
-            return self._estimate
-        model = self._dynamics.wrench(state.rotation, nu, np.zeros(6), current)
-        self._integral = self._integral + dt * (applied - model + self._estimate)
-        self._estimate = (momentum - self._integral) / self._time
-        return self._estimate
+        observe_disturbance(
+            self._hull, self._time, self.memory, state.rotation, state.velocity, state.rates, applied, current, dt
+        )
+        return np.array(self.memory["estimate"][0])
+
+
+@compiled
+def observe_disturbance(hull, time, memory, R, v, w, applied, current, dt):
+    """One tick of the observer; arguments as in `DisturbanceObserver.update`, memory a record `MEMORY`."""
+    m = memory[0]
+    nu = (v[0], v[1], v[2], w[0], w[1], w[2])
+    momentum = matrix_times_tuple(hull[0].total_mass, nu)
+    if not m.started:
+        m.started = True
+        for i in range(6):
+            m.integral[i] = momentum[i]
+        return
+    model = inverse_dynamics(hull, R, nu, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), triple(current))
+    tau = sextuple(applied)
+    for i in range(6):
+        m.integral[i] += dt * (tau[i] - model[i] + m.estimate[i])
+        m.estimate[i] = (momentum[i] - m.integral[i]) / time

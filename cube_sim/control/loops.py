@@ -7,15 +7,34 @@ are time constants [s], the same for every vehicle.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cached_property
+from math import atan2
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cube_sim.control.attitude_mode import DesiredAttitude
 from cube_sim.control.loop_times import FASTEST_TURN
 from cube_sim.guidance.law import DesiredMotion
-from cube_sim.spatial import State, Vector, conjugate, cross, multiply
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record, State, Vector
+from cube_sim.tuples import (
+    cross_tuples,
+    length,
+    minus,
+    minus6,
+    plus,
+    plus6,
+    quaternion_times,
+    stacked,
+    times,
+    to_body,
+)
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.laws.hull_motion import hull_damping, inverse_dynamics
+
+LOOPS = np.dtype([(name, np.float64) for name in ("velocity_time", "attitude_time", "rate_time", "most_rate")])
+"""Numbers of `MotionLoops`, whose names these are."""
 
 
 class Reference(NamedTuple):
@@ -56,30 +75,67 @@ class MotionLoops:
     rate_time: float
     most_rate: float = FASTEST_TURN
 
+    @cached_property
+    def record(self) -> Record:
+        """The times and the bound, as compiled functions take them: (1,) of `LOOPS`."""
+        return np.array([(self.velocity_time, self.attitude_time, self.rate_time, self.most_rate)], LOOPS)
+
     def wrench(
         self, state: State, motion: DesiredMotion, attitude: DesiredAttitude, current: Vector
     ) -> tuple[Vector, Reference]:
         """The wrench (6,) [N, N m], body axes, in a steady current (3,) [m/s], world axes, and what it follows."""
-        R, v, w = state.rotation, state.velocity, state.rates
-        v_ref = motion.velocity @ R
-        pull = motion.acceleration @ R + (v_ref - v) / self.velocity_time
-        dv = pull - cross(w, v)  # a derivative in turning axes
+        tau, v_ref, w_ref, angle = loop_wrench(
+            self.dynamics.record, self.record, *_tuples(state, motion, attitude), tuple(current.tolist())
+        )
+        return np.array(tau), Reference(np.array(v_ref), np.array(w_ref), angle)
 
-        q_e = multiply(conjugate(attitude.quaternion), state.quaternion)
-        short_way = -1.0 if q_e[0] < 0.0 else 1.0
-        eta, eps = short_way * q_e[0], short_way * q_e[1:]
-        w_d = attitude.rates @ R
-        w_e = w - w_d
-        back = 2.0 * eps / self.attitude_time
-        back *= 1.0 / max(1.0, float(np.linalg.norm(back)) / self.most_rate)
-        w_ref = w_d - back
-        dw_ref = -cross(w, w_d) - (eta * w_e + cross(eps, w_e)) / self.attitude_time
-        dw = dw_ref + (w_ref - w) / self.rate_time
 
-        nu, nu_dot = np.concatenate([v, w]), np.concatenate([dv, dw])
-        tau = self.dynamics.wrench(R, nu, nu_dot, current)
-        flow = np.concatenate([current @ R, np.zeros(3)])
-        wanted = np.concatenate([v_ref, w_ref])
-        tau += self.dynamics.damping(wanted - flow) - self.dynamics.damping(nu - flow)
-        angle = 2.0 * float(np.arctan2(np.linalg.norm(eps), eta))
-        return tau, Reference(v_ref, w_ref, angle)
+def _tuples(state: State, motion: DesiredMotion, attitude: DesiredAttitude) -> tuple[Any, ...]:
+    """The arguments of `loop_wrench` between the records and the current."""
+    vectors = state.quaternion, state.velocity, state.rates, *motion, *attitude
+    return state.rotation, *(tuple(vector.tolist()) for vector in vectors)
+
+
+@compiled
+def loop_wrench(hull, loops, R, q, v, w, velocity_W, acceleration_W, q_d, w_d_W, current_W):
+    """Both loops: desired motion and attitude to a wrench.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        loops: record `LOOPS`.
+        R: R_WB (3,3) now.
+        q: the same attitude, a 4-tuple.
+        v: over ground, a 3-tuple, body axes [m/s].
+        w: 3-tuple, body axes [rad/s].
+        velocity_W: desired, 3-tuple, world axes [m/s].
+        acceleration_W: desired, 3-tuple, world axes [m/s^2].
+        q_d: desired attitude, 4-tuple.
+        w_d_W: its angular velocity, 3-tuple, world axes [rad/s].
+        current_W: 3-tuple, world axes [m/s].
+
+    Returns:
+        The wrench (6-tuple), v_ref and w_ref (3-tuples), the angle of the attitude error [rad].
+    """
+    k = loops[0]
+    v_ref = to_body(R, velocity_W)
+    pull = plus(to_body(R, acceleration_W), times(1.0 / k.velocity_time, minus(v_ref, v)))
+    dv = minus(pull, cross_tuples(w, v))  # a derivative in turning axes
+
+    q_e = quaternion_times((q_d[0], -q_d[1], -q_d[2], -q_d[3]), q)
+    short_way = -1.0 if q_e[0] < 0.0 else 1.0
+    eta, eps = short_way * q_e[0], times(short_way, q_e[1:])
+    w_d = to_body(R, w_d_W)
+    w_e = minus(w, w_d)
+    back = times(2.0 / k.attitude_time, eps)
+    back = times(1.0 / max(1.0, length(back) / k.most_rate), back)
+    w_ref = minus(w_d, back)
+    turning = plus(times(eta, w_e), cross_tuples(eps, w_e))
+    dw_ref = minus(times(-1.0, cross_tuples(w, w_d)), times(1.0 / k.attitude_time, turning))
+    dw = plus(dw_ref, times(1.0 / k.rate_time, minus(w_ref, w)))
+
+    nu = stacked(v, w)
+    tau = inverse_dynamics(hull, R, nu, stacked(dv, dw), current_W)
+    flow = stacked(to_body(R, current_W), (0.0, 0.0, 0.0))
+    wanted = hull_damping(hull, minus6(stacked(v_ref, w_ref), flow))
+    tau = plus6(tau, minus6(wanted, hull_damping(hull, minus6(nu, flow))))
+    return tau, v_ref, w_ref, 2.0 * atan2(length(eps), eta)

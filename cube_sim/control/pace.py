@@ -6,25 +6,30 @@ fall where the thrusters cannot make all that is asked: the path is kept, at the
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cube_sim.actuation.attainable.attainable_set import AttainableSet
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Vector
-
-Flags = NDArray[np.bool_]
+from cube_sim.tuples import matrix_times_tuple, plus, plus6, stacked, times
+from cube_sim.vehicle.laws.hull_motion import steady_wrench
 
 RESERVE = 0.05
 """Share of what is attainable that is kept for errors the demand does not know of yet."""
-PACES = np.linspace(1.0, -1.0, 33)
-"""Shares of the speed along the path that are tried; a negative one goes back along it, with a current too strong."""
+FINEST = 16
+"""Steps in which shares of the speed along the path are tried from 1 to 0, and as many to -1: back along it, with a
+current too strong."""
 LEAST_PACE = 0.25
 """Share of the speed below which the vehicle turns to an attitude in which the thrusters have more (a choice)."""
 HALVINGS = 5
 """Steps of bisection between two of them."""
+
+NO_BUDGET: tuple[Matrix, Vector, Vector] = (np.zeros((0, 6)), np.zeros(0), np.zeros(0))
+"""Normals, bounds and held shares of `ForceBudget` where none are known."""
 
 
 @dataclass(frozen=True)
@@ -39,38 +44,114 @@ class ForceBudget:
     attainable: AttainableSet
     held: Vector
 
-    def excess(self, wrench: Vector, force_ratio: float) -> Vector:
-        """By how much a wrench (6,) [N, N m] exceeds each facet of what is attainable with the reserve (p,) [N]."""
-        bound = (1.0 - RESERVE) * force_ratio * self.attainable.offsets
-        return self.attainable.normals @ (wrench - self.held) - bound
+    @cached_property
+    def normals(self) -> Matrix:
+        """(p,6) of the facets."""
+        return np.ascontiguousarray(self.attainable.normals)
 
-    def allows(self, wrenches: Matrix, force_ratio: float) -> Flags:
-        """Whether each of the wrenches (q,6) [N, N m] is attainable with the reserve.
+    @cached_property
+    def bounds(self) -> Vector:
+        """(p,) [N] with the reserve: a wrench w is within them if normals w <= bounds, for what is held and all."""
+        return (1.0 - RESERVE) * self.attainable.offsets
 
-        Args:
-            wrenches: in the range of A.
-            force_ratio: share of their force that the supply leaves the thrusters.
-        """
-        needed = (wrenches - self.held) @ self.attainable.normals.T
-        bound = (1.0 - RESERVE) * force_ratio * self.attainable.offsets
-        return np.all(needed <= bound + 1e-9 * (1.0 + np.abs(bound)), axis=1)
+    @cached_property
+    def held_shares(self) -> Vector:
+        """(p,) [N]: normals times what is held."""
+        return self.normals @ self.held
 
 
-def largest_pace(allowed: Callable[[Matrix], Flags], demand: Callable[[Vector], Matrix]) -> float:
+class PaceDemand(NamedTuple):
+    """What a pace along the path asks for; 3- and 6-tuples in body axes.
+
+    Attributes:
+        flow: velocity through the water at full pace [m/s].
+        along: the part of it along the path [m/s].
+        push: the force that this part asks for beside that of a steady motion [N].
+        rest: the wrench beside that of the steady motion at full pace [N, N m].
+        up: world up.
+    """
+
+    flow: tuple[float, float, float]
+    along: tuple[float, float, float]
+    push: tuple[float, float, float]
+    rest: tuple[float, float, float, float, float, float]
+    up: tuple[float, float, float]
+
+
+@compiled
+def wrench_at_pace(hull, demand, pace):
+    """The wrench, a 6-tuple, with the torque that holds the attitude.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        demand: `PaceDemand`.
+        pace: share of the speed along the path.
+    """
+    fewer = pace - 1.0
+    steady = steady_wrench(hull, plus(demand.flow, times(fewer, demand.along)), demand.up)
+    return plus6(plus6(steady, demand.rest), stacked(times(fewer, demand.push), (0.0, 0.0, 0.0)))
+
+
+@compiled
+def in_range(left, wrench):
+    """A wrench (6-tuple) moved into the range of A, see `Capability.project_onto_range`; left a record `CAPABILITY`."""
+    moved, shift = matrix_times_tuple(left[0].projector, wrench), left[0].shift
+    return plus6(moved, (shift[0], shift[1], shift[2], shift[3], shift[4], shift[5]))
+
+
+@compiled
+def facet_excess(normals, bounds, held_shares, force_ratio, i, wrench):
+    """By how much a wrench (6-tuple) exceeds facet i of what is attainable with the reserve [N]."""
+    needed = -held_shares[i]
+    for j in range(6):
+        needed += normals[i, j] * wrench[j]
+    return needed - force_ratio * bounds[i]
+
+
+@compiled
+def is_allowed(normals, bounds, held_shares, force_ratio, wrench):
+    """Whether a wrench (6-tuple) in the range of A is attainable with the reserve.
+
+    Args:
+        normals: of `ForceBudget`, like the next two.
+        bounds: of it.
+        held_shares: of it.
+        force_ratio: share of their force that the supply leaves the thrusters.
+        wrench: in the range of A.
+    """
+    for i in range(len(bounds)):
+        excess = facet_excess(normals, bounds, held_shares, force_ratio, i, wrench)
+        if not excess <= 1e-9 * (1.0 + abs(force_ratio * bounds[i])):
+            return False
+    return True
+
+
+@compiled
+def largest_pace(hull, left, normals, bounds, held_shares, force_ratio, demand):
     """The largest share of the speed along the path whose demand is allowed, to 0.2 % of it; 0 where none is.
 
     Args:
-        allowed: wrenches (q,6) -> (q,) whether each can be made.
-        demand: paces (q,) -> the wrenches (q,6) that they ask for.
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        left: record of `cube_sim.control.authority.CAPABILITY`.
+        normals: of `ForceBudget`, like the next two.
+        bounds: of it.
+        held_shares: of it.
+        force_ratio: share of their force that the supply leaves the thrusters.
+        demand: `PaceDemand`.
     """
-    if allowed(demand(PACES[:1]))[0]:
-        return 1.0
-    fits = allowed(demand(PACES))
-    first = int(np.argmax(fits))
-    if not fits[first]:
-        return 0.0
-    low, high = float(PACES[first]), float(PACES[first - 1])
+    low, step = 1.0, 1.0 / FINEST
+    while not is_allowed(normals, bounds, held_shares, force_ratio, in_range(left, wrench_at_pace(hull, demand, low))):
+        low -= step
+        if low < -1.0:
+            return 0.0
+    if low == 1.0:
+        return low
+    high = low + step
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if allowed(demand(np.array([middle])))[0] else (low, middle)
+        wrench = in_range(left, wrench_at_pace(hull, demand, middle))
+        if is_allowed(normals, bounds, held_shares, force_ratio, wrench):
+            low = middle
+        else:
+            high = middle
     return low

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,13 +12,14 @@ from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
-from cube_sim.control.loops import MotionLoops, Reference
-from cube_sim.control.pace import LEAST_PACE, Flags, largest_pace
+from cube_sim.control.following import FOLLOWED, MEMORY, follow
+from cube_sim.control.loops import MotionLoops
+from cube_sim.control.pace import NO_BUDGET
 from cube_sim.control.priority import split_path_first
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.guidance.approach import Approach
-from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
-from cube_sim.spatial import Matrix, State, Vector, cross
+from cube_sim.guidance.law import MotionLaw, Target, TargetView
+from cube_sim.spatial import Record, State, Vector
 
 SLOWER = 3.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
@@ -27,19 +27,10 @@ SLOWER_ACROSS = 2.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
 SLOWER_AT_TRIM = 2.0
 """Where roll or pitch is left to the water, the balance of force and torque is sought this many times more slowly."""
-MEAN_TIME_S = 4.0
-"""Over which the turning is averaged that the path asks for [s]."""
 PATIENCE_S = 1.0
 """How long the thrusters have to be short of what a slow pace asks for before the vehicle turns."""
 BACK_RAD = 0.02
 """Within this angle of the attitude its mission asks for it is taken to be back there."""
-
-
-def along_path(motion: DesiredMotion, view: TargetView) -> DesiredMotion:
-    """The part of a motion along the path; it turns with the path frame."""
-    T = view.point.rotation[:, 0]
-    velocity = float(motion.velocity @ T) * T
-    return DesiredMotion(velocity, (motion.acceleration @ T) * T + cross(view.turning, velocity))
 
 
 @dataclass
@@ -77,12 +68,8 @@ class PathFollower:
 
     def __post_init__(self) -> None:
         """Fly with what the thrusters can do from the start."""
-        self._force: Vector = np.zeros(3)
-        self._velocity: Vector = np.zeros(3)
-        self._torque: Vector = np.zeros(3)
-        self._mean_rates: Vector = np.zeros(3)
-        self._asked: Vector | None = None
-        self._force_ratio, self._short_s, self._pressed = 1.0, 0.0, False
+        self.memory: Record = np.zeros(1, MEMORY)
+        self._short_s, self._pressed = 0.0, False
         self._goal: SafeModeGoal | None = None
         self._balanced: BalancedAttitude | None = None
         self._monitor = LossOfTargetMonitor(self.safe_mode)
@@ -92,8 +79,9 @@ class PathFollower:
         """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
         self.capability = left
         self._balanced, self._loops, self._approach = None, self.loops, self.approach
-        mass = self.loops.dynamics.total_mass
-        self._dragged = np.linalg.solve(mass[:3, :3], left.dragged_force @ mass[3:, 3:])
+        budget = left.budget
+        self._left = left.record(self.loops.dynamics.total_mass)
+        self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self._monitor.restart()
@@ -109,93 +97,73 @@ class PathFollower:
 
     def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """See `Controller.decide`."""
-        self._force_ratio = force_ratio
         view = self.target.view(state.position, state.rotation @ state.velocity)
         goal = self._safe_mode_goal(state, view, dt)
         motion = self._approach.motion(view) if goal is None else goal.motion(state.position)
         disturbance, current = self._unknowns(state, applied, dt)
-        situation = Situation(
-            view,
+        attitude = self._mode(state).attitude(self._situation(state, view, current, force_ratio), dt)
+        followed = np.zeros(1, FOLLOWED)
+        budgeted = self.capability.budget is not None
+        follow(
+            self.loops.dynamics.record,
+            self._loops.record,
+            self._left,
+            *self._budget,
+            self.memory,
+            followed,
             state.rotation,
-            self._force,
-            self._torque,
+            state.quaternion,
+            state.velocity,
+            state.rates,
+            *motion,
+            *attitude,
+            disturbance,
             current,
-            self.capability.effort,
+            np.ascontiguousarray(view.point.rotation),
+            view.speed,
+            *view.point.curvature,
+            applied,
+            dt,
             force_ratio,
-            self._velocity - current,
+            self.most_rest,
+            budgeted,
+            goal is None and self.waits and isinstance(self._approach, Approach),
+            self._balanced is not None,
         )
-        attitude = self._mode(state).attitude(situation, dt)
-        motion = self._undragged(state, motion, dt)
-        wrench, reference = self._loops.wrench(state, motion, attitude, current)
-        pace, pointed = 1.0, wrench - disturbance
-        if self.capability.budget is not None:
-            demand = self._demand(state, motion, view, wrench - disturbance, reference, disturbance, current)
-            if goal is None and self.waits and isinstance(self._approach, Approach):
-                pace = largest_pace(self._allowed, demand)
-            if pace < 1.0:
-                along = along_path(motion, view)
-                motion = DesiredMotion(
-                    motion.velocity + (pace - 1.0) * along.velocity,
-                    motion.acceleration + (pace - 1.0) * along.acceleration,
-                )
-                wrench, reference = self._loops.wrench(state, motion, attitude, current)
-            pointed = demand(np.array([max(pace, LEAST_PACE)]))
-            self._watch_shortage(bool(self._allowed(pointed)[0]), dt)
-            pointed = pointed[0]
-        demanded = wrench - disturbance
-        self._force = state.rotation @ (pointed[:3] - self._of_own_turning(state, view, current))
-        self._velocity = motion.velocity
+        answer = followed[0]
+        if budgeted:
+            self._watch_shortage(bool(answer["enough"]), dt)
         if goal is None:
             self.target.advance(view.speed, dt)
-        in_range = self.capability.project_onto_range(demanded + self._rest(applied))
-        self._asked = in_range
-        # Nobody but the balanced attitude asks for it.
-        turning = np.zeros(3) if self._balanced is None else self._turning_torque(state, current)
-        self._torque = turning - disturbance[3:]
         return Decision(
-            wrench=in_range,
-            secondary=self._secondary(in_range),
+            wrench=answer["wrench"],
+            secondary=self._secondary(answer["wrench"]),
             disturbance=disturbance,
             current=current,
             view=view,
             remaining=view.remaining,
-            velocity=reference.velocity,
-            rates=reference.rates,
+            velocity=answer["velocity"],
+            rates=answer["rates"],
             quaternion=attitude.quaternion,
-            attitude_error=reference.attitude_error,
+            attitude_error=float(answer["attitude_error"]),
             authority=self.capability.authority if goal is None else Authority.SAFE,
-            pace=pace,
+            pace=float(answer["pace"]),
             given_up="" if goal is None else goal.reason,
         )
 
-    def _turning_torque(self, state: State, current: Vector) -> Vector:
-        """The torque (3,) [N m], body axes, that the hull asks for as it goes on turning as it has on average."""
-        straight_on = self._as_it_turns(state, np.zeros(3), current)
-        return (self._as_it_turns(state, self._mean_rates, current) - straight_on)[3:]
-
-    def _undragged(self, state: State, motion: DesiredMotion, dt: float) -> DesiredMotion:
-        """A motion whose velocity error does not count what the torque of turning drags along.
-
-        A hull that turns by a force on a lever is first pushed the wrong way. Answering that would feed on itself. The
-        centre of oscillation does not move then: its velocity is the one to correct.
-        """
-        self._mean_rates = self._mean_rates + min(1.0, dt / MEAN_TIME_S) * (state.rates - self._mean_rates)
-        pushed = state.rotation @ (self._dragged @ (state.rates - self._mean_rates))
-        return DesiredMotion(motion.velocity, motion.acceleration + pushed / self._loops.velocity_time)
-
-    def _of_own_turning(self, state: State, view: TargetView, current: Vector) -> Vector:
-        """The force (3,) [N], body axes, that the hull asks for as it turns otherwise than the path.
-
-        An attitude that points it would chase itself: added mass makes that force grow with the turning, not the path.
-        """
-        along = view.turning @ state.rotation
-        return (self._as_it_turns(state, state.rates, current) - self._as_it_turns(state, along, current))[:3]
-
-    def _as_it_turns(self, state: State, rates: Vector, current: Vector) -> Vector:
-        """The wrench (6,) [N, N m], body axes, of the velocity the hull has over ground, kept while it turns."""
-        v, none = state.velocity, np.zeros(3)
-        nu, nu_dot = np.concatenate([v, rates]), np.concatenate([-cross(rates, v), none])
-        return self.loops.dynamics.wrench(state.rotation, nu, nu_dot, current)
+    def _situation(self, state: State, view: TargetView, current: Vector, force_ratio: float) -> Situation:
+        """What the attitude may depend on."""
+        before = self.memory[0]
+        return Situation(
+            view,
+            state.rotation,
+            before["force"].copy(),
+            before["torque"].copy(),
+            current,
+            self.capability.effort,
+            force_ratio,
+            before["velocity"] - current,
+        )
 
     def _safe_mode_goal(self, state: State, view: TargetView, dt: float) -> SafeModeGoal | None:
         """Where to go instead of along the path, once there is a reason to; only other thrusters end it."""
@@ -204,39 +172,6 @@ class PathFollower:
             reason = lost or self._monitor.reason(view, dt)
             self._goal = SafeModeGoal(self.safe_mode, state, reason) if reason else None
         return self._goal
-
-    def _demand(
-        self,
-        state: State,
-        motion: DesiredMotion,
-        view: TargetView,
-        demanded: Vector,
-        reference: Reference,
-        disturbance: Vector,
-        current: Vector,
-    ) -> Callable[[Vector], Matrix]:
-        """Paces (q,) along the path -> the wrenches (q,6) they ask for, with the torque that holds the attitude."""
-        loops, dynamics, R = self._loops, self.loops.dynamics, state.rotation
-        along = along_path(motion, view)
-        velocity, flow = along.velocity @ R, current @ R
-        push = dynamics.total_mass[:3, :3] @ (velocity / loops.velocity_time + along.acceleration @ R)
-        rest = np.concatenate([demanded[:3], -disturbance[3:]])
-        rest[:3] -= dynamics.steady_wrenches((reference.velocity - flow)[None], R[2:])[0, :3]
-
-        def demand(paces: Vector) -> Matrix:
-            fewer = (paces - 1.0)[:, None]
-            steady = dynamics.steady_wrenches(
-                reference.velocity - flow + fewer * velocity, np.broadcast_to(R[2], (len(paces), 3))
-            )
-            return steady + rest + fewer * np.concatenate([push, np.zeros(3)])
-
-        return demand
-
-    def _allowed(self, wrenches: Matrix) -> Flags:
-        """Whether wrenches (q,6) can be made, as far as they lie in the range of A."""
-        budget, left = self.capability.budget, self.capability
-        assert budget is not None
-        return budget.allows(left.project_onto_range(wrenches), self._force_ratio)
 
     def _watch_shortage(self, enough: bool, dt: float) -> None:
         """Turn to where the thrusters have more when they have been short for a while, and back when they are not."""
@@ -247,12 +182,6 @@ class PathFollower:
             self._pressed and self._balanced is not None and not self._balanced.short and self._balanced.off < BACK_RAD
         ):
             self._pressed = False
-
-    def _rest(self, applied: Vector) -> Vector:
-        """What was not made of the last demand (6,), bounded: what a dead zone swallows is asked for again."""
-        rest = np.zeros(6) if self._asked is None else self._asked - applied
-        size = float(np.linalg.norm(rest[:3]))
-        return rest * min(1.0, self.most_rest / max(size, 1e-12))
 
     def _mode(self, state: State) -> AttitudeMode:
         """Who says which attitude to take."""

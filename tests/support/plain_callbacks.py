@@ -1,6 +1,6 @@
-"""The callbacks as readable Python: the very source that numba compiles, run by the interpreter on MuJoCo's own memory.
+"""The compiled laws as readable Python: the very source that numba compiles, the callbacks on MuJoCo's own memory.
 
-Every module the callbacks are made of is executed once more with numba and `cube_sim.native.compiled` replaced by
+Every module the laws are made of is executed once more with numba and `cube_sim.native.compiled` replaced by
 nothing, and `cube_sim.vehicle.plugin.memory`, which is written for the code generator, by reads and writes through
 ctypes.
 """
@@ -93,6 +93,10 @@ _TYPES = SimpleNamespace(
 _NUMBA = SimpleNamespace(njit=_as_it_is, cfunc=_as_it_is, types=_TYPES)
 
 
+_PLAIN = ("cube_sim.tuples", "cube_sim.vehicle.laws.", "cube_sim.control.")
+"""How the names of modules begin that are executed once more when another of them imports them."""
+
+
 class _Plain:
     """One set of modules that see only each other."""
 
@@ -115,7 +119,9 @@ class _Plain:
         return module
 
     def _import(self, name, globals_=None, locals_=None, fromlist=(), level=0):
-        if name not in self._modules and name.startswith("cube_sim.vehicle.laws."):
+        if name not in self._modules and name.startswith(
+            ("cube_sim.tuples", "cube_sim.vehicle.laws.", "cube_sim.control.")
+        ):
             self.module(name)
         if name in self._modules:
             return self._modules[name]

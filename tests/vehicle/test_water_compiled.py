@@ -28,8 +28,9 @@ def equal(fast, plain) -> None:
 
 
 def test_nothing_in_the_plain_modules_is_compiled():
-    for name in ("laws.tuples", "laws.hydrodynamics", "laws.current", "laws.thrust_law", "plugin.callbacks"):
-        module = plain_callbacks.plain(f"cube_sim.vehicle.{name}")
+    laws = "vehicle.laws.hydrodynamics", "vehicle.laws.current", "vehicle.laws.thrust_law", "vehicle.plugin.callbacks"
+    for name in ("tuples", *laws):
+        module = plain_callbacks.plain(f"cube_sim.{name}")
         functions = [f for f in vars(module).values() if hasattr(f, "__code__")]
         assert len(functions) > 1
         assert not any(hasattr(f, "py_func") for f in functions)

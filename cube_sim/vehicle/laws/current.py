@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cube_sim.native.compiled import compiled
-from cube_sim.vehicle.laws.tuples import cross_tuples, matrix_times_tuple, to_body
+from cube_sim.tuples import cross_tuples, matrix_times_tuple, to_body
 
 
 @compiled

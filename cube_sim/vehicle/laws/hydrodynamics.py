@@ -11,7 +11,7 @@ nu_r = nu - [v_c; 0] for a uniform irrotational current v_c, whose body-axes com
 from __future__ import annotations
 
 from cube_sim.native.compiled import compiled
-from cube_sim.vehicle.laws.tuples import cross_tuples, matrix_times_tuple, to_body
+from cube_sim.tuples import cross_tuples, matrix_times_tuple, to_body
 
 
 @compiled

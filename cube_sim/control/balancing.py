@@ -1,0 +1,271 @@
+"""The turning rate of a balanced attitude, compiled; the law is said in `cube_sim.control.balanced_attitude`."""
+
+from __future__ import annotations
+
+from math import acos
+
+import numpy as np
+
+from cube_sim.control.pace import facet_excess
+from cube_sim.native.compiled import compiled
+from cube_sim.tuples import (
+    cross_tuples,
+    dot,
+    length,
+    minus,
+    plus,
+    plus6,
+    quaternion_from_matrix,
+    quaternion_times,
+    rotated,
+    solve_positive,
+    stacked,
+    times,
+    to_body,
+    to_world,
+    triple,
+)
+from cube_sim.vehicle.laws.hull_motion import restoring_slope, steady_wrench, steady_wrench_slope
+
+SOFTNESS_N = 0.6
+"""Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
+SHORTAGE_TIME = 2.0
+"""Over which the force that is compared with what is attainable is averaged, and in which the vehicle turns [s]."""
+FARTHEST_RAD = 0.7
+"""A hull that is this far from the attitude found is held by its water elsewhere: the search goes on from there."""
+
+BALANCE = np.dtype(
+    [
+        ("lost", np.float64, (6, 6)),
+        ("constants", np.float64, 6),
+        ("count", np.int64),
+        ("level", np.bool_),
+        ("time", np.float64),
+        ("wish_time", np.float64),
+        ("most_rate", np.float64),
+    ]
+)
+"""Numbers of `BalancedAttitude`: N (6, count) and b (count,) of the lost combinations, the rest of zeros; whether it
+turns in a level plane only; the times [s] and the bound [rad/s]."""
+MEMORY = np.dtype(
+    [
+        ("rotation", np.float64, (3, 3)),
+        ("led", np.float64, (2, 3)),
+        ("twice", np.float64, (2, 3)),
+        ("slow", np.float64, (2, 3)),
+        ("torque", np.float64, 3),
+        ("started", np.bool_),
+        ("short", np.bool_),
+        ("off", np.float64),
+    ]
+)
+"""What it remembers: R, the averages of U and F_W (once, twice, over the time of a shortage), that of M_0, whether
+there was a tick before, whether W exceeds what is attainable, and how far R is from the wish [rad]."""
+DESIRED = np.dtype([("quaternion", np.float64, 4), ("rates", np.float64, 3)])
+"""The desired attitude and its angular velocity [rad/s], world axes."""
+
+
+@compiled
+def balance(
+    hull,
+    parameters,
+    normals,
+    bounds,
+    held_shares,
+    memory,
+    answer,
+    R_now,
+    flow_W,
+    force_W,
+    torque,
+    wish,
+    wish_rates_W,
+    dt,
+    force_ratio,
+):
+    """One tick: the desired attitude, and R moved on.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        parameters: record `BALANCE`.
+        normals: of `ForceBudget`, like the next two; empty for none.
+        bounds: of it.
+        held_shares: of it.
+        memory: record `MEMORY`, moved on.
+        answer: record `DESIRED`, filled.
+        R_now: R_WB (3,3) of the hull.
+        flow_W: U (3,) [m/s], world axes.
+        force_W: force (3,) [N] demanded of the thrusters, world axes.
+        torque: (3,) [N m] demanded beside that of a steady motion, body axes.
+        wish: the attitude the mission asks for (4,).
+        wish_rates_W: its angular velocity (3,) [rad/s], world axes.
+        dt: [s].
+        force_ratio: share of their force that the supply leaves the thrusters.
+    """
+    p, m, out = parameters[0], memory[0], answer[0]
+    flow, up = to_body(R_now, triple(flow_W)), (R_now[2, 0], R_now[2, 1], R_now[2, 2])
+    steady = to_world(R_now, steady_wrench(hull, flow, up)[:3])
+    _average(m, flow_W, minus(triple(force_W), steady), torque, dt, p.time)
+    if _angle_between(m.rotation, R_now) > FARTHEST_RAD:
+        m.rotation[:] = R_now
+    R = m.rotation
+    rates = _rates(hull, p, normals, bounds, held_shares, m, R, wish, wish_rates_W, force_ratio)
+    speed = length(rates)
+    if speed > p.most_rate:
+        rates, speed = times(p.most_rate / speed, rates), p.most_rate
+    q, turning = quaternion_from_matrix(R), to_world(R, rates)
+    out.quaternion[0] = q[0]
+    for i in range(3):
+        out.quaternion[1 + i], out.rates[i] = q[1 + i], turning[i]
+    if speed > 0.0:
+        m.rotation[:] = rotated(R, times(1.0 / speed, rates), speed * dt)
+
+
+@compiled
+def _average(m, flow_W, force, torque, dt, time):
+    """Move the averages on by what is demanded now."""
+    share, slow_share = min(1.0, dt / time), min(1.0, dt / SHORTAGE_TIME)
+    for i in range(3):
+        if not m.started:
+            m.led[0, i] = m.twice[0, i] = m.slow[0, i] = flow_W[i]
+            m.led[1, i] = m.twice[1, i] = m.slow[1, i] = force[i]
+            m.torque[i] = torque[i]
+        m.led[0, i] += share * (flow_W[i] - m.led[0, i])
+        m.led[1, i] += share * (force[i] - m.led[1, i])
+        m.slow[0, i] += slow_share * (flow_W[i] - m.slow[0, i])
+        m.slow[1, i] += slow_share * (force[i] - m.slow[1, i])
+        m.torque[i] += share * (torque[i] - m.torque[i])
+        for j in range(2):
+            m.twice[j, i] += share * (m.led[j, i] - m.twice[j, i])
+    m.started = True
+
+
+@compiled
+def _rates(hull, p, normals, bounds, held_shares, m, R, wish, wish_rates_W, force_ratio):
+    """Turning rate, a 3-tuple [rad/s], body axes."""
+    z = (R[2, 0], R[2, 1], R[2, 2])
+    flow, force, flow_change, force_change = _led(m, R, p.time)
+    nu = np.array((flow[0], flow[1], flow[2], 0.0, 0.0, 0.0))
+    by_velocity = steady_wrench_slope(hull, nu, np.zeros(6))
+    turning = _by_turning(hull, by_velocity, flow, force, z)
+    torque = stacked((0.0, 0.0, 0.0), triple(m.torque))
+    wrench = plus6(plus6(steady_wrench(hull, flow, z), stacked(force, (0.0, 0.0, 0.0))), torque)
+    J, imbalance, rows = np.empty((7, 3)), np.empty(7), p.count
+    for k in range(rows):
+        now, changing = -p.constants[k], 0.0
+        J[k, 0] = J[k, 1] = J[k, 2] = 0.0
+        for i in range(6):
+            share = p.lost[i, k]
+            change = by_velocity[i, 0] * flow_change[0] + by_velocity[i, 1] * flow_change[1]
+            change += by_velocity[i, 2] * flow_change[2]
+            if i < 3:
+                change += force_change[i]
+            now += share * wrench[i]
+            changing += share * change
+            for j in range(3):
+                J[k, j] += share * turning[i, j]
+        imbalance[k] = now / p.time + changing
+    m.short = False
+    if len(bounds) > 0:
+        slow_flow, slow_force = to_body(R, triple(m.slow[0])), to_body(R, triple(m.slow[1]))
+        slow = plus6(plus6(steady_wrench(hull, slow_flow, z), stacked(slow_force, (0.0, 0.0, 0.0))), torque)
+        worst, excess = _worst_facet(normals, bounds, held_shares, force_ratio, slow)
+        if excess > 0.0:
+            m.short = True
+            for j in range(3):
+                J[rows, j] = 0.0
+                for i in range(6):
+                    J[rows, j] += normals[worst, i] * turning[i, j]
+            imbalance[rows] = excess / SHORTAGE_TIME
+            rows += 1
+    if p.level:  # it turns about the vertical only, and no other turn counts as a way out
+        for k in range(rows):
+            about = J[k, 0] * z[0] + J[k, 1] * z[1] + J[k, 2] * z[2]
+            J[k, 0], J[k, 1], J[k, 2] = about * z[0], about * z[1], about * z[2]
+    second = _towards(m, R, wish, wish_rates_W, p.wish_time)
+    rates = minus(second, _damped_inverse(J, imbalance, rows, second))
+    return times(dot(z, rates), z) if p.level else rates
+
+
+@compiled
+def _led(m, R, time):
+    """U, F_W led by `time`, and their derivatives as the path turns: four 3-tuples in body axes."""
+    change = minus(triple(m.led[0]), triple(m.twice[0])), minus(triple(m.led[1]), triple(m.twice[1]))
+    flow, force = plus(triple(m.led[0]), change[0]), plus(triple(m.led[1]), change[1])
+    flow_change, force_change = times(1.0 / time, change[0]), times(1.0 / time, change[1])
+    return to_body(R, flow), to_body(R, force), to_body(R, flow_change), to_body(R, force_change)
+
+
+@compiled
+def _by_turning(hull, by_velocity, flow, force, z):
+    """(6,3) derivative of W by a small rotation in body axes, in which U and F_W turn as a' = a x theta."""
+    turning = restoring_slope(hull, z)
+    for i in range(6):
+        row = cross_tuples((by_velocity[i, 0], by_velocity[i, 1], by_velocity[i, 2]), flow)
+        for j in range(3):
+            turning[i, j] = row[j] - turning[i, j]
+    x, y, z = force
+    turning[0, 1] -= z
+    turning[0, 2] += y
+    turning[1, 0] += z
+    turning[1, 2] -= x
+    turning[2, 0] -= y
+    turning[2, 1] += x
+    return turning
+
+
+@compiled
+def _worst_facet(normals, bounds, held_shares, force_ratio, wrench):
+    """Which facet of what is attainable a wrench (6-tuple) exceeds most, and by how much [N]."""
+    worst, most = 0, -np.inf
+    for i in range(len(bounds)):
+        excess = facet_excess(normals, bounds, held_shares, force_ratio, i, wrench)
+        if excess > most:
+            worst, most = i, excess
+    return worst, most
+
+
+@compiled
+def _towards(m, R, wish, wish_rates_W, wish_time):
+    """Turning rate, a 3-tuple [rad/s], body axes, to the attitude the mission asks for; how far it is off is kept."""
+    q = quaternion_from_matrix(R)
+    error = quaternion_times((q[0], -q[1], -q[2], -q[3]), (wish[0], wish[1], wish[2], wish[3]))
+    if error[0] < 0.0:
+        error = (-error[0], -error[1], -error[2], -error[3])
+    m.off = 2.0 * length(error[1:])
+    return plus(to_body(R, triple(wish_rates_W)), times(2.0 / wish_time, error[1:]))
+
+
+@compiled
+def _damped_inverse(J, imbalance, rows, second):
+    """(J' J + s^2 I)^-1 J' (imbalance + J second), a 3-tuple, with so many rows of J; the same as J' (J J' + s^2 I)^-1.
+
+    Written with the (3,3) matrix, which is never larger than that of the rows.
+    """
+    square = np.zeros((3, 3))
+    x = y = z = 0.0
+    for k in range(rows):
+        a, b, c = J[k, 0], J[k, 1], J[k, 2]
+        wanted = imbalance[k] + a * second[0] + b * second[1] + c * second[2]
+        x += a * wanted
+        y += b * wanted
+        z += c * wanted
+        square[0, 0] += a * a
+        square[1, 0] += b * a
+        square[1, 1] += b * b
+        square[2, 0] += c * a
+        square[2, 1] += c * b
+        square[2, 2] += c * c
+    for i in range(3):
+        square[i, i] += SOFTNESS_N * SOFTNESS_N
+    return solve_positive(square, (x, y, z))
+
+
+@compiled
+def _angle_between(a, b):
+    """The angle of the rotation from one attitude (3,3) to another [rad]."""
+    trace = 0.0
+    for i in range(3):
+        for j in range(3):
+            trace += a[i, j] * b[i, j]
+    return acos(min(max((trace - 1.0) / 2.0, -1.0), 1.0))

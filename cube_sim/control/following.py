@@ -1,0 +1,239 @@
+"""The law for all axes, from the desired motion and attitude to the wrench, compiled.
+
+What it is told and what it remembers are records; `cube_sim.control.path_follower` holds them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cube_sim.control.loops import loop_wrench
+from cube_sim.control.pace import LEAST_PACE, PaceDemand, in_range, is_allowed, largest_pace, wrench_at_pace
+from cube_sim.native.compiled import compiled
+from cube_sim.tuples import (
+    cross_tuples,
+    dot,
+    length,
+    minus,
+    minus6,
+    plus,
+    plus6,
+    sextuple,
+    stacked,
+    times,
+    to_body,
+    to_world,
+    triple,
+)
+from cube_sim.vehicle.laws.hull_motion import inverse_dynamics, steady_wrench
+
+MEAN_TIME_S = 4.0
+"""Over which the turning is averaged that the path asks for [s]."""
+
+MEMORY = np.dtype(
+    [
+        ("force", np.float64, 3),
+        ("velocity", np.float64, 3),
+        ("torque", np.float64, 3),
+        ("mean_rates", np.float64, 3),
+        ("asked", np.float64, 6),
+        ("has_asked", np.bool_),
+    ]
+)
+"""What the law remembers: the force [N] (world axes) and torque [N m] (body axes) an attitude may point, the velocity
+asked for [m/s] (world axes), the mean rates [rad/s] and the wrench asked of the thrusters [N, N m] (body axes)."""
+FOLLOWED = np.dtype(
+    [
+        ("wrench", np.float64, 6),
+        ("velocity", np.float64, 3),
+        ("rates", np.float64, 3),
+        ("attitude_error", np.float64),
+        ("pace", np.float64),
+        ("enough", np.bool_),
+    ]
+)
+"""The answer: the wrench [N, N m] in the range of A, the velocity [m/s] and rates [rad/s] followed, all in body axes,
+the angle of the attitude error [rad], the pace, and whether the thrusters have enough for the least pace."""
+
+
+@compiled
+def follow(
+    hull,
+    loops,
+    left,
+    normals,
+    bounds,
+    held_shares,
+    memory,
+    answer,
+    R,
+    q,
+    v,
+    w,
+    velocity_W,
+    acceleration_W,
+    q_d,
+    w_d_W,
+    disturbance,
+    current_W,
+    frame,
+    target_speed,
+    k1,
+    k2,
+    applied,
+    dt,
+    force_ratio,
+    most_rest,
+    budgeted,
+    waits,
+    points,
+):
+    """One tick of the law.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        loops: record of `cube_sim.control.loops.LOOPS`.
+        left: record of `cube_sim.control.authority.CAPABILITY`.
+        normals: of `ForceBudget`, like the next two; empty for none.
+        bounds: of it.
+        held_shares: of it.
+        memory: record `MEMORY`, moved on.
+        answer: record `FOLLOWED`, filled.
+        R: R_WB (3,3).
+        q: the same attitude (4,).
+        v: over ground (3,) [m/s], body axes.
+        w: (3,) [rad/s], body axes.
+        velocity_W: desired (3,) [m/s], world axes.
+        acceleration_W: desired (3,) [m/s^2], world axes.
+        q_d: desired attitude (4,).
+        w_d_W: its angular velocity (3,) [rad/s], world axes.
+        disturbance: estimate (6,) [N, N m], body axes.
+        current_W: estimate (3,) [m/s], world axes.
+        frame: R_WF (3,3) of the path at the target.
+        target_speed: s' [m/s].
+        k1: curvature of the path at the target [1/m].
+        k2: its second one [1/m].
+        applied: wrench (6,) allocated over the tick before.
+        dt: [s].
+        force_ratio: share of their force that the supply leaves the thrusters.
+        most_rest: how much of a force that could not be made is asked for again [N].
+        budgeted: whether what the thrusters can make is known.
+        waits: whether the speed along the path falls to what they can keep.
+        points: whether a balanced attitude reads the torque of the turning.
+    """
+    m, k, out = memory[0], loops[0], answer[0]
+    rates, speed, flow = triple(w), triple(v), triple(current_W)
+    unknown = sextuple(disturbance)
+    quaternion, wanted_attitude = (q[0], q[1], q[2], q[3]), (q_d[0], q_d[1], q_d[2], q_d[3])
+    velocity, wanted_rates = triple(velocity_W), triple(w_d_W)
+    acceleration = plus(triple(acceleration_W), undragging(left, m.mean_rates, R, rates, dt, k.velocity_time))
+    tau, v_ref, w_ref, angle = loop_wrench(
+        hull, loops, R, quaternion, speed, rates, velocity, acceleration, wanted_attitude, wanted_rates, flow
+    )
+    turning = path_turning(frame, target_speed, k1, k2)
+    pace, enough = 1.0, True
+    pointed = minus6(tau, unknown)
+    if budgeted:
+        along_velocity, along_acceleration = along_path(frame, turning, velocity, acceleration)
+        demand = pace_demand(
+            hull, R, k.velocity_time, v_ref, flow, along_velocity, along_acceleration, pointed, unknown
+        )
+        if waits:
+            pace = largest_pace(hull, left, normals, bounds, held_shares, force_ratio, demand)
+        if pace < 1.0:
+            velocity = plus(velocity, times(pace - 1.0, along_velocity))
+            acceleration = plus(acceleration, times(pace - 1.0, along_acceleration))
+            tau, v_ref, w_ref, angle = loop_wrench(
+                hull, loops, R, quaternion, speed, rates, velocity, acceleration, wanted_attitude, wanted_rates, flow
+            )
+        pointed = wrench_at_pace(hull, demand, max(pace, LEAST_PACE))
+        enough = is_allowed(normals, bounds, held_shares, force_ratio, in_range(left, pointed))
+    own = own_turning(hull, R, speed, rates, turning, flow)
+    force = to_world(R, minus(pointed[:3], own))
+    rest = unmade(m.asked, m.has_asked, applied, most_rest)
+    asked = in_range(left, plus6(minus6(tau, unknown), rest))
+    torque = (0.0, 0.0, 0.0)
+    if points:
+        torque = turning_torque(hull, R, speed, triple(m.mean_rates), flow)
+    m.has_asked = True
+    for i in range(3):
+        m.force[i], m.velocity[i] = force[i], velocity[i]
+        m.torque[i] = torque[i] - unknown[3 + i]
+        out.velocity[i], out.rates[i] = v_ref[i], w_ref[i]
+    for i in range(6):
+        m.asked[i] = out.wrench[i] = asked[i]
+    out.attitude_error, out.pace, out.enough = angle, pace, enough
+
+
+@compiled
+def path_turning(frame, target_speed, k1, k2):
+    """How fast the path frame turns with the target, a 3-tuple [rad/s], world axes: s' [0, -k2, k1] about its axes."""
+    N1, N2 = (frame[0, 1], frame[1, 1], frame[2, 1]), (frame[0, 2], frame[1, 2], frame[2, 2])
+    return times(target_speed, minus(times(k1, N2), times(k2, N1)))
+
+
+@compiled
+def along_path(frame, turning, velocity, acceleration):
+    """The part of a motion along the path, velocity and acceleration (3-tuples); it turns with the path frame."""
+    T = (frame[0, 0], frame[1, 0], frame[2, 0])
+    along = times(dot(velocity, T), T)
+    return along, plus(times(dot(acceleration, T), T), cross_tuples(turning, along))
+
+
+@compiled
+def undragging(left, mean_rates, R, rates, dt, velocity_time):
+    """The acceleration (3-tuple) that keeps what the torque of turning drags along from counting as a velocity error.
+
+    A hull that turns by a force on a lever is first pushed the wrong way. Answering that would feed on itself. The
+    centre of oscillation does not move then: its velocity is the one to correct. The mean rates (3,) are moved on.
+    """
+    share = min(1.0, dt / MEAN_TIME_S)
+    for i in range(3):
+        mean_rates[i] += share * (rates[i] - mean_rates[i])
+    beside = minus(rates, triple(mean_rates))
+    return times(1.0 / velocity_time, to_world(R, to_world(left[0].dragged, beside)))
+
+
+@compiled
+def pace_demand(hull, R, velocity_time, v_ref, flow_W, along_velocity, along_acceleration, demanded, unknown):
+    """What a pace along the path asks for, with the torque that holds the attitude (`PaceDemand`)."""
+    along, flow = to_body(R, along_velocity), minus(v_ref, to_body(R, flow_W))
+    pull = plus(times(1.0 / velocity_time, along), to_body(R, along_acceleration))
+    up = (R[2, 0], R[2, 1], R[2, 2])
+    rest = minus(demanded[:3], steady_wrench(hull, flow, up)[:3])
+    push = to_world(hull[0].total_mass, pull)
+    return PaceDemand(flow, along, push, stacked(rest, times(-1.0, unknown[3:])), up)
+
+
+@compiled
+def as_it_turns(hull, R, speed, rates, flow_W):
+    """The wrench (6-tuple), body axes, of the velocity the hull has over ground, kept while it turns at these rates."""
+    kept = stacked(times(-1.0, cross_tuples(rates, speed)), (0.0, 0.0, 0.0))
+    return inverse_dynamics(hull, R, stacked(speed, rates), kept, flow_W)
+
+
+@compiled
+def own_turning(hull, R, speed, rates, turning, flow_W):
+    """The force (3-tuple) [N], body axes, that the hull asks for as it turns otherwise than the path.
+
+    An attitude that points it would chase itself: added mass makes that force grow with the turning, not the path.
+    """
+    along = to_body(R, turning)
+    return minus(as_it_turns(hull, R, speed, rates, flow_W)[:3], as_it_turns(hull, R, speed, along, flow_W)[:3])
+
+
+@compiled
+def turning_torque(hull, R, speed, mean_rates, flow_W):
+    """The torque (3-tuple) [N m], body axes, that the hull asks for as it goes on turning as it has on average."""
+    straight_on = as_it_turns(hull, R, speed, (0.0, 0.0, 0.0), flow_W)
+    return minus(as_it_turns(hull, R, speed, mean_rates, flow_W)[3:], straight_on[3:])
+
+
+@compiled
+def unmade(asked, has_asked, applied, most_rest):
+    """What was not made of the last demand (6-tuple), bounded: what a dead zone swallows is asked for again."""
+    if not has_asked:
+        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    rest = minus6(sextuple(asked), sextuple(applied))
+    share = min(1.0, most_rest / max(length(rest[:3]), 1e-12))
+    return stacked(times(share, rest[:3]), times(share, rest[3:]))

@@ -1,0 +1,122 @@
+"""The compiled law for all axes is the readable one: run by the interpreter, its source gives the same numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.plain_callbacks import plain
+from support.vehicles import random_hull, random_rotation
+
+from cube_sim.control import balancing, current, disturbance, following
+from cube_sim.control.authority import CAPABILITY
+from cube_sim.control.loops import LOOPS
+from cube_sim.spatial import quaternion_from_rotation
+
+FACETS = 9
+
+
+def readable(record):
+    """The same memory, its fields attributes for the interpreter, too."""
+    return record.view(np.recarray) if isinstance(record, np.ndarray) and record.dtype.names else record
+
+
+def filled(rng, dtype):
+    """A record whose numbers are drawn and whose flags are set."""
+    record = np.zeros(1, dtype)
+    for name in dtype.names:
+        kind = record[name].dtype.kind
+        if kind == "f":
+            record[name] = rng.normal(size=record[name].shape)
+        elif kind == "b":
+            record[name] = True
+    return record
+
+
+def same(name, stage, arguments, records):
+    """Call both with copies of the records; what they leave in them must be equal."""
+    compiled, interpreted = [r.copy() for r in records], [r.copy() for r in records]
+    stage(*arguments(*compiled))
+    function = getattr(plain(stage.__module__), stage.__name__)
+    assert not hasattr(function, "py_func")
+    function(*(readable(argument) for argument in arguments(*(readable(r) for r in interpreted))))
+    for fast, slow, before in zip(compiled, interpreted, records, strict=True):
+        assert fast.tobytes() != before.tobytes(), name
+        for field in fast.dtype.names or ():
+            np.testing.assert_allclose(fast[field], slow[field], rtol=1e-11, atol=1e-11, err_msg=f"{name}.{field}")
+        if not fast.dtype.names:
+            np.testing.assert_allclose(fast, slow, rtol=1e-11, atol=1e-11, err_msg=name)
+
+
+@pytest.fixture(params=range(4))
+def rng(request):
+    return np.random.default_rng(request.param)
+
+
+@pytest.fixture
+def hull(rng):
+    return random_hull(rng).record
+
+
+def moving(rng):
+    R = random_rotation(rng)
+    return R, quaternion_from_rotation(R), rng.normal(size=3), rng.normal(size=3)
+
+
+def facets(rng, room):
+    """Normals, bounds and held shares; the more room, the fewer wrenches exceed them."""
+    return rng.normal(size=(FACETS, 6)), room * np.ones(FACETS), 0.1 * rng.normal(size=FACETS)
+
+
+@pytest.mark.parametrize("room", [1e-3, 30.0, 1e4])
+@pytest.mark.parametrize("flags", [(False, False, False), (True, True, False), (True, True, True)])
+def test_the_law(rng, hull, room, flags):
+    R, q, v, w = moving(rng)
+    loops = np.array([(1.0, 0.8, 0.3, 0.5)], LOOPS)
+    left = filled(rng, CAPABILITY)
+    q_d, frame = quaternion_from_rotation(random_rotation(rng)), random_rotation(rng)
+    vectors = [rng.normal(size=n) for n in (3, 3, 3, 6, 3, 6)]
+    velocity, acceleration, rates, unknown, flow, applied = vectors
+    of_facets = facets(rng, room)
+
+    def arguments(memory, answer):
+        told = hull, loops, left, *of_facets, memory, answer, R, q, v, w, velocity, acceleration, q_d, rates
+        return *told, unknown, flow, frame, 0.4, 0.3, -0.2, applied, 0.02, 0.9, 5.0, *flags
+
+    same("follow", following.follow, arguments, [filled(rng, following.MEMORY), np.zeros(1, following.FOLLOWED)])
+
+
+@pytest.mark.parametrize("room", [1e-3, 1e4])
+@pytest.mark.parametrize("level", [False, True])
+@pytest.mark.parametrize("started", [False, True])
+def test_the_balanced_attitude(rng, hull, room, level, started):
+    R = random_rotation(rng)
+    parameters = filled(rng, balancing.BALANCE)
+    parameters["count"], parameters["level"] = 2, level
+    parameters["time"], parameters["wish_time"], parameters["most_rate"] = 0.5, 2.0, 0.4
+    memory = filled(rng, balancing.MEMORY)
+    memory["rotation"], memory["started"] = random_rotation(rng), started
+    flow, force, torque, wish_rates = rng.normal(size=(4, 3))
+    wish, of_facets = quaternion_from_rotation(random_rotation(rng)), facets(rng, room)
+
+    def arguments(memory, answer):
+        told = hull, parameters, *of_facets, memory, answer, R
+        return *told, flow, force, torque, wish, wish_rates, 0.02, 0.9
+
+    same("balance", balancing.balance, arguments, [memory, np.zeros(1, balancing.DESIRED)])
+
+
+@pytest.mark.parametrize("started", [False, True])
+def test_the_observers(rng, hull, started):
+    R, _, v, w = moving(rng)
+    memory, applied, residual = filled(rng, disturbance.MEMORY), rng.normal(size=6), rng.normal(size=6)
+    memory["started"] = started
+
+    def of_disturbance(memory):
+        return hull, 0.8, memory, R, v, w, applied, residual[:3].copy(), 0.02
+
+    same("disturbance", disturbance.observe_disturbance, of_disturbance, [memory])
+
+    def of_current(estimate):
+        return hull, 2.0, 0.01, estimate, R, v, w, residual
+
+    same("current", current.observe_current, of_current, [rng.normal(size=3)])
