@@ -89,6 +89,8 @@ class FaultTolerant:
             allocator.resume(previous.of(responsive))
         self.health, self._previous, self._responsive, self._allocator = health, previous, responsive, allocator
         self._held = np.where(np.isnan(health.stuck), 0.0, health.stuck)
+        self._held_wrench = self.A @ self._held
+        self._all_respond = responsive.size == m
 
     def reset(self) -> None:
         """Forget the previous answer, not the faults."""
@@ -119,8 +121,7 @@ class FaultTolerant:
         if secondary is not None:
             yielding = self._checked("the secondary part", secondary)
             valid = valid and bool(np.isfinite(yielding).all())
-        held = self.A @ self._held
-        left = (demand if valid else np.zeros_like(demand)) - held
+        left = (demand if valid else np.zeros_like(demand)) - self._held_wrench
         if self._allocator is None:
             part = self._forceless(left, 0)
         elif valid and yielding is not None and yielding.any():
@@ -129,12 +130,15 @@ class FaultTolerant:
             part = self._allocator.allocate_by_priority(primary, yielding)
         else:
             part = self._allocator.allocate(left)
+        if self._all_respond:
+            self._previous = self._previous.followed_by(part.force, part.subset)
+            return part if valid else part._replace(status=Status.INVALID_WRENCH)
         force, subset = self._held.copy(), np.sign(self._held).astype(np.int8)
         force[self._responsive], subset[self._responsive] = part.force, part.subset
         self._previous = self._previous.followed_by(force, subset)
         return part._replace(
             force=force,
-            wrench=part.wrench + held,
+            wrench=part.wrench + self._held_wrench,
             subset=subset,
             status=part.status if valid else Status.INVALID_WRENCH,
         )

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.attitude_mode import DesiredAttitude, Situation
-from cube_sim.control.levelling import UP, levelling_spin
-from cube_sim.spatial import Vector, cross, quaternion_from_rotation
+from cube_sim.control.attitude_mode import DESIRED, DesiredAttitude, Situation
+from cube_sim.control.levelling import levelling_spin
+from cube_sim.guidance.law import path_turning
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record
+from cube_sim.tuples import cross_tuples, dot, length, minus, plus, quaternion_from_matrix, times, triple
+
+MEMORY = np.dtype([("side", np.float64, 3), ("started", np.bool_)])
+"""The side axis, world axes, and whether there is one yet."""
 
 
 class AlongPath:
@@ -23,22 +29,50 @@ class AlongPath:
 
     def __init__(self, levelling_time: float = 2.0) -> None:
         self._levelling_time = levelling_time
-        self._side: Vector | None = None
+        self.memory: Record = np.zeros(1, MEMORY)
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """The attitude at the target's point of the path, and how it turns as the target runs on."""
-        view = situation.view
-        T, N1, _ = view.point.rotation.T
-        dT = cross(view.turning, T)
-        if self._side is None:
-            level = cross(UP, T)
-            h = float(np.linalg.norm(level))
-            self._side = N1 if h < 1e-9 else level / h
-        side = self._side - T * (self._side @ T)
-        side /= np.linalg.norm(side)
-        top = cross(T, side)
+        view, desired = situation.view, np.zeros(1, DESIRED)
+        frame = np.ascontiguousarray(view.point.rotation)
+        nose_along(self._levelling_time, self.memory, desired, frame, view.speed, *view.point.curvature, dt)
+        return DesiredAttitude(*desired[0])
 
-        rates = view.turning + levelling_spin(T, dT, side, self._levelling_time) * T
-        turned = side + dt * cross(rates, side)
-        self._side = turned / np.linalg.norm(turned)
-        return DesiredAttitude(quaternion_from_rotation(np.column_stack([T, side, top])), rates)
+
+@compiled
+def nose_along(levelling_time, memory, answer, frame, target_speed, k1, k2, dt):
+    """One tick of the law.
+
+    Args:
+        levelling_time: [s].
+        memory: record `MEMORY`, moved on.
+        answer: record `DESIRED`, filled.
+        frame: R_WF (3,3) of the path at the target.
+        target_speed: s' [m/s].
+        k1: curvature of the path at the target [1/m].
+        k2: its second one [1/m].
+        dt: [s].
+    """
+    m, out = memory[0], answer[0]
+    T, N1 = (frame[0, 0], frame[1, 0], frame[2, 0]), (frame[0, 1], frame[1, 1], frame[2, 1])
+    turning = path_turning(frame, target_speed, k1, k2)
+    if not m.started:
+        m.started = True
+        level = cross_tuples((0.0, 0.0, 1.0), T)
+        h = length(level)
+        first = N1 if h < 1e-9 else times(1.0 / h, level)
+        for i in range(3):
+            m.side[i] = first[i]
+    side = minus(triple(m.side), times(dot(triple(m.side), T), T))
+    side = times(1.0 / length(side), side)
+    top = cross_tuples(T, side)
+    rates = plus(turning, times(levelling_spin(T, cross_tuples(turning, T), side, levelling_time), T))
+    turned = plus(side, times(dt, cross_tuples(rates, side)))
+    turned = times(1.0 / length(turned), turned)
+    R = np.empty((3, 3))
+    for i in range(3):
+        m.side[i], out.rates[i] = turned[i], rates[i]
+        R[i, 0], R[i, 1], R[i, 2] = T[i], side[i], top[i]
+    q = quaternion_from_matrix(R)
+    for i in range(4):
+        out.quaternion[i] = q[i]

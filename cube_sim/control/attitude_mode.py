@@ -9,6 +9,8 @@ import numpy as np
 from cube_sim.guidance.law import TargetView
 from cube_sim.spatial import Matrix, Vector
 
+DESIRED = np.dtype([("quaternion", np.float64, 4), ("rates", np.float64, 3)])
+"""`DesiredAttitude` as compiled laws fill it."""
 STILL: Vector = np.zeros(3)
 """No flow [m/s]."""
 

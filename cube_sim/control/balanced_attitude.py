@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.attitude_mode import AttitudeMode, DesiredAttitude, Situation
+from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
-from cube_sim.control.balancing import BALANCE, DESIRED, MEMORY, balance
+from cube_sim.control.balancing import BALANCE, MEMORY, balance
 from cube_sim.control.loop_times import FASTEST_TURN
 from cube_sim.control.pace import NO_BUDGET
 from cube_sim.spatial import Matrix, Record

@@ -61,8 +61,6 @@ MEMORY = np.dtype(
 )
 """What it remembers: R, the averages of U and F_W (once, twice, over the time of a shortage), that of M_0, whether
 there was a tick before, whether W exceeds what is attainable, and how far R is from the wish [rad]."""
-DESIRED = np.dtype([("quaternion", np.float64, 4), ("rates", np.float64, 3)])
-"""The desired attitude and its angular velocity [rad/s], world axes."""
 
 
 @compiled
@@ -92,7 +90,7 @@ def balance(
         bounds: of it.
         held_shares: of it.
         memory: record `MEMORY`, moved on.
-        answer: record `DESIRED`, filled.
+        answer: record `cube_sim.control.attitude_mode.DESIRED`, filled.
         R_now: R_WB (3,3) of the hull.
         flow_W: U (3,) [m/s], world axes.
         force_W: force (3,) [N] demanded of the thrusters, world axes.

@@ -111,13 +111,16 @@ class Diagnosis:
 
     def _judge(self, n: int, noise: float) -> None:
         """Believe something else of thrusters that do not do what is believed of them, if n ticks say what."""
-        newest = (self._row - n + np.arange(n)) % len(self._expected)
-        gain = self._gain.gain
+        gain, health = self._gain.gain, self.health
+        first = (self._row - n) % len(self._expected)
+        contradicted = contradicts(
+            self._expected, self._measured, first, n, *health, gain, self._threshold, float(noise)
+        )
+        if not (contradicted.any() or self._suggested):
+            return
+        newest = (first + np.arange(n)) % len(self._expected)
         x, y = self._expected[newest], self._measured[newest] / gain
         least, most = (self._gain.least / gain).tolist(), (self._gain.most / gain).tolist()
-        health = self.health
-        believed = np.where(np.isnan(health.stuck), health.efficiency * x, health.stuck)
-        contradicted = contradicts(x, y, believed, self._threshold, noise / gain)
         for i in range(len(gain)):
             reading = None
             # A window longer than the belief is old holds what was before it.

@@ -9,6 +9,7 @@ import numpy as np
 
 from cube_sim.control.loops import loop_wrench
 from cube_sim.control.pace import LEAST_PACE, PaceDemand, in_range, is_allowed, largest_pace, wrench_at_pace
+from cube_sim.guidance.law import path_turning
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import (
     cross_tuples,
@@ -163,13 +164,6 @@ def follow(
     for i in range(6):
         m.asked[i] = out.wrench[i] = asked[i]
     out.attitude_error, out.pace, out.enough = angle, pace, enough
-
-
-@compiled
-def path_turning(frame, target_speed, k1, k2):
-    """How fast the path frame turns with the target, a 3-tuple [rad/s], world axes: s' [0, -k2, k1] about its axes."""
-    N1, N2 = (frame[0, 1], frame[1, 1], frame[2, 1]), (frame[0, 2], frame[1, 2], frame[2, 2])
-    return times(target_speed, minus(times(k1, N2), times(k2, N1)))
 
 
 @compiled

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from math import atan2
+
 import numpy as np
 
-from cube_sim.spatial import Vector, cross
+from cube_sim.native.compiled import compiled
+from cube_sim.tuples import cross_tuples, dot, length, times
 
 UP = np.array([0.0, 0.0, 1.0])
 STEEP = 0.1
 """Sine of the angle from the axis to the vertical below which the spin that keeps a level side level is faded out."""
 
 
-def levelling_spin(axis: Vector, axis_rate: Vector, side: Vector, time: float) -> float:
+@compiled
+def levelling_spin(axis, axis_rate, side, time):
     """The spin about an axis [rad/s], beyond carrying its side along without spin, that brings the side to the level.
 
     Level means nothing where the axis is vertical, so the spin is w spin_level + (h^2 / time) phi. phi is the angle to
@@ -19,17 +23,17 @@ def levelling_spin(axis: Vector, axis_rate: Vector, side: Vector, time: float) -
     level; it grows as 1 / h. The weight w is 1 away from the vertical and 0 on it.
 
     Args:
-        axis: unit vector (3,), world axes.
-        axis_rate: its derivative (3,) [1/s].
-        side: unit vector square to it (3,), which is to be level and to the left.
+        axis: unit vector, world axes; a 3-tuple or (3,), like the next two.
+        axis_rate: its derivative [1/s].
+        side: unit vector square to it, which is to be level and to the left.
         time: [s] in which 63 % of phi go where the axis is level.
     """
-    level = cross(UP, axis)
-    h = float(np.linalg.norm(level))
+    level = cross_tuples((0.0, 0.0, 1.0), axis)
+    h = length(level)
     if not h > 1e-9:
         return 0.0
-    level /= h
-    phi = float(np.arctan2(cross(axis, side) @ level, side @ level))
+    level = times(1.0 / h, level)
+    phi = atan2(dot(cross_tuples(axis, side), level), dot(side, level))
     fade = min(1.0, h / STEEP) ** 3
-    spin_level = float(cross(axis, level) @ cross(UP, axis_rate)) / h
+    spin_level = dot(cross_tuples(axis, level), cross_tuples((0.0, 0.0, 1.0), axis_rate)) / h
     return fade * spin_level + h**2 / time * phi

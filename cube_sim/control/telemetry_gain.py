@@ -12,8 +12,11 @@ from one whose telemetry reads that much less.
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector
 
 
@@ -48,13 +51,31 @@ class TelemetryGain:
         """
         if self._tolerance == 0.0:
             return
-        x = np.where(whole, expected, 0.0)
-        self._xx += x * x
-        self._xy += x * measured
-        least, most = 1.0 - self._tolerance, 1.0 + self._tolerance
-        weight = self._unknown + (2.0 * noise / self._tolerance) ** 2
-        xx = self._xx + weight
-        self.gain = np.clip((self._xy + weight) / xx, least, most)
-        uncertainty = 2.0 * self._tolerance * weight / xx + 4.0 * noise / np.sqrt(xx)
-        self.least = np.maximum(least, self.gain - uncertainty)
-        self.most = np.minimum(most, self.gain + uncertainty)
+        learn_gain(
+            self._xx,
+            self._xy,
+            expected,
+            measured,
+            whole,
+            self._tolerance,
+            self._unknown + (2.0 * noise / self._tolerance) ** 2,
+            float(noise),
+            self.gain,
+            self.least,
+            self.most,
+        )
+
+
+@compiled
+def learn_gain(xx, xy, expected, measured, whole, tolerance, weight, noise, gain, least, most):
+    """Take one more pair of forces of each thruster into account; w is the weight."""
+    lowest, highest = 1.0 - tolerance, 1.0 + tolerance
+    for i in range(len(gain)):
+        if whole[i]:
+            xx[i] += expected[i] * expected[i]
+            xy[i] += expected[i] * measured[i]
+        sum_xx = xx[i] + weight
+        gain[i] = min(max((xy[i] + weight) / sum_xx, lowest), highest)
+        uncertainty = 2.0 * tolerance * weight / sum_xx + 4.0 * noise / sqrt(sum_xx)
+        least[i] = max(lowest, gain[i] - uncertainty)
+        most[i] = min(highest, gain[i] + uncertainty)

@@ -15,8 +15,8 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector
 
 WHOLE = 0.9
@@ -70,35 +70,7 @@ class Evidence(NamedTuple):
         return self.noise**2 * _noise_energy(n)
 
 
-def contradicts(
-    expected: Vector, measured: Vector, believed: Vector, threshold: float, noise: Vector
-) -> NDArray[np.bool_]:
-    """(m,) bool: which measured forces are not those believed.
-
-    Noise hides most of a difference that is spread over all n readings, but little of one that has the shape of a
-    fault: a constant and a share of what is expected.
-
-    Args:
-        expected: (n,m) [N].
-        measured: (n,m) [N].
-        believed: (n,m) [N].
-        threshold: differences below this say nothing [N].
-        noise: (m,) standard deviations of measured forces [N].
-    """
-    n = len(expected)
-    r = measured - believed
-    total = np.einsum("ij,ij->j", r, r)
-    if not noise.any():
-        return np.sqrt(total) > sqrt(n) * threshold
-    x = expected - expected.mean(axis=0)
-    swing = np.einsum("ij,ij->j", x, x)
-    along = np.einsum("ij,ij->j", x, r) ** 2
-    shaped = n * r.mean(axis=0) ** 2 + np.divide(along, swing, out=np.zeros_like(swing), where=swing > 1e-9)
-    return (shaped > n * threshold**2 + 2.0 * _RARE * noise**2) | (
-        total > n * threshold**2 + _noise_energy(n) * noise**2
-    )
-
-
+@compiled
 def _noise_energy(n: int) -> float:
     """What the squares of n unit noises sum up to at most.
 
@@ -106,6 +78,49 @@ def _noise_energy(n: int) -> float:
     freedom: P(chi2 >= n + 2 sqrt(n t) + 2 t) <= exp(-t).
     """
     return n + 2.0 * sqrt(n * _RARE) + 2.0 * _RARE
+
+
+@compiled
+def contradicts(expected, measured, first, n, efficiency, stuck, gain, threshold, noise):
+    """(m,) bool: which measured forces are not those believed.
+
+    Noise hides most of a difference that is spread over all n readings, but little of one that has the shape of a
+    fault: a constant and a share of what is expected.
+
+    Args:
+        expected: (k,m) [N], a ring of rows.
+        measured: (k,m) [N], likewise.
+        first: the first row of the window; it runs over the end of the ring.
+        n: how many rows the window has.
+        efficiency: (m,) believed share.
+        stuck: (m,) force [N] believed to be held; NaN where none is.
+        gain: (m,) by which measured forces are divided.
+        threshold: differences below this say nothing [N].
+        noise: standard deviation of a measured force [N].
+    """
+    k, m = expected.shape
+    result = np.zeros(m, np.bool_)
+    for i in range(m):
+        total = sum_x = sum_r = sum_xx = sum_xr = 0.0
+        for j in range(n):
+            row = (first + j) % k
+            x = expected[row, i]
+            believed = efficiency[i] * x if np.isnan(stuck[i]) else stuck[i]
+            r = measured[row, i] / gain[i] - believed
+            total += r * r
+            sum_x += x
+            sum_r += r
+            sum_xx += x * x
+            sum_xr += x * r
+        if noise == 0.0:
+            result[i] = sqrt(total) > sqrt(n) * threshold
+            continue
+        noise2 = (noise / gain[i]) ** 2
+        swing, along = sum_xx - sum_x * sum_x / n, sum_xr - sum_x * sum_r / n
+        shaped = sum_r * sum_r / n + (along * along / swing if swing > 1e-9 else 0.0)
+        allowed = n * threshold**2
+        result[i] = shaped > allowed + 2.0 * _RARE * noise2 or total > allowed + _noise_energy(n) * noise2
+    return result
 
 
 def read_window(x: Vector, y: Vector, evidence: Evidence, idle: bool) -> WindowReading | None:

@@ -28,6 +28,12 @@ class PathPoint(NamedTuple):
     curvature_rate: tuple[float, float]
 
 
+def point_of_row(row: Vector) -> PathPoint:
+    """The point whose numbers a compiled law has put in a row (16,): p, R_WF row by row, k1, k2, dk1/ds, dk2/ds."""
+    k1, k2, dk1, dk2 = row[12:].tolist()
+    return PathPoint(row[:3], row[3:12].reshape(3, 3), (k1, k2), (dk1, dk2))
+
+
 class Path(Protocol):
     """A curve in space, parametrised by its arc length s."""
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.guidance.path import PathPoint
+from cube_sim.guidance.path import PathPoint, point_of_row
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix
 
@@ -55,9 +55,7 @@ class TabulatedPath:
         if self.closed:
             lap = floor(s / self.length)
             s, turned = s - lap * self.length, lap * self._holonomy
-        row = look_up(*self._cells, s, cos(turned), sin(turned))
-        k1, k2, dk1, dk2 = row[12:].tolist()
-        return PathPoint(row[:3], row[3:12].reshape(3, 3), (k1, k2), (dk1, dk2))
+        return point_of_row(look_up(*self._cells, s, cos(turned), sin(turned)))
 
 
 @compiled

@@ -48,6 +48,9 @@ def allocate_at(
     Returns:
         The allocation, and the forces (m,) [N] to ask of the thrusters as if they were whole and fed with V_n.
     """
+    if force_ratio == 1.0:
+        whole = allocator.allocate(wrench, secondary)
+        return whole, allocator.force_if_whole(whole.force)
     if force_ratio == 0.0:
         return allocator.without_force(wrench), np.zeros(allocator.count)
     part = allocator.allocate(wrench / force_ratio, None if secondary is None else secondary / force_ratio)

@@ -30,7 +30,7 @@ class Characteristic:
     def command_dead_zone(self) -> tuple[float, float]:
         """(c_DZ-, c_DZ+): the commands between which the force is zero."""
         low, high = self.force_dead_zone
-        (c_reverse, F_reverse), (c_forward, F_forward) = self._sides
+        (c_reverse, F_reverse), (c_forward, F_forward) = self.sides
         return float(np.interp(low, F_reverse, c_reverse)), float(np.interp(high, F_forward, c_forward))
 
     @cached_property
@@ -47,7 +47,7 @@ class Characteristic:
         leaves of it: a thruster cannot hold the forces it jumps over.
         """
         (low, high), (c_low, c_high) = self.force_dead_zone, self.command_dead_zone
-        (c_reverse, F_reverse), (c_forward, F_forward) = self._sides
+        (c_reverse, F_reverse), (c_forward, F_forward) = self.sides
         back, ahead = F_reverse < low, F_forward > high
         return (
             _steepest(np.append(c_reverse[back], c_low), np.append(F_reverse[back], low)),
@@ -67,7 +67,7 @@ class Characteristic:
         non-zero force lie strictly outside the command dead zone, so that rounding never stops the thruster.
         """
         low, high = self.force_dead_zone
-        (c_reverse, F_reverse), (c_forward, F_forward) = self._sides
+        (c_reverse, F_reverse), (c_forward, F_forward) = self.sides
         if force > 0.0 and force >= 0.5 * high:
             at_edge = np.nextafter(self.command_dead_zone[1], np.inf)
             return float(max(np.interp(force, F_forward, c_forward), at_edge))
@@ -77,7 +77,7 @@ class Characteristic:
         return 0.0
 
     @cached_property
-    def _sides(self) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...]:
+    def sides(self) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...]:
         """(commands, forces) of the reverse and of the forward side, each with one point of zero force."""
         end = int(np.flatnonzero(self.forces >= 0.0)[0]) + 1
         start = int(np.flatnonzero(self.forces <= 0.0)[-1])

@@ -6,11 +6,8 @@ model sees them from its next step on. Copy the model first where only some simu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.plugin import layout, packing
@@ -32,33 +29,10 @@ def set_efficiency(model: mujoco.MjModel, thruster: str, efficiency: float) -> N
     """
     if not 0.0 <= efficiency <= 1.0:
         raise ModelError(thruster, f"efficiency {efficiency:g} is outside [0, 1]")
-    start = _curve(model, thruster)
+    start = curve_start(model, thruster)
     packed = packing.packed_parameters(model)
     packed[start + layout.EFFICIENCY] = efficiency
     packed[start + layout.STUCK] = np.nan
-
-
-def healthy_propeller_forces(model: mujoco.MjModel, thrusters: Sequence[str], forces: ArrayLike) -> NDArray[np.float64]:
-    """(m,) forces [N] that healthy propellers would give on the same motors.
-
-    Electrical power follows from these: what a damaged propeller loses, its motor draws all the same.
-
-    Args:
-        model: made by `load_model`.
-        thrusters: names of m actuators.
-        forces: (m,) [N] that these thrusters give.
-
-    Returns:
-        F / efficiency; F itself for a stuck thruster, 0 for a dead one.
-    """
-    F = np.array(forces, dtype=float)
-    packed = packing.packed_parameters(model)
-    for i, name in enumerate(thrusters):
-        start = _curve(model, name)
-        if np.isnan(packed[start + layout.STUCK]):
-            efficiency = packed[start + layout.EFFICIENCY]
-            F[i] = F[i] / efficiency if efficiency > 0.0 else 0.0
-    return F
 
 
 def set_stuck(model: mujoco.MjModel, thruster: str, force: float) -> None:
@@ -72,7 +46,7 @@ def set_stuck(model: mujoco.MjModel, thruster: str, force: float) -> None:
     Raises:
         ModelError: no such thruster, or a force it could never give.
     """
-    start = _curve(model, thruster)
+    start = curve_start(model, thruster)
     packed = packing.packed_parameters(model)
     n = int(packed[start + layout.POINTS])
     forces = packed[start + layout.CURVE + n : start + layout.CURVE + 2 * n]
@@ -96,10 +70,10 @@ def set_supply(model: mujoco.MjModel, thruster: str, ratio: float) -> None:
     """
     if not 0.0 <= ratio < np.inf:
         raise ModelError(thruster, f"supply ratio {ratio:g} is negative or not finite")
-    packing.packed_parameters(model)[_curve(model, thruster) + layout.SUPPLY] = ratio**2
+    packing.packed_parameters(model)[curve_start(model, thruster) + layout.SUPPLY] = ratio**2
 
 
-def _curve(model: mujoco.MjModel, thruster: str) -> int:
+def curve_start(model: mujoco.MjModel, thruster: str) -> int:
     """Start of a thruster's curve record."""
     table = int(packing.packed_parameters(model)[layout.THRUSTERS])
     starts = packing.packed_parameters(model)[table : table + model.nu]

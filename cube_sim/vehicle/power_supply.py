@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.battery import Battery
+from cube_sim.vehicle.laws.curve_table import drawn_power
+from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.thrusters import Thrusters
 
 
@@ -55,6 +57,8 @@ class PowerSupply:
         if battery is not None:
             self.charge = charge
             self._switch_to(battery.open_voltage_at(charge))
+        starts = np.array([faults.curve_start(model, name) for name in thrusters.names], dtype=np.int64)
+        self._efficiency_at, self._stuck_at = starts + layout.EFFICIENCY, starts + layout.STUCK
         self.power: NDArray[np.float64] = np.zeros(len(thrusters.names))
         self.energy = 0.0
         self._time: float | None = None
@@ -83,9 +87,13 @@ class PowerSupply:
         return emptied
 
     def _power(self, data: mujoco.MjData) -> NDArray[np.float64]:
-        """(m,) electrical power [W] of thrusters whose propellers may be damaged."""
+        """(m,) electrical power [W] of thrusters whose propellers may be damaged.
+
+        What a damaged propeller loses, its motor draws all the same. A dead motor draws nothing.
+        """
         forces = data.actuator_force[self._thrusters.actuators]
-        return self._thrusters.power(faults.healthy_propeller_forces(self._model, self._thrusters.names, forces))
+        packed = packing.packed_parameters(self._model)
+        return drawn_power(packed, self._efficiency_at, self._stuck_at, self._thrusters.power_coefficients, forces)
 
     def _discharge(self, battery: Battery, time: float) -> None:
         """Take from the charge what the cells have lost since the last update, at that update's rate."""

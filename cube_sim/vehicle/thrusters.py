@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -74,8 +75,7 @@ class Thrusters:
         """(..., m) electrical power [W] of steady forces (..., m) [N]: k_P |F|^1.5.
 
         A propeller's ideal power is thrust times induced speed, and that speed goes with the root of the thrust.
-        Of healthy propellers: a damaged one draws what a healthy one would, for less thrust
-        (`cube_sim.vehicle.faults.healthy_propeller_forces`).
+        Of healthy propellers: a damaged one draws what a healthy one would, for less thrust (`PowerSupply`).
         """
         F = np.asarray(force, dtype=float)
         k = np.where(F < 0.0, self.power_coefficients[:, 0], self.power_coefficients[:, 1])
@@ -87,13 +87,28 @@ class Thrusters:
 
     def command(self, force: ArrayLike) -> NDArray[np.float64]:
         """(m,) commands whose steady forces are `force` (m,) [N]: the inverse characteristics."""
-        F = np.asarray(force, dtype=float)
-        return np.array([c.command(f) for c, f in zip(self.characteristics, F.tolist(), strict=True)])
+        from cube_sim.vehicle.laws.curve_table import commands_of_forces  # only here: it loads the compiler
+
+        return commands_of_forces(*self._curve_table, self._one_each("force", force))
 
     def force(self, command: ArrayLike) -> NDArray[np.float64]:
         """(m,) steady forces [N] of `command` (m,)."""
-        c = np.asarray(command, dtype=float)
-        return np.array([float(k.force(x)) for k, x in zip(self.characteristics, c, strict=True)])
+        from cube_sim.vehicle.laws.curve_table import steady_forces  # only here: it loads the compiler
+
+        return steady_forces(*self._curve_table, self._one_each("command", command))
+
+    @cached_property
+    def _curve_table(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        from cube_sim.vehicle.laws.curve_table import curve_table  # only here: it loads the compiler
+
+        return curve_table(self.characteristics)
+
+    def _one_each(self, name: str, values: ArrayLike) -> NDArray[np.float64]:
+        """Numbers (m,), one for each thruster."""
+        numbers = np.ascontiguousarray(values, dtype=np.float64)
+        if numbers.shape != (len(self.names),):
+            raise ValueError(f"{name} has shape {numbers.shape}; the vehicle has {len(self.names)} thrusters")
+        return numbers
 
     def pwm(self, force: ArrayLike) -> NDArray[np.float64]:
         """(m,) pulse widths [us] whose steady forces are `force` (m,) [N].

@@ -7,7 +7,8 @@ import pytest
 from support.plain_callbacks import plain
 from support.vehicles import random_hull, random_rotation
 
-from cube_sim.control import balancing, current, disturbance, following
+from cube_sim.control import along_path, balancing, current, disturbance, following
+from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.authority import CAPABILITY
 from cube_sim.control.loops import LOOPS
 from cube_sim.spatial import quaternion_from_rotation
@@ -102,7 +103,7 @@ def test_the_balanced_attitude(rng, hull, room, level, started):
         told = hull, parameters, *of_facets, memory, answer, R
         return *told, flow, force, torque, wish, wish_rates, 0.02, 0.9
 
-    same("balance", balancing.balance, arguments, [memory, np.zeros(1, balancing.DESIRED)])
+    same("balance", balancing.balance, arguments, [memory, np.zeros(1, DESIRED)])
 
 
 @pytest.mark.parametrize("started", [False, True])
@@ -120,3 +121,14 @@ def test_the_observers(rng, hull, started):
         return hull, 2.0, 0.01, estimate, R, v, w, residual
 
     same("current", current.observe_current, of_current, [rng.normal(size=3)])
+
+
+@pytest.mark.parametrize("started", [False, True])
+def test_the_nose_along_the_path(rng, started):
+    memory, frame = filled(rng, along_path.MEMORY), random_rotation(rng)
+    memory["started"] = started
+
+    def arguments(memory, answer):
+        return 2.0, memory, answer, frame, 0.4, 0.3, -0.2, 0.02
+
+    same("nose_along", along_path.nose_along, arguments, [memory, np.zeros(1, DESIRED)])
