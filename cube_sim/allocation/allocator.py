@@ -64,7 +64,8 @@ class Allocator:
     Minimises ``sum w (f - f_opt)^2`` subject to ``A f = F`` with every f_i in
     ``[F_max-, F_DZ-] u [F_DZ+, F_max+]``, and ``u {0}`` where thrusters may rest: the global optimum over the union
     of 2^m or 3^m boxes (report section 4.3). A wrench no allowed forces can make is answered by the closest one
-    they can, in the norm ``|W (A f - F)|``, exactly over the union as well, and then by the least cost; or, with
+    they can, in the norm ``|W (A f - F)|``, exactly over the union as well, and then by the least cost, whereby what
+    the rounding of A's entries hides (`MATRIX_ROUNDING` of the largest limit) counts as equally close; or, with
     ``unattainable="scaled"``, by the largest attainable ``scale F`` with 0 < scale < 1. What no forces of any size
     can make is left out of F first. With dead zones the attainable scales have gaps; where none is left but 0, the
     closest wrench is the answer after all.

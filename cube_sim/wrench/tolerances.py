@@ -56,6 +56,13 @@ NO_SLOPE = 1e-300
 FORCE_ROUNDING = 1e-10
 """Least force that may count as rounding, part of the largest limit: thousands of operations lie before it."""
 
+MATRIX_ROUNDING = 1e-6
+"""Force that the rounding of A's entries hides, part of the largest limit.
+
+Matrices are published to seven digits: half a unit of the last one, in some entries of a handful of thrusters whose
+levers may be a fifth of a metre.
+"""
+
 LARGEST = 1e30
 """Largest number an analysis or an allocator is built from: beyond it, squares of products leave double precision."""
 

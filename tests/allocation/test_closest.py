@@ -144,8 +144,10 @@ def test_more_equally_close_wrenches_than_are_kept_are_no_proof(monkeypatch):
     )
     for kept, proven in ((64, True), (63, False)):
         monkeypatch.setattr(closest_wrench, "CANDIDATES", kept)
-        forces, sure, _ = closest_wrench.closest_wrenches.py_func(np.zeros(6), metric, intervals, bounds, 1e-8)
-        assert (len(forces), sure) == (kept, proven)
+        forces, closest, sure, _ = closest_wrench.closest_wrenches.py_func(
+            np.zeros(6), metric, intervals, bounds, 1e-8, 1e-8
+        )
+        assert (len(forces), closest, sure) == (kept, kept, proven)
 
 
 def test_what_can_be_made_is_made_to_rounding_beside_what_cannot():

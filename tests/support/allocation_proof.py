@@ -8,12 +8,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cube_sim.allocation import Allocator, Status
+from cube_sim.allocation.exact.stages import WORTHWHILE
 from support.allocation_reference import in_allowed_set
-from support.closest_reference import LESS, MORE, USUAL, ClosestOfEverySubset, closest_subsets
+from support.closest_reference import LESS, MORE, USUAL, ClosestOfEverySubset, Rounding, closest_subsets
 from support.every_subset import EverySubset
 from support.layouts import bluerov2_heavy, cube, jack
 
 BUILT = cube(direction_noise=0.05, position_noise_m=0.01, seed=4)
+PUSH_HIDDEN = 1e-5
+"""Push, part of the largest, that moves a wrench by what the rounding of A hides with a change of less than a limit."""
+
 REACTIVITY = np.array([-32.0, 44.0])
 
 
@@ -30,6 +34,7 @@ class Tally:
         closest: unattainable ones compared with bounded least squares on every subset: the distance, the wrench and
             the least cost.
         several: of them those with several forces as close as any.
+        as_close: of them those farther than the closest by what the rounding of A hides, for a lower cost.
         borderline: of a reference that differs, those between the optima of slightly wider and narrower intervals.
         borderline_closest: the same among the least costs of closest wrenches.
         unconfirmed: answers ProxQP did not confirm within its own accuracy.
@@ -43,6 +48,7 @@ class Tally:
     solved: int = 0
     closest: int = 0
     several: int = 0
+    as_close: int = 0
     borderline: int = 0
     borderline_closest: int = 0
     unconfirmed: int = 0
@@ -128,8 +134,21 @@ def compare_closest(reference, wrench, answer, targets, price, tally, where):
     made, least = reference.M @ answer.force, found.distance.min()
     distance = np.linalg.norm(made - reference.inside @ wrench)
     tally.closest += 1
+
+    def cost(rounding):
+        return min(reference.cheapest(found, target, price, rounding)[0] for target in targets)
+
+    if 1e-6 + 1e-9 * least < distance - least <= reference.farthest:
+        wide = Rounding(2.001 * reference.hidden_N, reference.farthest / (1.0 + least), PUSH_HIDDEN)
+        tally.as_close += 1
+        if not cost(wide) * (1.0 - 1e-5) <= answer.cost <= (1.0 - WORTHWHILE) * cost(LESS) + 1e-6:
+            tally.disagreements.append(f"{where}: farther by {distance - least!r} at {answer.cost!r}")
+        return
     if abs(distance - least) > 1e-6 + 1e-9 * least:
         tally.disagreements.append(f"{where}: distance {distance!r} against {least!r}")
+    tied = cost(Rounding(LESS.force, 0.5 * reference.tie / (1.0 + least), LESS.push))
+    if answer.cost > tied / (1.0 - WORTHWHILE) + 1e-6:
+        tally.disagreements.append(f"{where}: closest at {answer.cost!r}, as close at {tied!r}")
     wrenches = found.force[closest_subsets(found, MORE.equal)] @ reference.M.T
     if np.abs(wrenches - made).max(axis=1).min() > 1e-3:
         tally.disagreements.append(f"{where}: not the closest wrench")
@@ -137,10 +156,7 @@ def compare_closest(reference, wrench, answer, targets, price, tally, where):
     tally.several += any(several)
     if same(answer.cost, min(costs)):
         return
-    loose, tight = (
-        min(reference.cheapest(found, target, price, rounding)[0] for target in targets) for rounding in (MORE, LESS)
-    )
-    if between(answer.cost, loose, tight):
+    if between(answer.cost, cost(MORE), cost(LESS)):
         tally.borderline_closest += 1
     else:
         tally.disagreements.append(f"{where}: closest at {answer.cost!r} against {min(costs)!r}")

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from cube_sim.wrench.tolerances import MATRIX_ROUNDING
 from support.every_subset import EverySubset, kernel_of, least_move
 
 
@@ -56,6 +57,12 @@ class ClosestOfEverySubset:
     """Bounded least squares on every subset of a vehicle.
 
     What no forces of any size can make is left out: ``M f`` is the weighted wrench in coordinates of range(W A).
+
+    Attributes:
+        M: (r, m).
+        hidden_N: force that the rounding of A's entries hides.
+        tie: distance that it makes with the thruster that makes least of it.
+        farthest: most that an answer may be farther than the closest wrench, for forces that are cheaper.
     """
 
     def __init__(self, every: EverySubset, wrench_weights):
@@ -68,9 +75,13 @@ class ClosestOfEverySubset:
         self.normals = normals / lengths[:, None]
         self.least, self.most = every.least / lengths, every.most / lengths
         self.kernels = {}
+        gains = np.abs(self.M).max(axis=0)
+        self.hidden_N = MATRIX_ROUNDING * np.abs(every.limits).max()
+        self.tie = self.hidden_N * gains[gains > 0.0].min()
+        self.farthest = self.tie + 2.001 * self.hidden_N * np.linalg.norm(self.M, axis=0).sum()
 
     def find(self, wrench) -> Closest:
-        """Bounded least squares on every subset that may hold a wrench as close as any."""
+        """Bounded least squares on every subset that may hold a wrench as close as any, but for the rounding of A."""
         low, high = self.every.low, self.every.high
         goal = self.inside @ wrench
         size = np.linalg.norm(self.M, axis=0)
@@ -78,7 +89,9 @@ class ClosestOfEverySubset:
         value = self.normals @ goal
         bound = np.maximum(self.least - value, value - self.most).max(axis=1)
         distance, force, push = np.full(len(low), np.inf), np.zeros(low.shape), np.zeros(low.shape)
-        solve_each(self.M, goal, low, high, bound, np.argsort(bound), MORE.equal, noise, distance, force, push)
+        solve_each(
+            self.M, goal, low, high, bound, np.argsort(bound), MORE.equal, self.farthest, noise, distance, force, push
+        )
         assert not np.any(np.isnan(distance)), "no end to the thrusters that are freed"
         solved = np.isfinite(distance)
         low, high, f, g = low[solved], high[solved], force[solved], push[solved]
@@ -135,11 +148,11 @@ def closest_subsets(closest: Closest, equal):
 
 
 @numba.njit(cache=True)
-def solve_each(M, goal, low, high, bound, order, slack, noise, distance, force, push):
+def solve_each(M, goal, low, high, bound, order, slack, farthest, noise, distance, force, push):
     """Bounded least squares on subset after subset, until the bounds (s,) say that those left are farther."""
     best = np.inf
     for s in order:
-        if bound[s] > best + slack * (1.0 + best):
+        if bound[s] > best + max(slack * (1.0 + best), farthest):
             break
         distance[s] = bounded_least_squares(M, goal, low[s], high[s], noise, force[s], push[s])
         best = min(best, distance[s])

@@ -185,15 +185,46 @@ def furthest_off(f: NDArray[np.float64], mask: NDArray[np.int64], intervals: Sid
 
 
 @inlined
-def made_before(images: NDArray[np.float64], found: int, made: NDArray[np.float64], rounding: float) -> bool:
-    """Whether a wrench (r,) is one of those found so far."""
+def made_before(
+    images: NDArray[np.float64],
+    distances: NDArray[np.float64],
+    found: int,
+    made: NDArray[np.float64],
+    distance: float,
+    rounding: float,
+) -> bool:
+    """Whether a wrench (r,) is one of those found so far, and no closer than it was then."""
     repeated = False
     for c in range(found):
         gap = 0.0
         for a in range(made.shape[0]):
             gap = max(gap, abs(images[c, a] - made[a]))
-        repeated = repeated or gap <= rounding
+        repeated = repeated or (gap <= rounding and distance >= distances[c])
     return repeated
+
+
+@inlined
+def closest_first(
+    forces: NDArray[np.float64], bounds: NDArray[np.float64], closest: float, most: float
+) -> tuple[NDArray[np.float64], int]:
+    """Rows of forces (c, m) up to a largest distance, in their order but the closest first, and how many these are.
+
+    Args:
+        forces: what makes each wrench.
+        bounds: (c, ...) lower bound of its distance.
+        closest: largest bound of the closest.
+        most: largest bound of all.
+    """
+    ordered, rows, count = np.empty_like(forces), 0, 0
+    for last in (False, True):
+        for c in range(forces.shape[0]):
+            if bounds[c] <= most and (bounds[c] > closest) == last:
+                for i in range(forces.shape[1]):
+                    ordered[rows, i] = forces[c, i]
+                rows += 1
+        if not last:
+            count = rows
+    return ordered[:rows], count
 
 
 @compiled
@@ -203,7 +234,8 @@ def closest_wrenches(
     intervals: SideIntervals,
     bounds: NDArray[np.float64],
     tolerance: float,
-) -> tuple[NDArray[np.float64], bool, int]:
+    hidden: float,
+) -> tuple[NDArray[np.float64], int, bool, int]:
     """Minimise ``|G @ f - goal|`` over forces on allowed sides, exactly over the union of all subsets.
 
     Branch and bound as in `branch_and_bound`, on another distance. In the coordinates (s, z) of `WrenchMetric` a node
@@ -227,15 +259,20 @@ def closest_wrenches(
     lies on allowed sides                       keep the wrench; forget the others if it is closer than they are
     ==========================================  ================================================================
 
+    What is above the best, and what is closer, is so by more than the wrench that the rounding of A hides: by the
+    matrix that was meant, what is kept beside the closest may be as close.
+
     Args:
         goal: (r,) demanded wrench in the coordinates s, no farther than a few times the largest wrench.
         metric: its coordinates and norm.
         intervals: open to the thrusters; of ``relaxed`` only the interval ends are used.
         bounds: (m, 2) forces each thruster may have in a closest answer [N].
         tolerance: force that counts as rounding [N].
+        hidden: force that the rounding of A's entries hides [N].
 
     Returns:
-        (c, m) forces making the equally closest, distinct wrenches; whether these are proven to be all; nodes solved.
+        (c, m) forces making distinct wrenches, first the equally closest, then those as close but for A's rounding; how
+        many are the closest; whether these are proven to be all; nodes solved.
     """
     G_pinv, null_space, G = metric.G_pinv, metric.null_space, metric.G
     m, k = null_space.shape
@@ -246,11 +283,15 @@ def closest_wrenches(
     start, point = np.empty(d), np.empty(d)
     made, g = np.empty(r), np.empty(r)
     forces, images = np.empty((_FIRST_ROWS, m)), np.empty((_FIRST_ROWS, r))
-    size, fine = 0.0, FINE * tolerance
-    for a in range(r):
-        for i in range(m):
-            size = max(size, abs(G[a, i]))
+    distances, bounds_found = np.empty(_FIRST_ROWS), np.empty(_FIRST_ROWS)
+    size, least, fine = 0.0, math.inf, FINE * tolerance
+    for i in range(m):
+        gain = 0.0
+        for a in range(r):
+            gain = max(gain, abs(G[a, i]))
+        size, least = max(size, gain), min(least, gain) if gain > 0.0 else least
     near = size * fine  # wrench distance that counts as rounding
+    wide = max(min(least, size) * hidden, near)  # and as A's: what is hidden of the force that makes least
     rows = np.empty((m, d))
     for i in range(m):
         for a in range(r):
@@ -265,7 +306,7 @@ def closest_wrenches(
             proven = False
             break
         depth -= 1
-        if lower_bounds[depth] > best + near:
+        if lower_bounds[depth] > best + wide:
             continue
         if not open_node(stack[depth], intervals.relaxed, bounds, mask, bottom, top):
             continue
@@ -274,7 +315,7 @@ def closest_wrenches(
             G,
             null_space,
             lower_bounds[depth],
-            best,
+            best + wide,
             near,
             size,
             fine,
@@ -289,31 +330,35 @@ def closest_wrenches(
             g,
         )
         solved += looked
-        if lower > best + near:
+        if lower > best + wide:
             continue
+        closest = lower <= best + near
         if distance - lower > DOUBT * near + 1e-9 * distance:
-            proven = False
+            proven = proven and not closest
             if distance == math.inf:
                 continue
-        if made_before(images, found, made, 1e6 * near) and distance >= best - near:
+        if made_before(images, distances, found, made, distance + near + 1e-12 * distance, 1e6 * near):
             continue
         chosen = furthest_off(f, mask, intervals, tolerance)  # half of what the search for the forces accepts
         if chosen >= 0:
             first, second = split(f[chosen], chosen, mask[chosen], intervals)
             depth = branch(stack, lower_bounds, depth, mask, chosen, (second, first), lower)
             continue
-        if distance < best - near:
+        if distance < best - wide:
             found = 0
         best = min(best, distance)
         if found == CANDIDATES:
-            proven = False
+            proven = proven and not closest
             continue
         if found == forces.shape[0]:
             forces = np.concatenate((forces, np.empty((found, m))))
             images = np.concatenate((images, np.empty((found, r))))
+            distances = np.concatenate((distances, np.empty(found)))
+            bounds_found = np.concatenate((bounds_found, np.empty(found)))
+        distances[found], bounds_found[found] = distance, lower
         for i in range(m):
             forces[found, i] = f[i]
         for a in range(r):
             images[found, a] = made[a]
         found += 1
-    return forces[:found], proven, solved
+    return *closest_first(forces[:found], bounds_found, best + near, best + wide), proven, solved

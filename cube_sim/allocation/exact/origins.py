@@ -132,8 +132,9 @@ def nearest_origins(
     solutions: ForceSolutions,
     largest_wrench: float,
     limits: StepLimits,
+    hidden: float,
     demand: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], int, bool]:
+) -> tuple[NDArray[np.float64], int, int, bool]:
     """Forces making the wrenches closest to a demand.
 
     Args:
@@ -142,11 +143,13 @@ def nearest_origins(
         solutions: of the vehicle.
         largest_wrench: see `AllocationProblem`.
         limits: sides of this call.
+        hidden: see `AllocationProblem`.
         demand: (n,) finite.
 
     Returns:
-        (c, m) forces, one row per distinct equally close wrench. When every projection stalled: the one row of the
-        pseudo-inverse, to be moved to allowed sides. Then nodes looked at, and whether the answer is proven.
+        (c, m) forces, one row per distinct wrench, first the equally closest, then those as close but for A's rounding.
+        When every projection stalled: the one row of the pseudo-inverse, to be moved to allowed sides. Then how many
+        are the closest, nodes looked at, and whether the answer is proven.
     """
     n, m = A.shape
     wanted, bounds, descent, fixed = np.empty(n), np.empty((m, 2)), np.empty(m), np.empty(m, np.bool_)
@@ -154,13 +157,13 @@ def nearest_origins(
     intervals, goal = intervals_of(limits, 0), metric_coordinates(metric, wanted, 1.0)
     if fix_thrusters(A, metric, intervals, wanted, bounds, descent, fixed) > 0:
         reduce_goal(metric.G, bounds, descent, fixed, goal)
-    candidates, proven, nodes = closest_wrenches(goal, metric, intervals, bounds, limits.tolerance)
+    candidates, count, proven, nodes = closest_wrenches(goal, metric, intervals, bounds, limits.tolerance, hidden)
     if candidates.shape[0] == 0:
-        candidates, proven = np.zeros((1, m)), False
+        candidates, count, proven = np.zeros((1, m)), 1, False
         for i in range(m):
             for a in range(n):
                 candidates[0, i] += solutions.particular[i, a] * wanted[a]
-    return candidates, nodes, proven and straight
+    return candidates, count, nodes, proven and straight
 
 
 @compiled

@@ -29,7 +29,7 @@ def pack(problem: AllocationProblem, closest: ClosestWrenchData, previous: NDArr
     """
     p, solutions, metric = problem, problem.solutions, closest.metric
     n, m = p.A.shape
-    numbers = p.reversal_penalty, p.switching_penalty, p.change_limit, p.tolerance, p.largest_wrench
+    numbers = p.reversal_penalty, p.switching_penalty, p.change_limit, p.tolerance, p.hidden, p.largest_wrench
     rows = p.error_scale, p.weights, p.masks.view(np.float64)
     matrices = p.A, solutions.particular, solutions.null_space, solutions.equations, solutions.outside_range, p.plane
     sides = p.low, p.high, p.penalty, p.edge, p.targets, p.relaxed
@@ -47,8 +47,8 @@ def unpack(packed: NDArray[np.float64]) -> AllocationProblem:
     """The problem, its arrays as views of the packed numbers."""
     header, real = cut(packed, 0, (HEADER,), np.int64), np.float64
     n, m, k, rank, alternatives = header[0], header[1], header[2], header[3], header[4]
-    numbers = cut(packed, HEADER, (5,), real)
-    error_scale = HEADER + 5
+    numbers = cut(packed, HEADER, (6,), real)
+    error_scale = HEADER + 6
     weights = error_scale + n
     masks = weights + m
     A = masks + m
@@ -86,6 +86,7 @@ def unpack(packed: NDArray[np.float64]) -> AllocationProblem:
         numbers[2],
         numbers[3],
         numbers[4],
+        numbers[5],
     )
 
 

@@ -12,6 +12,7 @@ from cube_sim.allocation.exact.relaxation import relax
 from cube_sim.allocation.exact.solutions import ForceSolutions, WrenchMetric
 from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.facets import facet_normals
+from cube_sim.wrench.tolerances import MATRIX_ROUNDING
 
 
 class AllocationProblem(NamedTuple):
@@ -37,6 +38,7 @@ class AllocationProblem(NamedTuple):
         change_limit: most a thruster's force may change in one call [N]. The dead zone is not counted. Infinite for
             no limit.
         tolerance: force that counts as rounding [N].
+        hidden: force that the rounding of A's entries hides [N], `tolerance` at least.
         largest_wrench: largest force or torque the vehicle can make along one axis [N], [N m].
     """
 
@@ -58,6 +60,7 @@ class AllocationProblem(NamedTuple):
     switching_penalty: float
     change_limit: float
     tolerance: float
+    hidden: float
     largest_wrench: float
 
 
@@ -135,6 +138,7 @@ def make_problem(
         switching_penalty=switching_penalty,
         change_limit=change_limit,
         tolerance=tolerance,
+        hidden=max(tolerance, MATRIX_ROUNDING * float(np.max(strongest))),
         largest_wrench=float(np.max(np.abs(A) @ strongest)),
     )
 

@@ -21,12 +21,13 @@ from cube_sim.allocation.exact.stages import (
     EXACTLY,
     NEAREST,
     STAGES,
+    WORTHWHILE,
     Demand,
     final_status,
     origins_of_stage,
     read_demand,
 )
-from cube_sim.allocation.exact.step import step_limits, store_answer
+from cube_sim.allocation.exact.step import step_limits, store_answer, widened
 from cube_sim.allocation.exact.ties import count_changes, preferred
 from cube_sim.native.compiled import borrowed, compiled, cut
 
@@ -108,7 +109,8 @@ def solve_each(
 
     Each stage (see `stages`) names wrenches by one row of forces each, and the cheapest allowed forces that make one of
     them are the answer. In the last stage there always is one: where a rounding leaves no allowed forces that make a
-    wrench, the row is moved to the nearest allowed ones.
+    wrench, the row is moved to the nearest allowed ones. Then all rows are tried once more for what only the rounding
+    of A makes dearer.
 
     Args:
         packed: see `pack`; the previous answer in it is changed.
@@ -151,15 +153,21 @@ def solve_each(
                 )
             nodes += looked
             proven = proven and sure
-            for c in range(count):
+            within, most = limits, math.inf
+            for c in range(count if stage == EXACTLY else count + origins.shape[0]):
+                again = c >= count
+                if c == count:
+                    if not found:
+                        break
+                    within, most = widened(limits, problem.hidden), (1.0 - WORTHWHILE) * best
                 there, cost, alternative, looked, sure = minimum_cost_forces(
-                    problem.solutions, problem.plane, problem.planar, limits, previous.subset, origins[c], workspace,
-                    scratch, trial, chosen, mu,
+                    problem.solutions, problem.plane, problem.planar, within, previous.subset,
+                    origins[c - count if again else c], workspace, scratch, trial, chosen, mu,
                 )  # fmt: skip
                 nodes += looked
-                proven = proven and sure
-                if not there:
-                    if stage != NEAREST:
+                proven = proven and (sure or again)
+                if not there or cost > most:
+                    if stage != NEAREST or again:
                         continue
                     cost, alternative = nearest_allowed(limits, origins[c], trial, chosen)
                     for i in range(m):

@@ -11,6 +11,12 @@ NEAREST   always                              the wrench closest to the part mad
                                               or to the demand                               above
 ========  ==================================  =============================================  ===================
 
+What SHARE and NEAREST make lies at the border of what is attainable, where the rounding of A's entries decides much. By
+the matrix that was meant, a whole line of forces may make the same wrench, or several wrenches may be as close. By one
+published to seven digits, one of these is closer by 1e-5 N, and all forces but one need a thruster 1e-6 N beyond its
+limit: nothing, for which up to eighty times the cost was paid. So both stages look once more, within what the rounding
+hides (`MATRIX_ROUNDING`), for forces that save more than that gives away (`WORTHWHILE`).
+
 A share lies at the border of what is attainable. Rounding may leave too little for the forces of the second stage; the
 third then makes the closest wrench to that share, with the status of the second.
 """
@@ -30,6 +36,9 @@ from cube_sim.native.compiled import inlined
 
 EXACT, CLOSEST, INVALID_WRENCH, UNPROVEN, UNPROVEN_CLOSEST, SCALED, YIELDED = 0, 1, 2, 5, 6, 7, 8
 """The numbers of `Status`."""
+
+WORTHWHILE = 1e-3
+"""Share of the cost that must be saved to miss a wrench by the rounding of A: to widen limits saves a little always."""
 
 STAGES = 3
 EXACTLY, SHARE, NEAREST = 0, 1, 2
@@ -104,14 +113,14 @@ def origins_of_stage(
         origin: (1, m) to write one row of forces to [N].
 
     Returns:
-        (c, m) forces [N], how many of the rows count, the status, nodes looked at, whether the stage is proven.
+        (c, m) forces [N]; how many of the rows, the first, make what the stage is after; the status; nodes looked at;
+        whether the stage is proven. Rows of NEAREST beyond those make wrenches as close but for the rounding of A.
     """
     origins, count, looked, proven = origin, 0, 0, True
     if stage == NEAREST:
-        origins, looked, proven = nearest_origins(
-            problem.A, closest.metric, problem.solutions, problem.largest_wrench, limits, demand.part
+        origins, count, looked, proven = nearest_origins(
+            problem.A, closest.metric, problem.solutions, problem.largest_wrench, limits, problem.hidden, demand.part
         )
-        count = origins.shape[0]
     else:
         status = CLOSEST
         if valid and (two_parts or problem.scaled):

@@ -126,6 +126,14 @@ def step_limits(problem: AllocationProblem, previous: PreviousAnswer) -> StepLim
     return StepLimits(low, high, masks, relaxed, problem.weights, problem.targets, penalty, problem.tolerance)
 
 
+@inlined
+def widened(limits: StepLimits, tolerance: float) -> StepLimits:
+    """The same with a larger force that counts as rounding [N]."""
+    return StepLimits(
+        limits.low, limits.high, limits.masks, limits.relaxed, limits.weights, limits.targets, limits.penalty, tolerance
+    )
+
+
 @compiled
 def store_answer(
     edge: NDArray[np.float64], previous: PreviousAnswer, force: NDArray[np.float64], subset: NDArray[np.float64]

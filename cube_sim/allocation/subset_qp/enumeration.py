@@ -18,6 +18,7 @@ from cube_sim.allocation.exact.stages import (
     EXACTLY,
     NEAREST,
     STAGES,
+    WORTHWHILE,
     Demand,
     final_status,
     origins_of_stage,
@@ -93,6 +94,8 @@ class Enumeration:
                     answer = self._nearest(limits, there)
                 if answer is not None:
                     answers.append(answer)
+            if answers and stage != EXACTLY:
+                solved += self._add_cheaper_within_rounding(answers, limits, origins)
             if answers:
                 break
         cost, force, subset, alternative = min(answers, key=lambda answer: round(answer[0] / problem.tolerance))
@@ -103,26 +106,39 @@ class Enumeration:
         store_answer(problem.edge, before, answer.force, answer.subset)
         return solved
 
-    def _minimum_cost(self, limits: StepLimits, origin: NDArray[np.float64]):
-        """(cost, force, subset, alternative) of the best subset, None when none is live, and the ProxQPs it took."""
+    def _add_cheaper_within_rounding(self, answers: list, limits: StepLimits, origins: NDArray[np.float64]) -> int:
+        """Add what only the rounding of A makes dearer, where it saves enough; return the ProxQPs it took."""
+        most, solved = (1.0 - WORTHWHILE) * min(answer[0] for answer in answers), 0
+        for there in origins:
+            answer, more = self._minimum_cost(limits, there, 2.0 * self._problem.hidden)  # twice, as the searches do
+            solved += more
+            if answer is not None and answer[0] <= most:
+                answers.append(answer)
+        return solved
+
+    def _minimum_cost(self, limits: StepLimits, origin: NDArray[np.float64], beyond: float = 0.0):
+        """(cost, force, subset, alternative) of the best subset, None when none is live, and the ProxQPs it took.
+
+        Forces may lie as much as ``beyond`` [N] off their intervals, and count as the ends of these.
+        """
         problem = self._problem
         thrusters = np.arange(len(origin))
         best, winner, solved = np.inf, None, 0
         for alternative, target in enumerate(problem.targets):
             subsets = every_subset(limits.low, limits.high)
             equations, weights = problem.solutions.equations, problem.weights
-            problems = [
-                subset_qp(subset, origin, equations, limits.low, limits.high, target, weights) for subset in subsets
-            ]
+            low, high = limits.low - beyond, limits.high + beyond
+            problems = [subset_qp(subset, origin, equations, low, high, target, weights) for subset in subsets]
             solved += len(problems)
             solutions = solve_in_parallel(problems) if self._parallel else map(self._solver.solve, problems)
             for subset, qp, solution in zip(subsets, problems, solutions, strict=True):
                 if not solution.trusted:
                     continue
-                penalty = limits.penalty[thrusters, subset + 1].sum()
-                cost = float(weights @ (solution.force - qp.target) ** 2 + penalty)
+                at = thrusters, subset + 1
+                force = np.clip(solution.force, limits.low[at], limits.high[at])
+                cost = float(weights @ (force - qp.target) ** 2 + limits.penalty[at].sum())
                 if cost < best - 1e-9 * abs(best if winner else 0.0):
-                    best, winner = cost, (cost, solution.force, subset, alternative)
+                    best, winner = cost, (cost, force, subset, alternative)
         return winner, solved
 
     def _nearest(self, limits: StepLimits, origin: NDArray[np.float64]):
