@@ -10,14 +10,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from cube_sim.flight import Flight, Observation, Snapshot
     from cube_sim.simulation import Run, run
     from cube_sim.vehicle.loading import load_model
     from cube_sim.vehicle.plugin.hook import install
     from cube_sim.vehicle.vehicle import Vehicle
 
-__all__ = ["Run", "Vehicle", "install", "load_model", "run"]
+__all__ = ["Flight", "Observation", "Run", "Snapshot", "Vehicle", "install", "load_model", "run"]
 
 _HOME = {
+    "Flight": "cube_sim.flight",
+    "Observation": "cube_sim.flight",
+    "Snapshot": "cube_sim.flight",
     "Run": "cube_sim.simulation",
     "Vehicle": "cube_sim.vehicle.vehicle",
     "install": "cube_sim.vehicle.plugin.hook",

@@ -37,6 +37,10 @@ class ScenarioError(CubeSimError):
         super().__init__("\n".join(mistakes))
 
 
+class FlightError(CubeSimError):
+    """A flight was stepped, reset or restored with something that makes no sense."""
+
+
 class PathError(CubeSimError):
     """A path's description makes no path: points that coincide, corners that do not fit.
 

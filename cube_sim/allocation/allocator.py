@@ -184,11 +184,20 @@ class Allocator:
         same += "switching_penalty", "method", "length_m", "tolerance_N"
         options = {name: getattr(self, name) for name in same} | self._preferred
         options["change_limit"] = None if self.change_limit == inf else self.change_limit
-        return partial(Allocator, **options), (self.A, self.limits), (self._previous.copy(), replace(self.effort))
+        return partial(Allocator, **options), (self.A, self.limits), self.memory()
 
     def __setstate__(self, state: tuple[NDArray[np.float64], Effort]) -> None:
         """Go on from a copy's previous answer (5, m) and effort."""
-        self._previous[:], self.effort = state
+        self.recall(state)
+
+    def memory(self) -> tuple[NDArray[np.float64], Effort]:
+        """The previous answer (5, m) and the effort so far, for `recall`."""
+        return self._previous.copy(), replace(self.effort)
+
+    def recall(self, memory: tuple[NDArray[np.float64], Effort]) -> None:
+        """Go on from a memory of this allocator's, or of one of the same arguments."""
+        self._previous[:], effort = memory
+        self.effort = replace(effort)
 
     def _pack(self) -> None:
         """Prepare what answers demands; the previous answer lies in it."""

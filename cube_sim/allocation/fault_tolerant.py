@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +24,20 @@ Build = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int_]], W
 
 LEAST_EFFICIENCY = 1e-6
 """Share of its force below which a thruster counts as dead: it would be told a million times what it makes."""
+
+
+class AllocationMemory(NamedTuple):
+    """What an allocation goes on from.
+
+    Attributes:
+        health: of the thrusters.
+        previous: forces of the answer before.
+        inner: what the allocator for the responsive thrusters remembers beside it; None for nothing.
+    """
+
+    health: Health
+    previous: PreviousForces
+    inner: Any
 
 
 class FaultTolerant:
@@ -97,6 +112,48 @@ class FaultTolerant:
         self._previous = PreviousForces.at_rest(self.count)
         if self._allocator is not None:
             self._allocator.reset()
+
+    def memory(self) -> AllocationMemory:
+        """What `recall` needs to go on from here."""
+        remember = getattr(self._allocator, "memory", None)
+        return AllocationMemory(self.health, self._previous, None if remember is None else remember())
+
+    def recall(self, memory: AllocationMemory) -> None:
+        """Go on from a memory of this allocation, or of one for the same thrusters."""
+        if not memory.health.equals(self.health):
+            self.set_health(memory.health)
+        self._previous = memory.previous
+        if self._allocator is None:
+            return
+        recall = getattr(self._allocator, "recall", None)
+        if recall is not None:
+            recall(memory.inner)
+            return
+        self._allocator.reset()
+        self._allocator.resume(memory.previous.of(self._responsive))
+
+    def made_by(self, force: ArrayLike) -> Allocation:
+        """The answer when thrusters are asked for forces from outside; it is remembered.
+
+        Args:
+            force: (m,) that they would make if they were whole [N].
+        """
+        asked = self._checked_forces(force)
+        made = np.where(self.health.responsive, asked * self.health.efficiency, self._held)
+        subset = np.sign(made).astype(np.int8)
+        self._previous = self._previous.followed_by(made, subset)
+        if self._allocator is not None:
+            self._allocator.resume(self._previous.of(self._responsive))
+        wrench = self.A @ made
+        cost = float(made[self._responsive] @ made[self._responsive])
+        return Allocation(made, wrench, np.zeros_like(wrench), 0.0, cost, subset, Status.EXACT)
+
+    def _checked_forces(self, force: ArrayLike) -> NDArray[np.float64]:
+        """Forces (m,)."""
+        checked = numbers("the forces", force, "vector")
+        if checked.shape != (self.count,):
+            raise AllocationError(f"the forces have shape {checked.shape}; the vehicle has {self.count} thrusters")
+        return checked
 
     @property
     def count(self) -> int:

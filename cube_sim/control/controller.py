@@ -57,6 +57,10 @@ class Controller(Protocol):
         """
         ...
 
+    def view(self, state: State) -> TargetView:
+        """The vehicle as seen from its target now; nothing moves on."""
+        ...
+
     def reconfigure(self, left: Capability) -> None:
         """Go on with other thrusters, which can do what is left."""
         ...

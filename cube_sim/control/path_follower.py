@@ -95,9 +95,13 @@ class PathFollower:
             if isinstance(self.approach, Approach):
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
 
+    def view(self, state: State) -> TargetView:
+        """See `Controller.view`."""
+        return self.target.view(state.position, state.rotation @ state.velocity)
+
     def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """See `Controller.decide`."""
-        view = self.target.view(state.position, state.rotation @ state.velocity)
+        view = self.view(state)
         goal = self._safe_mode_goal(state, view, dt)
         motion = self._approach.motion(view) if goal is None else goal.motion(state.position)
         disturbance, current = self._unknowns(state, applied, dt)

@@ -37,6 +37,15 @@ class FaultFinding:
         self._telemetry = Telemetry(scenario.telemetry, len(self._thrusters.names), scenario.seed)
         self._diagnosis = _diagnosis(self._thrusters.limits, scenario)
 
+    @property
+    def motors(self) -> mujoco.MjModel:
+        """The model of the motors alone."""
+        return self._lag.model
+
+    def reseed(self, seed: int) -> None:
+        """Start the noise of the telemetry anew."""
+        self._telemetry.reseed(seed)
+
     def judge(self, data: mujoco.MjData, force_ratio: float) -> Health:
         """What is believed of the thrusters; once per tick.
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from cube_sim.mission.prepare import Mission
-from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.signal_store import SignalStore
 
 
-def respond_to_faults(mission: Mission, recorder: Recorder, t: float) -> bool:
+def respond_to_faults(mission: Mission, recorder: SignalStore, t: float) -> bool:
     """Hand what is now believed of the thrusters to allocation and controller.
 
     Args:
@@ -36,7 +36,7 @@ def respond_to_faults(mission: Mission, recorder: Recorder, t: float) -> bool:
     return True
 
 
-def record_actuation(mission: Mission, recorder: Recorder, t: float) -> None:
+def record_actuation(mission: Mission, recorder: SignalStore, t: float) -> None:
     """Record A and the limits as the controller believes them.
 
     A weak thruster has narrower limits; those of a dead or stuck one are all the one force it gives.

@@ -21,7 +21,7 @@ from cube_sim.navigation.position import PositionFix
 from cube_sim.navigation.sampling import Sampling
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.navigation_channels import navigation_channels
-from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Scenario
 from cube_sim.scenario import navigation_blocks as blocks
 from cube_sim.scenario.attitude_blocks import AlongPathBlock, AnyAttitude, FixedAttitudeBlock
@@ -60,7 +60,12 @@ class StateEstimation:
         drifts = what_drifts(block.aids, nose_level_share(scenario.control.attitude, path), moves_level(path))
         return cls(block, vehicle, scenario.seed, scenario.control_period_s, drifts)
 
-    def estimate(self, true: State, data: mujoco.MjData, recorder: Recorder, t: float) -> State:
+    def reseed(self, seed: int) -> None:
+        """Start all sensors and the estimate anew."""
+        self._seed, self._navigator = seed, None
+        self._in_doubt.clear()
+
+    def estimate(self, true: State, data: mujoco.MjData, recorder: SignalStore, t: float) -> State:
         """The estimated state; once per tick.
 
         Args:
@@ -78,7 +83,7 @@ class StateEstimation:
             self._record_reading(self._navigator.aids[fusion.reading.aid].name, fusion, recorder, t)
         return estimate.state
 
-    def _start(self, truth: Motion, recorder: Recorder, t: float) -> Navigator:
+    def _start(self, truth: Motion, recorder: SignalStore, t: float) -> Navigator:
         block = self._block
         recorder.log(t, "INFO", f"navigation: {self._drifts}")
         return Navigator(
@@ -91,7 +96,7 @@ class StateEstimation:
             period_s=self._period,
         )
 
-    def _record(self, navigator: Navigator, truth: Truth, estimate: Estimate, recorder: Recorder, t: float) -> None:
+    def _record(self, navigator: Navigator, truth: Truth, estimate: Estimate, recorder: SignalStore, t: float) -> None:
         state, motion = estimate.state, truth.motion
         recorder.append(
             "navigation",
@@ -117,7 +122,7 @@ class StateEstimation:
         )
         recorder.append("sensor_imu", t, navigator.inertial[:3], navigator.inertial[3:])
 
-    def _record_reading(self, name: str, fusion: Fusion, recorder: Recorder, t: float) -> None:
+    def _record_reading(self, name: str, fusion: Fusion, recorder: SignalStore, t: float) -> None:
         reading, innovation = fusion.reading.value, fusion.innovation
         taken_at = fusion.reading.tick * self._period
         values = (reading[0], innovation[0]) if len(reading) == 1 else (reading, innovation)

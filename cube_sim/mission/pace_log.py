@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.signal_store import SignalStore
 
 PATIENCE_S = 2.0
 """A change is logged once it has lasted this long: a start or a gust is no news."""
@@ -18,7 +18,7 @@ class PaceLog:
         speed_m_s: asked for along the path [m/s].
     """
 
-    def __init__(self, recorder: Recorder, speed_m_s: float) -> None:
+    def __init__(self, recorder: SignalStore, speed_m_s: float) -> None:
         self._recorder, self._speed = recorder, speed_m_s
         self._logged, self._since = False, 0.0
 

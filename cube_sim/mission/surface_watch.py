@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.signal_store import SignalStore
 from cube_sim.vehicle.vehicle import Vehicle
 
 SURFACE_M = 0.0
@@ -31,7 +31,7 @@ class SurfaceWatch:
         vehicle: the hull.
     """
 
-    def __init__(self, recorder: Recorder, model: mujoco.MjModel, vehicle: Vehicle) -> None:
+    def __init__(self, recorder: SignalStore, model: mujoco.MjModel, vehicle: Vehicle) -> None:
         self._recorder, self._body = recorder, vehicle.body
         its_own = model.body_rootid[model.geom_bodyid] == model.body_rootid[vehicle.body]
         self._geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))

@@ -20,7 +20,12 @@ class Telemetry:
 
     def __init__(self, block: TelemetryBlock, m: int, seed: int) -> None:
         self._gain = np.full(m, block.gain) if block.thruster_gains is None else np.array(block.thruster_gains)
-        self._noise, self._random = block.noise_N, stream(seed, "telemetry")
+        self._noise = block.noise_N
+        self.reseed(seed)
+
+    def reseed(self, seed: int) -> None:
+        """Start the noise anew."""
+        self._random = stream(seed, "telemetry")
 
     def read(self, force: Vector) -> Vector:
         """(m,) readings [N] of the forces (m,) [N]; once per control period."""

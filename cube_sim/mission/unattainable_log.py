@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cube_sim.allocation import Status
-from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.signal_store import SignalStore
 
 PATIENCE_S = 1.0
 """A status is logged once it has lasted this long: a demand at the edge of the attainable set changes it every tick."""
@@ -12,7 +12,7 @@ PATIENCE_S = 1.0
 class UnattainableLog:
     """Logs when the demanded wrench has been unattainable for a while, and when it has been attainable for as long."""
 
-    def __init__(self, recorder: Recorder) -> None:
+    def __init__(self, recorder: SignalStore) -> None:
         self._recorder = recorder
         self._logged, self._since = Status.EXACT, 0.0
 

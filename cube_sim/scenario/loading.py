@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -72,7 +73,38 @@ def load(path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = Non
         ScenarioError: with one ``file:line:column: path: message`` per mistake.
     """
     path = Path(path)
-    text = _read(path)
+    return _load(path, _read(path), overrides)
+
+
+def load_mapping(scenario: Mapping[str, Any], overrides: Mapping[str, Any] | None = None) -> Loaded:
+    """Validate what would stand in a scenario file; file names in it are seen from the working directory.
+
+    Args:
+        scenario: keys and values as in a file: numbers, text, lists and mappings.
+        overrides: as for `load`.
+
+    Raises:
+        ScenarioError: with one line per mistake; lines and columns are those of the scenario written out as JSON.
+    """
+    try:
+        text = json.dumps(_plain(scenario), indent=2)
+    except (TypeError, ValueError) as error:
+        raise ScenarioError([f"the scenario cannot be written out: {error}"]) from None
+    return _load(Path("scenario.json"), text, overrides)
+
+
+def _plain(value: Any) -> Any:
+    """Arrays, tuples and paths as what a file holds."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return str(value) if isinstance(value, os.PathLike) else value
+
+
+def _load(path: Path, text: str, overrides: Mapping[str, Any] | None) -> Loaded:
     document = parse(text)
     if document.data is None:
         raise ScenarioError([_line(path, mistake) for mistake in document.mistakes])

@@ -20,6 +20,7 @@ class MotorLag:
     """The activations of m thrusters, from their commands alone.
 
     Attributes:
+        model: of the motors alone.
         activation: (m,) the lagged commands, whose force the characteristics give. All 0 at first, as in new MjData.
     """
 
@@ -31,15 +32,15 @@ class MotorLag:
             thrusters: of one hull of it.
             steps: physics steps per call of `advance`.
         """
-        self._model = _motors_alone(model, thrusters.actuators.tolist())
-        self._data = mujoco.MjData(self._model)
+        self.model = _motors_alone(model, thrusters.actuators.tolist())
+        self._data = mujoco.MjData(self.model)
         self._steps = steps
         self.activation = np.zeros(len(thrusters.names))
 
     def advance(self, commands: Vector) -> None:
         """Carry the motors over `steps` physics steps of constant commands (m,)."""
         self._data.ctrl[:] = commands
-        mujoco.mj_step(self._model, self._data, nstep=self._steps)
+        mujoco.mj_step(self.model, self._data, nstep=self._steps)
         self.activation = self._data.act.copy()
 
 

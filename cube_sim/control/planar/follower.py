@@ -15,6 +15,7 @@ from cube_sim.control.planar.model import PlanarCurrent, PlanarMotion
 from cube_sim.control.planar.observer import PlanarObserver
 from cube_sim.control.planar.path_view import heading, plane_view
 from cube_sim.control.planar.short_of_torque import ShortOfTorque, torque_share
+from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.speed import SpeedProfile
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.spatial import State, Vector, quaternion_from_euler
@@ -55,9 +56,13 @@ class PlanarFollower:
         self._authority = Authority.UNICYCLE if left.pure_forces.shape[1] else Authority.SAFE
         self._given_up = "" if left.pure_forces.shape[1] else f"{left.reason}; it drifts"
 
+    def view(self, state: State) -> TargetView:
+        """See `Controller.view`."""
+        return self.target.view(state.position, state.rotation @ state.velocity)
+
     def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """See `Controller.decide`."""
-        view = self.target.view(state.position, state.rotation @ state.velocity)
+        view = self.view(state)
         motion = PlanarMotion(float(state.velocity[0]), float(state.velocity[1]), float(state.rates[2]))
         psi_B = heading(state.rotation)
         water = self.observer.update(psi_B, motion, applied[IN_PLANE], dt)

@@ -1,0 +1,283 @@
+"""The loop, and nothing else.
+
+One tick: state (MuJoCo, or an estimate of it) -> path error and desired motion (guidance) -> wrench (control) ->
+thruster forces (allocation) -> thruster commands -> one row per channel (recording) -> MuJoCo steps with water.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from hashlib import sha256
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cube_sim.errors import FlightError
+from cube_sim.flight.action import OWN, Action, action_of
+from cube_sim.flight.observation import Observation
+from cube_sim.flight.snapshot import Snapshot, integration_state, packed, set_integration_state, unpacked
+from cube_sim.flight.start import described, placed
+from cube_sim.flight.tick import NotANumberError, tick
+from cube_sim.mission import Mission, prepare
+from cube_sim.mission.divergence import divergence
+from cube_sim.mission.fault_response import record_actuation, respond_to_faults
+from cube_sim.mission.pace_log import PaceLog
+from cube_sim.mission.surface_watch import SurfaceWatch
+from cube_sim.mission.unattainable_log import UnattainableLog
+from cube_sim.recording.signal_store import SignalStore
+from cube_sim.scenario import Loaded, load, load_mapping
+from cube_sim.spatial import State
+from cube_sim.vehicle.plugin.warnings import collect_warnings
+from cube_sim.vehicle.state import read_state
+
+_CHANGING = "controller", "supply", "events", "fault_finding", "drop_weight", "estimation"
+"""What of a mission changes in a flight, beside MuJoCo's data, its model's numbers and the allocation."""
+
+
+class Flight:
+    """A vehicle in its water, stepped one control period at a time.
+
+    A run of the same scenario is the same flight: `run` drives one with files to record it. Here rows are kept in
+    memory.
+
+    Attributes:
+        mission: the objects of the loop.
+        time_s: simulated time [s].
+        ended: why the flight has ended early; "" while it has not.
+    """
+
+    def __init__(
+        self,
+        scenario: str | os.PathLike[str] | Mapping[str, Any] | Loaded,
+        overrides: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Prepare a flight and stand at its beginning.
+
+        Args:
+            scenario: a file, what would stand in one (file names in it are seen from the working directory), or a
+                loaded one.
+            overrides: dotted path -> value in place of the scenario's; not for a loaded one.
+
+        Raises:
+            ScenarioError: the scenario cannot be flown; one line per mistake.
+        """
+        loaded = _loaded(scenario, overrides)
+        mission = prepare(loaded)
+        self._begin(loaded, mission, SignalStore(mission.channels))
+        self._start = self.snapshot()
+
+    @classmethod
+    def recorded(cls, loaded: Loaded, mission: Mission, store: SignalStore) -> Flight:
+        """A prepared mission at its beginning whose rows go to a store of the caller's; it has no `reset`."""
+        flight = cls.__new__(cls)
+        flight._begin(loaded, mission, store)
+        return flight
+
+    def _begin(self, loaded: Loaded, mission: Mission, store: SignalStore) -> None:
+        self.mission, self.ended, self.tick = mission, "", 0
+        self._digest = sha256(loaded.resolved_yaml().encode()).hexdigest()
+        self._loaded, self._store = loaded, store
+        self._applied: NDArray[np.float64] = np.zeros(6)
+        self._given_up = ""
+        self._known: State | None = None
+        self._unattainable = UnattainableLog(store)
+        self._pace = PaceLog(store, mission.scenario.guidance.speed_m_s)
+        self._surface = SurfaceWatch(store, mission.model, mission.vehicle)
+        described(mission, store)
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time [s]."""
+        return self.tick * self.mission.scenario.control_period_s
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing can be stepped any more."""
+        return bool(self.ended) or self.tick >= self.mission.scenario.ticks
+
+    @property
+    def signals(self) -> dict[str, NDArray[np.float64]]:
+        """Everything recorded since the start: "channel.field" -> (n, 1 + width), column 0 the time [s]."""
+        return self._store.signals
+
+    def reset(self, seed: int | None = None, state: State | None = None) -> Observation:
+        """Back to the beginning.
+
+        Args:
+            seed: root of every random stream in place of the scenario's; None for that one.
+            state: of the vehicle in place of the scenario's initial one; its `rotation` is not looked at.
+
+        Raises:
+            FlightError: the state is not finite, or its quaternion has no direction.
+        """
+        self._store.clear()
+        self.restore(self._start)
+        if seed is not None:
+            mission = self.mission
+            for part in (mission.estimation, mission.fault_finding):
+                if part is not None:
+                    part.reseed(seed)
+        if state is not None:
+            placed(self.mission, state)
+        described(self.mission, self._store)
+        return self.observation()
+
+    def step(
+        self,
+        *,
+        wrench: ArrayLike | None = None,
+        forces: ArrayLike | None = None,
+        commands: ArrayLike | None = None,
+    ) -> Observation:
+        """Fly one control period.
+
+        Without an argument the loop flies as `run` does. The controller is asked in any case: its target goes on, and
+        its estimators hear what was commanded.
+
+        Args:
+            wrench: (6,) [N, N m], body axes, in place of the controller's.
+            forces: (m,) [N] in place of the allocation's, too.
+            commands: (m,) normalised commands in place of those.
+
+        Raises:
+            FlightError: the flight is over, or an argument makes no sense.
+        """
+        if self.over:
+            raise FlightError(f"the flight is over{f': {self.ended}' if self.ended else ''}; reset it")
+        action = action_of(len(self.mission.vehicle.thrusters.names), wrench, forces, commands)
+        with collect_warnings() as warnings:
+            self.control(warnings, action)
+            self.advance()
+        return self.observation()
+
+    def observation(self) -> Observation:
+        """The flight as it stands."""
+        mission, data = self.mission, self.mission.data
+        mujoco.mj_kinematics(mission.model, data)
+        state = read_state(mission.vehicle, data)
+        return Observation(
+            time_s=self.time_s,
+            state=state,
+            estimate=state if self._known is None or mission.estimation is None else self._known,
+            view=mission.controller.view(state),
+            force=data.actuator_force[mission.vehicle.thrusters.actuators].copy(),
+            wrench=self._applied.copy(),
+            given_up=self._given_up,
+            ended=self.ended,
+            over=self.over,
+        )
+
+    def control(self, warnings: list[str], action: Action = OWN) -> None:
+        """All of a tick but the physics; `ended` says whether it went well.
+
+        Args:
+            warnings: where MuJoCo's arrive; they are moved to the log.
+            action: in place of the loop's own answer.
+        """
+        mission, store, t = self.mission, self._store, self.time_s
+        for message in mission.events.apply_due(t):
+            store.log(t, "WARNING", message)
+        mujoco.mj_forward(mission.model, mission.data)
+        while warnings:
+            store.log(t, "WARNING", f"MuJoCo: {warnings.pop(0)}")
+        self.ended = divergence(mission.model, mission.data) or ""
+        if self.ended:
+            return
+        self._surface.note(t, mission.data)
+        other_voltage = self._feed_thrusters(t)
+        if respond_to_faults(mission, store, t) or other_voltage or self.tick == 0:
+            record_actuation(mission, store, t)
+        try:
+            decision, allocation, self._known = tick(mission, store, t, self._applied, action)
+        except NotANumberError as error:
+            self.ended = str(error)
+            return
+        self._applied = allocation.wrench
+        self._unattainable.note(t, allocation.status)
+        self._pace.note(t, decision.pace)
+        if decision.given_up != self._given_up:
+            self._log_given_up(t, decision.given_up)
+        mission.drop_weight.lift(mission.data)
+
+    def advance(self) -> None:
+        """The physics up to the next tick."""
+        if self.ended:
+            return
+        mujoco.mj_step(self.mission.model, self.mission.data, nstep=self.mission.scenario.steps_per_tick)
+        self.tick += 1
+
+    def finish(self) -> None:
+        """Say at the end what there is to say of the whole flight."""
+        self._surface.finish(self.time_s)
+        if self.ended:
+            self._store.log(self.time_s, "ERROR", f"{self.ended}: the run ends here")
+
+    def snapshot(self) -> Snapshot:
+        """The whole flight as it stands, but for the rows that are recorded."""
+        mission = self.mission
+        changing = (
+            (self.tick, self.ended, self._applied, self._given_up, self._known),
+            (self._unattainable, self._pace, self._surface),
+            mission.allocator.memory(),
+            integration_state(mission.model, mission.data),
+            (mission.model.numeric_data.copy(), mission.model.opt.wind.copy()),
+            {name: getattr(mission, name) for name in _CHANGING},
+        )
+        return Snapshot(self._digest, packed(changing, self._fixed))
+
+    def restore(self, snapshot: Snapshot) -> Observation:
+        """Go on from a snapshot, of this flight or another of the same scenario; recorded rows stay.
+
+        Raises:
+            FlightError: the snapshot is that of another scenario.
+        """
+        if snapshot.digest != self._digest:
+            raise FlightError("the snapshot belongs to another scenario")
+        loop, logs, allocation, physics, numbers, parts = unpacked(snapshot.content, self._fixed)
+        self.tick, self.ended, self._applied, self._given_up, self._known = loop
+        self._unattainable, self._pace, self._surface = logs
+        mission = self.mission
+        mission.model.numeric_data[:], mission.model.opt.wind[:] = numbers
+        set_integration_state(mission.model, mission.data, physics)
+        # What follows from the state: the forces of the thrusters, for one.
+        mujoco.mj_forward(mission.model, mission.data)
+        set_integration_state(mission.model, mission.data, physics)
+        mission.allocator.recall(allocation)
+        self.mission = replace(mission, **parts)
+        return self.observation()
+
+    @property
+    def _fixed(self) -> dict[str, Any]:
+        """What parts of the mission refer to and never changes."""
+        mission = self.mission
+        fixed = {name: getattr(mission, name) for name in ("scenario", "model", "data", "vehicle", "path", "ability")}
+        if mission.fault_finding is not None:
+            fixed["motors"] = mission.fault_finding.motors
+        return fixed | {"store": self._store, "allocator": mission.allocator}
+
+    def _feed_thrusters(self, t: float) -> bool:
+        """Update the supply by what the thrusters draw; returns whether its voltage, and so their limits, changed."""
+        supply, before = self.mission.supply, self.mission.supply.force_ratio
+        if supply.update(self.mission.data):
+            self._store.log(t, "WARNING", "the battery is empty: the thrusters stand still")
+        self._store.append("power", t, supply.power, supply.energy, supply.voltage, supply.charge)
+        return supply.force_ratio != before
+
+    def _log_given_up(self, t: float, reason: str) -> None:
+        """Log that the path is given up, and why, or followed again; drop the ballast where that is asked."""
+        self._given_up, mission = reason, self.mission
+        self._store.log(t, "WARNING", f"the path is given up: {reason}" if reason else "the path is followed again")
+        if reason and mission.scenario.control.safe_mode.action == "surface" and mission.drop_weight.drop():
+            self._store.log(t, "WARNING", "the ballast is dropped")
+
+
+def _loaded(
+    scenario: str | os.PathLike[str] | Mapping[str, Any] | Loaded, overrides: Mapping[str, Any] | None
+) -> Loaded:
+    if isinstance(scenario, Loaded):
+        return scenario
+    return load_mapping(scenario, overrides) if isinstance(scenario, Mapping) else load(scenario, overrides)

@@ -1,0 +1,42 @@
+"""The beginning of a flight."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cube_sim.errors import FlightError
+from cube_sim.mission import PATH_POINTS, Mission
+from cube_sim.mission.surface_watch import path_above_surface
+from cube_sim.recording.signal_store import SignalStore
+from cube_sim.spatial import State, rotation_from_quaternion
+
+
+def described(mission: Mission, store: SignalStore) -> None:
+    """Record what a reader must know before the first row."""
+    points = np.array([mission.path.at(s).position for s in np.linspace(0.0, mission.path.length, PATH_POINTS)])
+    store.append("path", 0.0, points.ravel())
+    if (warning := path_above_surface(points)) is not None:
+        store.log(0.0, "WARNING", warning)
+    length = mission.path.length
+    store.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
+    limit, able = mission.ability.cost_limit, mission.ability.within_limit
+    if able.within_cost_limit is not None:
+        dear = "costs too much" if limit is None else f"costs more than {limit:g} N/N"
+        store.log(0.0, "INFO", f"what {dear} is left alone; {able.authority.name}: {able.reason}")
+
+
+def placed(mission: Mission, state: State) -> None:
+    """Put the vehicle into a state; everything else is as at the beginning.
+
+    Raises:
+        FlightError: the state is not finite, or its quaternion has no direction.
+    """
+    numbers = np.concatenate([state.position, state.quaternion, state.velocity, state.rates])
+    size = float(np.linalg.norm(state.quaternion))
+    if not np.isfinite(numbers).all() or not size > 0.0:
+        raise FlightError("the state must be finite numbers, its quaternion other than zero")
+    quaternion = np.asarray(state.quaternion) / size
+    data, at, dof = mission.data, mission.vehicle.qpos_address, mission.vehicle.dof_address
+    data.qpos[at : at + 3], data.qpos[at + 3 : at + 7] = state.position, quaternion
+    data.qvel[dof : dof + 3] = rotation_from_quaternion(quaternion) @ np.asarray(state.velocity)
+    data.qvel[dof + 3 : dof + 6] = state.rates

@@ -1,0 +1,110 @@
+"""The rows and sentences of a run, in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cube_sim.errors import RecordingError
+from cube_sim.recording.batch import Batch, Rows, Sink, batch_number, signals
+from cube_sim.recording.buffer import ChannelBuffer
+from cube_sim.recording.channels import Channel
+from cube_sim.recording.mcap.schemas import LOG_LEVELS
+from cube_sim.run_log import WEIGHTY, LogLine
+
+
+class SignalStore:
+    """What the loop calls: one row per channel and tick.
+
+    Rows are copied at once, and handed to sinks, where there are any, when their simulated second is over.
+
+    Args:
+        channels: the channel table.
+    """
+
+    def __init__(self, channels: Sequence[Channel]) -> None:
+        self._channels = tuple(channels)
+        self._sinks: list[Sink] = []
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget everything; time may start again."""
+        self._buffers = {channel.name: ChannelBuffer(channel) for channel in self._channels}
+        self._written: dict[str, list[Rows]] = {channel.name: [] for channel in self._channels}
+        self._log: list[LogLine] = []
+        self._warnings: list[LogLine] = []
+        self._time = -np.inf
+        self._batch_end = -np.inf
+
+    def append(self, channel: str, t: float, *values: ArrayLike) -> None:
+        """Record one row.
+
+        Args:
+            channel: its name in the channel table.
+            t: simulated time [s]; never less than that of the row before it, in any channel.
+            values: one per field in the order of the table: a float for one number without a name of its own, else
+                an array (width,).
+
+        Raises:
+            RecordingError: no such channel, values that do not fit its fields, or time running backwards.
+        """
+        if t != self._time:
+            self._advance(t)
+        try:
+            buffer = self._buffers[channel]
+        except KeyError:
+            raise RecordingError(f"no channel {channel!r}; there are {', '.join(self._buffers)}") from None
+        buffer.append(t, values)
+
+    def log(self, t: float, level: str, text: str) -> None:
+        """Record a sentence.
+
+        Args:
+            t: simulated time [s].
+            level: DEBUG, INFO, WARNING, ERROR or FATAL.
+            text: the sentence.
+
+        Raises:
+            RecordingError: no such level, or time running backwards.
+        """
+        if level not in LOG_LEVELS:
+            raise RecordingError(f"no log level {level!r}; there are {', '.join(LOG_LEVELS)}")
+        if t != self._time:
+            self._advance(t)
+        line = LogLine(t, level, text)
+        self._log.append(line)
+        if level in WEIGHTY:
+            self._warnings.append(line)
+
+    @property
+    def warnings(self) -> tuple[LogLine, ...]:
+        """What has been said at the level WARNING or above, in the order of time."""
+        return tuple(self._warnings)
+
+    @property
+    def signals(self) -> dict[str, Rows]:
+        """Everything recorded: "channel.field" -> (n, 1+width), column 0 the time [s]."""
+        rows = {name: np.concatenate([*self._written[name], buffer.rows]) for name, buffer in self._buffers.items()}
+        return signals(self._channels, rows)
+
+    def _advance(self, t: float) -> None:
+        # Written this way round, a NaN is refused too.
+        if not t >= self._time:
+            raise RecordingError(f"time runs backwards: t = {t} s after t = {self._time} s")
+        if t >= self._batch_end:
+            self._flush()
+            self._batch_end = batch_number(t) + 1
+        self._time = t
+
+    def _flush(self) -> None:
+        rows = {name: buffer.take() for name, buffer in self._buffers.items()}
+        batch = Batch({name: taken for name, taken in rows.items() if len(taken)}, self._log)
+        if not batch.rows and not batch.log:
+            return
+        self._log = []
+        for name, taken in batch.rows.items():
+            self._written[name].append(taken)
+        for sink in self._sinks:
+            sink.write(batch)
