@@ -37,7 +37,8 @@ NEVER_S = 1e12
 
 MEMORIES = (
     ("observer", "memory", ("integral", "estimate")),
-    ("", "memory", ("force", "velocity", "torque", "mean_rates")),
+    ("", "memory", ("force", "velocity", "torque")),
+    ("", "centre", ("shift",)),
     ("_balanced", "memory", ("led", "twice", "torque")),
 )
 """What the controller remembers from tick to tick: the part that holds it (the controller itself: none), the name of

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from cube_sim.control.loops import loop_wrench
+from cube_sim.control.oscillation_centre import levelled_turning
 from cube_sim.control.pace import LEAST_PACE, PaceDemand, in_range, is_allowed, largest_pace, wrench_at_pace
 from cube_sim.guidance.law import path_turning
 from cube_sim.native.compiled import compiled
@@ -28,21 +29,17 @@ from cube_sim.tuples import (
 )
 from cube_sim.vehicle.laws.hull_motion import inverse_dynamics, steady_wrench
 
-MEAN_TIME_S = 4.0
-"""Over which the turning is averaged that the path asks for [s]."""
-
 MEMORY = np.dtype(
     [
         ("force", np.float64, 3),
         ("velocity", np.float64, 3),
         ("torque", np.float64, 3),
-        ("mean_rates", np.float64, 3),
         ("asked", np.float64, 6),
         ("has_asked", np.bool_),
     ]
 )
 """What the law remembers: the force [N] (world axes) and torque [N m] (body axes) an attitude may point, the velocity
-asked for [m/s] (world axes), the mean rates [rad/s] and the wrench asked of the thrusters [N, N m] (body axes)."""
+asked for [m/s] (world axes) and the wrench asked of the thrusters [N, N m] (body axes)."""
 FOLLOWED = np.dtype(
     [
         ("wrench", np.float64, 6),
@@ -82,7 +79,6 @@ def follow(
     k1,
     k2,
     applied,
-    dt,
     force_ratio,
     most_rest,
     budgeted,
@@ -115,7 +111,6 @@ def follow(
         k1: curvature of the path at the target [1/m].
         k2: its second one [1/m].
         applied: wrench (6,) allocated over the tick before.
-        dt: [s].
         force_ratio: share of their force that the supply leaves the thrusters.
         most_rest: how much of a force that could not be made is asked for again [N].
         budgeted: whether what the thrusters can make is known.
@@ -127,7 +122,7 @@ def follow(
     unknown = sextuple(disturbance)
     quaternion, wanted_attitude = (q[0], q[1], q[2], q[3]), (q_d[0], q_d[1], q_d[2], q_d[3])
     velocity, wanted_rates = triple(velocity_W), triple(w_d_W)
-    acceleration = plus(triple(acceleration_W), undragging(left, m.mean_rates, R, rates, dt, k.velocity_time))
+    acceleration = triple(acceleration_W)
     tau, v_ref, w_ref, angle = loop_wrench(
         hull, loops, R, quaternion, speed, rates, velocity, acceleration, wanted_attitude, wanted_rates, flow
     )
@@ -149,13 +144,14 @@ def follow(
             )
         pointed = wrench_at_pace(hull, demand, max(pace, LEAST_PACE))
         enough = is_allowed(normals, bounds, held_shares, force_ratio, in_range(left, pointed))
-    own = own_turning(hull, R, speed, rates, turning, flow)
+    with_path = to_body(R, levelled_turning(frame, turning))
+    own = own_turning(hull, R, speed, rates, with_path, flow)
     force = to_world(R, minus(pointed[:3], own))
     rest = unmade(m.asked, m.has_asked, applied, most_rest)
     asked = in_range(left, plus6(minus6(tau, unknown), rest))
     torque = (0.0, 0.0, 0.0)
     if points:
-        torque = turning_torque(hull, R, speed, triple(m.mean_rates), flow)
+        torque = turning_torque(hull, R, speed, with_path, flow)
     m.has_asked = True
     for i in range(3):
         m.force[i], m.velocity[i] = force[i], velocity[i]
@@ -172,20 +168,6 @@ def along_path(frame, turning, velocity, acceleration):
     T = (frame[0, 0], frame[1, 0], frame[2, 0])
     along = times(dot(velocity, T), T)
     return along, plus(times(dot(acceleration, T), T), cross_tuples(turning, along))
-
-
-@compiled
-def undragging(left, mean_rates, R, rates, dt, velocity_time):
-    """The acceleration (3-tuple) that keeps what the torque of turning drags along from counting as a velocity error.
-
-    A hull that turns by a force on a lever is first pushed the wrong way. Answering that would feed on itself. The
-    centre of oscillation does not move then: its velocity is the one to correct. The mean rates (3,) are moved on.
-    """
-    share = min(1.0, dt / MEAN_TIME_S)
-    for i in range(3):
-        mean_rates[i] += share * (rates[i] - mean_rates[i])
-    beside = minus(rates, triple(mean_rates))
-    return times(1.0 / velocity_time, to_world(R, to_world(left[0].dragged, beside)))
 
 
 @compiled
@@ -207,20 +189,19 @@ def as_it_turns(hull, R, speed, rates, flow_W):
 
 
 @compiled
-def own_turning(hull, R, speed, rates, turning, flow_W):
-    """The force (3-tuple) [N], body axes, that the hull asks for as it turns otherwise than the path.
+def own_turning(hull, R, speed, rates, along, flow_W):
+    """The force (3-tuple) [N], body axes, that the hull asks for as it turns otherwise than along its path.
 
     An attitude that points it would chase itself: added mass makes that force grow with the turning, not the path.
     """
-    along = to_body(R, turning)
     return minus(as_it_turns(hull, R, speed, rates, flow_W)[:3], as_it_turns(hull, R, speed, along, flow_W)[:3])
 
 
 @compiled
-def turning_torque(hull, R, speed, mean_rates, flow_W):
-    """The torque (3-tuple) [N m], body axes, that the hull asks for as it goes on turning as it has on average."""
+def turning_torque(hull, R, speed, along, flow_W):
+    """The torque (3-tuple) [N m], body axes, that the hull asks for as it turns along its path."""
     straight_on = as_it_turns(hull, R, speed, (0.0, 0.0, 0.0), flow_W)
-    return minus(as_it_turns(hull, R, speed, mean_rates, flow_W)[3:], straight_on[3:])
+    return minus(as_it_turns(hull, R, speed, along, flow_W)[3:], straight_on[3:])
 
 
 @compiled

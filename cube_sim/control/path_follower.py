@@ -14,11 +14,12 @@ from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, MEMORY, follow
 from cube_sim.control.loops import MotionLoops
+from cube_sim.control.oscillation_centre import CENTRE, watch_centre
 from cube_sim.control.pace import NO_BUDGET
 from cube_sim.control.priority import split_path_first
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.guidance.approach import Approach
-from cube_sim.guidance.law import MotionLaw, Target, TargetView
+from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.spatial import Record, State, Vector
 
 SLOWER = 3.0
@@ -69,6 +70,7 @@ class PathFollower:
     def __post_init__(self) -> None:
         """Fly with what the thrusters can do from the start."""
         self.memory: Record = np.zeros(1, MEMORY)
+        self.centre: Record = np.zeros(1, CENTRE)
         self._short_s, self._pressed = 0.0, False
         self._goal: SafeModeGoal | None = None
         self._balanced: BalancedAttitude | None = None
@@ -103,7 +105,7 @@ class PathFollower:
         """See `Controller.decide`."""
         view = self.view(state)
         goal = self._safe_mode_goal(state, view, dt)
-        motion = self._approach.motion(view) if goal is None else goal.motion(state.position)
+        motion = self._motion(state, view, goal, dt)
         disturbance, current = self._unknowns(state, applied, dt)
         attitude = self._mode(state).attitude(self._situation(state, view, current, force_ratio), dt)
         followed = np.zeros(1, FOLLOWED)
@@ -124,10 +126,9 @@ class PathFollower:
             disturbance,
             current,
             np.ascontiguousarray(view.point.rotation),
-            view.speed,
+            view.speed if goal is None else 0.0,
             *view.point.curvature,
             applied,
-            dt,
             force_ratio,
             self.most_rest,
             budgeted,
@@ -154,6 +155,23 @@ class PathFollower:
             pace=float(answer["pace"]),
             given_up="" if goal is None else goal.reason,
         )
+
+    def _motion(self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float) -> DesiredMotion:
+        """The desired motion of the hull, or of its centre of oscillation where turning pushes it."""
+        if not self._left["dragged"].any():
+            return self._approach.motion(view) if goal is None else goal.motion(state.position)
+        R, time = np.ascontiguousarray(view.point.rotation), self._loops.velocity_time
+        target_speed = view.speed if goal is None else 0.0
+        watch_centre(
+            self._left, self.centre, state.rotation, state.rates, R, target_speed, *view.point.curvature, dt, time
+        )
+        shift, pushed, leaving = self.centre[0]
+        if goal is None:
+            seen = view._replace(error=view.error - shift @ R, velocity=view.velocity - leaving @ R)
+            motion = self._approach.motion(seen)
+        else:
+            motion = goal.motion(state.position - shift)
+        return DesiredMotion(motion.velocity, motion.acceleration + pushed / time)
 
     def _situation(self, state: State, view: TargetView, current: Vector, force_ratio: float) -> Situation:
         """What the attitude may depend on."""

@@ -7,7 +7,7 @@ import pytest
 from support.plain_callbacks import plain
 from support.vehicles import random_hull, random_rotation
 
-from cube_sim.control import along_path, balancing, current, disturbance, following
+from cube_sim.control import along_path, balancing, current, disturbance, following, oscillation_centre
 from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.authority import CAPABILITY
 from cube_sim.control.loops import LOOPS
@@ -81,7 +81,7 @@ def test_the_law(rng, hull, room, flags):
 
     def arguments(memory, answer):
         told = hull, loops, left, *of_facets, memory, answer, R, q, v, w, velocity, acceleration, q_d, rates
-        return *told, unknown, flow, frame, 0.4, 0.3, -0.2, applied, 0.02, 0.9, 5.0, *flags
+        return *told, unknown, flow, frame, 0.4, 0.3, -0.2, applied, 0.9, 5.0, *flags
 
     same("follow", following.follow, arguments, [filled(rng, following.MEMORY), np.zeros(1, following.FOLLOWED)])
 
@@ -121,6 +121,16 @@ def test_the_observers(rng, hull, started):
         return hull, 2.0, 0.01, estimate, R, v, w, residual
 
     same("current", current.observe_current, of_current, [rng.normal(size=3)])
+
+
+def test_the_centre_of_oscillation(rng):
+    R, _, _, w = moving(rng)
+    left, frame = filled(rng, CAPABILITY), random_rotation(rng)
+
+    def arguments(memory):
+        return left, memory, R, w, frame, 0.4, 0.3, -0.2, 0.02, 1.5
+
+    same("watch_centre", oscillation_centre.watch_centre, arguments, [filled(rng, oscillation_centre.CENTRE)])
 
 
 @pytest.mark.parametrize("started", [False, True])

@@ -12,6 +12,8 @@ FLIGHTS = [
     pytest.param("torpedo_four_fins", "helix", marks=pytest.mark.campaign),  # its fins push it the wrong way first
     pytest.param("drawn3_0", "helix", marks=pytest.mark.campaign),  # its righting moment is nearly used up
     pytest.param("drawn4_0", "line", marks=pytest.mark.campaign),
+    ("six_octahedron-T1", "line"),  # a side force of its stern turns it, and little thrust points it
+    pytest.param("six_octahedron-T1", "helix", marks=pytest.mark.campaign),
 ]
 
 
