@@ -205,20 +205,24 @@ def made_before(
 
 @inlined
 def closest_first(
-    forces: NDArray[np.float64], bounds: NDArray[np.float64], closest: float, most: float
+    forces: NDArray[np.float64], distances: NDArray[np.float64], best: float, near: float, wide: float
 ) -> tuple[NDArray[np.float64], int]:
-    """Rows of forces (c, m) up to a largest distance, in their order but the closest first, and how many these are.
+    """Rows of forces (c, m) that are near the best or wide of it, in their order but the near ones first.
 
     Args:
         forces: what makes each wrench.
-        bounds: (c, ...) lower bound of its distance.
-        closest: largest bound of the closest.
-        most: largest bound of all.
+        distances: (c, ...) of the wrenches.
+        best: the least of these.
+        near: how much farther counts as equally close.
+        wide: and as close but for A's rounding.
+
+    Returns:
+        The rows, and how many of them are near.
     """
     ordered, rows, count = np.empty_like(forces), 0, 0
     for last in (False, True):
         for c in range(forces.shape[0]):
-            if bounds[c] <= most and (bounds[c] > closest) == last:
+            if distances[c] <= best + max(near, wide) and (distances[c] > best + near) == last:
                 for i in range(forces.shape[1]):
                     ordered[rows, i] = forces[c, i]
                 rows += 1
@@ -283,7 +287,7 @@ def closest_wrenches(
     start, point = np.empty(d), np.empty(d)
     made, g = np.empty(r), np.empty(r)
     forces, images = np.empty((_FIRST_ROWS, m)), np.empty((_FIRST_ROWS, r))
-    distances, bounds_found = np.empty(_FIRST_ROWS), np.empty(_FIRST_ROWS)
+    distances = np.empty(_FIRST_ROWS)
     size, least, fine = 0.0, math.inf, FINE * tolerance
     for i in range(m):
         gain = 0.0
@@ -354,11 +358,10 @@ def closest_wrenches(
             forces = np.concatenate((forces, np.empty((found, m))))
             images = np.concatenate((images, np.empty((found, r))))
             distances = np.concatenate((distances, np.empty(found)))
-            bounds_found = np.concatenate((bounds_found, np.empty(found)))
-        distances[found], bounds_found[found] = distance, lower
+        distances[found] = distance
         for i in range(m):
             forces[found, i] = f[i]
         for a in range(r):
             images[found, a] = made[a]
         found += 1
-    return *closest_first(forces[:found], bounds_found, best + near, best + wide), proven, solved
+    return *closest_first(forces[:found], distances, best, 2.0 * near + 1e-12 * best, wide), proven, solved
