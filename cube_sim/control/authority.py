@@ -142,11 +142,11 @@ class Capability:
         limits of the thrusters are looked at. Where no path can be followed the wrench is left to the allocation, which
         comes as close as it can; directions beyond the cost limit are taken out of it there, too.
         """
-        projector, shift = self._onto_range
+        projector, shift = self.onto_range
         return wrenches @ projector.T + shift
 
     @cached_property
-    def _onto_range(self) -> tuple[Matrix, Vector]:
+    def onto_range(self) -> tuple[Matrix, Vector]:
         """`project_onto_range` as a matrix (6,6) and what is added (6,)."""
         projector, shift = np.eye(6), np.zeros(6)
         if self.steers_by_attitude:
@@ -169,7 +169,7 @@ class Capability:
             total_mass: M (6,6) of the hull.
         """
         record = np.zeros(1, CAPABILITY)
-        record["projector"], record["shift"] = self._onto_range
+        record["projector"], record["shift"] = self.onto_range
         record["dragged"] = np.linalg.solve(total_mass[:3, :3], self.dragged_force @ total_mass[3:, 3:])
         return record
 

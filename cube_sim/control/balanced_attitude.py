@@ -15,8 +15,8 @@ from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitud
 from cube_sim.control.authority import Capability
 from cube_sim.control.balancing import BALANCE, MEMORY, balance
 from cube_sim.control.loop_times import FASTEST_TURN
-from cube_sim.control.pace import NO_BUDGET
-from cube_sim.spatial import Matrix, Record
+from cube_sim.control.pace import NO_BUDGET, ForceBudget
+from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.vehicle.dynamics import Dynamics
 
 
@@ -33,8 +33,8 @@ class BalancedAttitude:
     `wish_time`. J# is damped, so nothing is singular when the force vanishes or lines up with the axis it cannot be
     turned about.
 
-    Where W exceeds what is attainable, the facet it exceeds most is one more row of the first task: the vehicle turns
-    until it lies within.
+    Where W, as far as it can be produced at all, exceeds what is attainable, the facet it exceeds most is one more row
+    of the first task: the vehicle turns until it lies within.
 
     U and F_W are averaged over `time` and led by as much: x = 2 x_1 - x_2, x_1 and x_2 averaged once and twice, and
     x' = (x_1 - x_2) / time. A force that turns evenly with the path is so pointed without lag.
@@ -60,8 +60,7 @@ class BalancedAttitude:
         most_rate: float = FASTEST_TURN,
     ) -> None:
         self._hull, self._wish = dynamics.record, wish
-        budget = left.budget
-        self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
+        self._budget = NO_BUDGET if left.budget is None else _of_what_is_made(left, left.budget)
         self._parameters, count = np.zeros(1, BALANCE), left.lost.shape[1]
         parameters = self._parameters[0]
         parameters["lost"][:, :count], parameters["constants"][:count] = left.lost, left.constants
@@ -98,3 +97,13 @@ class BalancedAttitude:
             situation.force_ratio,
         )
         return DesiredAttitude(*desired[0])
+
+
+def _of_what_is_made(left: Capability, budget: ForceBudget) -> tuple[Matrix, Vector, Vector]:
+    """Normals, bounds and held shares of a budget, to be asked with a wrench that is not yet moved into the range of A.
+
+    What cannot be produced is balanced, not made. Along directions that cost too much it would exceed the little that
+    is attainable.
+    """
+    projector, shift = left.onto_range
+    return np.ascontiguousarray(budget.normals @ projector), budget.bounds, budget.held_shares - budget.normals @ shift
