@@ -57,6 +57,7 @@ class FaultTolerant:
         A: (n, m).
         limits: (m, 4) of whole thrusters [N].
         health: of the thrusters, as last set.
+        told: what `set_health` was given last, the same object.
 
     Raises:
         AllocationError: an argument has the wrong shape or means nothing.
@@ -81,6 +82,7 @@ class FaultTolerant:
             AllocationError: it speaks of another number of thrusters, or of an efficiency outside 0 to 1.
         """
         m = self.A.shape[1]
+        self.told = health
         health = Health(numbers("efficiency", health.efficiency, "row"), numbers("stuck", health.stuck, "row"))
         for name, values in zip(health._fields, health, strict=True):
             if values.shape != (m,):
@@ -106,6 +108,8 @@ class FaultTolerant:
         self._held = np.where(np.isnan(health.stuck), 0.0, health.stuck)
         self._held_wrench = self.A @ self._held
         self._all_respond = responsive.size == m
+        self._responds = np.zeros(m, dtype=np.bool_)
+        self._responds[responsive] = True
 
     def reset(self) -> None:
         """Forget the previous answer, not the faults."""
@@ -242,10 +246,9 @@ class FaultTolerant:
         Returns:
             (m,) [N], 0 of those that do not respond.
         """
-        asked, low, edge_low, edge_high, high = np.zeros_like(force), *self.limits.T
-        asked[self._responsive] = force[self._responsive] / self.health.efficiency[self._responsive]
-        inside = np.where(asked < 0.0, np.clip(asked, low, edge_low), np.clip(asked, edge_high, high))
-        return np.where((asked != 0.0) & (np.abs(inside - asked) <= self._rounding_N), inside, asked)
+        from cube_sim.allocation.asked_forces import asked_forces  # only here: it loads the compiler
+
+        return asked_forces(force, self.health.efficiency, self._responds, self.limits, self._rounding_N)
 
 
 def carried_over(previous: PreviousForces, before: Health, now: Health) -> PreviousForces:

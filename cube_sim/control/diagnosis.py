@@ -29,6 +29,7 @@ import numpy as np
 from cube_sim.control.probing import Probes
 from cube_sim.control.telemetry_gain import TelemetryGain
 from cube_sim.control.window_reading import Evidence, WindowReading, contradicts, read_window
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector
 from cube_sim.wrench.health import Health
 
@@ -102,8 +103,7 @@ class Diagnosis:
         """Put a pair of forces in the place of the oldest, of which the gains are learned."""
         row = self._row
         if self._filled == len(self._expected):
-            sound = (self.health.efficiency == 1.0) & np.isnan(self.health.stuck) & ~self._suspect
-            sound &= self._age >= len(self._expected)  # else the oldest pair is from before the belief
+            sound = sound_pairs(*self.health, self._suspect, self._age, len(self._expected))
             self._gain.learn(self._expected[row], self._measured[row], sound, noise)
         self._expected[row], self._measured[row] = expected, measured
         self._row = (row + 1) % len(self._expected)
@@ -163,3 +163,20 @@ class Diagnosis:
         self._age[i] = 0
         for n in self._lengths:
             self._suggested.pop((i, n), None)
+
+
+@compiled
+def sound_pairs(efficiency, stuck, suspect, age, length):
+    """(m,) bool: of which whole thrusters the oldest pair of forces is good to learn a gain from.
+
+    Args:
+        efficiency: (m,) believed share.
+        stuck: (m,) force [N] believed to be held; NaN where none is.
+        suspect: (m,) bool, which do not do what is believed of them.
+        age: (m,) of what is believed [ticks].
+        length: of the longest window [ticks]: an older pair is from before the belief.
+    """
+    sound = np.zeros(len(age), np.bool_)
+    for i in range(len(age)):
+        sound[i] = efficiency[i] == 1.0 and np.isnan(stuck[i]) and not suspect[i] and age[i] >= length
+    return sound

@@ -32,7 +32,9 @@ class Probes:
         self._wait = np.zeros(m, dtype=int)
         self._was_responsive = np.ones(m, dtype=bool)
         self._thruster, self._left, self._asked = -1, 0, 0.0
-        self._before = Health.whole(m)
+        self._before = self._health = Health.whole(m)
+        # Nothing to count down and nobody silent: nothing to do while the health stays the same object.
+        self._at_rest = False
 
     def with_probe(self, force: Vector, health: Health, doubtful: np.ndarray) -> Vector:
         """The forces (m,) [N] to ask for at this tick in place of `force`, a probe among them when one is due.
@@ -44,6 +46,8 @@ class Probes:
             health: what is believed of them.
             doubtful: (m,) bool, which ones need another command to be judged.
         """
+        if self._at_rest and health is self._health and not doubtful.any():
+            return force
         silent = (health.efficiency == 0.0) & np.isnan(health.stuck)
         self._wait = np.maximum(0, self._wait - 1)
         self._wait[silent & self._was_responsive] = self._period
@@ -52,6 +56,8 @@ class Probes:
             self._left = 0
         if self._left == 0:
             self._start(np.flatnonzero((silent | doubtful) & (self._wait == 0)), force, health)
+        self._health = health
+        self._at_rest = self._left == 0 and not silent.any() and not self._wait.any()
         if self._left == 0:
             return force
         self._left -= 1

@@ -5,6 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from cube_sim.native.compiled import compiled
+
 DIVERGED = 1e6
 """A position [m], velocity [m/s] or acceleration [m/s^2] beyond which a simulation has failed, far from any vehicle."""
 
@@ -16,7 +18,7 @@ def divergence(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
         model: the compiled model.
         data: of that model, its accelerations up to date (mj_forward).
     """
-    if all(np.abs(values).max() < DIVERGED for values in (data.qpos, data.qvel, data.qacc)):
+    if all_below(DIVERGED, data.qpos, data.qvel, data.qacc):
         return None
     joints_of_positions = np.repeat(np.arange(model.njnt), np.diff([*model.jnt_qposadr, model.nq]))
     causes = (
@@ -34,3 +36,13 @@ def divergence(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
     how = f"{values[worst]:.3g} in SI units, beyond {DIVERGED:g}" if finite else "not a number"
     at_start = " before anything has moved (see to the current, the initial state and the model)"
     return f"the {quantity} of '{body}' is {how}{at_start if data.time == 0.0 else ''}"
+
+
+@compiled
+def all_below(bound, positions, velocities, accelerations):
+    """Whether the size of every number is below the bound; that of one that is not a number is not."""
+    for values in (positions, velocities, accelerations):
+        for value in values:
+            if not abs(value) < bound:
+                return False
+    return True

@@ -26,7 +26,7 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float) -> bool
         health = mission.events.health
     else:
         return False
-    if health is allocator.health or health.equals(allocator.health):
+    if health is allocator.told or health.equals(allocator.health):
         return False
     allocator.set_health(health)
     left = mission.ability.left(health)

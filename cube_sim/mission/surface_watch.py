@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.native.compiled import compiled
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -36,7 +37,8 @@ class SurfaceWatch:
         its_own = model.body_rootid[model.geom_bodyid] == model.body_rootid[vehicle.body]
         self._geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))
         self._radius = model.geom_rbound[self._geoms]
-        self._centre, self._half = model.geom_aabb[self._geoms, :3], model.geom_aabb[self._geoms, 3:]
+        boxes = model.geom_aabb[self._geoms]
+        self._centre, self._half = boxes[:, :3].copy(), boxes[:, 3:].copy()
         self._out, self._dry_at = False, -np.inf
         self._emergences, self._highest, self._time_out, self._noted_at = 0, SURFACE_M, 0.0, 0.0
 
@@ -75,13 +77,30 @@ class SurfaceWatch:
 
     def _top(self, data: mujoco.MjData) -> float:
         """Height of the highest geom's bounding box [m]; its sphere's as long as that is under water."""
-        heights = data.geom_xpos[self._geoms, 2]
-        spheres = float((heights + self._radius).max(initial=-np.inf))
-        if spheres <= SURFACE_M:
-            return spheres
-        vertical: NDArray[np.float64] = data.geom_xmat[self._geoms, 6:]  # third row of each R_WG
-        boxes = heights + (vertical * self._centre).sum(axis=1) + (np.abs(vertical) * self._half).sum(axis=1)
-        return float(boxes.max())
+        return top_of(data.geom_xpos, data.geom_xmat, self._geoms, self._radius, self._centre, self._half)
+
+
+@compiled
+def top_of(places, rotations, geoms, radii, centres, halves):
+    """Height of the highest bounding box of geoms [m]; of the highest bounding sphere while that is under water.
+
+    Args:
+        places: MuJoCo's geom_xpos.
+        rotations: MuJoCo's geom_xmat.
+        geoms: (n,) which ones.
+        radii: (n,) of their spheres [m].
+        centres: (n,3) of their boxes [m], in their own axes.
+        halves: (n,3) half the sizes of their boxes [m].
+    """
+    spheres = boxes = -np.inf
+    for i in range(len(geoms)):
+        geom = geoms[i]
+        height = places[geom, 2]
+        spheres = max(spheres, height + radii[i])
+        for j in range(3):  # third row of R_WG
+            height += rotations[geom, 6 + j] * centres[i, j] + abs(rotations[geom, 6 + j]) * halves[i, j]
+        boxes = max(boxes, height)
+    return spheres if spheres <= SURFACE_M else boxes
 
 
 def path_above_surface(points: NDArray[np.float64]) -> str | None:
