@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, sin, tanh
+from math import cos, hypot, inf, sin, tanh
 
 import numpy as np
 
 from cube_sim.guidance.law import DesiredMotion, TargetView
 from cube_sim.guidance.speed import SpeedProfile
+from cube_sim.guidance.view_record import record_of
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record
+from cube_sim.tuples import to_world
+
+APPROACH = np.dtype([(name, np.float64) for name in ("angle", "gain", "stop_time")])
+"""Numbers of `Approach`: psi_a [rad], k_delta [1/m], the stop time [s], infinite for none."""
 
 
 class Approach:
@@ -35,44 +42,55 @@ class Approach:
 
     def motion(self, view: TargetView) -> DesiredMotion:
         """Desired velocity and its derivative, for a vehicle seen from the target."""
-        s1, y1, z1 = view.error.tolist()
-        v_T, v_1, v_2 = view.velocity.tolist()
-        k1, k2 = view.point.curvature
-        ds = view.speed
-        # error kinematics in the moving frame
-        ds1 = v_T - ds * (1.0 - k1 * y1 - k2 * z1)
-        dy1 = v_1 - k1 * ds * s1
-        dz1 = v_2 - k2 * ds * s1
-
         speed, slope = self._profile.at(view.arc_length)
-        dspeed = slope * ds
-        rho = hypot(y1, z1)
-        drho = (y1 * dy1 + z1 * dz1) / rho if rho > 0.0 else 0.0
-        saturation = tanh(self._gain * rho)
-        theta = self._angle * saturation
-        dtheta = self._angle * self._gain * (1.0 - saturation**2) * drho
-        along, dalong = speed * cos(theta), dspeed * cos(theta) - speed * sin(theta) * dtheta
-        if self._stop_time is not None and (view.remaining - s1) / self._stop_time < along:
-            along, dalong = (view.remaining - s1) / self._stop_time, -(ds + ds1) / self._stop_time
-        share, dshare = self._lateral_share(rho, theta, drho, dtheta)
-        lateral, dlateral = speed * share, dspeed * share + speed * dshare
-        side_1, side_2 = -lateral * y1, -lateral * z1
-        dside_1, dside_2 = -dlateral * y1 - lateral * dy1, -dlateral * z1 - lateral * dz1
+        return DesiredMotion(*approach_motion(record_of(view), self.record, speed, slope))
 
-        # the path frame itself turns at s' [0, -k2, k1] about its own axes
-        R = view.point.rotation
-        acceleration = np.array(
-            [
-                dalong - ds * (k1 * side_1 + k2 * side_2),
-                dside_1 + ds * k1 * along,
-                dside_2 + ds * k2 * along,
-            ]
-        )
-        return DesiredMotion(R @ np.array([along, side_1, side_2]), R @ acceleration)
+    @property
+    def record(self) -> Record:
+        """Its numbers, as compiled laws read them: (1,) of `APPROACH`."""
+        stop_time = inf if self._stop_time is None else self._stop_time
+        return np.array([(self._angle, self._gain, stop_time)], APPROACH)
 
-    def _lateral_share(self, rho: float, theta: float, drho: float, dtheta: float) -> tuple[float, float]:
-        """sin(theta) / rho and its time derivative; smooth through rho = 0, where it is psi_a k_delta."""
-        if self._gain * rho < 1e-4:
-            return self._angle * self._gain, 0.0  # off by the square of that, 1e-8 of itself
+
+@compiled
+def approach_motion(view, approach, speed, slope):
+    """Desired velocity (3,) [m/s] and its derivative along the present motion (3,) [m/s^2], world axes.
+
+    Args:
+        view: record `cube_sim.guidance.view_record.VIEW`.
+        approach: record `APPROACH`.
+        speed: u_d at the target [m/s].
+        slope: du_d/ds there [1/s].
+    """
+    w, a = view[0], approach[0]
+    s1, y1, z1 = w.error
+    v_T, v_1, v_2 = w.velocity
+    k1, k2, ds = w.row[12], w.row[13], w.speed
+    # error kinematics in the moving frame
+    ds1 = v_T - ds * (1.0 - k1 * y1 - k2 * z1)
+    dy1 = v_1 - k1 * ds * s1
+    dz1 = v_2 - k2 * ds * s1
+
+    dspeed = slope * ds
+    rho = hypot(y1, z1)
+    drho = (y1 * dy1 + z1 * dz1) / rho if rho > 0.0 else 0.0
+    saturation = tanh(a.gain * rho)
+    theta = a.angle * saturation
+    dtheta = a.angle * a.gain * (1.0 - saturation**2) * drho
+    along, dalong = speed * cos(theta), dspeed * cos(theta) - speed * sin(theta) * dtheta
+    if a.stop_time < inf and (w.remaining - s1) / a.stop_time < along:
+        along, dalong = (w.remaining - s1) / a.stop_time, -(ds + ds1) / a.stop_time
+    # sin(theta) / rho and its derivative; smooth through rho = 0, where it is psi_a k_delta
+    if a.gain * rho < 1e-4:
+        share, dshare = a.angle * a.gain, 0.0  # off by the square of that, 1e-8 of itself
+    else:
         share = sin(theta) / rho
-        return share, (cos(theta) * dtheta - share * drho) / rho
+        dshare = (cos(theta) * dtheta - share * drho) / rho
+    lateral, dlateral = speed * share, dspeed * share + speed * dshare
+    side_1, side_2 = -lateral * y1, -lateral * z1
+    dside_1, dside_2 = -dlateral * y1 - lateral * dy1, -dlateral * z1 - lateral * dz1
+
+    # the path frame itself turns at s' [0, -k2, k1] about its own axes
+    turned = dalong - ds * (k1 * side_1 + k2 * side_2), dside_1 + ds * k1 * along, dside_2 + ds * k2 * along
+    velocity, acceleration = to_world(w.frame, (along, side_1, side_2)), to_world(w.frame, turned)
+    return np.array(velocity), np.array(acceleration)

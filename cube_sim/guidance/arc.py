@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 
 from cube_sim.errors import PathError
 from cube_sim.guidance.frame import starting_frame
-from cube_sim.guidance.path import PathPoint
+from cube_sim.guidance.path import PathPoint, point_of_row
+from cube_sim.guidance.path_record import NO_TABLE, PATH, Parts, path_row
 from cube_sim.spatial import Vector, cross
 
 STRAIGHT = 1e-6
@@ -32,26 +33,26 @@ class Arc:
 
     def __init__(self, centre: Vector, spoke: Vector, axis: Vector, sweep: float, closed: bool = False) -> None:
         self.closed = closed
-        self._radius = float(np.linalg.norm(spoke))
-        self._first, self._last = (-inf, inf) if closed else (0.0, sweep)
-        self.length = self._radius * sweep
+        radius = float(np.linalg.norm(spoke))
+        self.length = radius * sweep
         self.edges = (0.0, self.length)
-        out = spoke / self._radius
+        out = spoke / radius
         ahead = cross(axis, out)
         _, N1, N2 = starting_frame(ahead).T
         inward_1, inward_2, axial_1, axial_2 = -N1 @ out, -N2 @ out, N1 @ axis, N2 @ axis
-        self._curvature = (float(inward_1 / self._radius), float(inward_2 / self._radius))
+        record, R = np.zeros(1, PATH), radius
+        record["closed"], record["length"], record["angle_per_metre"] = closed, self.length, 1.0 / radius
+        record["first"], record["last"] = (-inf, inf) if closed else (0.0, self.length)
+        record["curvature"] = inward_1 / radius, inward_2 / radius
         # [p, T, N1, N2] as constant + cos * one + sin * other
-        R = self._radius
-        self._constant = np.column_stack([centre, np.zeros(3), axial_1 * axis, axial_2 * axis])
-        self._cos = np.column_stack([R * out, ahead, -inward_1 * out, -inward_2 * out])
-        self._sin = np.column_stack([R * ahead, -out, -inward_1 * ahead, -inward_2 * ahead])
+        record["constant"] = np.column_stack([centre, np.zeros(3), axial_1 * axis, axial_2 * axis])
+        record["cosine"] = np.column_stack([R * out, ahead, -inward_1 * out, -inward_2 * out])
+        record["sine"] = np.column_stack([R * ahead, -out, -inward_1 * ahead, -inward_2 * ahead])
+        self.parts: Parts = (record, *NO_TABLE)
 
     def at(self, s: float) -> PathPoint:
         """The arc at arc length s [m]."""
-        angle = min(max(s / self._radius, self._first), self._last)
-        here = self._constant + cos(angle) * self._cos + sin(angle) * self._sin
-        return PathPoint(here[:, 0], here[:, 1:], self._curvature, (0.0, 0.0))
+        return point_of_row(path_row(*self.parts, s))
 
 
 def arc_through(start: ArrayLike, through: ArrayLike, end: ArrayLike) -> Arc:

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from math import inf
 
+import numpy as np
+
 from cube_sim.guidance.law import TargetView
-from cube_sim.guidance.path import Path, PathPoint
+from cube_sim.guidance.path import Path
+from cube_sim.guidance.path_record import path_numbers
 from cube_sim.guidance.speed import SpeedProfile
+from cube_sim.guidance.view_record import VIEW, see, view_of
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector
 
 
@@ -27,6 +32,11 @@ class ClockedTarget:
         self._last = path.length * (laps if path.closed else 1.0)
         self.arc_length = arc_length
 
+    @property
+    def path(self) -> Path:
+        """What it runs along."""
+        return self._path
+
     def view(self, position: Vector, velocity_W: Vector) -> TargetView:
         """The vehicle in the target's frame; the target's speed does not depend on it. `remaining` < 0 past the end.
 
@@ -34,17 +44,33 @@ class ClockedTarget:
             position: p_WB (3,) [m].
             velocity_W: velocity over ground (3,) [m/s], world axes.
         """
-        s = self.arc_length
-        point = self._at(s)
-        error = (position - point.position) @ point.rotation
-        return TargetView(s, self._last - s, self._profile.at(s).value, point, error, velocity_W @ point.rotation)
+        view, s, last = np.zeros(1, VIEW), self.arc_length, self._last
+        row, speed = path_numbers(self._path, min(s, last)), self._profile.at(s).value
+        see_from_clocked_target(view, row, s, last, speed, position, velocity_W)
+        return view_of(view)
 
     def advance(self, speed: float, dt: float) -> None:
         """Move on for dt [s]: two terms of the series of s(t), exact for a speed that changes evenly in time."""
         self.arc_length += dt * speed * (1.0 + 0.5 * dt * self._profile.at(self.arc_length).slope)
 
-    def _at(self, s: float) -> PathPoint:
-        if s <= self._last:
-            return self._path.at(s)
-        end = self._path.at(self._last)
-        return PathPoint(end.position + (s - self._last) * end.rotation[:, 0], end.rotation, (0.0, 0.0), (0.0, 0.0))
+
+@compiled
+def see_from_clocked_target(view, row, arc_length, last, speed, position, velocity_W):
+    """Fill a record `VIEW`.
+
+    Args:
+        view: filled.
+        row: (16,) the path at the target, or at its end where the target has passed that: changed to run on then.
+        arc_length: of the target [m].
+        last: where the path ends [m].
+        speed: s' [m/s].
+        position: p_WB (3,) [m].
+        velocity_W: over ground (3,) [m/s], world axes.
+    """
+    if arc_length > last:
+        for i in range(3):
+            row[i] += (arc_length - last) * row[3 + 3 * i]
+        for i in range(4):
+            row[12 + i] = 0.0
+    see(view, row, arc_length, last - arc_length, position, velocity_W)
+    view[0].speed = speed

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 
 from cube_sim.errors import PathError
 from cube_sim.guidance.frame import starting_frame
-from cube_sim.guidance.path import PathPoint
+from cube_sim.guidance.path import PathPoint, point_of_row
+from cube_sim.guidance.path_record import NO_TABLE, PATH, Parts, path_row
 
 
 class Line:
@@ -20,16 +21,17 @@ class Line:
     closed = False
 
     def __init__(self, start: ArrayLike, end: ArrayLike) -> None:
-        self._start = np.asarray(start, dtype=float)
-        step = np.asarray(end, dtype=float) - self._start
+        step = np.asarray(end, dtype=float) - np.asarray(start, dtype=float)
         self.length = float(np.linalg.norm(step))
         if not self.length > 0.0:
             raise PathError("a line needs two different points")
         self.edges = (0.0, self.length)
-        self._rotation = starting_frame(step / self.length)
+        rotation, record = starting_frame(step / self.length), np.zeros(1, PATH)
+        record["length"], record["last"] = self.length, self.length
+        record["constant"] = np.column_stack([start, rotation])
+        record["straight"] = rotation[:, 0]
+        self.parts: Parts = (record, *NO_TABLE)
 
     def at(self, s: float) -> PathPoint:
         """The line at arc length s [m]."""
-        along = min(max(s, 0.0), self.length)
-        position = self._start + along * self._rotation[:, 0]
-        return PathPoint(position, self._rotation, (0.0, 0.0), (0.0, 0.0))
+        return point_of_row(path_row(*self.parts, s))

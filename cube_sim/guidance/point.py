@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.guidance.frame import starting_frame
-from cube_sim.guidance.path import PathPoint
+from cube_sim.guidance.path import PathPoint, point_of_row
+from cube_sim.guidance.path_record import NO_TABLE, PATH, Parts, path_row
 
 
 class Point:
@@ -24,9 +25,10 @@ class Point:
     edges = (0.0, 0.0)
 
     def __init__(self, position: ArrayLike, heading: float) -> None:
-        rotation = starting_frame(np.array([cos(heading), sin(heading), 0.0]))
-        self._point = PathPoint(np.array(position, dtype=float), rotation, (0.0, 0.0), (0.0, 0.0))
+        rotation, record = starting_frame(np.array([cos(heading), sin(heading), 0.0])), np.zeros(1, PATH)
+        record["constant"] = np.column_stack([np.array(position, dtype=float), rotation])
+        self.parts: Parts = (record, *NO_TABLE)
 
     def at(self, s: float) -> PathPoint:
         """The same point for every s."""
-        return self._point
+        return point_of_row(path_row(*self.parts, s))

@@ -4,8 +4,17 @@ from __future__ import annotations
 
 from math import sqrt, tanh
 
+import numpy as np
+
 from cube_sim.guidance.law import DesiredMotion, TargetView
 from cube_sim.guidance.speed import SpeedProfile
+from cube_sim.guidance.view_record import record_of
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record
+from cube_sim.tuples import dot, minus, plus, times, to_world, triple
+
+PURSUIT = np.dtype([("time", np.float64), ("closing_speed", np.float64)])
+"""Numbers of `Pursuit`: T_e [s], c [m/s]."""
 
 
 class Pursuit:
@@ -25,23 +34,41 @@ class Pursuit:
 
     def motion(self, view: TargetView) -> DesiredMotion:
         """Desired velocity and its derivative, for a vehicle seen from the target."""
-        T, N1, N2 = view.point.rotation.T
-        k1, k2 = view.point.curvature
-        ds = view.speed
-        dds = self._profile.at(view.arc_length).slope * ds
-        e = view.point.rotation @ view.error
-        de = view.point.rotation @ view.velocity - ds * T
-        share, dshare = self._closing_rate(sqrt(float(e @ e)), float(e @ de))
-        return DesiredMotion(
-            velocity=ds * T - share * e,
-            acceleration=dds * T + ds**2 * (k1 * N1 + k2 * N2) - dshare * e - share * de,
-        )
+        slope = self._profile.at(view.arc_length).slope
+        return DesiredMotion(*pursuit_motion(record_of(view), self.record, slope))
 
-    def _closing_rate(self, distance: float, half_slope: float) -> tuple[float, float]:
-        """c tanh(|e| / (c T_e)) / |e| [1/s] and its time derivative, smooth through e = 0; half_slope is e e'."""
-        saturation = distance / (self._closing_speed * self._time)
-        if saturation < 1e-4:
-            return 1.0 / self._time, 0.0  # off by a third of the square of that
-        steepness = tanh(saturation)
-        share = self._closing_speed * steepness / distance
-        return share, ((1.0 - steepness**2) / self._time - share) * half_slope / distance**2
+    @property
+    def record(self) -> Record:
+        """Its numbers, as compiled laws read them: (1,) of `PURSUIT`."""
+        return np.array([(self._time, self._closing_speed)], PURSUIT)
+
+
+@compiled
+def pursuit_motion(view, pursuit, slope):
+    """Desired velocity (3,) [m/s] and its derivative along the present motion (3,) [m/s^2], world axes.
+
+    Args:
+        view: record `cube_sim.guidance.view_record.VIEW`.
+        pursuit: record `PURSUIT`.
+        slope: of the target's speed along the path [1/s].
+    """
+    w = view[0]
+    k1, k2, ds = w.row[12], w.row[13], w.speed
+    e = triple(w.error)
+    de = minus(triple(w.velocity), (ds, 0.0, 0.0))
+    share, dshare = closing_rate(pursuit, sqrt(dot(e, e)), dot(e, de))
+    velocity = minus((ds, 0.0, 0.0), times(share, e))
+    acceleration = minus((slope * ds, ds * ds * k1, ds * ds * k2), plus(times(dshare, e), times(share, de)))
+    return np.array(to_world(w.frame, velocity)), np.array(to_world(w.frame, acceleration))
+
+
+@compiled
+def closing_rate(pursuit, distance, half_slope):
+    """c tanh(|e| / (c T_e)) / |e| [1/s] and its time derivative, smooth through e = 0; half_slope is e e'."""
+    p = pursuit[0]
+    saturation = distance / (p.closing_speed * p.time)
+    if saturation < 1e-4:
+        return 1.0 / p.time, 0.0  # off by a third of the square of that
+    steepness = tanh(saturation)
+    share = p.closing_speed * steepness / distance
+    return share, ((1.0 - steepness**2) / p.time - share) * half_slope / distance**2

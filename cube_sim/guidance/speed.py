@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from itertools import pairwise
 from math import hypot, inf, sqrt
 from typing import NamedTuple, Protocol
@@ -11,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.guidance.path import Path
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record
 
 Array = NDArray[np.float64]
 
@@ -35,6 +36,14 @@ class Speed(NamedTuple):
     slope: float
 
 
+PROFILE = np.dtype([("closed", np.bool_), ("length", np.float64), ("end", np.float64), ("time", np.float64)])
+"""A profile as compiled laws read it, beside its nodes: whether the path is closed and its length [m]; where the speed
+comes to rest [m], infinite for never, and the time in which [s]."""
+Parts = tuple[Record, Array, Array]
+"""Record, nodes s (n,) [m] and u_d^2 there (n,) [m^2/s^2]; beyond the nodes of an open path the speed is that of the
+last one. A profile that has `parts` is read inside compiled laws."""
+
+
 class SpeedProfile(Protocol):
     """Desired speed along a path as a function of its arc length alone."""
 
@@ -57,12 +66,12 @@ class ConstantSpeed:
     """One speed [m/s] all along."""
 
     def __init__(self, speed: float) -> None:
-        self._speed = Speed(speed, 0.0)
         self.least = self.most = speed
+        self.parts: Parts = (_never_ending(False, 1.0), np.array([0.0, 1.0]), np.full(2, speed * speed))
 
     def at(self, s: float) -> Speed:
         """The same everywhere."""
-        return self._speed
+        return Speed(*speed_at(*self.parts, s))
 
 
 class StoppingSpeed:
@@ -78,6 +87,11 @@ class StoppingSpeed:
         self._profile, self._end, self._time = profile, end, time
         self.least = profile.least if end == inf else 0.0
         self.most = profile.most
+        parts: Parts | None = getattr(profile, "parts", None)
+        if parts is not None:
+            record = parts[0].copy()
+            record["end"], record["time"] = end, time
+            self.parts: Parts = (record, *parts[1:])
 
     def at(self, s: float) -> Speed:
         """The speed at arc length s [m]; 0 from the end on."""
@@ -124,20 +138,37 @@ class PlannedSpeed:
         allowed = np.minimum(np.append(between, last), np.append(first, between))
         slope = 2.0 * acceleration
         nodes = _peaks(s, _within_slope(s, allowed, slope, path.closed), between, slope)
-        self._s, self._square = (column.tolist() for column in nodes.T)
-        self.least, self.most = sqrt(min(self._square)), sqrt(max(self._square))
-        self._length, self._closed = path.length, path.closed
+        at, square = (np.ascontiguousarray(column) for column in nodes.T)
+        self.least, self.most = sqrt(min(square)), sqrt(max(square))
+        self.parts: Parts = (_never_ending(path.closed, path.length), at, square)
 
     def at(self, s: float) -> Speed:
         """The speed at arc length s [m]; beyond the ends of an open path that of the end."""
-        if self._closed:
-            s %= self._length
-        elif not 0.0 <= s <= self._length:
-            return Speed(sqrt(self._square[0 if s < 0.0 else -1]), 0.0)
-        i = min(bisect_right(self._s, s), len(self._s) - 1) - 1
-        rise = (self._square[i + 1] - self._square[i]) / (self._s[i + 1] - self._s[i])
-        value = sqrt(self._square[i] + rise * (s - self._s[i]))
-        return Speed(value, rise / (2.0 * value))
+        return Speed(*speed_at(*self.parts, s))
+
+
+def _never_ending(closed: bool, length: float) -> Record:
+    return np.array([(closed, length, inf, 1.0)], PROFILE)
+
+
+@compiled
+def speed_at(profile, nodes, square, s):
+    """The speed [m/s] at arc length s [m] and its slope [1/s]; arguments as in `Parts`."""
+    p = profile[0]
+    if s >= p.end:
+        return 0.0, 0.0
+    x = s % p.length if p.closed else s
+    if not p.closed and not nodes[0] <= x <= nodes[-1]:
+        value, slope = sqrt(square[0] if x < nodes[0] else square[-1]), 0.0
+    else:
+        i = min(np.searchsorted(nodes, x, side="right"), len(nodes) - 1) - 1
+        rise = (square[i + 1] - square[i]) / (nodes[i + 1] - nodes[i])
+        value = sqrt(square[i] + rise * (x - nodes[i]))
+        slope = rise / (2.0 * value)
+    last = (p.end - s) / p.time
+    if value > last:
+        value, slope = last, -1.0 / p.time
+    return value, slope
 
 
 def _sampled_curvature(path: Path, turning_length: float) -> tuple[Array, Array]:

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from math import inf
 
+import numpy as np
+
 from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import Path
-from cube_sim.spatial import Vector
+from cube_sim.guidance.path_record import path_numbers
+from cube_sim.guidance.view_record import VIEW, see, view_of
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record, Vector
+
+TARGET = np.dtype([(name, np.float64) for name in ("gain", "speed_limit", "first", "last")])
+"""Numbers of `VirtualTarget`: k2 [1/s], the bound on |s'| [m/s], and the arc lengths between which it runs [m]."""
 
 
 class VirtualTarget:
@@ -27,10 +35,15 @@ class VirtualTarget:
     def __init__(
         self, path: Path, gain: float, speed_limit: float = inf, arc_length: float = 0.0, laps: float = inf
     ) -> None:
-        self._path, self._gain, self._limit = path, gain, speed_limit
-        self._first = -inf if path.closed else 0.0
-        self._last = path.length * (laps if path.closed else 1.0)
+        self._path = path
+        first, last = -inf if path.closed else 0.0, path.length * (laps if path.closed else 1.0)
+        self.record: Record = np.array([(gain, speed_limit, first, last)], TARGET)
         self.arc_length = arc_length
+
+    @property
+    def path(self) -> Path:
+        """What it runs along."""
+        return self._path
 
     def view(self, position: Vector, velocity_W: Vector) -> TargetView:
         """The vehicle in the target's frame, and the target's speed that follows.
@@ -39,16 +52,31 @@ class VirtualTarget:
             position: p_WB (3,) [m].
             velocity_W: velocity over ground (3,) [m/s], world axes.
         """
-        s = self.arc_length
-        point = self._path.at(s)
-        error = (position - point.position) @ point.rotation
-        velocity = velocity_W @ point.rotation
-        speed = float(velocity[0] + self._gain * error[0])
-        speed = min(max(speed, -self._limit), self._limit)
-        if (s <= self._first and speed < 0.0) or (s >= self._last and speed > 0.0):
-            speed = 0.0
-        return TargetView(s, self._last - s, speed, point, error, velocity)
+        view, s = np.zeros(1, VIEW), self.arc_length
+        see_from_virtual_target(view, self.record, path_numbers(self._path, s), s, position, velocity_W)
+        return view_of(view)
 
     def advance(self, speed: float, dt: float) -> None:
         """Move the target for dt [s] at s' = speed [m/s], never past an end of its run."""
-        self.arc_length = min(max(self.arc_length + speed * dt, self._first), self._last)
+        first, last = float(self.record["first"][0]), float(self.record["last"][0])
+        self.arc_length = min(max(self.arc_length + speed * dt, first), last)
+
+
+@compiled
+def see_from_virtual_target(view, target, row, arc_length, position, velocity_W):
+    """Fill a record `VIEW`.
+
+    Args:
+        view: filled.
+        target: record `TARGET`.
+        row: (16,) the path at the target.
+        arc_length: of the target [m].
+        position: p_WB (3,) [m].
+        velocity_W: over ground (3,) [m/s], world axes.
+    """
+    t, w = target[0], view[0]
+    see(view, row, arc_length, t.last - arc_length, position, velocity_W)
+    speed = min(max(w.velocity[0] + t.gain * w.error[0], -t.speed_limit), t.speed_limit)
+    if (arc_length <= t.first and speed < 0.0) or (arc_length >= t.last and speed > 0.0):
+        speed = 0.0
+    w.speed = speed

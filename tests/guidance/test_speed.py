@@ -88,7 +88,7 @@ def test_no_corner_is_missed_between_legs_of_any_length(leg, closed):
     braking = (TOP**2 - slowest**2) / (2.0 * ALONG)
     assert profile.at(corner - braking - 1.0) == (TOP, 0.0)
     assert profile.at(corner).value < 0.9 * TOP
-    assert len(profile._s) < 2500  # and its size does not grow with the legs
+    assert len(profile.parts[1]) < 2500  # and its size does not grow with the legs
 
 
 def test_a_profile_of_splines_bends_keeps_the_bound_between_the_places_looked_at():
