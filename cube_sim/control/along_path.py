@@ -6,7 +6,7 @@ import numpy as np
 
 from cube_sim.control.attitude_mode import DESIRED, DesiredAttitude, Situation
 from cube_sim.control.levelling import levelling_spin
-from cube_sim.guidance.law import path_turning
+from cube_sim.guidance.view_record import path_turning, record_of
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record
 from cube_sim.tuples import cross_tuples, dot, length, minus, plus, quaternion_from_matrix, times, triple
@@ -28,34 +28,30 @@ class AlongPath:
     """
 
     def __init__(self, levelling_time: float = 2.0) -> None:
-        self._levelling_time = levelling_time
+        self.levelling_time = levelling_time
         self.memory: Record = np.zeros(1, MEMORY)
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """The attitude at the target's point of the path, and how it turns as the target runs on."""
-        view, desired = situation.view, np.zeros(1, DESIRED)
-        frame = np.ascontiguousarray(view.point.rotation)
-        nose_along(self._levelling_time, self.memory, desired, frame, view.speed, *view.point.curvature, dt)
+        desired = np.zeros(1, DESIRED)
+        nose_along(self.levelling_time, self.memory, desired, record_of(situation.view), dt)
         return DesiredAttitude(*desired[0])
 
 
 @compiled
-def nose_along(levelling_time, memory, answer, frame, target_speed, k1, k2, dt):
+def nose_along(levelling_time, memory, answer, view, dt):
     """One tick of the law.
 
     Args:
         levelling_time: [s].
         memory: record `MEMORY`, moved on.
         answer: record `DESIRED`, filled.
-        frame: R_WF (3,3) of the path at the target.
-        target_speed: s' [m/s].
-        k1: curvature of the path at the target [1/m].
-        k2: its second one [1/m].
+        view: record of `cube_sim.guidance.view_record.VIEW`.
         dt: [s].
     """
-    m, out = memory[0], answer[0]
+    m, out, frame = memory[0], answer[0], view[0].frame
     T, N1 = (frame[0, 0], frame[1, 0], frame[2, 0]), (frame[0, 1], frame[1, 1], frame[2, 1])
-    turning = path_turning(frame, target_speed, k1, k2)
+    turning = path_turning(view)
     if not m.started:
         m.started = True
         level = cross_tuples((0.0, 0.0, 1.0), T)

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
+from cube_sim.control.asked import MEMORY as ASKED
+from cube_sim.control.attitude_mode import DESIRED, STILL, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
 from cube_sim.control.balancing import BALANCE, MEMORY, balance
 from cube_sim.control.loop_times import FASTEST_TURN
@@ -60,9 +61,9 @@ class BalancedAttitude:
         most_rate: float = FASTEST_TURN,
     ) -> None:
         self._hull, self._wish = dynamics.record, wish
-        self._budget = NO_BUDGET if left.budget is None else _of_what_is_made(left, left.budget)
-        self._parameters, count = np.zeros(1, BALANCE), left.lost.shape[1]
-        parameters = self._parameters[0]
+        self.budget = NO_BUDGET if left.budget is None else _of_what_is_made(left, left.budget)
+        self.parameters, count = np.zeros(1, BALANCE), left.lost.shape[1]
+        parameters = self.parameters[0]
         parameters["lost"][:, :count], parameters["constants"][:count] = left.lost, left.constants
         parameters["count"], parameters["level"] = count, left.level
         parameters["time"], parameters["wish_time"], parameters["most_rate"] = time, wish_time, most_rate
@@ -81,18 +82,18 @@ class BalancedAttitude:
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """See `AttitudeMode.attitude`."""
-        wish, desired = self._wish.attitude(situation, dt), np.zeros(1, DESIRED)
+        asked, desired = np.zeros(1, ASKED), np.zeros(1, DESIRED)
+        asked["velocity"], asked["force"], asked["torque"] = situation.flow, situation.force, situation.torque
+        desired[0] = tuple(self._wish.attitude(situation, dt))
         balance(
             self._hull,
-            self._parameters,
-            *self._budget,
+            self.parameters,
+            *self.budget,
             self.memory,
             desired,
             situation.rotation,
-            situation.flow,
-            situation.force,
-            situation.torque,
-            *wish,
+            asked,
+            STILL,
             dt,
             situation.force_ratio,
         )

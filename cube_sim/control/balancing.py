@@ -71,13 +71,10 @@ def balance(
     bounds,
     held_shares,
     memory,
-    answer,
+    desired,
     R_now,
-    flow_W,
-    force_W,
-    torque,
-    wish,
-    wish_rates_W,
+    asked,
+    current_W,
     dt,
     force_ratio,
 ):
@@ -90,24 +87,22 @@ def balance(
         bounds: of it.
         held_shares: of it.
         memory: record `MEMORY`, moved on.
-        answer: record `cube_sim.control.attitude_mode.DESIRED`, filled.
+        desired: record of `cube_sim.control.attitude_mode.DESIRED`: what the mission asks for, then what is found.
         R_now: R_WB (3,3) of the hull.
-        flow_W: U (3,) [m/s], world axes.
-        force_W: force (3,) [N] demanded of the thrusters, world axes.
-        torque: (3,) [N m] demanded beside that of a steady motion, body axes.
-        wish: the attitude the mission asks for (4,).
-        wish_rates_W: its angular velocity (3,) [rad/s], world axes.
+        asked: record of `cube_sim.control.asked.MEMORY`: velocity, force and torque of the tick before.
+        current_W: (3,) [m/s], world axes.
         dt: [s].
         force_ratio: share of their force that the supply leaves the thrusters.
     """
-    p, m, out = parameters[0], memory[0], answer[0]
-    flow, up = to_body(R_now, triple(flow_W)), (R_now[2, 0], R_now[2, 1], R_now[2, 2])
+    p, m, out, before = parameters[0], memory[0], desired[0], asked[0]
+    flow_W = minus(triple(before.velocity), triple(current_W))
+    flow, up = to_body(R_now, flow_W), (R_now[2, 0], R_now[2, 1], R_now[2, 2])
     steady = to_world(R_now, steady_wrench(hull, flow, up)[:3])
-    _average(m, flow_W, minus(triple(force_W), steady), torque, dt, p.time)
+    _average(m, flow_W, minus(triple(before.force), steady), triple(before.torque), dt, p.time)
     if _angle_between(m.rotation, R_now) > FARTHEST_RAD:
         m.rotation[:] = R_now
     R = m.rotation
-    rates = _rates(hull, p, normals, bounds, held_shares, m, R, wish, wish_rates_W, force_ratio)
+    rates = _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio)
     speed = length(rates)
     if speed > p.most_rate:
         rates, speed = times(p.most_rate / speed, rates), p.most_rate
@@ -139,7 +134,7 @@ def _average(m, flow_W, force, torque, dt, time):
 
 
 @compiled
-def _rates(hull, p, normals, bounds, held_shares, m, R, wish, wish_rates_W, force_ratio):
+def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
     """Turning rate, a 3-tuple [rad/s], body axes."""
     z = (R[2, 0], R[2, 1], R[2, 2])
     flow, force, flow_change, force_change = _led(m, R, p.time)
@@ -180,7 +175,7 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, wish, wish_rates_W, forc
         for k in range(rows):
             about = J[k, 0] * z[0] + J[k, 1] * z[1] + J[k, 2] * z[2]
             J[k, 0], J[k, 1], J[k, 2] = about * z[0], about * z[1], about * z[2]
-    second = _towards(m, R, wish, wish_rates_W, p.wish_time)
+    second = _towards(m, R, desired, p.wish_time)
     rates = minus(second, _damped_inverse(J, imbalance, rows, second))
     return times(dot(z, rates), z) if p.level else rates
 
@@ -224,14 +219,14 @@ def _worst_facet(normals, bounds, held_shares, force_ratio, wrench):
 
 
 @compiled
-def _towards(m, R, wish, wish_rates_W, wish_time):
+def _towards(m, R, desired, wish_time):
     """Turning rate, a 3-tuple [rad/s], body axes, to the attitude the mission asks for; how far it is off is kept."""
-    q = quaternion_from_matrix(R)
+    q, wish = quaternion_from_matrix(R), desired[0].quaternion
     error = quaternion_times((q[0], -q[1], -q[2], -q[3]), (wish[0], wish[1], wish[2], wish[3]))
     if error[0] < 0.0:
         error = (-error[0], -error[1], -error[2], -error[3])
     m.off = 2.0 * length(error[1:])
-    return plus(to_body(R, triple(wish_rates_W)), times(2.0 / wish_time, error[1:]))
+    return plus(to_body(R, triple(desired[0].rates)), times(2.0 / wish_time, error[1:]))
 
 
 @compiled

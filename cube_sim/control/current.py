@@ -33,10 +33,10 @@ class CurrentObserver:
     """
 
     def __init__(self, dynamics: Dynamics, time: float) -> None:
-        self._hull, self._time = dynamics.record, time
+        self._hull, self.time = dynamics.record, time
         slope = current_slope(self._hull, np.eye(3), QUIET * np.ones(3), QUIET * np.ones(3), (0.0, 0.0, 0.0))
         damping = float(np.median(np.abs(np.diag(slope))))
-        self._damping = max(damping, SLOWEST_DECAY * float(np.trace(dynamics.total_mass[:3, :3])) / 3.0)
+        self.damping = max(damping, SLOWEST_DECAY * float(np.trace(dynamics.total_mass[:3, :3])) / 3.0)
         self.estimate = np.zeros(3)
 
     def update(self, state: State, residual: Vector, dt: float) -> Vector:
@@ -49,8 +49,8 @@ class CurrentObserver:
         """
         observe_current(
             self._hull,
-            self._damping,
-            dt / self._time,
+            self.damping,
+            dt / self.time,
             self.estimate,
             state.rotation,
             state.velocity,

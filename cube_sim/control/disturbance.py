@@ -27,7 +27,7 @@ class DisturbanceObserver:
     """
 
     def __init__(self, dynamics: Dynamics, time: float) -> None:
-        self._hull, self._time = dynamics.record, time
+        self._hull, self.time = dynamics.record, time
         self.memory: Record = np.zeros(1, MEMORY)
 
     def update(self, state: State, applied: Vector, current: Vector, dt: float) -> Vector:
@@ -40,7 +40,7 @@ class DisturbanceObserver:
             dt: length of the tick [s].
         """
         observe_disturbance(
-            self._hull, self._time, self.memory, state.rotation, state.velocity, state.rates, applied, current, dt
+            self._hull, self.time, self.memory, state.rotation, state.velocity, state.rates, applied, current, dt
         )
         return np.array(self.memory["estimate"][0])
 

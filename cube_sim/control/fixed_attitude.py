@@ -12,6 +12,7 @@ class FixedAttitude:
     """One attitude in the world, q_WD (4,) wxyz."""
 
     def __init__(self, quaternion: Vector) -> None:
+        self.quaternion = quaternion
         self._desired = DesiredAttitude(quaternion, np.zeros(3))
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:

@@ -10,7 +10,7 @@ import numpy as np
 from cube_sim.control.loops import loop_wrench
 from cube_sim.control.oscillation_centre import levelled_turning
 from cube_sim.control.pace import LEAST_PACE, PaceDemand, in_range, is_allowed, largest_pace, wrench_at_pace
-from cube_sim.guidance.law import path_turning
+from cube_sim.guidance.view_record import path_turning
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import (
     cross_tuples,
@@ -29,17 +29,6 @@ from cube_sim.tuples import (
 )
 from cube_sim.vehicle.laws.hull_motion import inverse_dynamics, steady_wrench
 
-MEMORY = np.dtype(
-    [
-        ("force", np.float64, 3),
-        ("velocity", np.float64, 3),
-        ("torque", np.float64, 3),
-        ("asked", np.float64, 6),
-        ("has_asked", np.bool_),
-    ]
-)
-"""What the law remembers: the force [N] (world axes) and torque [N m] (body axes) an attitude may point, the velocity
-asked for [m/s] (world axes) and the wrench asked of the thrusters [N, N m] (body axes)."""
 FOLLOWED = np.dtype(
     [
         ("wrench", np.float64, 6),
@@ -70,14 +59,10 @@ def follow(
     w,
     velocity_W,
     acceleration_W,
-    q_d,
-    w_d_W,
+    desired,
     disturbance,
     current_W,
-    frame,
-    target_speed,
-    k1,
-    k2,
+    view,
     applied,
     force_ratio,
     most_rest,
@@ -94,7 +79,7 @@ def follow(
         normals: of `ForceBudget`, like the next two; empty for none.
         bounds: of it.
         held_shares: of it.
-        memory: record `MEMORY`, moved on.
+        memory: record of `cube_sim.control.asked.MEMORY`, moved on.
         answer: record `FOLLOWED`, filled.
         R: R_WB (3,3).
         q: the same attitude (4,).
@@ -102,14 +87,10 @@ def follow(
         w: (3,) [rad/s], body axes.
         velocity_W: desired (3,) [m/s], world axes.
         acceleration_W: desired (3,) [m/s^2], world axes.
-        q_d: desired attitude (4,).
-        w_d_W: its angular velocity (3,) [rad/s], world axes.
+        desired: record of `cube_sim.control.attitude_mode.DESIRED`.
         disturbance: estimate (6,) [N, N m], body axes.
         current_W: estimate (3,) [m/s], world axes.
-        frame: R_WF (3,3) of the path at the target.
-        target_speed: s' [m/s].
-        k1: curvature of the path at the target [1/m].
-        k2: its second one [1/m].
+        view: record of `cube_sim.guidance.view_record.VIEW`; a target that stands still has no speed.
         applied: wrench (6,) allocated over the tick before.
         force_ratio: share of their force that the supply leaves the thrusters.
         most_rest: how much of a force that could not be made is asked for again [N].
@@ -120,13 +101,14 @@ def follow(
     m, k, out = memory[0], loops[0], answer[0]
     rates, speed, flow = triple(w), triple(v), triple(current_W)
     unknown = sextuple(disturbance)
-    quaternion, wanted_attitude = (q[0], q[1], q[2], q[3]), (q_d[0], q_d[1], q_d[2], q_d[3])
-    velocity, wanted_rates = triple(velocity_W), triple(w_d_W)
+    wanted = desired[0].quaternion
+    quaternion, wanted_attitude = (q[0], q[1], q[2], q[3]), (wanted[0], wanted[1], wanted[2], wanted[3])
+    velocity, wanted_rates = triple(velocity_W), triple(desired[0].rates)
     acceleration = triple(acceleration_W)
     tau, v_ref, w_ref, angle = loop_wrench(
         hull, loops, R, quaternion, speed, rates, velocity, acceleration, wanted_attitude, wanted_rates, flow
     )
-    turning = path_turning(frame, target_speed, k1, k2)
+    turning, frame = path_turning(view), view[0].frame
     pace, enough = 1.0, True
     pointed = minus6(tau, unknown)
     if budgeted:

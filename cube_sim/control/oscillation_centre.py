@@ -12,7 +12,7 @@ from math import inf
 import numpy as np
 
 from cube_sim.control.levelling import levelling_spin
-from cube_sim.guidance.law import path_turning
+from cube_sim.guidance.view_record import path_turning
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import cross_tuples, minus, plus, times, to_body, to_world, triple
 
@@ -38,7 +38,7 @@ def levelled_turning(frame, turning):
 
 
 @compiled
-def watch_centre(left, memory, R, w, frame, target_speed, k1, k2, dt, velocity_time):
+def watch_centre(left, memory, R, w, view, dt, velocity_time):
     """Move on what is known of the centre of oscillation.
 
     Turning with the path is no push: the hull keeps its attitude to it. The shift of a hull that no longer turns is
@@ -49,16 +49,23 @@ def watch_centre(left, memory, R, w, frame, target_speed, k1, k2, dt, velocity_t
         memory: record `CENTRE`, moved on.
         R: R_WB (3,3).
         w: (3,) [rad/s], body axes.
-        frame: R_WF (3,3) of the path at the target.
-        target_speed: s' [m/s].
-        k1: curvature of the path at the target [1/m].
-        k2: its second one [1/m].
+        view: record of `cube_sim.guidance.view_record.VIEW`; a target that stands still has no speed.
         dt: [s].
         velocity_time: of the velocity loop [s].
     """
-    turning = levelled_turning(frame, path_turning(frame, target_speed, k1, k2))
+    turning = levelled_turning(view[0].frame, path_turning(view))
     pushed = to_world(R, to_world(left[0].dragged, minus(triple(w), to_body(R, turning))))
     for i in range(3):
         leaving = pushed[i] - memory[0].shift[i] / (FORGETTING * velocity_time)
         memory[0].shift[i] += dt * leaving
         memory[0].pushed[i], memory[0].leaving[i] = pushed[i], leaving
+
+
+@compiled
+def see_centre(view, memory):
+    """Turn a vehicle's view (record `cube_sim.guidance.view_record.VIEW`) into that of its centre of oscillation."""
+    w, m = view[0], memory[0]
+    shift, leaving = to_body(w.frame, triple(m.shift)), to_body(w.frame, triple(m.leaving))
+    for i in range(3):
+        w.error[i] -= shift[i]
+        w.velocity[i] -= leaving[i]

@@ -28,8 +28,10 @@ LEAST_PACE = 0.25
 HALVINGS = 5
 """Steps of bisection between two of them."""
 
-NO_BUDGET: tuple[Matrix, Vector, Vector] = (np.zeros((0, 6)), np.zeros(0), np.zeros(0))
-"""Normals, bounds and held shares of `ForceBudget` where none are known."""
+Facets = tuple[Matrix, Vector, Vector]
+"""Normals, bounds and held shares of `ForceBudget`."""
+NO_BUDGET: Facets = (np.zeros((0, 6)), np.zeros(0), np.zeros(0))
+"""Where none are known."""
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cube_sim.control.attitude_mode import AttitudeMode, Situation
+from cube_sim.control.asked import MEMORY
+from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Authority, Capability, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
+from cube_sim.control.compiled_parts import compiled_parts
 from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
-from cube_sim.control.following import FOLLOWED, MEMORY, follow
+from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, watch_centre
 from cube_sim.control.pace import NO_BUDGET
@@ -20,6 +22,7 @@ from cube_sim.control.priority import split_path_first
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
+from cube_sim.guidance.view_record import record_of, view_of
 from cube_sim.spatial import Record, State, Vector
 
 SLOWER = 3.0
@@ -84,6 +87,7 @@ class PathFollower:
         budget = left.budget
         self._left = left.record(self.loops.dynamics.total_mass)
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
+        self._dragged = bool(self._left["dragged"].any())
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self._monitor.restart()
@@ -96,6 +100,9 @@ class PathFollower:
             self._loops = replace(self.loops, velocity_time=slower)
             if isinstance(self.approach, Approach):
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
+        self._compiled = compiled_parts(
+            self, self._approach, self._loops.record, self._left, self._budget, self._dragged
+        )
 
     def view(self, state: State) -> TargetView:
         """See `Controller.view`."""
@@ -103,40 +110,22 @@ class PathFollower:
 
     def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """See `Controller.decide`."""
-        view = self.view(state)
+        seen = self._seen(state)
+        view = self.view(state) if seen is None else view_of(seen)
         goal = self._safe_mode_goal(state, view, dt)
-        motion = self._motion(state, view, goal, dt)
-        disturbance, current = self._unknowns(state, applied, dt)
-        attitude = self._mode(state).attitude(self._situation(state, view, current, force_ratio), dt)
+        mode = self._mode(state)
         followed = np.zeros(1, FOLLOWED)
-        budgeted = self.capability.budget is not None
-        follow(
-            self.loops.dynamics.record,
-            self._loops.record,
-            self._left,
-            *self._budget,
-            self.memory,
-            followed,
-            state.rotation,
-            state.quaternion,
-            state.velocity,
-            state.rates,
-            *motion,
-            *attitude,
-            disturbance,
-            current,
-            np.ascontiguousarray(view.point.rotation),
-            view.speed if goal is None else 0.0,
-            *view.point.curvature,
-            applied,
-            force_ratio,
-            self.most_rest,
-            budgeted,
-            goal is None and self.waits and isinstance(self._approach, Approach),
-            self._balanced is not None,
-        )
+        if seen is not None and goal is None and self._compiled is not None:
+            quaternion = self._compiled.answer(self, self._balanced, seen, followed, state, applied, dt, force_ratio)
+            disturbance, current = self._estimates()
+        else:
+            motion = self._motion(state, view, goal, dt)
+            disturbance, current = self._unknowns(state, applied, dt)
+            attitude = mode.attitude(self._situation(state, view, current, force_ratio), dt)
+            quaternion = attitude.quaternion
+            self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
         answer = followed[0]
-        if budgeted:
+        if self.capability.budget is not None:
             self._watch_shortage(bool(answer["enough"]), dt)
         if goal is None:
             self.target.advance(view.speed, dt)
@@ -149,22 +138,71 @@ class PathFollower:
             remaining=view.remaining,
             velocity=answer["velocity"],
             rates=answer["rates"],
-            quaternion=attitude.quaternion,
+            quaternion=quaternion,
             attitude_error=float(answer["attitude_error"]),
             authority=self.capability.authority if goal is None else Authority.SAFE,
             pace=float(answer["pace"]),
             given_up="" if goal is None else goal.reason,
         )
 
+    def _seen(self, state: State) -> Record | None:
+        """The view as compiled laws read it; None from a target that only Python asks."""
+        seen = getattr(self.target, "seen", None)
+        return None if seen is None else seen(state.position, state.rotation @ state.velocity)
+
+    def _estimates(self) -> tuple[Vector, Vector]:
+        """The disturbance and the current as they are estimated."""
+        flow, observer = self.current_observer, self.observer
+        current = np.zeros(3) if flow is None else flow.estimate.copy()
+        return np.zeros(6) if observer is None else observer.memory["estimate"][0].copy(), current
+
+    def _follow(
+        self,
+        followed: Record,
+        state: State,
+        view: TargetView,
+        goal: SafeModeGoal | None,
+        motion: DesiredMotion,
+        attitude: DesiredAttitude,
+        disturbance: Vector,
+        current: Vector,
+        applied: Vector,
+        force_ratio: float,
+    ) -> None:
+        """The law itself, its answer into `followed`."""
+        desired = np.zeros(1, DESIRED)
+        desired[0] = tuple(attitude)
+        follow(
+            self.loops.dynamics.record,
+            self._loops.record,
+            self._left,
+            *self._budget,
+            self.memory,
+            followed,
+            state.rotation,
+            state.quaternion,
+            state.velocity,
+            state.rates,
+            *motion,
+            desired,
+            disturbance,
+            current,
+            record_of(view if goal is None else view._replace(speed=0.0)),
+            applied,
+            force_ratio,
+            self.most_rest,
+            self.capability.budget is not None,
+            goal is None and self.waits and isinstance(self._approach, Approach),
+            self._balanced is not None,
+        )
+
     def _motion(self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float) -> DesiredMotion:
         """The desired motion of the hull, or of its centre of oscillation where turning pushes it."""
-        if not self._left["dragged"].any():
+        if not self._dragged:
             return self._approach.motion(view) if goal is None else goal.motion(state.position)
         R, time = np.ascontiguousarray(view.point.rotation), self._loops.velocity_time
-        target_speed = view.speed if goal is None else 0.0
-        watch_centre(
-            self._left, self.centre, state.rotation, state.rates, R, target_speed, *view.point.curvature, dt, time
-        )
+        moving = record_of(view if goal is None else view._replace(speed=0.0))
+        watch_centre(self._left, self.centre, state.rotation, state.rates, moving, dt, time)
         shift, pushed, leaving = self.centre[0]
         if goal is None:
             seen = view._replace(error=view.error - shift @ R, velocity=view.velocity - leaving @ R)

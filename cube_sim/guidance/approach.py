@@ -7,7 +7,7 @@ from math import cos, hypot, inf, sin, tanh
 import numpy as np
 
 from cube_sim.guidance.law import DesiredMotion, TargetView
-from cube_sim.guidance.speed import SpeedProfile
+from cube_sim.guidance.speed import Parts, SpeedProfile
 from cube_sim.guidance.view_record import record_of
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record
@@ -44,6 +44,11 @@ class Approach:
         """Desired velocity and its derivative, for a vehicle seen from the target."""
         speed, slope = self._profile.at(view.arc_length)
         return DesiredMotion(*approach_motion(record_of(view), self.record, speed, slope))
+
+    @property
+    def speed_parts(self) -> Parts | None:
+        """Of its profile; None for one that only Python reads."""
+        return getattr(self._profile, "parts", None)
 
     @property
     def record(self) -> Record:

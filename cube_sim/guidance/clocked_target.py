@@ -12,7 +12,7 @@ from cube_sim.guidance.path_record import path_numbers
 from cube_sim.guidance.speed import SpeedProfile
 from cube_sim.guidance.view_record import VIEW, see, view_of
 from cube_sim.native.compiled import compiled
-from cube_sim.spatial import Vector
+from cube_sim.spatial import Record, Vector
 
 
 class ClockedTarget:
@@ -37,6 +37,13 @@ class ClockedTarget:
         """What it runs along."""
         return self._path
 
+    def seen(self, position: Vector, velocity_W: Vector) -> Record:
+        """`view` as compiled laws read it, (1,) of `cube_sim.guidance.view_record.VIEW`."""
+        view, s, last = np.zeros(1, VIEW), self.arc_length, self._last
+        row, speed = path_numbers(self._path, min(s, last)), self._profile.at(s).value
+        see_from_clocked_target(view, row, s, last, speed, position, velocity_W)
+        return view
+
     def view(self, position: Vector, velocity_W: Vector) -> TargetView:
         """The vehicle in the target's frame; the target's speed does not depend on it. `remaining` < 0 past the end.
 
@@ -44,10 +51,7 @@ class ClockedTarget:
             position: p_WB (3,) [m].
             velocity_W: velocity over ground (3,) [m/s], world axes.
         """
-        view, s, last = np.zeros(1, VIEW), self.arc_length, self._last
-        row, speed = path_numbers(self._path, min(s, last)), self._profile.at(s).value
-        see_from_clocked_target(view, row, s, last, speed, position, velocity_W)
-        return view_of(view)
+        return view_of(self.seen(position, velocity_W))
 
     def advance(self, speed: float, dt: float) -> None:
         """Move on for dt [s]: two terms of the series of s(t), exact for a speed that changes evenly in time."""

@@ -10,9 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 from cube_sim.guidance.path import PathPoint
-from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector
-from cube_sim.tuples import minus, times
 
 
 class TargetView(NamedTuple):
@@ -72,10 +70,3 @@ class MotionLaw(Protocol):
     def motion(self, view: TargetView) -> DesiredMotion:
         """Desired velocity and its derivative along the present motion."""
         ...
-
-
-@compiled
-def path_turning(frame, target_speed, k1, k2):
-    """How fast the path frame turns with the target, a 3-tuple [rad/s], world axes: s' [0, -k2, k1] about its axes."""
-    N1, N2 = (frame[0, 1], frame[1, 1], frame[2, 1]), (frame[0, 2], frame[1, 2], frame[2, 2])
-    return times(target_speed, minus(times(k1, N2), times(k2, N1)))

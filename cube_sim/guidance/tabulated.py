@@ -49,7 +49,8 @@ class TabulatedPath:
         record = np.zeros(1, PATH)
         record["kind"], record["closed"], record["length"] = TABLE, closed, self.length
         record["holonomy"] = atan2(end_frame[:, 1] @ N2, end_frame[:, 1] @ N1) if closed else 0.0
-        self.parts: Parts = (record, *(np.ascontiguousarray(part) for part in cells))
+        edges, position, angle, frame = (np.ascontiguousarray(part) for part in cells)
+        self.parts: Parts = (record, edges, position, angle, frame)
 
     def at(self, s: float) -> PathPoint:
         """The path at arc length s [m]."""

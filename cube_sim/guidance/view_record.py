@@ -8,6 +8,7 @@ from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import point_of_row
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record
+from cube_sim.tuples import minus, times
 
 VIEW = np.dtype(
     [
@@ -45,6 +46,14 @@ def see(view, row, arc_length, remaining, position, velocity_W):
             w.frame[i, j] = row[3 + 3 * i + j]
             w.error[j] += (position[i] - row[i]) * w.frame[i, j]
             w.velocity[j] += velocity_W[i] * w.frame[i, j]
+
+
+@compiled
+def path_turning(view):
+    """How fast the path frame turns with the target, a 3-tuple [rad/s], world axes: s' [0, -k2, k1] about its axes."""
+    w = view[0]
+    N1, N2 = (w.frame[0, 1], w.frame[1, 1], w.frame[2, 1]), (w.frame[0, 2], w.frame[1, 2], w.frame[2, 2])
+    return times(w.speed, minus(times(w.row[12], N2), times(w.row[13], N1)))
 
 
 def view_of(record: Record) -> TargetView:

@@ -45,6 +45,12 @@ class VirtualTarget:
         """What it runs along."""
         return self._path
 
+    def seen(self, position: Vector, velocity_W: Vector) -> Record:
+        """`view` as compiled laws read it, (1,) of `cube_sim.guidance.view_record.VIEW`."""
+        view, s = np.zeros(1, VIEW), self.arc_length
+        see_from_virtual_target(view, self.record, path_numbers(self._path, s), s, position, velocity_W)
+        return view
+
     def view(self, position: Vector, velocity_W: Vector) -> TargetView:
         """The vehicle in the target's frame, and the target's speed that follows.
 
@@ -52,9 +58,7 @@ class VirtualTarget:
             position: p_WB (3,) [m].
             velocity_W: velocity over ground (3,) [m/s], world axes.
         """
-        view, s = np.zeros(1, VIEW), self.arc_length
-        see_from_virtual_target(view, self.record, path_numbers(self._path, s), s, position, velocity_W)
-        return view_of(view)
+        return view_of(self.seen(position, velocity_W))
 
     def advance(self, speed: float, dt: float) -> None:
         """Move the target for dt [s] at s' = speed [m/s], never past an end of its run."""

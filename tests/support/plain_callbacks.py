@@ -93,7 +93,7 @@ _TYPES = SimpleNamespace(
 _NUMBA = SimpleNamespace(njit=_as_it_is, cfunc=_as_it_is, types=_TYPES)
 
 
-_PLAIN = ("cube_sim.tuples", "cube_sim.vehicle.laws.", "cube_sim.control.")
+_PLAIN = ("cube_sim.tuples", "cube_sim.vehicle.laws.", "cube_sim.guidance.", "cube_sim.control.")
 """How the names of modules begin that are executed once more when another of them imports them."""
 
 
@@ -120,7 +120,7 @@ class _Plain:
 
     def _import(self, name, globals_=None, locals_=None, fromlist=(), level=0):
         if name not in self._modules and name.startswith(
-            ("cube_sim.tuples", "cube_sim.vehicle.laws.", "cube_sim.control.")
+            ("cube_sim.tuples", "cube_sim.vehicle.laws.", "cube_sim.guidance.", "cube_sim.control.")
         ):
             self.module(name)
         if name in self._modules:

@@ -1,0 +1,140 @@
+"""What a `PathFollower` is made of, ready for one compiled call a tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cube_sim.control.along_path import MEMORY as SIDE
+from cube_sim.control.along_path import AlongPath
+from cube_sim.control.answering import SETTINGS, answer
+from cube_sim.control.attitude_mode import DESIRED
+from cube_sim.control.balanced_attitude import BalancedAttitude
+from cube_sim.control.balancing import BALANCE
+from cube_sim.control.balancing import MEMORY as BALANCED
+from cube_sim.control.disturbance import MEMORY as DISTURBANCE
+from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.guidance.approach import APPROACH, Approach
+from cube_sim.guidance.law import MotionLaw
+from cube_sim.guidance.pursuit import PURSUIT, Pursuit
+from cube_sim.guidance.speed import Parts
+from cube_sim.spatial import Record, State, Vector
+
+if TYPE_CHECKING:
+    from cube_sim.control.pace import Facets
+    from cube_sim.control.path_follower import PathFollower
+
+
+@dataclass(frozen=True)
+class CompiledParts:
+    """Arguments of `answer` that stay while the thrusters do.
+
+    Attributes:
+        settings: record `SETTINGS`.
+        law: hull, loops, what is left, normals, bounds and held shares.
+        speed: of the profile.
+        approach: record `APPROACH`.
+        pursuit: record `PURSUIT`.
+        side: memory of the attitude along the path.
+        disturbance: memory of the observer.
+        current: (3,) the estimate.
+    """
+
+    settings: Record
+    law: tuple[Record, Record, Record, Vector, Vector, Vector]
+    speed: Parts
+    approach: Record
+    pursuit: Record
+    side: Record
+    disturbance: Record
+    current: Vector
+
+    def answer(
+        self,
+        follower: PathFollower,
+        balanced: BalancedAttitude | None,
+        seen: Record,
+        followed: Record,
+        state: State,
+        applied: Vector,
+        dt: float,
+        force_ratio: float,
+    ) -> Vector:
+        """One tick, its answer into `followed`; returns the desired attitude (4,)."""
+        desired = np.zeros(1, DESIRED)
+        self.settings["balanced"] = balanced is not None
+        answer(
+            self.settings,
+            *self.law,
+            *self.speed,
+            self.approach,
+            self.pursuit,
+            NOT_BALANCED if balanced is None else balanced.parameters,
+            self.disturbance,
+            self.current,
+            self.side,
+            NEVER_BALANCED if balanced is None else balanced.memory,
+            follower.centre,
+            follower.memory,
+            seen,
+            desired,
+            followed,
+            state.rotation,
+            state.quaternion,
+            state.velocity,
+            state.rates,
+            applied,
+            dt,
+            force_ratio,
+        )
+        return desired["quaternion"][0]
+
+
+NOT_BALANCED, NEVER_BALANCED = np.zeros(1, BALANCE), np.zeros(1, BALANCED)
+
+
+def compiled_parts(
+    follower: PathFollower, approach: MotionLaw, loops: Record, left: Record, budget: Facets, dragged: bool
+) -> CompiledParts | None:
+    """The parts of a follower; None where one of them is not of a kind that compiled laws read.
+
+    Args:
+        follower: whose memories they share.
+        approach: the motion law it flies by now.
+        loops: record of the loops it flies by now.
+        left: record of what the thrusters can still do.
+        budget: what they can make.
+        dragged: whether turning drags the hull along.
+    """
+    mode = follower.attitude
+    if type(mode) not in (AlongPath, FixedAttitude) or type(approach) not in (Approach, Pursuit):
+        return None
+    speed: Parts | None = approach.speed_parts  # type: ignore[attr-defined]
+    if speed is None:
+        return None
+    observer, flow = follower.observer, follower.current_observer
+    settings = np.zeros(1, SETTINGS)
+    settings["pursuit"] = isinstance(approach, Pursuit)
+    settings["dragged"], settings["budgeted"] = dragged, follower.capability.budget is not None
+    settings["waits"] = follower.waits and isinstance(approach, Approach)
+    settings["most_rest"] = follower.most_rest
+    if observer is not None:
+        settings["disturbance_time"] = observer.time
+        if flow is not None:
+            settings["current_time"], settings["current_damping"] = flow.time, flow.damping
+    if isinstance(mode, FixedAttitude):
+        settings["fixed"], settings["attitude"] = True, mode.quaternion
+    elif isinstance(mode, AlongPath):
+        settings["levelling_time"] = mode.levelling_time
+    return CompiledParts(
+        settings=settings,
+        law=(follower.loops.dynamics.record, loops, left, *budget),
+        speed=speed,
+        approach=approach.record if isinstance(approach, Approach) else np.zeros(1, APPROACH),
+        pursuit=approach.record if isinstance(approach, Pursuit) else np.zeros(1, PURSUIT),
+        side=mode.memory if isinstance(mode, AlongPath) else np.zeros(1, SIDE),
+        disturbance=np.zeros(1, DISTURBANCE) if observer is None else observer.memory,
+        current=np.zeros(3) if flow is None else flow.estimate,
+    )
