@@ -88,6 +88,10 @@ class Allocator:
         unattainable: see `Unattainable`.
         reversal_penalty: cost of pushing against the side a thruster last pushed to [N^2].
         switching_penalty: cost of a thruster starting from rest or coming to rest [N^2].
+        dwell_calls: calls a thruster keeps a side up to which the penalties count in full. From then on they fall in
+            proportion: how long a change will last is not known, and is taken to be as long as the last one has. A
+            change that saves the same at every call is then made when it would have saved its penalty
+            ``dwell_calls`` times. None: they count in full for ever.
         change_limit: most a thruster's force may change in one call [N], the dead zone not counted: a reversal is
             walked through the zone's edges. A small limit delays what is made without one and never locks it: a demand
             that stays is met after the fewest calls possible, see `FewestCalls`. None: no limit.
@@ -113,6 +117,7 @@ class Allocator:
         unattainable: Unattainable = "closest",
         reversal_penalty: float = 0.0,
         switching_penalty: float = 0.0,
+        dwell_calls: float | None = None,
         change_limit: float | None = None,
         method: Method = "search+proxqp",
         length_m: float | None = None,
@@ -137,6 +142,7 @@ class Allocator:
         self.unattainable = one_of("unattainable", unattainable, get_args(Unattainable))
         self.reversal_penalty = scalar("reversal_penalty", reversal_penalty)
         self.switching_penalty = scalar("switching_penalty", switching_penalty)
+        self.dwell_calls = inf if dwell_calls is None else scalar("dwell_calls", dwell_calls, positive=True)
         self.change_limit = inf if change_limit is None else scalar("change_limit", change_limit, positive=True)
         self.length_m = scalar("length_m", lever_arm(self.A, axes) if length_m is None else length_m, positive=True)
         largest = float(np.max(np.abs(self.limits)))
@@ -163,6 +169,7 @@ class Allocator:
             targets,
             reversal_penalty=self.reversal_penalty,
             switching_penalty=self.switching_penalty,
+            dwell_calls=self.dwell_calls,
             change_limit=self.change_limit,
             tolerance=self.tolerance_N,
             length_m=self.length_m,
@@ -183,15 +190,16 @@ class Allocator:
         same = "allow_off", "objective", "weights", "wrench_weights", "unattainable", "reversal_penalty"
         same += "switching_penalty", "method", "length_m", "tolerance_N"
         options = {name: getattr(self, name) for name in same} | self._preferred
-        options["change_limit"] = None if self.change_limit == inf else self.change_limit
+        for name in ("dwell_calls", "change_limit"):
+            options[name] = None if getattr(self, name) == inf else getattr(self, name)
         return partial(Allocator, **options), (self.A, self.limits), self.memory()
 
     def __setstate__(self, state: tuple[NDArray[np.float64], Effort]) -> None:
-        """Go on from a copy's previous answer (5, m) and effort."""
+        """Go on from a copy's previous answer (6, m) and effort."""
         self.recall(state)
 
     def memory(self) -> tuple[NDArray[np.float64], Effort]:
-        """The previous answer (5, m) and the effort so far, for `recall`."""
+        """The previous answer (6, m) and the effort so far, for `recall`."""
         return self._previous.copy(), replace(self.effort)
 
     def recall(self, memory: tuple[NDArray[np.float64], Effort]) -> None:
@@ -225,7 +233,7 @@ class Allocator:
         t = self._problem
         force = np.clip(previous.force, t.low[at], t.high[at])
         travel = np.where(t.low[at] <= t.high[at], force - t.edge[at], 0.0)
-        self._previous[HISTORY] = previous.subset, previous.push, travel
+        self._previous[HISTORY] = previous.subset, previous.push, travel, np.ones(len(travel))
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench.

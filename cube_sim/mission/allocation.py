@@ -13,6 +13,9 @@ from cube_sim.allocation.protocol import WrenchAllocator
 from cube_sim.scenario import Scenario
 from cube_sim.vehicle.vehicle import Vehicle
 
+DWELL_S = 1.0
+"""Time on one side up to which a penalty counts in full [s]: it is the price of what saves as many N^2 for so long."""
+
 
 def allocator_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
     """Wrench to thruster forces, as the `allocation` block says, by the matrix the controller believes in."""
@@ -29,6 +32,7 @@ def allocator_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
                 "unattainable": block.unattainable,
                 "reversal_penalty": block.reversal_penalty_N2,
                 "switching_penalty": block.switching_penalty_N2,
+                "dwell_calls": DWELL_S / scenario.control_period_s,
                 "change_limit": block.change_limit_N,
             }
             if block.thruster_weights is not None:

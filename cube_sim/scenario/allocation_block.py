@@ -60,10 +60,14 @@ class AllocationBlock(Block):
         "onto its very edge would never start.",
     )
     reversal_penalty_N2: Penalty = Field(  # noqa: N815 - N is the newton
-        default=0.0, description="Cost of one thruster changing side [N^2]."
+        default=0.0,
+        description="Cost of one thruster changing side [N^2], divided by the seconds for which it has kept its side, "
+        "one at least. A change that saves s N^2 of the objective for good is so made after penalty / s seconds, and "
+        "at once where s is more than the penalty.",
     )
     switching_penalty_N2: Penalty = Field(  # noqa: N815 - N is the newton
-        default=0.0, description="Cost of one thruster starting from rest or coming to rest [N^2]."
+        default=0.0,
+        description="Cost of one thruster starting from rest or coming to rest [N^2], divided likewise.",
     )
     change_limit_N: float | None = Field(  # noqa: N815 - N is the newton
         default=None,

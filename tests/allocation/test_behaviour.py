@@ -77,16 +77,18 @@ def test_the_penalty_remembers_through_rest():
 
 
 @pytest.mark.flight
+@pytest.mark.parametrize("dwell_calls", [None, 2])
 @pytest.mark.parametrize("objective", ["energy", "reactivity_by_side"])
-def test_switching_penalty_is_part_of_the_optimum(objective):
+def test_switching_penalty_is_part_of_the_optimum(objective, dwell_calls):
     """Cost with prices of starts, stops and reversals against all 3^4 subsets, and decisions it did change."""
     A, start_stop, reversal = jack(), 40.0, 150.0
     limits = np.tile([-30.0, -3.0, 4.0, 30.0], (4, 1))
     extra = {} if objective == "energy" else {"reactivity": [-8.0, 9.0]}
     allocator = Allocator(
-        A, limits, objective=objective, switching_penalty=start_stop, reversal_penalty=reversal, **extra
-    )
-    last, push = np.zeros(4), np.zeros(4)
+        A, limits, objective=objective, switching_penalty=start_stop, reversal_penalty=reversal,
+        dwell_calls=dwell_calls, **extra,
+    )  # fmt: skip
+    last, push, held, longest = np.zeros(4), np.zeros(4), np.zeros(4), 0
     changed = exact = 0
     for wrench in np.random.default_rng(9).normal(size=(30, 3)) * [10, 3, 3]:
         answer = allocator.allocate(wrench)
@@ -96,7 +98,8 @@ def test_switching_penalty_is_part_of_the_optimum(objective):
             target = np.zeros(4) if objective == "energy" else np.choose(side + 1, [-8.0, 0.0, 9.0])
             solved = least_cost(A, np.column_stack([low, high, low, high]), False, wrench, target=target)
             if solved is not None:
-                price = start_stop * np.sum((side == 0) != (last == 0)) + reversal * np.sum(side * push < 0)
+                share = np.ones(4) if dwell_calls is None else np.minimum(1.0, dwell_calls / np.maximum(held, 1))
+                price = start_stop * share @ ((side == 0) != (last == 0)) + reversal * share @ (side * push < 0)
                 plain, best = min(plain, solved[0]), min(best, solved[0] + price)
         assert (answer.status == Status.EXACT) == (best < np.inf)
         if answer.status == Status.EXACT:
@@ -104,8 +107,11 @@ def test_switching_penalty_is_part_of_the_optimum(objective):
             target = 0.0 if objective == "energy" else np.choose(answer.subset + 1, [-8.0, 0.0, 9.0])
             changed += np.sum((answer.force - target) ** 2) > plain * (1 + 1e-6) + 1e-6
             exact += 1
+        kept = answer.subset == last
+        held, longest = np.where(kept, held + 1, 1), max(longest, held.max())
         last, push = answer.subset, np.where(answer.subset != 0, answer.subset, push)
     assert changed > 3
+    assert longest > 4
     assert exact > 15
 
 
@@ -119,6 +125,27 @@ def test_a_second_thruster_does_not_come_and_go_at_the_edge_of_its_dead_zone():
 
     assert switches(0.0) == 39
     assert switches(50.0) == 0  # more than the 8.3^2 - 2 * 4.15^2 = 34 N^2 that a second thruster saves
+
+
+@pytest.mark.parametrize("method", ["search", "enumerate"])
+@pytest.mark.parametrize("penalty", [50.0, 64.0, 340.0])
+def test_a_thruster_starts_when_staying_at_rest_has_cost_as_much(penalty, method):
+    """A second thruster saves 8.3^2 - 2 * 4.15^2 = 34 N^2 a call: without `dwell_calls` it never starts."""
+    rows, limits, saved = [[1.0, 1.0], [0, 0], [0, 0]], [-30, -4, 4, 30], 8.3**2 - 2 * 4.15**2
+    for dwell_calls, calls in ((None, np.inf), (5.0, 5.0 * penalty / saved)):
+        allocator = Allocator(rows, limits, switching_penalty=penalty, dwell_calls=dwell_calls, method=method)
+        for _ in range(3):
+            allocator.allocate([7.7, 0, 0])  # which one of them makes
+        rests = [int(np.sum(allocator.allocate([8.3, 0, 0]).subset == 0)) for _ in range(60)]
+        alone = 3 + np.sum(rests)
+        assert alone == (63 if calls == np.inf else np.floor(calls) + 1)
+        assert rests == sorted(rests, reverse=True)
+
+
+def test_a_second_thruster_comes_and_goes_no_more_often_than_it_pays():
+    allocator = Allocator([[1.0, 1.0], [0, 0], [0, 0]], [-30, -4, 4, 30], switching_penalty=170.0, dwell_calls=10)
+    running = np.array([allocator.allocate([demand, 0, 0]).subset != 0 for demand in (8.3, 7.7) * 200])
+    assert 8 < int(np.sum(running[1:] != running[:-1])) <= 2 * 400 / (10 * 170.0 / 34.4)
 
 
 @pytest.mark.parametrize("nonsense", [np.nan, np.inf, -np.inf])
@@ -178,6 +205,7 @@ def test_one_sided_and_fixed_thrusters():
         ({"wrench_weights": [1, 1, np.nan]}, "finite"),
         ({"reversal_penalty": -1.0}, "must be >= 0"),
         ({"switching_penalty": -1.0}, "switching_penalty is -1.0; it must be >= 0"),
+        ({"dwell_calls": 0.0}, r"dwell_calls is \[0.0\]; every entry must be finite and > 0"),
         ({"tolerance_N": 0.0}, "> 0"),
         ({"tolerance_N": 1e-30}, "tolerance_N is 1e-30; forces of 50 N need 5e-09 at least"),
         ({"A": jack() * 1e160}, r"the actuation matrix holds 9.66e\+159; numbers beyond 1e\+30 leave double precision"),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from support.places import HELIX
 
+import cube_sim
 from cube_sim.allocation import Allocator, Health
 from cube_sim.allocation.options import BaselineMethod
 from cube_sim.errors import ScenarioError
@@ -56,6 +57,20 @@ def test_a_mistake_is_named_at_its_place(changes, message):
     with pytest.raises(ScenarioError, match=message) as refused:
         prepare(load(HELIX, {f"allocation.{key}": value for key, value in changes.items()}))
     assert len(refused.value.mistakes) == 1
+
+
+@pytest.mark.flight
+def test_a_penalty_is_not_paid_for_again_at_every_tick(tmp_path):
+    """At 0.12 m/s the thrusters work near their dead zones, and an arrangement that saves 25 N^2 saves it for long."""
+    square, changes = {}, {}
+    for penalty in (0.0, 64.0):
+        keys = {**dict.fromkeys(PLAIN, penalty), "guidance.speed_m_s": 0.12, "duration_s": 60.0}
+        force = cube_sim.run(HELIX, keys, out=tmp_path / f"{penalty:g}").signals["thrusters.force_demanded"]
+        settled = force[force[:, 0] > 40.0, 1:]
+        square[penalty] = np.mean(np.sum(settled**2, axis=1))
+        changes[penalty] = np.count_nonzero(np.diff(np.sign(settled), axis=0)) / (8 * 20.0 / 60.0)
+    assert square[64.0] < 1.1 * square[0.0]
+    assert changes[64.0] < 0.05 * changes[0.0]
 
 
 @pytest.mark.parametrize("method", get_args(BaselineMethod))

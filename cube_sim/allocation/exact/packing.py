@@ -25,11 +25,19 @@ def pack(problem: AllocationProblem, closest: ClosestWrenchData, previous: NDArr
     Args:
         problem: of the vehicle.
         closest: of the vehicle.
-        previous: (5, m), copied to the end.
+        previous: (6, m), copied to the end.
     """
     p, solutions, metric = problem, problem.solutions, closest.metric
     n, m = p.A.shape
-    numbers = p.reversal_penalty, p.switching_penalty, p.change_limit, p.tolerance, p.hidden, p.largest_wrench
+    numbers = (
+        p.reversal_penalty,
+        p.switching_penalty,
+        p.dwell_calls,
+        p.change_limit,
+        p.tolerance,
+        p.hidden,
+        p.largest_wrench,
+    )
     rows = p.error_scale, p.weights, p.masks.view(np.float64)
     matrices = p.A, solutions.particular, solutions.null_space, solutions.equations, solutions.outside_range, p.plane
     sides = p.low, p.high, p.penalty, p.edge, p.targets, p.relaxed
@@ -47,8 +55,8 @@ def unpack(packed: NDArray[np.float64]) -> AllocationProblem:
     """The problem, its arrays as views of the packed numbers."""
     header, real = cut(packed, 0, (HEADER,), np.int64), np.float64
     n, m, k, rank, alternatives = header[0], header[1], header[2], header[3], header[4]
-    numbers = cut(packed, HEADER, (6,), real)
-    error_scale = HEADER + 6
+    numbers = cut(packed, HEADER, (7,), real)
+    error_scale = HEADER + 7
     weights = error_scale + n
     masks = weights + m
     A = masks + m
@@ -87,6 +95,7 @@ def unpack(packed: NDArray[np.float64]) -> AllocationProblem:
         numbers[3],
         numbers[4],
         numbers[5],
+        numbers[6],
     )
 
 
@@ -122,16 +131,17 @@ def unpack_workspace(packed: NDArray[np.float64]) -> Workspace:
 def unpack_previous_answer(packed: NDArray[np.float64]) -> PreviousAnswer:
     """The previous answer, as views."""
     m = cut(packed, 1, (1,), np.int64)[0]
-    at = packed.shape[0] - 5 * m
+    at = packed.shape[0] - 6 * m
     return PreviousAnswer(
         cut(packed, at, (m,), np.float64),
         cut(packed, at + m, (m,), np.float64),
         cut(packed, at + 2 * m, (m,), np.float64),
         cut(packed, at + 3 * m, (m,), np.float64),
         cut(packed, at + 4 * m, (m,), np.float64),
+        cut(packed, at + 5 * m, (m,), np.float64),
     )
 
 
 def previous_answer_rows(packed: NDArray[np.float64], m: int) -> NDArray[np.float64]:
-    """(5, m) the same as one view, for Python."""
-    return packed[-5 * m :].reshape(5, m)
+    """(6, m) the same as one view, for Python."""
+    return packed[-6 * m :].reshape(6, m)

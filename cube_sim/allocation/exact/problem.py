@@ -35,6 +35,7 @@ class AllocationProblem(NamedTuple):
         edge: (m, 3) force at which a thruster enters each side [N]. Changes of force are counted from there.
         reversal_penalty: cost of one thruster changing its direction of push [N^2].
         switching_penalty: cost of one thruster starting from rest or coming to rest [N^2].
+        dwell_calls: calls on a side up to which leaving it costs a whole penalty; from then on it falls in proportion.
         change_limit: most a thruster's force may change in one call [N]. The dead zone is not counted. Infinite for
             no limit.
         tolerance: force that counts as rounding [N].
@@ -58,6 +59,7 @@ class AllocationProblem(NamedTuple):
     edge: NDArray[np.float64]
     reversal_penalty: float
     switching_penalty: float
+    dwell_calls: float
     change_limit: float
     tolerance: float
     hidden: float
@@ -86,6 +88,7 @@ def make_problem(
     *,
     reversal_penalty: float,
     switching_penalty: float,
+    dwell_calls: float,
     change_limit: float,
     tolerance: float,
     length_m: float,
@@ -101,6 +104,7 @@ def make_problem(
         targets: (t, m, 3) [N].
         reversal_penalty: [N^2].
         switching_penalty: [N^2].
+        dwell_calls: see `AllocationProblem`.
         change_limit: [N].
         tolerance: [N].
         length_m: divides torques wherever a wrench error is one number [m].
@@ -136,6 +140,7 @@ def make_problem(
         edge=np.ascontiguousarray(np.column_stack(edges)),
         reversal_penalty=reversal_penalty,
         switching_penalty=switching_penalty,
+        dwell_calls=dwell_calls,
         change_limit=change_limit,
         tolerance=tolerance,
         hidden=max(tolerance, MATRIX_ROUNDING * float(np.max(strongest))),

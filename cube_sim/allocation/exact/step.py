@@ -15,13 +15,14 @@ from cube_sim.native.compiled import compiled, inlined
 
 
 class PreviousAnswer(NamedTuple):
-    """The previous answer, and how far the next one may be from it: the rows of one (5, m) array.
+    """The previous answer, and how far the next one may be from it: the rows of one (6, m) array.
 
     Attributes:
         subset: (m,) its sides, -1, 0, +1: ties prefer them.
         push: (m,) direction each thruster last pushed to, rests passed over: reversals are counted from it.
         travel: (m,) force counted from the edge of the side it lies on [N]. Changes are counted in it: crossing the
             dead zone is no change and is never forbidden.
+        held: (m,) calls since each thruster came to the side it is on: prices of leaving it fall with them.
         down: (m,) most ``travel`` may fall by [N]: the change limit, unless `FewestCalls` narrows it. One below 0 is
             what it has to rise by.
         up: (m,) most it may rise by [N], likewise.
@@ -30,6 +31,7 @@ class PreviousAnswer(NamedTuple):
     subset: NDArray[np.float64]
     push: NDArray[np.float64]
     travel: NDArray[np.float64]
+    held: NDArray[np.float64]
     down: NDArray[np.float64]
     up: NDArray[np.float64]
 
@@ -58,13 +60,13 @@ class StepLimits(NamedTuple):
     tolerance: float
 
 
-HISTORY, REACH = slice(3), slice(3, 5)
+HISTORY, REACH = slice(4), slice(4, 6)
 """Which rows of a `PreviousAnswer` say what it was, and which how far the next one may be from it."""
 
 
 def no_previous_answer(thrusters: int, change_limit: float) -> NDArray[np.float64]:
-    """(5, thrusters) rows of a `PreviousAnswer` as at the start of a run: all thrusters at rest."""
-    rows = np.zeros((5, thrusters))
+    """(6, thrusters) rows of a `PreviousAnswer` as at the start of a run: all thrusters at rest."""
+    rows = np.zeros((6, thrusters))
     rows[REACH] = change_limit
     return rows
 
@@ -83,7 +85,11 @@ def side_cost_of(limits: StepLimits, alternative: int) -> SideCost:
 
 @compiled
 def step_limits(problem: AllocationProblem, previous: PreviousAnswer) -> StepLimits:
-    """Sides and costs of the next call: reversals cost, and forces may move by the change limit only.
+    """Sides and costs of the next call: changes of side cost, and forces may move by the change limit only.
+
+    The price of a change is spread over the time it will last, taken to be as long as the last one has. Staying then
+    costs as much as going before it goes, if what is saved stays the same: never more than twice what it would cost who
+    knew how long (the ski-rental problem: Karlin, Manasse, Rudolph & Sleator, Algorithmica 3, 1988).
 
     A side farther away than the change limit is closed. A reversal walks down to the edge of the dead zone, crosses it
     in no time, and walks on from the other edge. A limit smaller than the dead zone therefore slows a thruster down and
@@ -98,13 +104,14 @@ def step_limits(problem: AllocationProblem, previous: PreviousAnswer) -> StepLim
     if problem.reversal_penalty > 0.0 or problem.switching_penalty > 0.0 or problem.change_limit < math.inf:
         low, high, masks, penalty = low.copy(), high.copy(), masks.copy(), penalty.copy()
         for i in range(low.shape[0]):
+            share = min(1.0, problem.dwell_calls / max(previous.held[i], 1.0))
             if previous.push[i] != 0.0:
-                penalty[i, 1 - int(previous.push[i])] = problem.reversal_penalty
+                penalty[i, 1 - int(previous.push[i])] = share * problem.reversal_penalty
             if previous.subset[i] == 0.0:
-                penalty[i, 0] += problem.switching_penalty
-                penalty[i, 2] += problem.switching_penalty
+                penalty[i, 0] += share * problem.switching_penalty
+                penalty[i, 2] += share * problem.switching_penalty
             else:
-                penalty[i, 1] += problem.switching_penalty
+                penalty[i, 1] += share * problem.switching_penalty
             if problem.change_limit < math.inf:
                 masks[i] = 0
                 for s in range(3):
@@ -147,6 +154,7 @@ def store_answer(
         subset: (m,).
     """
     for i in range(force.shape[0]):
+        previous.held[i] = previous.held[i] + 1.0 if subset[i] == previous.subset[i] else 1.0
         previous.subset[i] = subset[i]
         if subset[i] != 0:
             previous.push[i] = subset[i]

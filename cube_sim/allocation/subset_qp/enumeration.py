@@ -66,7 +66,7 @@ class Enumeration:
         """Answer one demand into ``row``, see `answer_of`; returns the number of ProxQPs solved.
 
         Args:
-            previous: (5, m) rows of a `PreviousAnswer`, changed in place.
+            previous: (6, m) rows of a `PreviousAnswer`, changed in place.
             demands: (n,), or (2 n,) for one of two parts.
             row: (`answer_size`,) out.
         """
