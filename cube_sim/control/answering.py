@@ -58,6 +58,9 @@ def answer(
     approach,
     pursuit,
     balancing,
+    balanced_normals,
+    balanced_bounds,
+    balanced_shares,
     disturbance,
     current,
     side,
@@ -91,6 +94,9 @@ def answer(
         approach: record of `cube_sim.guidance.approach.APPROACH`; read where it does not pursue.
         pursuit: record of `cube_sim.guidance.pursuit.PURSUIT`; read where it does.
         balancing: record of `cube_sim.control.balancing.BALANCE`; read where the attitude is balanced.
+        balanced_normals: of the budget that the balanced attitude looks at, like the next two.
+        balanced_bounds: of it.
+        balanced_shares: of it.
         disturbance: memory of `observe_disturbance`, moved on.
         current: (3,) of `observe_current`, moved on.
         side: memory of `nose_along`, moved on.
@@ -131,7 +137,8 @@ def answer(
     else:
         nose_along(s.levelling_time, side, desired, view, dt)
     if s.balanced:
-        balance(hull, balancing, normals, bounds, held_shares, balanced, desired, R, memory, current, dt, force_ratio)
+        facets = balanced_normals, balanced_bounds, balanced_shares
+        balance(hull, balancing, *facets, balanced, desired, R, memory, current, dt, force_ratio)
     follow(
         hull,
         loops,

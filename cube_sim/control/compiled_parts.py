@@ -16,6 +16,7 @@ from cube_sim.control.balancing import BALANCE
 from cube_sim.control.balancing import MEMORY as BALANCED
 from cube_sim.control.disturbance import MEMORY as DISTURBANCE
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.pace import NO_BUDGET, Facets
 from cube_sim.guidance.approach import APPROACH, Approach
 from cube_sim.guidance.law import MotionLaw
 from cube_sim.guidance.pursuit import PURSUIT, Pursuit
@@ -23,7 +24,6 @@ from cube_sim.guidance.speed import Parts
 from cube_sim.spatial import Record, State, Vector
 
 if TYPE_CHECKING:
-    from cube_sim.control.pace import Facets
     from cube_sim.control.path_follower import PathFollower
 
 
@@ -72,6 +72,7 @@ class CompiledParts:
             self.approach,
             self.pursuit,
             NOT_BALANCED if balanced is None else balanced.parameters,
+            *(NO_BUDGET if balanced is None else balanced.budget),
             self.disturbance,
             self.current,
             self.side,
