@@ -1,7 +1,7 @@
 """Underwater vehicles in MuJoCo: real water, 3-D path following, exact thruster allocation, recordings.
 
-`load_model`, `Vehicle` and `install` need only MuJoCo; `run` is the whole loop. Names are resolved when first used, so
-that importing the package costs nothing.
+`load_model`, `Vehicle` and `install` need only MuJoCo; `run` and `fly` are the whole loop. Names are resolved when
+first used, so that importing the package costs nothing.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cube_sim.flight import Flight, Observation, Snapshot
-    from cube_sim.simulation import Run, run
+    from cube_sim.simulation import Run, fly, run
     from cube_sim.vehicle.loading import load_model
     from cube_sim.vehicle.plugin.hook import install
     from cube_sim.vehicle.vehicle import Vehicle
 
-__all__ = ["Flight", "Observation", "Run", "Snapshot", "Vehicle", "install", "load_model", "run"]
+__all__ = ["Flight", "Observation", "Run", "Snapshot", "Vehicle", "fly", "install", "load_model", "run"]
 
 _HOME = {
     "Flight": "cube_sim.flight",
@@ -24,6 +24,7 @@ _HOME = {
     "Snapshot": "cube_sim.flight",
     "Run": "cube_sim.simulation",
     "Vehicle": "cube_sim.vehicle.vehicle",
+    "fly": "cube_sim.simulation",
     "install": "cube_sim.vehicle.plugin.hook",
     "load_model": "cube_sim.vehicle.loading",
     "run": "cube_sim.simulation",

@@ -37,6 +37,19 @@ class ScenarioError(CubeSimError):
         super().__init__("\n".join(mistakes))
 
 
+class OwnCodeError(CubeSimError):
+    """Code of the user's own raised, or its answer is none.
+
+    Attributes:
+        key: dotted path of the scenario's value that names it.
+        reason: what, and the line of that code: ``pid.py:7: ZeroDivisionError: division by zero``.
+    """
+
+    def __init__(self, key: str, reason: str) -> None:
+        self.key, self.reason = key, reason
+        super().__init__(f"{key}: {reason}")
+
+
 class FlightError(CubeSimError):
     """A flight was stepped, reset or restored with something that makes no sense."""
 

@@ -15,11 +15,12 @@ from cube_sim.checks import evaluate
 from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.flight import Flight
 from cube_sim.mission import Mission, prepare
+from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
 from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import claim, require_writable
 from cube_sim.run_log import LogLine
-from cube_sim.scenario import Loaded, load
+from cube_sim.scenario import Loaded
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 
@@ -73,11 +74,32 @@ def run(
         RecordingError: the disk is full, or gone.
         RunInterrupted: Ctrl-C; what was flown is recorded.
     """
-    return fly(load(scenario, overrides), out, progress)
+    return fly(scenario, overrides, out=out, progress=progress)
 
 
-def fly(loaded: Loaded, out: str | Path | None = None, progress: Progress | None = None) -> Run:
-    """Fly a scenario that is loaded already; arguments, result and errors are those of `run`."""
+def fly(
+    scenario: AnyScenario,
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    controller: Any = None,
+    allocator: Any = None,
+    path: Any = None,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Run:
+    """Fly a scenario, with code of one's own in it where that is given; result and errors are those of `run`.
+
+    Args:
+        scenario: a file, what would stand in one (file names in it are seen from the working directory), or a loaded
+            one.
+        overrides: as for `run`.
+        controller: a function or class of your own in place of `control.law`, as docs/extending.md has it.
+        allocator: likewise in place of `allocation.method`.
+        path: likewise in place of `path`, or a path itself.
+        out: as for `run`.
+        progress: as for `run`.
+    """
+    loaded = loaded_with(scenario, overrides, controller, allocator, path)
     wanted = None if out is None else Path(out)
     if wanted is not None:
         require_writable(wanted)
@@ -96,8 +118,9 @@ def fly(loaded: Loaded, out: str | Path | None = None, progress: Progress | None
 def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None) -> Run:
     """Fly and judge, into a folder that is ours."""
     (directory / "resolved.yaml").write_text(loaded.resolved_yaml(directory), encoding="utf-8")
+    inputs = header(loaded, mission.codes)
     with (
-        Recorder(directory, header(loaded), mission.channels, mission.model, vehicle=mission.vehicle.name) as recorder,
+        Recorder(directory, inputs, mission.channels, mission.model, vehicle=mission.vehicle.name) as recorder,
         collect_warnings() as warnings,
     ):
         started = time.perf_counter()

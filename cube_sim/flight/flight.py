@@ -6,30 +6,32 @@ thruster forces (allocation) -> thruster commands -> one row per channel (record
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import replace
 from hashlib import sha256
+from pickle import PicklingError
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.errors import FlightError
+from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action, action_of
 from cube_sim.flight.observation import Observation
-from cube_sim.flight.snapshot import Snapshot, integration_state, packed, set_integration_state, unpacked
+from cube_sim.flight.snapshot import Snapshot
 from cube_sim.flight.start import described, placed
 from cube_sim.flight.tick import NotANumberError, tick
 from cube_sim.mission import Mission, prepare
+from cube_sim.mission.copying import integration_state, packed, set_integration_state, unpacked
 from cube_sim.mission.divergence import divergence
 from cube_sim.mission.fault_response import record_actuation, respond_to_faults
+from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.surface_watch import SurfaceWatch
 from cube_sim.mission.unattainable_log import UnattainableLog
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.scenario import Loaded, load, load_mapping
+from cube_sim.scenario import Loaded
 from cube_sim.spatial import State
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.vehicle.state import read_state
@@ -52,23 +54,33 @@ class Flight:
 
     def __init__(
         self,
-        scenario: str | os.PathLike[str] | Mapping[str, Any] | Loaded,
+        scenario: AnyScenario,
         overrides: Mapping[str, Any] | None = None,
+        *,
+        controller: Any = None,
+        allocator: Any = None,
+        path: Any = None,
     ) -> None:
         """Prepare a flight and stand at its beginning.
 
         Args:
             scenario: a file, what would stand in one (file names in it are seen from the working directory), or a
                 loaded one.
-            overrides: dotted path -> value in place of the scenario's; not for a loaded one.
+            overrides: dotted path -> value in place of the scenario's.
+            controller: a function or class of your own in place of `control.law`, as docs/extending.md has it.
+            allocator: likewise in place of `allocation.method`.
+            path: likewise in place of `path`, or a path itself.
 
         Raises:
             ScenarioError: the scenario cannot be flown; one line per mistake.
         """
-        loaded = _loaded(scenario, overrides)
+        loaded = loaded_with(scenario, overrides, controller, allocator, path)
         mission = prepare(loaded)
         self._begin(loaded, mission, SignalStore(mission.channels))
-        self._start = self.snapshot()
+        try:
+            self._start: Snapshot | None = self.snapshot()
+        except FlightError:
+            self._start = None
 
     @classmethod
     def recorded(cls, loaded: Loaded, mission: Mission, store: SignalStore) -> Flight:
@@ -79,7 +91,8 @@ class Flight:
 
     def _begin(self, loaded: Loaded, mission: Mission, store: SignalStore) -> None:
         self.mission, self.ended, self.tick = mission, "", 0
-        self._digest = sha256(loaded.resolved_yaml().encode()).hexdigest()
+        sources = [code.source for code in mission.codes.values()]
+        self._digest = sha256("\0".join([loaded.resolved_yaml(), *sources]).encode()).hexdigest()
         self._loaded, self._store = loaded, store
         self._applied: NDArray[np.float64] = np.zeros(6)
         self._given_up = ""
@@ -115,7 +128,11 @@ class Flight:
             FlightError: the state is not finite, or its quaternion has no direction.
         """
         self._store.clear()
-        self.restore(self._start)
+        if self._start is not None:
+            self.restore(self._start)
+        else:
+            self._begin(self._loaded, prepare(self._loaded), self._store)
+            self._store.clear()
         if seed is not None:
             mission = self.mission
             for part in (mission.estimation, mission.fault_finding):
@@ -189,11 +206,11 @@ class Flight:
             return
         self._surface.note(t, mission.data)
         other_voltage = self._feed_thrusters(t)
-        if respond_to_faults(mission, store, t) or other_voltage or self.tick == 0:
-            record_actuation(mission, store, t)
         try:
+            if respond_to_faults(mission, store, t) or other_voltage or self.tick == 0:
+                record_actuation(mission, store, t)
             decision, allocation, self._known = tick(mission, store, t, self._applied, action)
-        except NotANumberError as error:
+        except (NotANumberError, OwnCodeError) as error:
             self.ended = str(error)
             return
         self._applied = allocation.wrench
@@ -217,7 +234,11 @@ class Flight:
             self._store.log(self.time_s, "ERROR", f"{self.ended}: the run ends here")
 
     def snapshot(self) -> Snapshot:
-        """The whole flight as it stands, but for the rows that are recorded."""
+        """The whole flight as it stands, but for the rows that are recorded.
+
+        Raises:
+            FlightError: code of the user's own remembers what cannot be pickled.
+        """
         mission = self.mission
         changing = (
             (self.tick, self.ended, self._applied, self._given_up, self._known),
@@ -227,7 +248,10 @@ class Flight:
             (mission.model.numeric_data.copy(), mission.model.opt.wind.copy()),
             {name: getattr(mission, name) for name in _CHANGING},
         )
-        return Snapshot(self._digest, packed(changing, self._fixed))
+        try:
+            return Snapshot(self._digest, packed(changing, self._fixed))
+        except (PicklingError, TypeError, AttributeError) as error:
+            raise FlightError(f"the flight cannot be saved: {error}") from error
 
     def restore(self, snapshot: Snapshot) -> Observation:
         """Go on from a snapshot, of this flight or another of the same scenario; recorded rows stay.
@@ -253,11 +277,7 @@ class Flight:
     @property
     def _fixed(self) -> dict[str, Any]:
         """What parts of the mission refer to and never changes."""
-        mission = self.mission
-        fixed = {name: getattr(mission, name) for name in ("scenario", "model", "data", "vehicle", "path", "ability")}
-        if mission.fault_finding is not None:
-            fixed["motors"] = mission.fault_finding.motors
-        return fixed | {"store": self._store, "allocator": mission.allocator}
+        return self.mission.fixed | {"store": self._store, "allocator": self.mission.allocator}
 
     def _feed_thrusters(self, t: float) -> bool:
         """Update the supply by what the thrusters draw; returns whether its voltage, and so their limits, changed."""
@@ -273,11 +293,3 @@ class Flight:
         self._store.log(t, "WARNING", f"the path is given up: {reason}" if reason else "the path is followed again")
         if reason and mission.scenario.control.safe_mode.action == "surface" and mission.drop_weight.drop():
             self._store.log(t, "WARNING", "the ballast is dropped")
-
-
-def _loaded(
-    scenario: str | os.PathLike[str] | Mapping[str, Any] | Loaded, overrides: Mapping[str, Any] | None
-) -> Loaded:
-    if isinstance(scenario, Loaded):
-        return scenario
-    return load_mapping(scenario, overrides) if isinstance(scenario, Mapping) else load(scenario, overrides)

@@ -19,6 +19,8 @@ def described(mission: Mission, store: SignalStore) -> None:
         store.log(0.0, "WARNING", warning)
     length = mission.path.length
     store.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
+    for key, code in mission.codes.items():
+        store.log(0.0, "INFO", f"{key}: {code.name}, SHA-256 {code.digest}")
     limit, able = mission.ability.cost_limit, mission.ability.within_limit
     if able.within_cost_limit is not None:
         dear = "costs too much" if limit is None else f"costs more than {limit:g} N/N"

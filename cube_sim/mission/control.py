@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from math import inf
 
 import numpy as np
@@ -22,6 +23,8 @@ from cube_sim.mission.attitude import attitude_of, is_path_first
 from cube_sim.mission.guidance import guidance_of
 from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_dynamics
+from cube_sim.mission.own.code import NO_CODES, Codes
+from cube_sim.mission.own.law import LawSetup, own_controller
 from cube_sim.mission.path import is_level
 from cube_sim.mission.planar import planar_follower
 from cube_sim.mission.refusals import too_slow_period, wrong_depth
@@ -34,7 +37,9 @@ REST = 3.0
 """How many times the force at which the widest dead zone ends is asked for again where it could not be made."""
 
 
-def controller_of(loaded: Loaded, believed: CompiledHull, path: Path, ability: Ability) -> Controller:
+def controller_of(
+    loaded: Loaded, believed: CompiledHull, path: Path, ability: Ability, codes: Codes = NO_CODES
+) -> Controller:
     """The law from states to wrenches, for the vehicle the controller believes to fly.
 
     Raises:
@@ -49,6 +54,24 @@ def controller_of(loaded: Loaded, believed: CompiledHull, path: Path, ability: A
         return planar_follower(loaded, believed, path)
     pointing = whole.authority in (Authority.PLANE, Authority.LINE)
     times = _times(scenario, believed.vehicle, dynamics, pointing)
+    if (code := codes.get("control.law")) is not None:
+        target, motion = guidance_of(scenario, path, times.lateral)
+        setup = LawSetup(
+            scenario=scenario,
+            period_s=scenario.control_period_s,
+            model=copy.copy(believed.model),
+            vehicle=believed.vehicle,
+            dynamics=dynamics,
+            A=ability.A,
+            limits=ability.limits,
+            capability=within_limit,
+            times=times,
+            path=path,
+            target=target,
+            motion=motion,
+            attitude=attitude_of(control, dynamics, times.attitude),
+        )
+        return own_controller(loaded, code, setup)
     mistakes = too_slow_period(loaded, _loop_times(scenario, times))
     if any(scenario.knowledge.current_m_s):
         text = "only the planar law takes a current that is known, the law for all axes estimates it: leave it out"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import mujoco
+import numpy as np
 
 from cube_sim.allocation import FaultTolerant
 from cube_sim.control.controller import Controller
@@ -13,18 +15,21 @@ from cube_sim.mission.ability import Ability
 from cube_sim.mission.allocation import allocator_of
 from cube_sim.mission.channels import recorded_channels
 from cube_sim.mission.control import controller_of
+from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.events import Events
 from cube_sim.mission.fault_finding import FaultFinding
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.navigation import StateEstimation
+from cube_sim.mission.own.code import Codes, codes_of, refused
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
 from cube_sim.mission.supply import supply_of
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.vehicle.power_supply import PowerSupply
+from cube_sim.vehicle.state import read_state
 from cube_sim.vehicle.vehicle import Vehicle
 
 
@@ -47,6 +52,7 @@ class Mission:
         drop_weight: ballast that can be let go.
         estimation: makes the state the controller gets of sensors; None when it gets the true one.
         channels: what will be recorded.
+        codes: code of the user's own, by the value in whose place it stands.
     """
 
     scenario: Scenario
@@ -63,6 +69,15 @@ class Mission:
     drop_weight: DropWeight
     estimation: StateEstimation | None
     channels: tuple[Channel, ...]
+    codes: Codes = field(default_factory=dict)
+
+    @property
+    def fixed(self) -> dict[str, Any]:
+        """What parts of it refer to and that never changes, by name."""
+        fixed = {name: getattr(self, name) for name in ("scenario", "model", "data", "vehicle", "path", "ability")}
+        if self.fault_finding is not None:
+            fixed["motors"] = self.fault_finding.motors
+        return fixed | {f"code {key}": code for key, code in self.codes.items()}
 
 
 def prepare(loaded: Loaded) -> Mission:
@@ -71,7 +86,7 @@ def prepare(loaded: Loaded) -> Mission:
     Raises:
         ScenarioError: the model does not fit the scenario; with position.
     """
-    scenario = loaded.scenario
+    scenario, codes = loaded.scenario, codes_of(loaded)
     safe_mode = scenario.control.safe_mode
     flown = flown_hull(loaded)
     believed = believed_hull(loaded, flown)
@@ -84,14 +99,14 @@ def prepare(loaded: Loaded) -> Mission:
     allocator = allocator_of(believed.vehicle, scenario)
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
     ability = Ability.of(allocator, dynamics, scenario)
-    return Mission(
+    mission = Mission(
         scenario=scenario,
         model=model,
         data=initial_state(model, vehicle, scenario),
         vehicle=vehicle,
         path=path,
         ability=ability,
-        controller=controller_of(loaded, believed, path, ability),
+        controller=controller_of(loaded, believed, path, ability, codes),
         allocator=allocator,
         supply=supply_of(loaded, model, vehicle),
         events=Events(scenario.events, model, vehicle),
@@ -99,4 +114,25 @@ def prepare(loaded: Loaded) -> Mission:
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle, scenario.control_period_s),
         estimation=StateEstimation.of(scenario, vehicle, path),
         channels=channels,
+        codes=codes,
     )
+    if "control.law" in codes:
+        tried(loaded, mission)
+    return mission
+
+
+def tried(loaded: Loaded, mission: Mission) -> None:
+    """Ask a copy of an own law at the start of the mission, so that an answer that is none is found before the flight.
+
+    A law that cannot be copied is taken as it is.
+
+    Raises:
+        ScenarioError: it has no answer; with position.
+    """
+    try:
+        controller = unpacked(packed(mission.controller, mission.fixed), mission.fixed)
+    except Exception:
+        return
+    mujoco.mj_kinematics(mission.model, mission.data)
+    with refused(loaded):
+        controller.decide(read_state(mission.vehicle, mission.data), np.zeros(6), mission.scenario.control_period_s)

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import mujoco
 
-from cube_sim.recording.header import RunHeader
+from cube_sim.mission.own.code import NO_CODES, Codes
+from cube_sim.recording.header import RecordedCode, RunHeader
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.file_names import renamed
 from cube_sim.scenario.resolved import to_yaml
@@ -23,8 +24,13 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
 
 
-def header(loaded: Loaded) -> RunHeader:
-    """The inputs of a run; files are called by their name, not by where this machine keeps them."""
+def header(loaded: Loaded, codes: Codes = NO_CODES) -> RunHeader:
+    """The inputs of a run; files are called by their name, not by where this machine keeps them.
+
+    Args:
+        loaded: what is flown.
+        codes: code of the user's own in it.
+    """
     model = Path(loaded.scenario.model)
     portable = renamed(loaded.scenario, lambda file: Path(file).name)
     return RunHeader(
@@ -32,6 +38,7 @@ def header(loaded: Loaded) -> RunHeader:
         resolved=to_yaml(portable),
         mjcf=model.read_text(encoding="utf-8"),
         assets=_assets(model),
+        code=tuple(RecordedCode(key, code.name, code.source) for key, code in sorted(codes.items())),
         versions=versions(),
         seed=loaded.scenario.seed,
     )

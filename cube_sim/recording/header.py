@@ -4,6 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
+
+
+@dataclass(frozen=True)
+class RecordedCode:
+    """Code of the user's own.
+
+    Attributes:
+        key: dotted path of the scenario's value in whose place it stands.
+        name: file.py:name or package.module:name.
+        source: text of its file; "" where there is none.
+    """
+
+    key: str
+    name: str
+    source: str
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the source, hexadecimal."""
+        return sha256(self.source.encode()).hexdigest()
+
+    @property
+    def file(self) -> str:
+        """Where a recording keeps the source: its key, and the name of its file."""
+        place = self.name.rpartition(":")[0]
+        name = place if place.endswith(".py") else f"{place.rpartition('.')[2]}.py"
+        return f"{self.key}/{name}"
 
 
 @dataclass(frozen=True)
@@ -15,6 +43,7 @@ class RunHeader:
         resolved: the same scenario with every default spelled out, YAML text.
         mjcf: text of the MJCF model.
         assets: contents of the files the MJCF refers to, by the name it uses.
+        code: code of the user's own that took part.
         versions: version of each package that takes part in the numbers.
         seed: seed of the run's random numbers.
     """
@@ -23,5 +52,6 @@ class RunHeader:
     resolved: str
     mjcf: str
     assets: Mapping[str, bytes] = field(default_factory=dict)
+    code: tuple[RecordedCode, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     seed: int = 0

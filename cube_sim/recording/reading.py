@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,13 +19,15 @@ from numpy.typing import NDArray
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows, signals
 from cube_sim.recording.channels import Channel, Field
-from cube_sim.recording.header import RunHeader
+from cube_sim.recording.header import RecordedCode, RunHeader
 from cube_sim.recording.mcap.fixed_width import Layout, channel_layout
 from cube_sim.recording.mcap.reader import McapContents, read_contents
 from cube_sim.recording.mcap.schemas import LOG, LOG_LEVELS, log_schema
 from cube_sim.recording.mcap.sink import (
     ASSETS,
     CHANNEL_METADATA,
+    CODE,
+    CODE_METADATA,
     EPOCH_NS,
     LOG_TOPIC,
     MODEL,
@@ -125,10 +127,18 @@ def _header(contents: McapContents) -> tuple[RunHeader, str]:
         resolved=files[RESOLVED].decode(),
         mjcf=files[MODEL].decode(),
         assets={name.removeprefix(ASSETS): data for name, data in files.items() if name.startswith(ASSETS)},
+        code=_code(contents),
         versions=contents.metadata[VERSIONS_METADATA],
         seed=int(run["seed"]),
     )
     return header, run["vehicle"]
+
+
+def _code(contents: McapContents) -> tuple[RecordedCode, ...]:
+    """Code of the user's own that took part, by the values in whose place it stood."""
+    named = [RecordedCode(key, name, "") for key, name in sorted(contents.metadata.get(CODE_METADATA, {}).items())]
+    sources = [contents.attachments.get(CODE + code.file, b"").decode() for code in named]
+    return tuple(replace(code, source=source) for code, source in zip(named, sources, strict=True))
 
 
 def _channel(declared: McapChannel) -> Channel:

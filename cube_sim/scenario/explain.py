@@ -7,7 +7,7 @@ import reprlib
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Tag, ValidationError
 
 from cube_sim.scenario.document import Location
 
@@ -189,6 +189,8 @@ def _tag_field(member: Any) -> str | None:
 
 
 def _tag_values(member: Any) -> tuple[Any, ...]:
+    if get_origin(member) is Annotated:
+        return tuple(mark.tag for mark in get_args(member)[1:] if isinstance(mark, Tag))
     name = _tag_field(member)
     return () if name is None else get_args(member.model_fields[name].annotation)
 

@@ -1,7 +1,7 @@
 """Keys whose value names a file: what they take, and how all of them are renamed at once.
 
-A key that names a file has the type `ModelFile` or `TableFile`, or another that is marked with a `FileKind`. By that
-mark `renamed` finds them all, so that a run and its files can be carried elsewhere.
+A key that names a file has the type `ModelFile`, `TableFile` or `CodeName`, or another that is marked with a
+`FileKind`. By that mark `renamed` finds them all, so that a run and its files can be carried elsewhere.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ class FileKind(Enum):
 
     MODEL = "MJCF"
     TABLE = "CSV"
+    CODE = "Python"
 
 
 def _beside_the_scenario(file: str, info: ValidationInfo) -> str:
@@ -47,8 +48,28 @@ def _existing_model(file: str, info: ValidationInfo) -> str:
     return absolute
 
 
+def code_place(code: str) -> tuple[str, str]:
+    """The file, or the dotted module, in which code stands, and its name there."""
+    place, _, name = code.rpartition(":")
+    return place, name
+
+
+def _existing_code(code: str, info: ValidationInfo) -> str:
+    """Code as file.py:name, the file's name absolute, or as package.module:name."""
+    place, name = code_place(code)
+    if not name or not (place.endswith(".py") or all(part.isidentifier() for part in place.split("."))):
+        refuse(f"must be file.py:name or package.module:name, got {code!r}")
+    if not place.endswith(".py"):
+        return code
+    absolute = _beside_the_scenario(place, info)
+    if info.context is not None and not Path(absolute).is_file():
+        refuse(f"no such file: {Path(info.context['directory'], place)}")
+    return f"{absolute}:{name}"
+
+
 ModelFile = Annotated[str, Field(min_length=1), AfterValidator(_existing_model), FileKind.MODEL]
 TableFile = Annotated[str, Field(min_length=1), AfterValidator(_beside_the_scenario), FileKind.TABLE]
+CodeName = Annotated[str, Field(min_length=1), AfterValidator(_existing_code), FileKind.CODE]
 
 
 def file_kind(field: FieldInfo) -> FileKind | None:
@@ -66,15 +87,20 @@ def renamed(block: AnyBlock, rename: Callable[[str], str]) -> AnyBlock:
     """The same block, and the blocks in it, with every name of a file replaced by what `rename` makes of it."""
     return block.model_copy(
         update={
-            key: _renamed(getattr(block, key), file_kind(field) is not None, rename)
+            key: _renamed(getattr(block, key), file_kind(field), rename)
             for key, field in type(block).model_fields.items()
         }
     )
 
 
-def _renamed(value: Any, is_file: bool, rename: Callable[[str], str]) -> Any:
+def _renamed(value: Any, kind: FileKind | None, rename: Callable[[str], str]) -> Any:
     if isinstance(value, Block):
         return renamed(value, rename)
     if isinstance(value, tuple):
-        return tuple(_renamed(item, is_file, rename) for item in value)
-    return rename(value) if is_file and isinstance(value, str) else value
+        return tuple(_renamed(item, kind, rename) for item in value)
+    if kind is None or not isinstance(value, str):
+        return value
+    if kind is not FileKind.CODE:
+        return rename(value)
+    place, name = code_place(value)
+    return f"{rename(place)}:{name}" if place.endswith(".py") else value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,7 @@ class Loaded:
         path: the file, as given.
         overrides: what replaced values of the file.
         document: the file as parsed: where each value is written, for mistakes that are found later.
+        given: functions, classes and objects that a program hands over, by the key of the block that names them.
     """
 
     scenario: Scenario
@@ -39,6 +40,7 @@ class Loaded:
     path: Path
     overrides: tuple[Override, ...]
     document: Document
+    given: Mapping[str, Any] = field(default_factory=dict)
 
     def resolved_yaml(self, directory: Path | None = None) -> str:
         """The scenario with every default and override written out.
@@ -91,6 +93,20 @@ def load_mapping(scenario: Mapping[str, Any], overrides: Mapping[str, Any] | Non
     except (TypeError, ValueError) as error:
         raise ScenarioError([f"the scenario cannot be written out: {error}"]) from None
     return _load(Path("scenario.json"), text, overrides)
+
+
+def loaded_again(loaded: Loaded, overrides: Mapping[str, Any]) -> Loaded:
+    """A loaded scenario with more values replaced.
+
+    Args:
+        loaded: from which all else is.
+        overrides: as for `load`; they come after those it has.
+
+    Raises:
+        ScenarioError: with one line per mistake.
+    """
+    before = {override.path: override.value for override in loaded.overrides}
+    return replace(_load(loaded.path, loaded.text, {**before, **overrides}), given=loaded.given)
 
 
 def _plain(value: Any) -> Any:

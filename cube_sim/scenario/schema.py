@@ -21,6 +21,7 @@ from cube_sim.scenario.file_names import ModelFile
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
 from cube_sim.scenario.navigation_blocks import NavigationBlock, require_slower_than
 from cube_sim.scenario.path_blocks import AnyPath
+from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
 from cube_sim.scenario.telemetry_block import TelemetryBlock
 from cube_sim.scenario.values import Block, Name, Pair, Place, Vector3, refuse
 
@@ -166,10 +167,14 @@ class SafeModeBlock(Block):
     )
 
 
+LawName = Literal["motion_6dof", "planar_lapierre_2007"]
+AnyLaw = Annotated[Annotated[LawName, NAME] | OwnPython, NAMED_OR_OWN]
+
+
 class ControlBlock(Block):
     """The loops that turn errors into a wrench, each given by the time it takes to remove 63 % of one."""
 
-    law: Literal["motion_6dof", "planar_lapierre_2007"] | None = Field(
+    law: AnyLaw | None = Field(
         default=None,
         description="motion_6dof: all axes, or those the thrusters have. planar_lapierre_2007: a force ahead and a"
         " torque about the vertical, on a level path. Default: the planar law for a vehicle built with just these two.",

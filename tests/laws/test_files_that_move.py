@@ -16,7 +16,11 @@ import cube_sim
 from cube_sim.scenario import Scenario, load
 from cube_sim.scenario.file_names import FileKind, file_kind
 
-SAMPLES = {FileKind.MODEL: "files/cube.xml", FileKind.TABLE: "files/points.csv"}
+SAMPLES = {
+    FileKind.MODEL: "files/cube.xml",
+    FileKind.TABLE: "files/points.csv",
+    FileKind.CODE: "files/own.py:make",
+}
 """A file of every kind, as the scenario below names it."""
 
 SCENARIO = """\
@@ -29,6 +33,13 @@ guidance: {speed_m_s: 0.4}
 checks:
   - {kind: allowed_forces}
 """
+
+
+OWN = """\
+def make(setup=None):
+    return lambda aim: 20.0 * aim.velocity_error
+"""
+"""What is asked of code, in whatever place."""
 
 
 def blocks(annotation):
@@ -65,6 +76,7 @@ def checkout(folder: Path) -> Path:
     (folder / "scenarios" / "files").mkdir(parents=True)
     shutil.copy(CUBE, folder / "scenarios" / "files")
     (folder / "scenarios" / "files" / "points.csv").write_text("x_m,y_m,z_m\n0,0,-5\n3,1,-5\n6,0,-4\n")
+    (folder / "scenarios" / "files" / "own.py").write_text(OWN)
     path = folder / "scenarios" / "carried.yaml"
     path.write_text(SCENARIO)
     return path
@@ -76,7 +88,7 @@ def value_at(block, path):
 
 
 def test_the_keys_known_to_name_files_are_found():
-    assert {"model", "knowledge.model", "path.file"} <= set(KEYS)
+    assert {"model", "knowledge.model", "path.file", "control.law.python"} <= set(KEYS)
 
 
 def test_every_key_that_speaks_of_a_file_is_marked():

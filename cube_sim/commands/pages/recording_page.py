@@ -14,6 +14,9 @@ from cube_sim.recording.mcap.schemas import FRAME_TRANSFORM, LOG, LOG_LEVELS, ch
 from cube_sim.recording.mcap.sink import (
     ASSETS,
     CHANNEL_METADATA,
+    CODE,
+    CODE_DIGESTS,
+    CODE_METADATA,
     EPOCH_NS,
     FORMAT,
     LOG_TOPIC,
@@ -85,9 +88,11 @@ _LAYOUT = f"""\
 An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
 
 - **Attachments**: `{SCENARIO}` as it was written, `{RESOLVED}`, `{MODEL}` (the MJCF), and as `{ASSETS}NAME` each file
-  the MJCF refers to. That is enough to run it again.
+  the MJCF refers to. That is enough to run it again. Python of the user's own is there as `{CODE}KEY/FILE`, the key
+  being the scenario's value in whose place it stands.
 - **Metadata**: `{RUN_METADATA}` has the format ({FORMAT}), the seed and the vehicle's name, `{VERSIONS_METADATA}` the
-  version of each package that takes part in the numbers.
+  version of each package that takes part in the numbers. Where Python of the user's own flew, `{CODE_METADATA}` has its
+  names by key, `{CODE_DIGESTS}` the SHA-256 of their files.
 - **A topic per channel**: `{topic(_POSE)}` for the channel `{_POSE.name}`. A row is one protobuf message, called
   `{channel_schema_name(_PATH_ERROR)}` for the channel `{_PATH_ERROR.name}`. Its field 1 is `t`, the simulated time [s].
   The channel's fields follow as 2, 3 ... in the order of the tables below: a double, or packed repeated doubles where

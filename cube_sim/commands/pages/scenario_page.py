@@ -15,6 +15,7 @@ from cube_sim.scenario.schema import Scenario
 
 _HEADER = ("key", "unit", "default", "allowed", "meaning")
 _TOP = "The keys at the top"
+_OWN = "Python of your own"
 _INTRODUCTION = """\
 <!-- Made by `cube-sim reference scenario > docs/scenario.md` from the schema in cube_sim/scenario/. -->
 
@@ -53,6 +54,11 @@ class _Keys:
     def __init__(self, schema: Schema) -> None:
         self._definitions: dict[str, Schema] = schema["$defs"]
 
+    @property
+    def blocks(self) -> list[Schema]:
+        """All of them."""
+        return list(self._definitions.values())
+
     def block(self, value: Schema) -> Schema | None:
         """The block a value is; None when it is none."""
         value, _ = without_null(value)
@@ -67,6 +73,14 @@ class _Keys:
         blocks = [self._at(member["$ref"]) for member in value["oneOf"]]
         return tag, [_Kind(block["properties"][tag]["const"], block) for block in blocks]
 
+    def named_or_own(self, value: Schema) -> tuple[Schema, Schema] | None:
+        """Of a value that is a name or a block in its place, both; or None."""
+        value, null = without_null(value)
+        named, own = [*value.get("oneOf", ()), None, None][:2]
+        if "discriminator" in value or own is None:
+            return None
+        return ({"anyOf": [named, {"type": "null"}]} if null else named), self._at(own["$ref"])
+
     def _at(self, reference: str) -> Schema:
         return self._definitions[reference.rpartition("/")[2]]
 
@@ -78,7 +92,18 @@ def scenario_page() -> str:
     parts = [_INTRODUCTION.rstrip(), block(scenario_examples.WHOLE), _HOW_TO, heading(2, _TOP)]
     parts.append(_rows(keys, "", schema))
     parts += _children(keys, "", schema, 2)
+    parts += _own(keys, schema)
     return "\n\n".join(parts) + "\n"
+
+
+def _own(keys: _Keys, schema: Schema) -> Iterator[str]:
+    """The section of the block that takes the place of a name."""
+    values = (value for parent in [schema, *keys.blocks] for value in parent["properties"].values())
+    own = next(both[1] for value in values if (both := keys.named_or_own(value)) is not None)
+    yield heading(2, _OWN)
+    yield _text(own["description"])
+    yield from _example(_OWN)
+    yield _rows(keys, _OWN, own)
 
 
 def _children(keys: _Keys, path: str, parent: Schema, level: int, skip: str = "") -> Iterator[str]:
@@ -134,6 +159,9 @@ def _row(keys: _Keys, where: str, name: str, value: Schema, required: bool) -> t
     if below is not None:
         null = " or `null`" if without_null(value)[1] else ""
         allow, standard = link("block", _title(where)) + null, _block_default(keys, value, below, required)
+    elif (both := keys.named_or_own(value)) is not None:
+        allow = f"{allowed(both[0])}, or a {link('block', _OWN)} that names your own"
+        standard = default(value, required)
     elif kinds is not None:
         allow = link(f"{'list of blocks' if 'items' in value else 'block'} by {code(kinds[0])}", _title(where))
         standard = default(value, required)

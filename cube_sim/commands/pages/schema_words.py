@@ -41,6 +41,8 @@ def _allowed(schema: Schema) -> str:
         return code(_plain(schema["const"]))
     if "enum" in schema:
         return ", ".join(code(choice) for choice in schema["enum"])
+    if schema.get("additionalProperties") is True:
+        return "block of any keys"
     kind = schema.get("type")
     if kind == "array":
         return _list(schema)

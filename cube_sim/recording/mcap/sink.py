@@ -32,8 +32,8 @@ EPOCH_NS = 946_684_800 * 1_000_000_000
 FORMAT = "1"
 TRANSFORM_TOPIC = "/tf"
 LOG_TOPIC = "/log"
-SCENARIO, RESOLVED, MODEL, ASSETS = "scenario.yaml", "resolved.yaml", "model.xml", "assets/"
-RUN_METADATA, VERSIONS_METADATA = "cube_sim", "versions"
+SCENARIO, RESOLVED, MODEL, ASSETS, CODE = "scenario.yaml", "resolved.yaml", "model.xml", "assets/", "python/"
+RUN_METADATA, VERSIONS_METADATA, CODE_METADATA, CODE_DIGESTS = "cube_sim", "versions", "python", "python_sha256"
 CHANNEL_METADATA = "channel"
 
 
@@ -104,12 +104,16 @@ class McapSink:
     def _write_header(self, header: RunHeader) -> None:
         self._writer.add_metadata(RUN_METADATA, {"format": FORMAT, "seed": str(header.seed), "vehicle": self._vehicle})
         self._writer.add_metadata(VERSIONS_METADATA, dict(sorted(header.versions.items())))
+        if header.code:
+            self._writer.add_metadata(CODE_METADATA, {code.key: code.name for code in header.code})
+            self._writer.add_metadata(CODE_DIGESTS, {code.key: code.digest for code in header.code})
         files = [
             (SCENARIO, "application/yaml", header.scenario.encode()),
             (RESOLVED, "application/yaml", header.resolved.encode()),
             (MODEL, "application/xml", header.mjcf.encode()),
         ]
         files += [(ASSETS + name, "application/octet-stream", data) for name, data in sorted(header.assets.items())]
+        files += [(CODE + code.file, "text/x-python", code.source.encode()) for code in header.code if code.source]
         for name, media_type, data in files:
             self._writer.add_attachment(name, media_type, data, EPOCH_NS)
 

@@ -220,6 +220,7 @@ def _duration_s(header: RunHeader) -> float | None:
 def _recording_id(header: RunHeader) -> str:
     """Derive the id from the inputs: a run made again is the same recording, another seed another one."""
     digest = hashlib.sha256()
-    for part in (header.resolved, header.mjcf, str(header.seed), *map(str, sorted(header.versions.items()))):
+    sources = [code.source for code in header.code]
+    for part in (header.resolved, header.mjcf, str(header.seed), *map(str, sorted(header.versions.items())), *sources):
         digest.update(part.encode() + b"\0")
     return digest.hexdigest()[:32]

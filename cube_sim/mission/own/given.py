@@ -1,0 +1,66 @@
+"""A scenario together with functions, classes and objects that a program hands over in place of what it names."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from cube_sim.mission.own.code import source_file
+from cube_sim.scenario import Loaded, load, load_mapping
+from cube_sim.scenario.loading import loaded_again
+
+AnyScenario = str | os.PathLike[str] | Mapping[str, Any] | Loaded
+
+
+def loaded_with(
+    scenario: AnyScenario,
+    overrides: Mapping[str, Any] | None = None,
+    controller: Any = None,
+    allocator: Any = None,
+    path: Any = None,
+) -> Loaded:
+    """Load what is to be flown.
+
+    What a program hands over takes the place of `control.law`, `allocation.method` and `path`. In the scenario it goes
+    by the name under which it would be found again.
+
+    Args:
+        scenario: a file, what would stand in one (file names in it are seen from the working directory), or a loaded
+            one.
+        overrides: dotted path -> value in place of the scenario's.
+        controller: function or class as for `control.law.python`.
+        allocator: likewise for `allocation.method.python`.
+        path: likewise for `path.python`; or a path itself.
+
+    Raises:
+        ScenarioError: the scenario cannot be flown; one line per mistake.
+    """
+    wanted = {"control.law": controller, "allocation.method": allocator, "path": path}
+    given = {key: thing for key, thing in wanted.items() if thing is not None}
+    named = {key: {"python": name_of(thing)} for key, thing in given.items()}
+    if "path" in named:
+        named["path"]["type"] = "python"
+    all_overrides = {**(overrides or {}), **named}
+    if isinstance(scenario, Loaded):
+        loaded = loaded_again(scenario, all_overrides) if all_overrides else scenario
+    elif isinstance(scenario, Mapping):
+        loaded = load_mapping(scenario, all_overrides)
+    else:
+        loaded = load(scenario, all_overrides)
+    return replace(loaded, given={**loaded.given, **given})
+
+
+def name_of(thing: Any) -> str:
+    """file.py:name of a function, a class or an object's class; package.module:name in packages and without a file."""
+    while isinstance(thing, partial):
+        thing = thing.func
+    named = thing if inspect.isroutine(thing) or inspect.isclass(thing) else type(thing)
+    module, file = getattr(named, "__module__", "builtins"), source_file(thing)
+    name = getattr(named, "__qualname__", type(named).__qualname__)
+    in_package = bool(getattr(sys.modules.get(module), "__package__", ""))
+    return f"{module if in_package or not file else file}:{name}"

@@ -1,0 +1,239 @@
+"""A control law of the user's own: what it gets, and the controller that asks it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, sqrt
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+
+from cube_sim.control.attitude_mode import AttitudeMode, Situation
+from cube_sim.control.authority import Capability
+from cube_sim.control.controller import Controller, Decision
+from cube_sim.control.loop_times import LoopTimes
+from cube_sim.guidance.law import MotionLaw, Target, TargetView
+from cube_sim.guidance.path import Path
+from cube_sim.mission.own.code import OwnCode, made, refused
+from cube_sim.scenario import Loaded, Scenario
+from cube_sim.spatial import Matrix, State, Vector, conjugate, multiply
+from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class LawSetup:
+    """What a control law of one's own is made from: the vehicle as the controller believes it, and the mission.
+
+    Attributes:
+        scenario: what is flown.
+        period_s: the control period [s].
+        model: the MuJoCo model with its water, a copy; step it or linearise it as you like.
+        vehicle: where the hull stands in the model, and its thrusters.
+        dynamics: the hull's equations of motion.
+        A: (6,m) actuation matrix [1, m].
+        limits: (m,4) [F_max-, F_DZ-, F_DZ+, F_max+] of the thrusters, as the allocation keeps them [N].
+        capability: what the thrusters can do.
+        times: how fast cube_sim's own loops would be for this vehicle [s].
+        path: the path.
+        target: the target on it.
+        motion: which velocity brings a vehicle to that target.
+        attitude: which attitude it should take.
+    """
+
+    scenario: Scenario
+    period_s: float
+    model: mujoco.MjModel
+    vehicle: Vehicle
+    dynamics: Dynamics
+    A: Matrix
+    limits: Matrix
+    capability: Capability
+    times: LoopTimes
+    path: Path
+    target: Target
+    motion: MotionLaw
+    attitude: AttitudeMode
+
+
+class Aim(NamedTuple):
+    """One tick of a law: where the vehicle is, where it should be and how it should move; body axes unless said.
+
+    Attributes:
+        time: since the start [s].
+        dt: length of a tick [s].
+        state: the vehicle, as the controller knows it.
+        view: the vehicle seen from its target on the path.
+        error: (6,) [m, rad] from the vehicle to its target: the way there, and the rotation vector to the attitude
+            wanted.
+        velocity: (6,) wanted [m/s, rad/s], over ground.
+        velocity_error: (6,) the velocity wanted less the actual one [m/s, rad/s].
+        acceleration: (3,) derivative of the velocity wanted along the present motion [m/s^2], world axes.
+        quaternion: q_WD (4,) wxyz, the attitude wanted.
+        applied: (6,) [N, N m] the wrench allocated over the tick before.
+        capability: what the thrusters can do that are believed to work.
+        force_ratio: share of their force that the supply leaves the thrusters.
+    """
+
+    time: float
+    dt: float
+    state: State
+    view: TargetView
+    error: Vector
+    velocity: Vector
+    velocity_error: Vector
+    acceleration: Vector
+    quaternion: Vector
+    applied: Vector
+    capability: Capability
+    force_ratio: float
+
+
+class OwnLaw:
+    """The controller around a function from an `Aim` to a wrench (6,), or to its primary and secondary parts (2,6).
+
+    It keeps the target moving, and knows no safe mode: what to do with a path that cannot be followed is the law's own.
+
+    Args:
+        code: where the law comes from.
+        law: the function.
+        setup: what it was made from.
+    """
+
+    def __init__(self, code: OwnCode, law: Any, setup: LawSetup) -> None:
+        self._code, self._law, self._period = code, law, setup.period_s
+        self._target, self._motion, self._attitude = setup.target, setup.motion, setup.attitude
+        self._capability, self._ticks = setup.capability, 0
+        self._demanded = np.zeros(6)
+
+    def view(self, state: State) -> TargetView:
+        """See `Controller.view`."""
+        return self._target.view(state.position, state.rotation @ state.velocity)
+
+    def reconfigure(self, left: Capability) -> None:
+        """Tell the law of other thrusters, in its aims."""
+        self._capability = left
+
+    def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
+        """See `Controller.decide`."""
+        aim = self._aim(state, applied, dt, force_ratio)
+        wrench, secondary = self._parts(self._code.call(self._law, aim))
+        self._ticks, self._demanded = self._ticks + 1, wrench
+        self._target.advance(aim.view.speed, dt)
+        return Decision(
+            wrench=wrench,
+            secondary=secondary,
+            disturbance=np.zeros(6),
+            current=np.zeros(3),
+            view=aim.view,
+            remaining=aim.view.remaining,
+            velocity=aim.velocity[:3],
+            rates=aim.velocity[3:],
+            quaternion=aim.quaternion,
+            attitude_error=float(np.linalg.norm(aim.error[3:])),
+            authority=self._capability.authority,
+        )
+
+    def _aim(self, state: State, applied: Vector, dt: float, force_ratio: float) -> Aim:
+        R, view = state.rotation, self.view(state)
+        motion = self._motion.motion(view)
+        velocity_W = np.asarray(motion.velocity, dtype=float)
+        force, torque = R @ self._demanded[:3], self._demanded[3:]
+        effort = self._capability.effort
+        situation = Situation(view, R, force, torque, np.zeros(3), effort, force_ratio, velocity_W)
+        quaternion, rates_W = self._attitude.attitude(situation, dt)
+        velocity = np.concatenate([velocity_W @ R, np.asarray(rates_W, dtype=float) @ R])
+        turn = rotation_between(state.quaternion, np.asarray(quaternion, dtype=float))
+        return Aim(
+            time=self._ticks * self._period,
+            dt=dt,
+            state=state,
+            view=view,
+            error=np.concatenate([(view.point.position - state.position) @ R, turn]),
+            velocity=velocity,
+            velocity_error=velocity - np.concatenate([state.velocity, state.rates]),
+            acceleration=np.asarray(motion.acceleration, dtype=float),
+            quaternion=np.asarray(quaternion, dtype=float),
+            applied=applied,
+            capability=self._capability,
+            force_ratio=force_ratio,
+        )
+
+    def _parts(self, answer: Any) -> tuple[Vector, Vector]:
+        """The whole wrench (6,) and the part of it that gives way."""
+        if answer is None:
+            raise self._code.refuse("answers nothing; a wrench is 6 numbers")
+        try:
+            numbers = np.array(answer, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise self._code.refuse(f"answers {answer!r:.60}; a wrench is 6 numbers") from None
+        if numbers.shape not in ((6,), (2, 6)):
+            text = f"answers numbers of shape {numbers.shape}; a wrench is 6, or 2 x 6: its primary and secondary part"
+            raise self._code.refuse(text)
+        if not np.isfinite(numbers).all():
+            raise self._code.refuse(f"answers {numbers.tolist()}; every number must be finite")
+        return (numbers, np.zeros(6)) if numbers.ndim == 1 else (numbers[0] + numbers[1], numbers[1])
+
+
+class OwnController:
+    """A `Controller` of the user's own, whose decisions are looked at.
+
+    Args:
+        code: where it comes from.
+        controller: it.
+    """
+
+    def __init__(self, code: OwnCode, controller: Controller) -> None:
+        self._code, self._controller = code, controller
+
+    def view(self, state: State) -> TargetView:
+        """See `Controller.view`."""
+        view: TargetView = self._code.call(self._controller.view, state)
+        return view
+
+    def reconfigure(self, left: Capability) -> None:
+        """See `Controller.reconfigure`."""
+        self._code.call(self._controller.reconfigure, left)
+
+    def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
+        """See `Controller.decide`."""
+        decision = self._code.call(self._controller.decide, state, applied, dt, force_ratio)
+        if not isinstance(decision, Decision):
+            raise self._code.refuse(f"answers {type(decision).__name__} to decide; it takes a Decision")
+        for name, width in (("wrench", 6), ("secondary", 6), ("disturbance", 6), ("current", 3), ("quaternion", 4)):
+            value = getattr(decision, name)
+            if np.shape(value) != (width,) or not np.isfinite(value).all():
+                raise self._code.refuse(f"decides on {name} = {value!r:.80}; it takes {width} finite numbers")
+        return decision
+
+
+CONTROLLER_METHODS = "decide", "view", "reconfigure"
+
+
+def own_controller(loaded: Loaded, code: OwnCode, setup: LawSetup) -> Controller:
+    """The controller of what a factory makes: a function of an `Aim`, or a whole `Controller`.
+
+    Raises:
+        ScenarioError: it makes neither; with position.
+    """
+    law = made(loaded, code, setup)
+    with refused(loaded):
+        if hasattr(law, "decide"):
+            missing = [name for name in CONTROLLER_METHODS if not callable(getattr(law, name, None))]
+            if missing:
+                raise code.refuse(f"makes a {type(law).__name__} without the method {' and '.join(missing)}")
+            return OwnController(code, law)
+        if not callable(law):
+            raise code.refuse(f"makes a {type(law).__name__}; it takes a function of an aim, or an object with decide")
+    return OwnLaw(code, law, setup)
+
+
+def rotation_between(q: Vector, p: Vector) -> Vector:
+    """The rotation vector (3,) [rad], at most pi long, that turns attitude q into p, in the axes of q."""
+    w, x, y, z = multiply(conjugate(q), p)
+    size = sqrt(x * x + y * y + z * z)
+    if size == 0.0:
+        return np.zeros(3)
+    angle = 2.0 * atan2(size, abs(w))
+    return np.array([x, y, z]) * ((angle if w >= 0.0 else -angle) / size)
