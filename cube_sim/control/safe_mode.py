@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2
+from math import atan2, hypot
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class LossOfTargetMonitor:
 
     def reason(self, view: TargetView, dt: float) -> str:
         """Why the path is given up, "" if it is not; to be asked at every tick."""
-        distance, limit = float(np.linalg.norm(view.error)), self._mode.limit
+        distance, limit = hypot(*view.error.tolist()), self._mode.limit
         if distance <= limit:
             self._was_near, self._since, self._nearest = True, 0.0, distance
         elif distance <= self._nearest - NEARER * limit:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -54,7 +54,8 @@ def tick(mission: Mission, store: SignalStore, t: float, applied: Vector, action
     decision = mission.controller.decide(known, applied, mission.scenario.control_period_s, mission.supply.force_ratio)
     if action.wrench is not None:
         decision = decision._replace(wrench=action.wrench, secondary=np.zeros(6))
-    if not all(np.isfinite(values).all() for values in (decision.wrench, decision.quaternion, decision.view.error)):
+    wrench, quaternion, error = decision.wrench, decision.quaternion, decision.view.error
+    if not isfinite(wrench @ wrench + quaternion @ quaternion + error @ error):
         raise NotANumberError("the controller's answer is not a number")
     allocator, thrusters, ratio = mission.allocator, mission.vehicle.thrusters, mission.supply.force_ratio
     commands = action.commands if action.forces is None else thrusters.command(action.forces)

@@ -26,7 +26,10 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float) -> bool
         health = mission.events.health
     else:
         return False
-    if health is allocator.told or health.equals(allocator.health):
+    if health is allocator.told:
+        return False
+    if health.equals(allocator.health):
+        allocator.told = health  # the same news: told from now on by the object alone
         return False
     allocator.set_health(health)
     left = mission.ability.left(health)
