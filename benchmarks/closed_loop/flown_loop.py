@@ -39,7 +39,7 @@ MEMORIES = (
     ("observer", "memory", ("integral", "estimate")),
     ("", "memory", ("force", "velocity", "torque")),
     ("", "centre", ("shift",)),
-    ("_balanced", "memory", ("led", "twice", "torque")),
+    ("_balanced", "memory", ("led", "twice", "torque", "torque_twice")),
 )
 """What the controller remembers from tick to tick: the part that holds it (the controller itself: none), the name of
 its record, and the fields. Beside these the estimate of the current."""

@@ -54,6 +54,7 @@ MEMORY = np.dtype(
         ("twice", np.float64, (2, 3)),
         ("slow", np.float64, (2, 3)),
         ("torque", np.float64, 3),
+        ("torque_twice", np.float64, 3),
         ("started", np.bool_),
         ("short", np.bool_),
         ("off", np.float64),
@@ -122,12 +123,13 @@ def _average(m, flow_W, force, torque, dt, time):
         if not m.started:
             m.led[0, i] = m.twice[0, i] = m.slow[0, i] = flow_W[i]
             m.led[1, i] = m.twice[1, i] = m.slow[1, i] = force[i]
-            m.torque[i] = torque[i]
+            m.torque[i] = m.torque_twice[i] = torque[i]
         m.led[0, i] += share * (flow_W[i] - m.led[0, i])
         m.led[1, i] += share * (force[i] - m.led[1, i])
         m.slow[0, i] += slow_share * (flow_W[i] - m.slow[0, i])
         m.slow[1, i] += slow_share * (force[i] - m.slow[1, i])
         m.torque[i] += share * (torque[i] - m.torque[i])
+        m.torque_twice[i] += share * (m.torque[i] - m.torque_twice[i])
         for j in range(2):
             m.twice[j, i] += share * (m.led[j, i] - m.twice[j, i])
     m.started = True
@@ -141,8 +143,9 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
     nu = np.array((flow[0], flow[1], flow[2], 0.0, 0.0, 0.0))
     by_velocity = steady_wrench_slope(hull, nu, np.zeros(6))
     turning = _by_turning(hull, by_velocity, flow, force, z)
-    torque = stacked((0.0, 0.0, 0.0), triple(m.torque))
-    wrench = plus6(plus6(steady_wrench(hull, flow, z), stacked(force, (0.0, 0.0, 0.0))), torque)
+    torque_change = times(1.0 / p.time, minus(triple(m.torque), triple(m.torque_twice)))
+    torque = plus(triple(m.torque), times(p.time, torque_change))
+    wrench = plus6(steady_wrench(hull, flow, z), stacked(force, torque))
     J, imbalance, rows = np.empty((7, 3)), np.empty(7), p.count
     for k in range(rows):
         now, changing = -p.constants[k], 0.0
@@ -151,8 +154,7 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
             share = p.lost[i, k]
             change = by_velocity[i, 0] * flow_change[0] + by_velocity[i, 1] * flow_change[1]
             change += by_velocity[i, 2] * flow_change[2]
-            if i < 3:
-                change += force_change[i]
+            change += force_change[i] if i < 3 else torque_change[i - 3]
             now += share * wrench[i]
             changing += share * change
             for j in range(3):
@@ -161,7 +163,7 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
     m.short = False
     if len(bounds) > 0:
         slow_flow, slow_force = to_body(R, triple(m.slow[0])), to_body(R, triple(m.slow[1]))
-        slow = plus6(plus6(steady_wrench(hull, slow_flow, z), stacked(slow_force, (0.0, 0.0, 0.0))), torque)
+        slow = plus6(steady_wrench(hull, slow_flow, z), stacked(slow_force, triple(m.torque)))
         worst, excess = _worst_facet(normals, bounds, held_shares, force_ratio, slow)
         if excess > 0.0:
             m.short = True
