@@ -42,7 +42,8 @@ MEMORIES = (
     ("_balanced", "memory", ("led", "twice", "torque", "torque_twice")),
 )
 """What the controller remembers from tick to tick: the part that holds it (the controller itself: none), the name of
-its record, and the fields. Beside these the estimate of the current."""
+its record, and the fields. The centre of oscillation moves only where a hull is dragged along. Beside these the
+estimate of the current."""
 
 
 class Point(NamedTuple):
@@ -166,7 +167,7 @@ class FlownLoop:
             self.controller.target.arc_length = self._started
         for part, name, fields in MEMORIES:
             owner = getattr(self.controller, part) if part else self.controller
-            if owner is not None:
+            if owner is not None and (name != "centre" or self.controller.dragged):
                 self._memories += [getattr(owner, name)[field][0] for field in fields]
         if self.controller.current_observer is not None:
             self._memories.append(self.controller.current_observer.estimate)

@@ -30,7 +30,7 @@ class BalancedAttitude:
     direction is that of the world. M_0 is the torque against disturbances and for the turning that goes on.
 
     First, the imbalance g = N' W - b decays over `time`: w = -J# (g / time + N' W'), J = dg/dw, W' that of U and F_W as
-    the path turns. Second, in the null space of the first, the hull turns to the attitude the mission asks for, over
+    the path turns. Second, in the null space of the first, the hull tilts and heads as the mission asks for, over
     `wish_time`. J# is damped, so nothing is singular when the force vanishes or lines up with the axis it cannot be
     turned about.
 
@@ -38,7 +38,8 @@ class BalancedAttitude:
     of the first task: the vehicle turns until it lies within.
 
     U and F_W are averaged over `time` and led by as much: x = 2 x_1 - x_2, x_1 and x_2 averaged once and twice, and
-    x' = (x_1 - x_2) / time. A force that turns evenly with the path is so pointed without lag.
+    x' = (x_1 - x_2) / time. A force that turns evenly with the path is so pointed without lag. So is M_0, or what is no
+    imbalance at all, a force and the torque that comes with it, would be one on the way.
 
     Args:
         left: what the thrusters can still do, and it steers by attitude; in a level plane by heading alone.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import acos
+from math import acos, sqrt
 
 import numpy as np
 
@@ -31,6 +31,10 @@ SOFTNESS_N = 0.6
 """Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
 SHORTAGE_TIME = 2.0
 """Over which the force that is compared with what is attainable is averaged, and in which the vehicle turns [s]."""
+LEAST_TWIST = 1e-3
+"""Cosine of half the tilt below which the turn about z means nothing: upside down."""
+MOST_PULL_RAD = 0.3
+"""A nose that points farther from where the mission wishes is pulled there no more than from so far (a choice)."""
 FARTHEST_RAD = 0.7
 """A hull that is this far from the attitude found is held by its water elsewhere: the search goes on from there."""
 
@@ -221,6 +225,19 @@ def _worst_facet(normals, bounds, held_shares, force_ratio, wrench):
 
 
 @compiled
+def tilt_and_heading(q):
+    """The way to an attitude q (4-tuple), a 3-tuple [rad]: how to tilt the body's z axis, and how to turn about it.
+
+    q = swing twist, the twist about z. For small angles it is the vector part of q, twice. Where the nose points far
+    from the wished one, tilting by that would go about the wrong axis; and the pull to that side, where balance forbids
+    to give way to it, must not tilt the hull.
+    """
+    w, x, y, z = q
+    c = max(sqrt(w * w + z * z), LEAST_TWIST)
+    return 2.0 * (x * w - y * z) / c, 2.0 * (y * w + x * z) / c, min(max(2.0 * z / c, -MOST_PULL_RAD), MOST_PULL_RAD)
+
+
+@compiled
 def _towards(m, R, desired, wish_time):
     """Turning rate, a 3-tuple [rad/s], body axes, to the attitude the mission asks for; how far it is off is kept."""
     q, wish = quaternion_from_matrix(R), desired[0].quaternion
@@ -228,7 +245,7 @@ def _towards(m, R, desired, wish_time):
     if error[0] < 0.0:
         error = (-error[0], -error[1], -error[2], -error[3])
     m.off = 2.0 * length(error[1:])
-    return plus(to_body(R, triple(desired[0].rates)), times(2.0 / wish_time, error[1:]))
+    return plus(to_body(R, triple(desired[0].rates)), times(1.0 / wish_time, tilt_and_heading(error)))
 
 
 @compiled

@@ -86,8 +86,8 @@ class PathFollower:
         self._balanced, self._loops, self._approach = None, self.loops, self.approach
         budget = left.budget
         self._left = left.record(self.loops.dynamics.total_mass)
+        self.dragged = bool(self._left["dragged"].any())
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
-        self._dragged = bool(self._left["dragged"].any())
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self._monitor.restart()
@@ -101,7 +101,7 @@ class PathFollower:
             if isinstance(self.approach, Approach):
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
         self._compiled = compiled_parts(
-            self, self._approach, self._loops.record, self._left, self._budget, self._dragged
+            self, self._approach, self._loops.record, self._left, self._budget, self.dragged
         )
 
     def view(self, state: State) -> TargetView:
@@ -198,7 +198,7 @@ class PathFollower:
 
     def _motion(self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float) -> DesiredMotion:
         """The desired motion of the hull, or of its centre of oscillation where turning pushes it."""
-        if not self._dragged:
+        if not self.dragged:
             return self._approach.motion(view) if goal is None else goal.motion(state.position)
         R, time = np.ascontiguousarray(view.point.rotation), self._loops.velocity_time
         moving = record_of(view if goal is None else view._replace(speed=0.0))

@@ -56,3 +56,20 @@ def test_a_force_that_stops_turning_is_not_overshot_for_long():
     left, R, rates, force = pointed("jack", [1, 2], force_at)
     assert imbalance("jack", left, R, force) < 1e-3
     assert np.linalg.norm(rates) < 1e-3
+
+
+def test_a_force_with_the_torque_that_comes_with_it_turns_nothing():
+    """What the thrusters make is balanced, however it changes: it passes both filters alike."""
+    hull = vehicle("cube")
+    left = capability(np.delete(hull.actuation_matrix, [0, 1], axis=1))
+    law = BalancedAttitude(left, hull.dynamics, np.eye(3), TIME, UPRIGHT)
+    columns = np.delete(hull.actuation_matrix, [0, 1], axis=1)
+    made = columns[:, np.argmax(np.abs(left.lost_forces.T @ columns[:3]))]
+    assert abs(float(left.lost_forces[:, 0] @ made[:3])) > 0.1
+    turned = 0.0
+    for k in range(400):
+        beside = np.sin(10.0 * k * DT) * made
+        force, torque = 50.0 * beside[:3], 50.0 * beside[3:]
+        desired = law.attitude(Situation(None, np.eye(3), force, torque, np.zeros(3), left.effort), DT)
+        turned = max(turned, float(np.linalg.norm(desired.rates)))
+    assert turned < 1e-9
