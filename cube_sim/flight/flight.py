@@ -240,15 +240,15 @@ class Flight:
             FlightError: code of the user's own remembers what cannot be pickled.
         """
         mission = self.mission
-        changing = (
-            (self.tick, self.ended, self._applied, self._given_up, self._known),
-            (self._unattainable, self._pace, self._surface),
-            mission.allocator.memory(),
-            integration_state(mission.model, mission.data),
-            (mission.model.numeric_data.copy(), mission.model.opt.wind.copy()),
-            {name: getattr(mission, name) for name in _CHANGING},
-        )
         try:
+            changing = (
+                (self.tick, self.ended, self._applied, self._given_up, self._known),
+                (self._unattainable, self._pace, self._surface),
+                mission.allocator.memory(),
+                integration_state(mission.model, mission.data),
+                (mission.model.numeric_data.copy(), mission.model.opt.wind.copy()),
+                {name: getattr(mission, name) for name in _CHANGING},
+            )
             return Snapshot(self._digest, packed(changing, self._fixed))
         except (PicklingError, TypeError, AttributeError) as error:
             raise FlightError(f"the flight cannot be saved: {error}") from error

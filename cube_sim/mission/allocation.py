@@ -8,22 +8,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation import FaultTolerant
+from cube_sim.allocation.fault_tolerant import Build
 from cube_sim.allocation.methods import is_exact, make_allocator
 from cube_sim.allocation.protocol import WrenchAllocator
-from cube_sim.scenario import Scenario
+from cube_sim.mission.own.allocator import own_build
+from cube_sim.mission.own.code import Codes, refused
+from cube_sim.scenario import Loaded, Scenario
+from cube_sim.scenario.python_block import PythonBlock
 from cube_sim.vehicle.vehicle import Vehicle
 
 DWELL_S = 1.0
 """Time on one side up to which a penalty counts in full [s]: it is the price of what saves as many N^2 for so long."""
 
 
-def allocator_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
-    """Wrench to thruster forces, as the `allocation` block says, by the matrix the controller believes in."""
+def allocator_of(loaded: Loaded, vehicle: Vehicle, codes: Codes) -> FaultTolerant:
+    """Wrench to thruster forces, as the `allocation` block says, by the matrix the controller believes in.
+
+    Raises:
+        ScenarioError: code of the user's own makes no allocator; with position.
+    """
+    scenario = loaded.scenario
+    limits = clear_of_dead_zone(vehicle.thrusters.limits, scenario.allocation.dead_zone_margin)
+    A = scenario.knowledge.thrust * vehicle.actuation_matrix
+    method = scenario.allocation.method
+    if not isinstance(method, PythonBlock):
+        return FaultTolerant(A, limits, _build(method, vehicle, scenario))
+    build = own_build(loaded, codes["allocation.method"], vehicle.thrusters)
+    with refused(loaded):
+        # An answer that is none is found before the flight.
+        build(A, limits, np.arange(len(limits))).allocate(np.zeros(6))
+        return FaultTolerant(A, limits, build)
+
+
+def _build(method: str, vehicle: Vehicle, scenario: Scenario) -> Build:
+    """What builds an allocator of cube_sim's for the thrusters that respond."""
     thrusters, block = vehicle.thrusters, scenario.allocation
 
     def build(A: NDArray[np.float64], limits: NDArray[np.float64], which: NDArray[np.int_]) -> WrenchAllocator:
         options: dict[str, Any] = {"allow_off": block.allow_off}
-        if is_exact(block.method):
+        if is_exact(method):
             weights = np.ones(6)
             weights[3:] = block.torque_weight
             options |= {
@@ -41,11 +64,9 @@ def allocator_of(vehicle: Vehicle, scenario: Scenario) -> FaultTolerant:
                 options["target"] = np.array(block.target_N)[which]
             if block.objective.startswith("reactivity"):
                 options["reactivity"] = thrusters.reactivity[which]
-        return make_allocator(block.method, A, limits, options)
+        return make_allocator(method, A, limits, options)
 
-    limits = clear_of_dead_zone(thrusters.limits, block.dead_zone_margin)
-    A = scenario.knowledge.thrust * vehicle.actuation_matrix
-    return FaultTolerant(A, limits, build)
+    return build
 
 
 def clear_of_dead_zone(limits: NDArray[np.float64], margin: float) -> NDArray[np.float64]:

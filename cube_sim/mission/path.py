@@ -19,6 +19,8 @@ from cube_sim.guidance.sinusoid import sinusoid
 from cube_sim.guidance.speed import ConstantSpeed, PlannedSpeed, SpeedProfile
 from cube_sim.guidance.spline import spline
 from cube_sim.guidance.waypoints_csv import read_waypoints
+from cube_sim.mission.own.code import NO_CODES, Codes
+from cube_sim.mission.own.path import own_path
 from cube_sim.scenario import Loaded
 from cube_sim.scenario import path_blocks as blocks
 from cube_sim.scenario.schema import GuidanceBlock
@@ -27,19 +29,26 @@ LEVEL = 1e-6
 """Largest slope of a level path."""
 
 
-def path_of(loaded: Loaded) -> Path:
+def path_of(loaded: Loaded, codes: Codes = NO_CODES) -> Path:
     """The path of a loaded scenario.
+
+    Args:
+        loaded: it.
+        codes: code of the user's own.
 
     Raises:
         ScenarioError: what only building it shows, such as a spline with a cusp; with position.
     """
+    block = loaded.scenario.path
+    if isinstance(block, blocks.PythonPathBlock):
+        return own_path(loaded, codes["path"], block)
     try:
-        return make_path(loaded.scenario.path)
+        return make_path(block)
     except PathError as error:
         raise ScenarioError([loaded.mistake("path", str(error))]) from None
 
 
-def make_path(block: blocks.AnyPath) -> Path:
+def make_path(block: blocks.NamedPath) -> Path:
     """The curve of one block.
 
     Raises:

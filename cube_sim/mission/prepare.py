@@ -91,12 +91,12 @@ def prepare(loaded: Loaded) -> Mission:
     flown = flown_hull(loaded)
     believed = believed_hull(loaded, flown)
     model, vehicle = flown
-    path = path_of(loaded)
+    path = path_of(loaded, codes)
     channels = recorded_channels(scenario, vehicle)
     require_signals(loaded, channels)
     require_possible_events(loaded, vehicle)
     require_a_value_per_thruster(loaded, vehicle)
-    allocator = allocator_of(believed.vehicle, scenario)
+    allocator = allocator_of(loaded, believed.vehicle, codes)
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
     ability = Ability.of(allocator, dynamics, scenario)
     mission = Mission(

@@ -9,6 +9,7 @@ from pydantic.types import Strict
 from pydantic_core.core_schema import ValidationInfo
 
 from cube_sim.allocation.options import WEIGHTS_SPAN, BaselineMethod, Method, Objective, Unattainable
+from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython, PythonBlock
 from cube_sim.scenario.values import Block, refuse
 
 Force = Annotated[float, Field(ge=-1e6, le=1e6)]
@@ -16,15 +17,19 @@ Weight = Annotated[float, Field(ge=1 / WEIGHTS_SPAN, le=WEIGHTS_SPAN)]
 Penalty = Annotated[float, Field(ge=0, le=1e12)]
 
 
+MethodName = Literal[Method, BaselineMethod]
+AnyMethod = Annotated[Annotated[MethodName, NAME] | OwnPython, NAMED_OR_OWN]
+
+
 class AllocationBlock(Block):
     """How a wrench becomes thruster forces."""
 
-    method: Literal[Method, BaselineMethod] = Field(
+    method: AnyMethod = Field(
         default="search+proxqp",
         description="Exact: search+proxqp (a search picks the subset, one ProxQP solves it), search, enumerate (one "
         f"ProxQP per subset), enumerate_parallel. To compare with: {', '.join(get_args(BaselineMethod))}; these do not "
         "know whether a wrench is attainable, refuse an objective but energy, and leave weights, penalties, the change "
-        "limit and `unattainable` aside: a scenario compares them by this key.",
+        "limit and `unattainable` aside: a scenario compares them by this key. So does code of your own.",
     )
     allow_off: bool = Field(default=True, description="Whether a thruster may rest at 0 N, inside its dead zone.")
     objective: Objective = Field(
@@ -81,6 +86,8 @@ class AllocationBlock(Block):
     @classmethod
     def _known_to_method(cls, objective: str, info: ValidationInfo) -> str:
         method = info.data.get("method", "search")
+        if objective != "energy" and isinstance(method, PythonBlock):
+            refuse("code of your own is told of no objective: leave it out")
         if objective != "energy" and method in get_args(BaselineMethod):
             refuse(f"{method} knows no objective but energy")
         return objective

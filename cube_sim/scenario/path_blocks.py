@@ -13,6 +13,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from cube_sim.errors import PathError
 from cube_sim.scenario.file_names import TableFile
+from cube_sim.scenario.python_block import PythonBlock
 from cube_sim.scenario.values import Block, Extent, Place, Vector3, refuse
 
 Waypoints = Annotated[tuple[Place, ...], Strict(False)]
@@ -227,7 +228,14 @@ class CsvBlock(ClosablePathBlock):
         return self
 
 
-AnyPath = Annotated[
+class PythonPathBlock(PythonBlock):
+    """A path of one's own; see docs/extending.md."""
+
+    type: Literal["python"]
+    laps: float | None = Field(default=None, gt=0, description=LAPS)
+
+
+NamedPath = (
     LineBlock
     | PointBlock
     | ArcBlock
@@ -236,6 +244,6 @@ AnyPath = Annotated[
     | SinusoidBlock
     | PolylineBlock
     | SplineBlock
-    | CsvBlock,
-    Field(discriminator="type"),
-]
+    | CsvBlock
+)
+AnyPath = Annotated[NamedPath | PythonPathBlock, Field(discriminator="type")]

@@ -20,7 +20,7 @@ from cube_sim.scenario.event_blocks import AnyEvent
 from cube_sim.scenario.file_names import ModelFile
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
 from cube_sim.scenario.navigation_blocks import NavigationBlock, require_slower_than
-from cube_sim.scenario.path_blocks import AnyPath
+from cube_sim.scenario.path_blocks import AnyPath, PythonPathBlock
 from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
 from cube_sim.scenario.telemetry_block import TelemetryBlock
 from cube_sim.scenario.values import Block, Name, Pair, Place, Vector3, refuse
@@ -330,7 +330,8 @@ class Scenario(Block):
                 )
         _require_windows_inside(checks, info.data.get("duration_s"))
         path = info.data.get("path")
-        if path is not None and getattr(path, "laps", 1.0) is None and getattr(path, "closed", True):
+        may_be_open = isinstance(path, PythonPathBlock)  # only the path itself says
+        if not may_be_open and getattr(path, "laps", 1.0) is None and getattr(path, "closed", True):
             for index, check in enumerate(checks):
                 if isinstance(check, PathEndCheckBlock):
                     refuse("a closed path run without end has no end to reach: give path.laps", index, "kind")

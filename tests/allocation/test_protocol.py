@@ -12,7 +12,7 @@ from cube_sim.allocation import Allocation, Allocator, FaultTolerant, Health, St
 from cube_sim.allocation.methods import BASELINES, is_exact, make_allocator, methods
 from cube_sim.allocation.options import BaselineMethod
 from cube_sim.errors import ActuationError, AllocationError, WrenchError
-from cube_sim.scenario import Scenario
+from cube_sim.scenario.allocation_block import MethodName
 from cube_sim.wrench.matrix import actuation_matrix
 
 LIMITS = [-40.0, -3.2, 4.0, 50.0]
@@ -96,8 +96,7 @@ def test_every_baseline_has_its_name_and_every_name_its_baseline():
 
 
 def test_the_scenario_knows_the_methods_there_are():
-    block = Scenario.model_fields["allocation"].annotation
-    assert get_args(block.model_fields["method"].annotation) == methods()
+    assert get_args(MethodName) == methods()
 
 
 def test_one_check_of_a_matrix_serves_the_analysis_and_the_allocators():

@@ -98,8 +98,8 @@ def test_the_record_holds_the_code_and_flies_again(tmp_path):
         ("def make(setup): return 7", "own.py:make makes a int; it takes a function of an"),
         ("class make:\n def __init__(self, setup): pass\n def decide(self): pass",
          "own.py:make makes a make without the method view and reconfigure"),
-        ("def make(setup): return lambda aim: [1, 2]", "answers numbers of shape (2,)"),
-        ("def make(setup): return lambda aim: None", "answers nothing; a wrench is 6 numbers"),
+        ("def make(setup): return lambda aim: [1, 2]", "answers a wrench in two parts of shape (2,)"),
+        ("def make(setup): return lambda aim: None", "answers a wrench: nothing; it takes 6 numbers"),
         ("def make(setup): return lambda aim: [float('nan')] * 6", "must be finite"),
         ("def make(setup): return lambda aim:\\\n aim.speed", "own.py:2: AttributeError"),
     ],
@@ -136,7 +136,7 @@ def test_what_names_no_law_is_one_line(law, told, tmp_path, monkeypatch, capsys)
     ("answer", "told"),
     [
         ("1 / (aim.time < 0.2)", "own.py:2: ZeroDivisionError: division by zero"),
-        ("[0.0] * (6 if aim.time < 0.2 else 5)", "own.py:make answers numbers of shape (5,)"),
+        ("[0.0] * (6 if aim.time < 0.2 else 5)", "own.py:make answers a wrench of shape (5,); it takes 6 numbers"),
         ("[0.0 if aim.time < 0.2 else float('inf')] * 6", "every number must be finite"),
     ],
 )
@@ -275,7 +275,7 @@ def test_a_whole_controller_decides():
     flight.restore(middle)
     assert flight.step().view.arc_length == arc_length
 
-    with pytest.raises(ScenarioError, match=r"decides on current = array\(\[0., 0.\]\); it takes 3 finite numbers"):
+    with pytest.raises(ScenarioError, match=r"answers the current of shape \(2,\); it takes 3 numbers"):
         cube_sim.Flight(HELIX, SHORT, controller=NoController)
 
 

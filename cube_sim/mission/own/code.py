@@ -7,7 +7,7 @@ import importlib.util
 import inspect
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -17,10 +17,13 @@ from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Any
 
+import numpy as np
+
 from cube_sim.errors import OwnCodeError, ScenarioError
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.file_names import code_place
 from cube_sim.scenario.python_block import PythonBlock, python_blocks
+from cube_sim.spatial import Vector
 
 PREFIX = "cube_sim_own_"
 """Of the modules that files become."""
@@ -134,17 +137,46 @@ def made(loaded: Loaded, code: OwnCode, *arguments: Any) -> Any:
     Raises:
         ScenarioError: it is nothing that can be called, does not take them, or raises; with position.
     """
+    require_taken(loaded, code, len(arguments))
+    with refused(loaded):
+        return code.call(code.make, *arguments, **code.options)
+
+
+def require_taken(loaded: Loaded, code: OwnCode, count: int) -> None:
+    """Refuse a factory that does not take so many arguments and its options."""
     if not callable(code.make):
         raise ScenarioError([loaded.mistake(f"{code.key}.python", f"{code.name} is no function or class")])
     try:
-        inspect.signature(code.make).bind(*arguments, **code.options)
+        inspect.signature(code.make).bind(*[None] * count, **code.options)
     except ValueError:
         pass  # no signature to look at
     except TypeError as error:
         where = f"{code.key}.{'options' if code.options else 'python'}"
         raise ScenarioError([loaded.mistake(where, f"{code.name}: {error}")]) from None
-    with refused(loaded):
-        return code.call(code.make, *arguments, **code.options)
+
+
+def without(thing: Any, methods: Sequence[str]) -> str:
+    """The methods an object lacks, in words; "" for none."""
+    return " and ".join(name for name in methods if not callable(getattr(thing, name, None)))
+
+
+def numbers_of(code: OwnCode, answer: Any, shape: tuple[int, ...], what: str) -> Vector:
+    """Finite numbers of a shape.
+
+    Raises:
+        OwnCodeError: the answer is something else.
+    """
+    wanted = f"{' x '.join(map(str, shape))} numbers" if shape else "a number"
+    try:
+        numbers = np.array(answer, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise code.refuse(f"answers {what} {answer!r:.60}; it takes {wanted}") from None
+    if numbers.shape != shape:
+        got = ": nothing" if answer is None else f" of shape {numbers.shape}"
+        raise code.refuse(f"answers {what}{got}; it takes {wanted}")
+    if not np.isfinite(numbers).all():
+        raise code.refuse(f"answers {what} {numbers.tolist()}; every number must be finite")
+    return numbers
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from cube_sim.control.controller import Controller, Decision
 from cube_sim.control.loop_times import LoopTimes
 from cube_sim.guidance.law import MotionLaw, Target, TargetView
 from cube_sim.guidance.path import Path
-from cube_sim.mission.own.code import OwnCode, made, refused
+from cube_sim.mission.own.code import OwnCode, made, numbers_of, refused, without
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import Matrix, State, Vector, conjugate, multiply
 from cube_sim.vehicle.dynamics import Dynamics
@@ -162,18 +162,10 @@ class OwnLaw:
 
     def _parts(self, answer: Any) -> tuple[Vector, Vector]:
         """The whole wrench (6,) and the part of it that gives way."""
-        if answer is None:
-            raise self._code.refuse("answers nothing; a wrench is 6 numbers")
-        try:
-            numbers = np.array(answer, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise self._code.refuse(f"answers {answer!r:.60}; a wrench is 6 numbers") from None
-        if numbers.shape not in ((6,), (2, 6)):
-            text = f"answers numbers of shape {numbers.shape}; a wrench is 6, or 2 x 6: its primary and secondary part"
-            raise self._code.refuse(text)
-        if not np.isfinite(numbers).all():
-            raise self._code.refuse(f"answers {numbers.tolist()}; every number must be finite")
-        return (numbers, np.zeros(6)) if numbers.ndim == 1 else (numbers[0] + numbers[1], numbers[1])
+        if getattr(answer, "ndim", 0) == 2 or (isinstance(answer, tuple | list) and len(answer) == 2):
+            primary, secondary = numbers_of(self._code, answer, (2, 6), "a wrench in two parts")
+            return primary + secondary, secondary
+        return numbers_of(self._code, answer, (6,), "a wrench"), np.zeros(6)
 
 
 class OwnController:
@@ -202,9 +194,7 @@ class OwnController:
         if not isinstance(decision, Decision):
             raise self._code.refuse(f"answers {type(decision).__name__} to decide; it takes a Decision")
         for name, width in (("wrench", 6), ("secondary", 6), ("disturbance", 6), ("current", 3), ("quaternion", 4)):
-            value = getattr(decision, name)
-            if np.shape(value) != (width,) or not np.isfinite(value).all():
-                raise self._code.refuse(f"decides on {name} = {value!r:.80}; it takes {width} finite numbers")
+            numbers_of(self._code, getattr(decision, name), (width,), f"the {name}")
         return decision
 
 
@@ -220,9 +210,8 @@ def own_controller(loaded: Loaded, code: OwnCode, setup: LawSetup) -> Controller
     law = made(loaded, code, setup)
     with refused(loaded):
         if hasattr(law, "decide"):
-            missing = [name for name in CONTROLLER_METHODS if not callable(getattr(law, name, None))]
-            if missing:
-                raise code.refuse(f"makes a {type(law).__name__} without the method {' and '.join(missing)}")
+            if missing := without(law, CONTROLLER_METHODS):
+                raise code.refuse(f"makes a {type(law).__name__} without the method {missing}")
             return OwnController(code, law)
         if not callable(law):
             raise code.refuse(f"makes a {type(law).__name__}; it takes a function of an aim, or an object with decide")
