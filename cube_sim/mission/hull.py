@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import mujoco
@@ -29,7 +30,7 @@ def flown_hull(loaded: Loaded) -> CompiledHull:
         ScenarioError: the model is not right, or has no such vehicle; with position.
     """
     scenario = loaded.scenario
-    hull = _hull(loaded, scenario.model, "model")
+    hull = _hull(loaded, scenario.model, "model", scenario.parameters)
     hull.model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{scenario.physics.integrator.upper()}")
     hull.model.opt.timestep = scenario.physics.step_s
     try:
@@ -51,7 +52,7 @@ def believed_hull(loaded: Loaded, flown: CompiledHull) -> CompiledHull:
     file = loaded.scenario.knowledge.model
     if file is None:
         return flown
-    believed = _hull(loaded, file, "knowledge.model")
+    believed = _hull(loaded, file, "knowledge.model", {})
     names, there = flown.vehicle.thrusters.names, believed.vehicle.thrusters.names
     if names != there:
         text = f"has the thrusters {', '.join(there)}; the vehicle that flies has {', '.join(names)}"
@@ -59,19 +60,24 @@ def believed_hull(loaded: Loaded, flown: CompiledHull) -> CompiledHull:
     return believed
 
 
-def _hull(loaded: Loaded, file: str, key: str) -> CompiledHull:
+def _hull(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence[float]]) -> CompiledHull:
     scenario = loaded.scenario
     try:
-        model = load_model(file)
+        model = load_model(file, parameters)
         vehicle = _chosen_hull(loaded, model, key)
         zone = scenario.thrusters.dead_zone_N
         if zone is not None:
             # Every thruster gets it, whether the model states dead zones per hull or per thruster.
             owners = (vehicle.name, *vehicle.thrusters.names)
-            model = load_model(file, {f"{owner}:thruster_dead_zone": zone for owner in owners})
+            zones = {f"{owner}:thruster_dead_zone": zone for owner in owners}
+            model = load_model(file, {**parameters, **zones})
             vehicle = Vehicle.from_model(model, vehicle.name)
     except ModelError as error:
-        where = "thrusters.dead_zone_N" if error.element.endswith("thruster_dead_zone") else key
+        where = key
+        if scenario.thrusters.dead_zone_N is not None and error.element.endswith("thruster_dead_zone"):
+            where = "thrusters.dead_zone_N"
+        elif error.element in parameters:
+            where = "parameters"
         raise ScenarioError([loaded.mistake(where, str(error))]) from None
     if not vehicle.thrusters.names:
         where = key if scenario.vehicle is None else "vehicle"

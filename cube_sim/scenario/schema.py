@@ -23,7 +23,7 @@ from cube_sim.scenario.navigation_blocks import NavigationBlock, require_slower_
 from cube_sim.scenario.path_blocks import AnyPath, PythonPathBlock
 from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
 from cube_sim.scenario.telemetry_block import TelemetryBlock
-from cube_sim.scenario.values import Block, Name, Pair, Place, Vector3, refuse
+from cube_sim.scenario.values import Block, Name, Numbers, Pair, Place, Vector3, refuse
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 
@@ -251,6 +251,11 @@ class Scenario(Block):
     current_m_s: Vector3 = Field(default=ZERO, description="Velocity of the water, world axes [m/s].")
     initial: InitialBlock = InitialBlock()
     thrusters: ThrustersBlock = ThrustersBlock()
+    parameters: dict[str, Numbers] = Field(
+        default={},
+        description="Values in place of the custom numerics of the model that flies, by their names, for example"
+        " hull:added_mass. The controller knows them as well, unless knowledge.model names a file.",
+    )
     battery: BatteryBlock | None = Field(
         default=None,
         description="What feeds the thrusters. Default: a constant voltage, that of the model's characteristic.",

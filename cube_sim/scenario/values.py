@@ -16,6 +16,7 @@ Place = Annotated[tuple[Coordinate, Coordinate, Coordinate], Strict(False)]
 # What a path is made of: neither a speck nor a journey.
 Extent = Annotated[float, Field(ge=0.01, le=1e6)]
 Pair = Annotated[tuple[float, float], Strict(False)]
+Numbers = Annotated[tuple[float, ...], Strict(False)]
 
 # Names become folder names and test ids, so they hold nothing a shell or a file system would mind.
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]

@@ -228,8 +228,15 @@ def test_aliases_that_grow_without_bound_are_refused():
     assert mistake.position == (1, 4)
 
 
-MAY_BE_BLOCKS = {("navigation",), ("battery",), ("control", "law"), ("allocation", "method"), ("guidance", "law")}
-"""What is left out, or a name, and may be a block."""
+MAY_BE_BLOCKS = {
+    ("parameters",),
+    ("navigation",),
+    ("battery",),
+    ("control", "law"),
+    ("allocation", "method"),
+    ("guidance", "law"),
+}
+"""What is left out, or a name, or empty, and may be a block."""
 
 
 def complete_file(folder) -> str:

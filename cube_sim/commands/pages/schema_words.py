@@ -43,6 +43,8 @@ def _allowed(schema: Schema) -> str:
         return ", ".join(code(choice) for choice in schema["enum"])
     if schema.get("additionalProperties") is True:
         return "block of any keys"
+    if "additionalProperties" in schema and "properties" not in schema:
+        return f"block of any keys, each a {_list(schema['additionalProperties'])}"
     kind = schema.get("type")
     if kind == "array":
         return _list(schema)
