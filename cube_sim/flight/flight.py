@@ -20,7 +20,7 @@ from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action, action_of
 from cube_sim.flight.observation import Observation
 from cube_sim.flight.snapshot import Snapshot
-from cube_sim.flight.start import described, placed
+from cube_sim.flight.start import described, foreseen_attitude, placed
 from cube_sim.flight.tick import NotANumberError, tick
 from cube_sim.mission import Mission, prepare
 from cube_sim.mission.copying import integration_state, packed, set_integration_state, unpacked
@@ -32,7 +32,7 @@ from cube_sim.mission.surface_watch import SurfaceWatch
 from cube_sim.mission.unattainable_log import UnattainableLog
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Loaded
-from cube_sim.spatial import State
+from cube_sim.spatial import State, Vector
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.vehicle.state import read_state
 
@@ -97,6 +97,7 @@ class Flight:
         self._applied: NDArray[np.float64] = np.zeros(6)
         self._given_up = ""
         self._known: State | None = None
+        self._wanted: Vector | None = None
         self._unattainable = UnattainableLog(store)
         self._pace = PaceLog(store, mission.scenario.guidance.speed_m_s)
         self._surface = SurfaceWatch(store, mission.model, mission.vehicle)
@@ -181,6 +182,7 @@ class Flight:
             state=state,
             estimate=state if self._known is None or mission.estimation is None else self._known,
             view=mission.controller.view(state),
+            wanted=foreseen_attitude(mission, state) if self._wanted is None else self._wanted,
             force=data.actuator_force[mission.vehicle.thrusters.actuators].copy(),
             wrench=self._applied.copy(),
             given_up=self._given_up,
@@ -213,7 +215,7 @@ class Flight:
         except (NotANumberError, OwnCodeError) as error:
             self.ended = str(error)
             return
-        self._applied = allocation.wrench
+        self._applied, self._wanted = allocation.wrench, decision.quaternion
         self._unattainable.note(t, allocation.status)
         self._pace.note(t, decision.pace)
         if decision.given_up != self._given_up:
@@ -242,7 +244,7 @@ class Flight:
         mission = self.mission
         try:
             changing = (
-                (self.tick, self.ended, self._applied, self._given_up, self._known),
+                (self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted),
                 (self._unattainable, self._pace, self._surface),
                 mission.allocator.memory(),
                 integration_state(mission.model, mission.data),
@@ -262,7 +264,7 @@ class Flight:
         if snapshot.digest != self._digest:
             raise FlightError("the snapshot belongs to another scenario")
         loop, logs, allocation, physics, numbers, parts = unpacked(snapshot.content, self._fixed)
-        self.tick, self.ended, self._applied, self._given_up, self._known = loop
+        self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted = loop
         self._unattainable, self._pace, self._surface = logs
         mission = self.mission
         mission.model.numeric_data[:], mission.model.opt.wind[:] = numbers

@@ -16,6 +16,7 @@ class Observation(NamedTuple):
         state: of the vehicle, true.
         estimate: of the state, as the controller had it at the tick before; the true state where nothing is estimated.
         view: the true vehicle as seen from its target on the path.
+        wanted: (4,) wxyz, the attitude the controller asked for at the tick before; at the beginning the one it will.
         force: (m,) the forces the thrusters give [N].
         wrench: (6,) the wrench commanded over the tick before [N, N m], body axes.
         given_up: why the path is no longer followed; "" while it is, and where the controller was not asked.
@@ -27,6 +28,7 @@ class Observation(NamedTuple):
     state: State
     estimate: State
     view: TargetView
+    wanted: Vector
     force: Vector
     wrench: Vector
     given_up: str

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from pickle import PicklingError
+
 import numpy as np
 
-from cube_sim.errors import FlightError
+from cube_sim.errors import CubeSimError, FlightError
 from cube_sim.mission import PATH_POINTS, Mission
+from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.surface_watch import path_above_surface
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.spatial import State, rotation_from_quaternion
+from cube_sim.spatial import State, Vector, rotation_from_quaternion
 
 
 def described(mission: Mission, store: SignalStore) -> None:
@@ -42,3 +45,13 @@ def placed(mission: Mission, state: State) -> None:
     data.qpos[at : at + 3], data.qpos[at + 3 : at + 7] = state.position, quaternion
     data.qvel[dof : dof + 3] = rotation_from_quaternion(quaternion) @ np.asarray(state.velocity)
     data.qvel[dof + 3 : dof + 6] = state.rates
+
+
+def foreseen_attitude(mission: Mission, state: State) -> Vector:
+    """The attitude (4,) wxyz a copy of the controller asks for in a state; the state's where it has none to copy."""
+    try:
+        controller = unpacked(packed(mission.controller, mission.fixed), mission.fixed)
+        period = mission.scenario.control_period_s
+        return controller.decide(state, np.zeros(6), period, mission.supply.force_ratio).quaternion
+    except (PicklingError, TypeError, AttributeError, CubeSimError):
+        return np.asarray(state.quaternion)

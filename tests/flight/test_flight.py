@@ -112,6 +112,15 @@ def test_what_is_given_is_flown():
     assert seen.time_s == pytest.approx(before + 60 * flight.mission.scenario.control_period_s)
 
 
+def test_the_attitude_wanted_is_the_recorded_one_and_foreseen_at_the_beginning():
+    flight = Flight(HELIX, SHORT)
+    seen = [flight.observation(), *(flight.step() for _ in range(5))]
+    recorded = flight.signals["reference.quaternion"][:, 1:]
+    assert not np.allclose(seen[0].wanted, seen[0].state.quaternion, atol=0.1)
+    np.testing.assert_allclose(seen[0].wanted, recorded[0], atol=1e-12)
+    np.testing.assert_array_equal([each.wanted for each in seen[1:]], recorded)
+
+
 def test_a_flight_starts_from_any_state():
     flight = Flight(HELIX, SHORT)
     q = np.array([2.0, 0.0, 0.0, 2.0])
