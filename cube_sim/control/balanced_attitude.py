@@ -38,8 +38,8 @@ class BalancedAttitude:
     of the first task: the vehicle turns until it lies within.
 
     U and F_W are averaged over `time` and led by as much: x = 2 x_1 - x_2, x_1 and x_2 averaged once and twice, and
-    x' = (x_1 - x_2) / time. A force that turns evenly with the path is so pointed without lag. So is M_0, or what is no
-    imbalance at all, a force and the torque that comes with it, would be one on the way.
+    x' = 2 x_1' - x_2' is its very derivative. A force that turns evenly with the path is so pointed without lag. So is
+    M_0, or what is no imbalance at all, a force and the torque that comes with it, would be one on the way.
 
     Args:
         left: what the thrusters can still do, and it steers by attitude; in a level plane by heading alone.

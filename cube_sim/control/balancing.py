@@ -59,13 +59,16 @@ MEMORY = np.dtype(
         ("slow", np.float64, (2, 3)),
         ("torque", np.float64, 3),
         ("torque_twice", np.float64, 3),
+        ("change", np.float64, (2, 3)),
+        ("torque_change", np.float64, 3),
         ("started", np.bool_),
         ("short", np.bool_),
         ("off", np.float64),
     ]
 )
-"""What it remembers: R, the averages of U and F_W (once, twice, over the time of a shortage), that of M_0, whether
-there was a tick before, whether W exceeds what is attainable, and how far R is from the wish [rad]."""
+"""What it remembers: R, the averages of U and F_W (once, twice, over the time of a shortage), those of M_0, the
+derivatives of U, F_W and M_0 as led, whether there was a tick before, whether W exceeds what is attainable, and how far
+R is from the wish [rad]."""
 
 
 @compiled
@@ -128,6 +131,10 @@ def _average(m, flow_W, force, torque, dt, time):
             m.led[0, i] = m.twice[0, i] = m.slow[0, i] = flow_W[i]
             m.led[1, i] = m.twice[1, i] = m.slow[1, i] = force[i]
             m.torque[i] = m.torque_twice[i] = torque[i]
+        for j in range(2):
+            now = flow_W[i] if j == 0 else force[i]
+            m.change[j, i] = (2.0 * (now - m.led[j, i]) - (m.led[j, i] - m.twice[j, i])) / time
+        m.torque_change[i] = (2.0 * (torque[i] - m.torque[i]) - (m.torque[i] - m.torque_twice[i])) / time
         m.led[0, i] += share * (flow_W[i] - m.led[0, i])
         m.led[1, i] += share * (force[i] - m.led[1, i])
         m.slow[0, i] += slow_share * (flow_W[i] - m.slow[0, i])
@@ -143,12 +150,12 @@ def _average(m, flow_W, force, torque, dt, time):
 def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
     """Turning rate, a 3-tuple [rad/s], body axes."""
     z = (R[2, 0], R[2, 1], R[2, 2])
-    flow, force, flow_change, force_change = _led(m, R, p.time)
+    flow, force, flow_change, force_change = _led(m, R)
     nu = np.array((flow[0], flow[1], flow[2], 0.0, 0.0, 0.0))
     by_velocity = steady_wrench_slope(hull, nu, np.zeros(6))
     turning = _by_turning(hull, by_velocity, flow, force, z)
-    torque_change = times(1.0 / p.time, minus(triple(m.torque), triple(m.torque_twice)))
-    torque = plus(triple(m.torque), times(p.time, torque_change))
+    torque_change = triple(m.torque_change)
+    torque = minus(times(2.0, triple(m.torque)), triple(m.torque_twice))
     wrench = plus6(steady_wrench(hull, flow, z), stacked(force, torque))
     J, imbalance, rows = np.empty((7, 3)), np.empty(7), p.count
     for k in range(rows):
@@ -187,12 +194,11 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
 
 
 @compiled
-def _led(m, R, time):
-    """U, F_W led by `time`, and their derivatives as the path turns: four 3-tuples in body axes."""
-    change = minus(triple(m.led[0]), triple(m.twice[0])), minus(triple(m.led[1]), triple(m.twice[1]))
-    flow, force = plus(triple(m.led[0]), change[0]), plus(triple(m.led[1]), change[1])
-    flow_change, force_change = times(1.0 / time, change[0]), times(1.0 / time, change[1])
-    return to_body(R, flow), to_body(R, force), to_body(R, flow_change), to_body(R, force_change)
+def _led(m, R):
+    """U, F_W as led, and the derivatives of these as the path turns: four 3-tuples in body axes."""
+    flow = minus(times(2.0, triple(m.led[0])), triple(m.twice[0]))
+    force = minus(times(2.0, triple(m.led[1])), triple(m.twice[1]))
+    return to_body(R, flow), to_body(R, force), to_body(R, triple(m.change[0])), to_body(R, triple(m.change[1]))
 
 
 @compiled

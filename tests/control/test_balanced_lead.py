@@ -22,11 +22,11 @@ def turning_force(t):
     return np.array([100.0 * np.cos(TURN * t), 100.0 * np.sin(TURN * t), 1.0])
 
 
-def pointed(name, lost, force_at, seconds=5.0):
+def pointed(name, lost, force_at, seconds=5.0, time=TIME):
     """The capability left, the attitude after a while, and the force then."""
     hull = vehicle(name)
     left = capability(np.delete(hull.actuation_matrix, lost, axis=1))
-    law = BalancedAttitude(left, hull.dynamics, np.eye(3), TIME, UPRIGHT)
+    law = BalancedAttitude(left, hull.dynamics, np.eye(3), time, UPRIGHT)
     R, desired = np.eye(3), None
     for k in range(round(seconds / DT)):
         desired = law.attitude(Situation(None, R, force_at(k * DT), np.zeros(3), np.zeros(3), left.effort), DT)
@@ -47,6 +47,13 @@ def test_a_force_that_turns_evenly_is_pointed_with_less_than_a_hundredth_of_the_
     left, R, _, force = pointed(name, lost, turning_force)
     assert imbalance(name, left, R, force) < 0.01 * TURN * TIME
     assert imbalance(name, left, R, turning_force(5.0 - TIME)) > 0.3 * TURN * TIME  # a lag would be seen
+
+
+@pytest.mark.parametrize("time", [0.5, 1.0, 1.5])
+def test_the_angle_by_which_a_slow_law_lags_is_of_third_order(time):
+    """2 x_1 - x_2 is turned back by 2 (TURN time)^3; with a derivative that lags by two times it would be more."""
+    left, R, _, force = pointed("jack", [1, 2], turning_force, seconds=20.0, time=time)
+    assert imbalance("jack", left, R, force) < 2.2 * (TURN * time) ** 3
 
 
 def test_a_force_that_stops_turning_is_not_overshot_for_long():
