@@ -40,6 +40,8 @@ def test_allocators_are_compared_on_the_vehicle_of_the_scenario(monkeypatch, tmp
         ("missions", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
         ("margins", "--jobs 0", "--jobs must be 1 at least"),
         ("margins", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
+        ("loop", "--rounds 0", "--seconds must be positive, --rounds 1 at least"),
+        ("loop", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
         ("allocation", "--dead-zone 2", "--dead-zone 2: must lie in 0 to 1"),
     ],
 )
