@@ -1,6 +1,7 @@
 """What a flight costs: microseconds of processor time per control period, as ratios within one run.
 
-    python benchmarks/loop.py [--vehicles NAME ...] [--seconds S] [--rounds N] [--enumeration] [--json FILE] [--plot FILE]
+    python benchmarks/loop.py [--vehicles NAME ...] [--seconds S] [--rounds N] [--enumeration]
+                              [--json FILE] [--plot FILE]
 
 Variants of one scenario per vehicle, in turn, round by round, so that a busy machine slows them all alike:
 
@@ -278,10 +279,8 @@ def main() -> None:
             parser.error(f"--vehicles {name}: no such vehicle; there are {', '.join(VEHICLES)}")
     try:
         with TemporaryDirectory() as folder:
-            results = {
-                name: measured(name, arguments.seconds, arguments.rounds, arguments.enumeration, Path(folder))
-                for name in names
-            }
+            given = arguments.seconds, arguments.rounds, arguments.enumeration, Path(folder)
+            results = {name: measured(name, *given) for name in names}
     except CubeSimError as error:
         sys.exit(str(error))
     report(results)
