@@ -51,7 +51,45 @@ def allocate_wrenches(text):
     assert float(rows[5][8]) < float(rows[5][2])
 
 
-PROMISED = {check.__name__: check for check in (step_the_water, randomise_hulls, tether, read_a_run, allocate_wrenches)}
+def passed(text, first_check, at_most):
+    """Both vehicles pass all checks; the value of the first check is at most so much."""
+    assert re.findall(r"^(\w+): (\w+),", text, re.M) == [("cube", "PASS"), ("bluerov2_heavy", "PASS")]
+    values = re.findall(rf"PASS  {first_check}: (\S+),", text)
+    assert len(values) == 2
+    assert max(map(float, values)) <= at_most
+
+
+def own_pid(text):
+    passed(text, "cross-track RMS after convergence", 0.05)
+
+
+def own_lqr(text):
+    passed(text, "cross-track RMS after convergence", 0.07)
+
+
+def own_allocator(text):
+    passed(text, "cross-track RMS after convergence", 0.02)
+    assert all(0.0 < float(share) < 100.0 for share in re.findall(r"(\S+) % of the wrenches exact", text))
+
+
+def own_path(text):
+    passed(text, "max of path_error.cross_track", 0.1)
+
+
+PROMISED = {
+    check.__name__: check
+    for check in (
+        step_the_water,
+        randomise_hulls,
+        tether,
+        read_a_run,
+        allocate_wrenches,
+        own_pid,
+        own_lqr,
+        own_allocator,
+        own_path,
+    )
+}
 
 
 @pytest.mark.flight

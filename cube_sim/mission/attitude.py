@@ -20,15 +20,14 @@ FREE_SLOWNESS = 3.0
 """How many times slower than its attitude loop a free vehicle looks for its attitude."""
 
 
-def attitude_of(control: ControlBlock, dynamics: Dynamics, attitude_time_s: float) -> AttitudeMode:
+def attitude_of(block: blocks.NamedAttitude, dynamics: Dynamics, attitude_time_s: float) -> AttitudeMode:
     """The rule for the desired attitude.
 
     Args:
-        control: the scenario's block.
+        block: the scenario's.
         dynamics: what the controller knows of the vehicle.
         attitude_time_s: of the attitude loop [s].
     """
-    block = control.attitude
     match block:
         case blocks.AlongPathBlock():
             return AlongPath()

@@ -25,10 +25,12 @@ from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.own.code import NO_CODES, Codes
 from cube_sim.mission.own.law import LawSetup, own_controller
+from cube_sim.mission.own.parts import PartSetup, own_attitude, own_motion
 from cube_sim.mission.path import is_level
 from cube_sim.mission.planar import planar_follower
 from cube_sim.mission.refusals import too_slow_period, wrong_depth
 from cube_sim.scenario import Loaded, Scenario, schema
+from cube_sim.scenario.attitude_blocks import PythonAttitudeBlock
 from cube_sim.spatial import Matrix
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.vehicle import Vehicle
@@ -54,8 +56,16 @@ def controller_of(
         return planar_follower(loaded, believed, path)
     pointing = whole.authority in (Authority.PLANE, Authority.LINE)
     times = _times(scenario, believed.vehicle, dynamics, pointing)
+    target, approach = guidance_of(scenario, path, times.lateral)
+    part = PartSetup(scenario, path, dynamics, within_limit, times)
+    if (code := codes.get("guidance.law")) is not None:
+        approach = own_motion(loaded, code, part)
+    block = control.attitude
+    if isinstance(block, PythonAttitudeBlock):
+        attitude = own_attitude(loaded, codes["control.attitude"], part)
+    else:
+        attitude = attitude_of(block, dynamics, times.attitude)
     if (code := codes.get("control.law")) is not None:
-        target, motion = guidance_of(scenario, path, times.lateral)
         setup = LawSetup(
             scenario=scenario,
             period_s=scenario.control_period_s,
@@ -68,8 +78,8 @@ def controller_of(
             times=times,
             path=path,
             target=target,
-            motion=motion,
-            attitude=attitude_of(control, dynamics, times.attitude),
+            motion=approach,
+            attitude=attitude,
         )
         return own_controller(loaded, code, setup)
     mistakes = too_slow_period(loaded, _loop_times(scenario, times))
@@ -87,11 +97,10 @@ def controller_of(
         mistakes += wrong_depth(loaded, path)
     if mistakes:
         raise ScenarioError(mistakes)
-    target, approach = guidance_of(scenario, path, times.lateral)
     return PathFollower(
         target=target,
         approach=approach,
-        attitude=attitude_of(control, dynamics, times.attitude),
+        attitude=attitude,
         loops=MotionLoops(dynamics, times.velocity, times.attitude, times.rate, times.turn),
         balancing_time=0.5 * times.attitude,
         observer=None if time is None else DisturbanceObserver(dynamics, time),

@@ -49,7 +49,7 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
     mistakes = _without_effect(loaded) + too_slow_period(loaded, _loop_times(scenario))
     if isinstance(scenario.path, PointBlock):
         mistakes.append(loaded.mistake("path", "a planar law steers by moving ahead and cannot stay at a point"))
-    if guidance.law == "trajectory_tracking":
+    if guidance.law != "path_following":
         text = "a planar law follows paths, its target waits for the vehicle: give path_following"
         mistakes.append(loaded.mistake("guidance.law", text))
     if not is_level(path):

@@ -116,15 +116,15 @@ def prepare(loaded: Loaded) -> Mission:
         channels=channels,
         codes=codes,
     )
-    if "control.law" in codes:
+    if codes.keys() & {"control.law", "control.attitude", "guidance.law"}:
         tried(loaded, mission)
     return mission
 
 
 def tried(loaded: Loaded, mission: Mission) -> None:
-    """Ask a copy of an own law at the start of the mission, so that an answer that is none is found before the flight.
+    """Ask a copy of the controller at the start, so that own code without an answer is found before the flight.
 
-    A law that cannot be copied is taken as it is.
+    One that cannot be copied is taken as it is.
 
     Raises:
         ScenarioError: it has no answer; with position.

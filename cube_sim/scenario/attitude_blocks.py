@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
+from cube_sim.scenario.python_block import PythonBlock
 from cube_sim.scenario.values import Block, Vector3, refuse
 
 
@@ -48,6 +49,11 @@ class LookAtBlock(Block):
         return axis
 
 
-AnyAttitude = Annotated[
-    AlongPathBlock | FixedAttitudeBlock | FreeAttitudeBlock | LookAtBlock, Field(discriminator="mode")
-]
+class PythonAttitudeBlock(PythonBlock):
+    """A rule of one's own; see docs/extending.md."""
+
+    mode: Literal["python"]
+
+
+NamedAttitude = AlongPathBlock | FixedAttitudeBlock | FreeAttitudeBlock | LookAtBlock
+AnyAttitude = Annotated[NamedAttitude | PythonAttitudeBlock, Field(discriminator="mode")]

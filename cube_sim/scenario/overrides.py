@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -33,7 +34,7 @@ def apply(data: Any, overrides: Mapping[str, Any]) -> tuple[Any, list[Override],
 
     Args:
         data: the parsed file; left as it is.
-        overrides: dotted path -> value; numpy arrays and tuples count as lists.
+        overrides: dotted path -> value; numpy arrays and tuples count as lists, paths as text.
 
     Returns:
         The data with the overrides, the overrides that were applied, and a message per path that leads
@@ -92,4 +93,4 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if hasattr(value, "tolist"):
         return value.tolist()
-    return value
+    return str(value) if isinstance(value, os.PathLike) else value

@@ -66,13 +66,18 @@ class ThrustersBlock(Block):
         return dead_zone_N
 
 
+GuidanceName = Literal["path_following", "trajectory_tracking"]
+AnyGuidance = Annotated[Annotated[GuidanceName, NAME] | OwnPython, NAMED_OR_OWN]
+
+
 class GuidanceBlock(Block):
     """How the target moves along the path and how the vehicle closes in on it."""
 
-    law: Literal["path_following", "trajectory_tracking"] = Field(
+    law: AnyGuidance = Field(
         default="path_following",
         description="path_following: the target waits for the vehicle. trajectory_tracking: it runs by the clock from"
-        " time 0, at the speed along the path. A path of type point is held under either law.",
+        " time 0, at the speed along the path. A path of type point is held under either law. Code of your own says"
+        " with which velocity a vehicle comes to a target that waits for it.",
     )
     speed_m_s: float = Field(gt=0, description="Speed along the path [m/s].")
     lateral_acceleration_m_s2: float | None = Field(

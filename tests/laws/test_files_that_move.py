@@ -36,8 +36,18 @@ checks:
 
 
 OWN = """\
+import numpy as np
+from cube_sim.guidance.line import Line
+
+
 def make(setup=None):
-    return lambda aim: 20.0 * aim.velocity_error
+    if setup is None:
+        return Line([0, 0, -5], [4, 0, -5])
+    return {
+        "LawSetup": lambda aim: 20.0 * aim.velocity_error,
+        "AllocationSetup": lambda wrench: np.linalg.pinv(setup.A) @ wrench,
+        "PartSetup": lambda seen, dt=None: [0.3, 0.0, 0.0] if dt is None else [1.0, 0.0, 0.0, 0.0],
+    }[type(setup).__name__]
 """
 """What is asked of code, in whatever place."""
 
@@ -64,8 +74,11 @@ def naming_files(block=Scenario):
             yield name, {name: SAMPLES[kind]}
         for inner, listed in blocks(field.annotation):
             for path, values in naming_files(inner):
-                value = {**(tags(inner) if inner.model_fields.keys() & {"type", "kind", "mode"} else {}), **values}
-                yield f"{name}.{path}", {name: [value] if listed else value}
+                if inner.model_fields.keys() & {"type", "kind", "mode"}:
+                    value = {**tags(inner), **values}
+                    yield f"{name}.{path}", {name: [value] if listed else value}
+                else:
+                    yield f"{name}.{path}", {f"{name}.{key}": value for key, value in values.items()}
 
 
 KEYS = dict(naming_files())
@@ -88,7 +101,16 @@ def value_at(block, path):
 
 
 def test_the_keys_known_to_name_files_are_found():
-    assert {"model", "knowledge.model", "path.file", "control.law.python"} <= set(KEYS)
+    assert {
+        "model",
+        "knowledge.model",
+        "path.file",
+        "path.python",
+        "control.law.python",
+        "control.attitude.python",
+        "guidance.law.python",
+        "allocation.method.python",
+    } <= set(KEYS)
 
 
 def test_every_key_that_speaks_of_a_file_is_marked():
@@ -124,9 +146,11 @@ def test_what_a_key_names_is_found_again_after_a_move(key, values, tmp_path):
 
 
 @pytest.mark.flight
-def test_a_run_that_names_files_by_every_key_gives_the_same_bytes_wherever_they_stand(tmp_path):
+@pytest.mark.parametrize("order", [list, reversed])
+def test_a_run_that_names_files_by_every_key_gives_the_same_bytes_wherever_they_stand(order, tmp_path):
     """And its own resolved scenario, carried elsewhere with them, flies the same."""
-    values = {key: value for changes in KEYS.values() for key, value in changes.items()}
+    # Of blocks that exclude each other one is named, the last.
+    values = {key: value for changes in map(KEYS.get, order(KEYS)) for key, value in changes.items()}
     here, there = tmp_path / "here", tmp_path / "deeper" / "down" / "there"
     first = cube_sim.run(checkout(here), values, here / "logs" / "a")
     second = cube_sim.run(checkout(there), values, there / "logs" / "a")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import re
 from hashlib import sha256
 
 import mujoco
@@ -12,7 +13,7 @@ import pytest
 from support.command_line import call
 from support.flights import said
 from support.own_code import PID, scenario_with
-from support.places import HELIX
+from support.places import HELIX, REPO
 
 import cube_sim
 from cube_sim.control.controller import Decision
@@ -277,6 +278,11 @@ def test_a_whole_controller_decides():
 
     with pytest.raises(ScenarioError, match=r"answers the current of shape \(2,\); it takes 3 numbers"):
         cube_sim.Flight(HELIX, SHORT, controller=NoController)
+
+
+def test_the_law_in_the_documentation_is_the_example():
+    (shown,) = re.findall(r"^```python\n(def pid.*?)```$", (REPO / "docs" / "extending.md").read_text(), re.M | re.S)
+    assert shown in (REPO / "examples" / "own_pid.py").read_text()
 
 
 def test_what_a_program_hands_over_is_refused_in_one_line():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.places import SCENARIO_FILES
+from support.places import CUBE, SCENARIO_FILES
 from support.scenario_files import mistakes, write
 
 from cube_sim.scenario import load
@@ -53,6 +53,11 @@ def test_numpy_values_are_numbers_and_lists(tmp_path):
     overrides = {"current_m_s": np.array([0.1, 0.2, 0.3]), "duration_s": np.float64(7), "seed": np.int64(3)}
     scenario = load(write(tmp_path), overrides).scenario
     assert (scenario.current_m_s, scenario.duration_s, scenario.seed) == ((0.1, 0.2, 0.3), 7.0, 3)
+
+
+def test_a_path_is_the_name_of_its_file(tmp_path):
+    path = write(tmp_path)
+    assert load(path, {"model": CUBE}).scenario.model == str(CUBE)
 
 
 @pytest.mark.parametrize(
