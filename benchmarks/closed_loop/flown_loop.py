@@ -114,7 +114,8 @@ class FlownLoop:
         self._believed, self._forces = believed, np.linalg.pinv(believed, rcond=1e-9)
         if condition.believed is not None:
             self.controller.current_observer = CurrentObserver(self.controller.loops.dynamics, NEVER_S)
-            self.controller.current_observer.estimate = np.array(condition.believed)
+            self.controller.current_observer.estimate[:] = condition.believed
+            self.controller.reconfigure(self.controller.capability)  # the parts are looked at anew
         self._along = self.controller.target.view(np.zeros(3), np.zeros(3)).point.rotation[:, 0]
         self._started = 0.5 * FAR_M if speed_m_s > 0.0 else 0.0
         self._memories: list[NDArray[np.float64]] = []

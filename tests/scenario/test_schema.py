@@ -40,6 +40,7 @@ WITHOUT_UNIT = {
     "at_most",
     "at_least",
     "component",
+    "parameters",  # numerics of the MJCF, each with its own unit
 }
 
 
