@@ -256,7 +256,9 @@ class Flight:
             raise FlightError(f"the flight cannot be saved: {error}") from error
 
     def restore(self, snapshot: Snapshot) -> Observation:
-        """Go on from a snapshot, of this flight or another of the same scenario; recorded rows stay.
+        """Go on from a snapshot, of this flight or another of the same scenario.
+
+        Recorded rows stay, unless time goes back: then they are forgotten, and recording starts again.
 
         Raises:
             FlightError: the snapshot is that of another scenario.
@@ -264,6 +266,8 @@ class Flight:
         if snapshot.digest != self._digest:
             raise FlightError("the snapshot belongs to another scenario")
         loop, logs, allocation, physics, numbers, parts = unpacked(snapshot.content, self._fixed)
+        if loop[0] < self.tick:
+            self._store.clear()  # rows are recorded in the order of time
         self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted = loop
         self._unattainable, self._pace, self._surface = logs
         mission = self.mission
