@@ -76,6 +76,15 @@ def own_path(text):
     passed(text, "max of path_error.cross_track", 0.1)
 
 
+def train_a_law(text):
+    earned = [float(number) for number in re.findall(r"^generation +\d+: best +\S+, mean +(\S+) of 20", text, re.M)]
+    assert len(earned) == 2
+    rows = [row.split("]")[1].split() for row in re.findall(r"^\[.*", text, re.M)]
+    assert [row[0] for row in rows] == ["trained", "ours"] * 3
+    assert all(row[1] == "PASS" for row in rows if row[0] == "ours")
+    assert all(float(number) >= 0.0 for row in rows for number in row[2:])
+
+
 PROMISED = {
     check.__name__: check
     for check in (
@@ -88,8 +97,11 @@ PROMISED = {
         own_lqr,
         own_allocator,
         own_path,
+        train_a_law,
     )
 }
+ARGUMENTS = {"train_a_law": ["--generations", "2"]}
+"""What is shorter than the reader's run."""
 
 
 @pytest.mark.flight
@@ -97,7 +109,7 @@ PROMISED = {
 def test_example(name, tmp_path):
     environment = {**os.environ, "PYTHONPATH": str(REPO)}
     done = subprocess.run(
-        [sys.executable, "-W", "error", REPO / "examples" / f"{name}.py"],
+        [sys.executable, "-W", "error", REPO / "examples" / f"{name}.py", *ARGUMENTS.get(name, ())],
         cwd=tmp_path,
         env=environment,
         capture_output=True,

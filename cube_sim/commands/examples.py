@@ -12,6 +12,7 @@ import typer
 
 from cube_sim.commands.ending import BAD_INPUT, stop
 from cube_sim.errors import DirectoryError
+from cube_sim.scenario.shipped import shipped_root
 
 EPILOG = "Exit code: 0 copied, 2 the folder cannot take them, and nothing is written."
 SCENARIOS = (
@@ -46,13 +47,10 @@ def examples(
 def example_files(package: Path = _PACKAGE) -> dict[str, Path]:
     """Where each example stands, by the name it gets in the folder.
 
-    A wheel holds them inside the package, where `pyproject.toml` puts them; a checkout at its top.
-
     Args:
         package: the folder of the package `cube_sim`.
     """
-    shipped = package / "examples"
-    root = shipped if shipped.is_dir() else package.parent
+    root = shipped_root(package)
     names = [f"models/{model.name}" for model in sorted((root / "models").glob("*.xml"))]
     names += [f"scenarios/{name}.yaml" for name in SCENARIOS]
     return {name: root / name for name in (*names, "scenarios/scenario.schema.json")}
