@@ -14,16 +14,18 @@ from cube_sim.control.compiled_parts import compiled_parts
 from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
+from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, watch_centre
-from cube_sim.control.pace import NO_BUDGET
+from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
 from cube_sim.control.priority import split_path_first
+from cube_sim.control.roomiest_attitude import has_enough, roomiest_attitude
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.guidance.view_record import record_of, view_of
-from cube_sim.spatial import Record, State, Vector
+from cube_sim.spatial import Matrix, Record, State, Vector, quaternion_from_rotation, rotation_from_quaternion
 
 SLOWER = 3.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
@@ -84,6 +86,7 @@ class PathFollower:
         """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
         self.capability = left
         self._balanced, self._loops, self._approach = None, self.loops, self.approach
+        self._refuge: FixedAttitude | None = None
         budget = left.budget
         self._left = left.record(self.loops.dynamics.total_mass)
         self.dragged = bool(self._left["dragged"].any())
@@ -115,13 +118,16 @@ class PathFollower:
         goal = self._safe_mode_goal(state, view, dt)
         mode = self._mode(state)
         followed = np.zeros(1, FOLLOWED)
-        if seen is not None and goal is None and self._compiled is not None:
+        if seen is not None and goal is None and self._compiled is not None and self._refuge is None:
             quaternion = self._compiled.answer(self, self._balanced, seen, followed, state, applied, dt, force_ratio)
             disturbance, current = self._estimates()
         else:
             motion = self._motion(state, view, goal, dt)
             disturbance, current = self._unknowns(state, applied, dt)
-            attitude = mode.attitude(self._situation(state, view, current, force_ratio), dt)
+            situation = self._situation(state, view, current, force_ratio)
+            attitude = mode.attitude(situation, dt)
+            if self._refuge is not None:
+                self._look_back(self._refuge, situation, dt)
             quaternion = attitude.quaternion
             self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
         answer = followed[0]
@@ -131,7 +137,7 @@ class PathFollower:
             self.target.advance(view.speed, dt)
         return Decision(
             wrench=answer["wrench"],
-            secondary=self._secondary(answer["wrench"]),
+            secondary=self._secondary(answer["wrench"], state),
             disturbance=disturbance,
             current=current,
             view=view,
@@ -245,6 +251,11 @@ class PathFollower:
 
     def _mode(self, state: State) -> AttitudeMode:
         """Who says which attitude to take."""
+        if self._pressed and self._refuge is None and self._balanced is None and not self.capability.steers_by_attitude:
+            found = self._roomiest(state)
+            self._refuge = None if found is None else FixedAttitude(quaternion_from_rotation(found))
+        if self._refuge is not None:
+            return self._refuge
         if self.capability.steers_by_attitude or self._pressed:
             if self._balanced is None:
                 self._balanced = BalancedAttitude(
@@ -259,12 +270,36 @@ class PathFollower:
         self._balanced = None
         return self.attitude if self._goal is None else self._goal.attitude
 
-    def _secondary(self, wrench: Vector) -> Vector:
+    def _roomiest(self, state: State) -> Matrix | None:
+        """An attitude in which the thrusters have enough to go on slowly, where they have not in the present one."""
+        return roomiest_attitude(self.loops.dynamics.record, self._budget, 1.0, self._slow_flow, state.rotation)
+
+    def _look_back(self, refuge: FixedAttitude, situation: Situation, dt: float) -> None:
+        """Leave the refuge once the thrusters have enough in the attitude that the mission asks for, or not in it."""
+        wish = self.attitude if self._goal is None else self._goal.attitude
+        back = rotation_from_quaternion(wish.attitude(situation, dt).quaternion)
+        given = self.loops.dynamics.record, self._budget, situation.force_ratio, self._slow_flow
+        if self._short_s == 0.0 and has_enough(*given, back):
+            self._refuge, self._pressed = None, False
+        elif not has_enough(*given, rotation_from_quaternion(refuge.quaternion)):
+            self._refuge = None  # the path has turned: to be looked for anew
+
+    @property
+    def _slow_flow(self) -> Vector:
+        """The velocity through the water at the least pace (3,) [m/s], world axes."""
+        current = np.zeros(3) if self.current_observer is None else self.current_observer.estimate
+        return LEAST_PACE * self.memory["velocity"][0] - current
+
+    def _secondary(self, wrench: Vector, state: State) -> Vector:
         """The part (6,) of a wrench that gives way to the path: none where the attitude has to point the thrust.
 
         None under a cost limit that takes directions away, either: with only a share of the secondary part the wrench
-        would have a component along them again.
+        would have a component along them again. Where the hull has turned to where the thrusters have enough, that
+        attitude is held first, and what is to move it is what gives way.
         """
+        if self._refuge is not None:
+            still = self.loops.dynamics.steady_wrenches(np.zeros((1, 3)), state.rotation[2:])[0]
+            return np.concatenate([wrench[:3] - still[:3], np.zeros(3)])
         if not self.path_first or self.capability.steers_by_attitude or self.capability.within_cost_limit is not None:
             return np.zeros(6)
         return split_path_first(wrench, self.loops.dynamics.total_mass).secondary
