@@ -12,7 +12,7 @@ import typer
 
 from cube_sim.commands.ending import BAD_INPUT, stop
 from cube_sim.errors import DirectoryError
-from cube_sim.scenario.shipped import shipped_root
+from cube_sim.shipped import shipped_root
 
 EPILOG = "Exit code: 0 copied, 2 the folder cannot take them, and nothing is written."
 SCENARIOS = (

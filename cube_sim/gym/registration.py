@@ -6,7 +6,7 @@ from typing import Any
 
 import gymnasium
 
-from cube_sim.scenario.shipped import shipped_root
+from cube_sim.shipped import shipped_root
 
 _HOLD = {
     "name": "cube_hold",
