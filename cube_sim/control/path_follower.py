@@ -17,7 +17,7 @@ from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.loops import MotionLoops
-from cube_sim.control.oscillation_centre import CENTRE, watch_centre
+from cube_sim.control.oscillation_centre import CENTRE, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
 from cube_sim.control.priority import split_path_first
 from cube_sim.control.roomiest_attitude import has_enough, roomiest_attitude
@@ -25,7 +25,7 @@ from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGo
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.guidance.view_record import record_of, view_of
-from cube_sim.spatial import Matrix, Record, State, Vector, quaternion_from_rotation, rotation_from_quaternion
+from cube_sim.spatial import Record, State, Vector, quaternion_from_rotation, rotation_from_quaternion
 
 SLOWER = 3.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
@@ -116,7 +116,7 @@ class PathFollower:
         seen = self._seen(state)
         view = self.view(state) if seen is None else view_of(seen)
         goal = self._safe_mode_goal(state, view, dt)
-        mode = self._mode(state)
+        mode = self._mode(state, force_ratio)
         followed = np.zeros(1, FOLLOWED)
         if seen is not None and goal is None and self._compiled is not None and self._refuge is None:
             quaternion = self._compiled.answer(self, self._balanced, seen, followed, state, applied, dt, force_ratio)
@@ -206,13 +206,13 @@ class PathFollower:
         """The desired motion of the hull, or of its centre of oscillation where turning pushes it."""
         if not self.dragged:
             return self._approach.motion(view) if goal is None else goal.motion(state.position)
-        R, time = np.ascontiguousarray(view.point.rotation), self._loops.velocity_time
-        moving = record_of(view if goal is None else view._replace(speed=0.0))
-        watch_centre(self._left, self.centre, state.rotation, state.rates, moving, dt, time)
-        shift, pushed, leaving = self.centre[0]
+        time = self._loops.velocity_time
+        seen = record_of(view if goal is None else view._replace(speed=0.0))
+        watch_centre(self._left, self.centre, state.rotation, state.rates, seen, dt, time)
+        shift, pushed, _ = self.centre[0]
         if goal is None:
-            seen = view._replace(error=view.error - shift @ R, velocity=view.velocity - leaving @ R)
-            motion = self._approach.motion(seen)
+            see_centre(seen, self.centre)
+            motion = self._approach.motion(view_of(seen))
         else:
             motion = goal.motion(state.position - shift)
         return DesiredMotion(motion.velocity, motion.acceleration + pushed / time)
@@ -249,10 +249,11 @@ class PathFollower:
         ):
             self._pressed = False
 
-    def _mode(self, state: State) -> AttitudeMode:
+    def _mode(self, state: State, force_ratio: float) -> AttitudeMode:
         """Who says which attitude to take."""
         if self._pressed and self._refuge is None and self._balanced is None and not self.capability.steers_by_attitude:
-            found = self._roomiest(state)
+            hull, R = self.loops.dynamics.record, state.rotation
+            found = roomiest_attitude(hull, self._budget, force_ratio, self._slow_flow, R)
             self._refuge = None if found is None else FixedAttitude(quaternion_from_rotation(found))
         if self._refuge is not None:
             return self._refuge
@@ -269,10 +270,6 @@ class PathFollower:
             return self._balanced
         self._balanced = None
         return self.attitude if self._goal is None else self._goal.attitude
-
-    def _roomiest(self, state: State) -> Matrix | None:
-        """An attitude in which the thrusters have enough to go on slowly, where they have not in the present one."""
-        return roomiest_attitude(self.loops.dynamics.record, self._budget, 1.0, self._slow_flow, state.rotation)
 
     def _look_back(self, refuge: FixedAttitude, situation: Situation, dt: float) -> None:
         """Leave the refuge once the thrusters have enough in the attitude that the mission asks for, or not in it."""

@@ -77,6 +77,7 @@ class Flight:
         loaded = loaded_with(scenario, overrides, controller, allocator, path)
         mission = prepare(loaded)
         self._begin(loaded, mission, SignalStore(mission.channels))
+        described(mission, self._store)
         try:
             self._start: Snapshot | None = self.snapshot()
         except FlightError:
@@ -87,6 +88,7 @@ class Flight:
         """A prepared mission at its beginning whose rows go to a store of the caller's; it has no `reset`."""
         flight = cls.__new__(cls)
         flight._begin(loaded, mission, store)
+        described(mission, store)
         return flight
 
     def _begin(self, loaded: Loaded, mission: Mission, store: SignalStore) -> None:
@@ -101,7 +103,6 @@ class Flight:
         self._unattainable = UnattainableLog(store)
         self._pace = PaceLog(store, mission.scenario.guidance.speed_m_s)
         self._surface = SurfaceWatch(store, mission.model, mission.vehicle)
-        described(mission, store)
 
     @property
     def time_s(self) -> float:
@@ -133,7 +134,6 @@ class Flight:
             self.restore(self._start)
         else:
             self._begin(self._loaded, prepare(self._loaded), self._store)
-            self._store.clear()
         if seed is not None:
             mission = self.mission
             for part in (mission.estimation, mission.fault_finding):
