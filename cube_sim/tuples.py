@@ -5,7 +5,7 @@ For vectors as arrays see `cube_sim.spatial`.
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import atan2, cos, sin, sqrt
 
 import numpy as np
 
@@ -165,3 +165,14 @@ def rotated(R, spin, angle):
         for j in range(3):
             result[i, j] = R[i, 0] * turn[0, j] + R[i, 1] * turn[1, j] + R[i, 2] * turn[2, j]
     return result
+
+
+@compiled
+def turn_between(q, p):
+    """The short way from one attitude to another (4-tuples): a rotation vector (3-tuple) [rad] in their own axes."""
+    w, x, y, z = quaternion_times((q[0], -q[1], -q[2], -q[3]), p)
+    sine = length((x, y, z))
+    if sine == 0.0:
+        return (0.0, 0.0, 0.0)
+    turn = 2.0 * atan2(sine, abs(w)) / (sine if w >= 0.0 else -sine)
+    return (turn * x, turn * y, turn * z)

@@ -13,7 +13,7 @@ from cube_sim.control.balancing import balance
 from cube_sim.control.current import observe_current
 from cube_sim.control.disturbance import observe_disturbance
 from cube_sim.control.following import follow
-from cube_sim.control.oscillation_centre import see_centre, watch_centre
+from cube_sim.control.oscillation_centre import begin_centre, see_centre, watch_centre
 from cube_sim.guidance.approach import approach_motion
 from cube_sim.guidance.pursuit import pursuit_motion
 from cube_sim.guidance.speed import speed_at
@@ -136,6 +136,8 @@ def answer(
         desired[0].quaternion[:] = s.attitude
     else:
         nose_along(s.levelling_time, side, desired, view, dt)
+    if s.dragged:
+        begin_centre(left, centre, R, q, desired[0].quaternion)
     if s.balanced:
         facets = balanced_normals, balanced_bounds, balanced_shares
         balance(hull, balancing, *facets, balanced, desired, R, memory, current, dt, force_ratio)

@@ -14,7 +14,7 @@ import numpy as np
 from cube_sim.control.asked import MEMORY as ASKED
 from cube_sim.control.attitude_mode import DESIRED, STILL, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
-from cube_sim.control.balancing import BALANCE, MEMORY, balance
+from cube_sim.control.balancing import BALANCE, MEMORY, NEVER_SEEN_RAD, balance
 from cube_sim.control.loop_times import FASTEST_TURN
 from cube_sim.control.pace import NO_BUDGET, ForceBudget
 from cube_sim.spatial import Matrix, Record, Vector
@@ -44,7 +44,7 @@ class BalancedAttitude:
     Args:
         left: what the thrusters can still do, and it steers by attitude; in a level plane by heading alone.
         dynamics: of the hull.
-        rotation: R_WB (3,3) now, from which the first turn starts.
+        rotation: R_WB (3,3) now, from which the first turn starts unless the hull is far from its wish.
         time: of the first task, and over which the demanded force is averaged [s].
         wish: the attitude of the second task.
         wish_time: of the second task [s].
@@ -68,8 +68,9 @@ class BalancedAttitude:
         parameters["lost"][:, :count], parameters["constants"][:count] = left.lost, left.constants
         parameters["count"], parameters["level"] = count, left.level
         parameters["time"], parameters["wish_time"], parameters["most_rate"] = time, wish_time, most_rate
+        self.wished: Vector = np.array([1.0, 0.0, 0.0, 0.0])
         self.memory: Record = np.zeros(1, MEMORY)
-        self.memory["rotation"], self.memory["off"] = rotation, np.inf
+        self.memory["rotation"], self.memory["off"], self.memory["astray"] = rotation, np.inf, NEVER_SEEN_RAD
 
     @property
     def short(self) -> bool:
@@ -86,6 +87,7 @@ class BalancedAttitude:
         asked, desired = np.zeros(1, ASKED), np.zeros(1, DESIRED)
         asked["velocity"], asked["force"], asked["torque"] = situation.flow, situation.force, situation.torque
         desired[0] = tuple(self._wish.attitude(situation, dt))
+        self.wished = desired["quaternion"][0].copy()
         balance(
             self._hull,
             self.parameters,

@@ -24,6 +24,7 @@ from cube_sim.tuples import (
     to_body,
     to_world,
     triple,
+    turn_between,
 )
 from cube_sim.vehicle.laws.hull_motion import restoring_slope, steady_wrench, steady_wrench_slope
 
@@ -36,7 +37,14 @@ LEAST_TWIST = 1e-3
 MOST_PULL_RAD = 0.3
 """A nose that points farther from where the mission wishes is pulled there no more than from so far (a choice)."""
 FARTHEST_RAD = 0.7
-"""A hull that is this far from the attitude found is held by its water elsewhere: the search goes on from there."""
+"""A hull that is this far from the attitude found, and comes no nearer, is held by its water elsewhere: the search goes
+on from there. One that is as far from its wish when the search begins turns to that first."""
+WATCHED = 4.0
+"""How many times the time of the first task a hull that is far is watched for whether it comes nearer (a choice)."""
+NEARER = 0.95
+"""Share of what an angle was, on the average of that time, below which it has become smaller."""
+NEVER_SEEN_RAD = 2.0 * np.pi
+"""Farther than any attitude: what an angle was before the first tick."""
 
 BALANCE = np.dtype(
     [
@@ -64,11 +72,12 @@ MEMORY = np.dtype(
         ("started", np.bool_),
         ("short", np.bool_),
         ("off", np.float64),
+        ("astray", np.float64),
     ]
 )
 """What it remembers: R, the averages of U and F_W (once, twice, over the time of a shortage), those of M_0, the
-derivatives of U, F_W and M_0 as led, whether there was a tick before, whether W exceeds what is attainable, and how far
-R is from the wish [rad]."""
+derivatives of U, F_W and M_0 as led, whether there was a tick before, whether W exceeds what is attainable, how far R
+is from the wish and how far the hull was from R, averaged [rad]."""
 
 
 @compiled
@@ -106,8 +115,10 @@ def balance(
     flow_W = minus(triple(before.velocity), triple(current_W))
     flow, up = to_body(R_now, flow_W), (R_now[2, 0], R_now[2, 1], R_now[2, 2])
     steady = to_world(R_now, steady_wrench(hull, flow, up)[:3])
+    if not m.started:
+        _begin(m, R_now, out.quaternion)
     _average(m, flow_W, minus(triple(before.force), steady), triple(before.torque), dt, p.time)
-    if _angle_between(m.rotation, R_now) > FARTHEST_RAD:
+    if _held_elsewhere(m, _angle_between(m.rotation, R_now), min(1.0, dt / (WATCHED * p.time))):
         m.rotation[:] = R_now
     R = m.rotation
     rates = _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio)
@@ -120,6 +131,25 @@ def balance(
         out.quaternion[1 + i], out.rates[i] = q[1 + i], turning[i]
     if speed > 0.0:
         m.rotation[:] = rotated(R, times(1.0 / speed, rates), speed * dt)
+
+
+@compiled
+def _begin(m, R_now, wish):
+    """Begin the search at what the mission wishes (4,) where the hull is far from it.
+
+    A slender hull is balanced stern first, too, and from abeam that may be the nearer way.
+    """
+    turn = turn_between(quaternion_from_matrix(R_now), (wish[0], wish[1], wish[2], wish[3]))
+    angle = length(turn)
+    if angle > FARTHEST_RAD:
+        m.rotation[:] = rotated(R_now, times(1.0 / angle, turn), angle)
+
+
+@compiled
+def _held_elsewhere(m, far, share):
+    """Whether the hull, so far from R [rad], is far and comes no nearer; share of the time watched that has passed."""
+    m.astray += share * (far - m.astray)
+    return far > FARTHEST_RAD and far > NEARER * m.astray
 
 
 @compiled

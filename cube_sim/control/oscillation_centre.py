@@ -7,21 +7,26 @@ moved by the push: the centre of oscillation. It is the point to bring onto the 
 
 from __future__ import annotations
 
-from math import inf
+from math import cos, inf, sin
 
 import numpy as np
 
 from cube_sim.control.levelling import levelling_spin
 from cube_sim.guidance.view_record import path_turning
 from cube_sim.native.compiled import compiled
-from cube_sim.tuples import cross_tuples, minus, plus, times, to_body, to_world, triple
+from cube_sim.tuples import cross_tuples, dot, length, minus, plus, times, to_body, to_world, triple, turn_between
 
 FORGETTING = 4.0
 """How many times the time of the velocity loop it takes to forget how far turning has pushed the hull (a choice)."""
 
-CENTRE = np.dtype([("shift", np.float64, 3), ("pushed", np.float64, 3), ("leaving", np.float64, 3)])
-"""How far the hull is off because it has turned [m]; the velocity with which turning pushes it [m/s]; and that less
-what is forgotten of the shift. World axes."""
+SMALL_TURN_RAD = 1e-4
+"""Below this angle the push of a turn is that of its first moment, off by half the angle."""
+
+CENTRE = np.dtype(
+    [("shift", np.float64, 3), ("pushed", np.float64, 3), ("leaving", np.float64, 3), ("started", np.bool_)]
+)
+"""How far the hull is off because it has turned [m]; the velocity with which turning pushes it [m/s]; that less what is
+forgotten of the shift; world axes. And whether the shift has a beginning."""
 
 
 @compiled
@@ -59,6 +64,36 @@ def watch_centre(left, memory, R, w, view, dt, velocity_time):
         leaving = pushed[i] - memory[0].shift[i] / (FORGETTING * velocity_time)
         memory[0].shift[i] += dt * leaving
         memory[0].pushed[i], memory[0].leaving[i] = pushed[i], leaving
+
+
+@compiled
+def begin_centre(left, memory, R, q, wish):
+    """Begin as if the hull had turned from the attitude its mission wishes to where it is.
+
+    Turning to that attitude then brings the shift back to none. Begun at none, it would have to be forgotten, with the
+    hull beside its path meanwhile. The push D w of a turn by theta at an even rate adds up to R J(-theta) D theta, where
+    J(theta) is the integral of exp(t S(theta)) over t from 0 to 1.
+
+    Args:
+        left: record of `cube_sim.control.authority.CAPABILITY`; of it D.
+        memory: record `CENTRE`, begun if it is not.
+        R: R_WB (3,3).
+        q: the same attitude (4,).
+        wish: the attitude that the mission asks for (4,).
+    """
+    m = memory[0]
+    if m.started:
+        return
+    m.started = True
+    theta = turn_between((wish[0], wish[1], wish[2], wish[3]), (q[0], q[1], q[2], q[3]))
+    angle, pushed = length(theta), to_world(left[0].dragged, theta)
+    if angle > SMALL_TURN_RAD:
+        along = times(dot(theta, pushed) / angle**2, theta)
+        aside = times((1.0 - cos(angle)) / angle**2, cross_tuples(theta, pushed))
+        pushed = minus(plus(along, times(sin(angle) / angle, minus(pushed, along))), aside)
+    shift = to_world(R, pushed)
+    for i in range(3):
+        m.shift[i] = shift[i]
 
 
 @compiled

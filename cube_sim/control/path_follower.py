@@ -17,7 +17,7 @@ from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.loops import MotionLoops
-from cube_sim.control.oscillation_centre import CENTRE, see_centre, watch_centre
+from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
 from cube_sim.control.priority import split_path_first
 from cube_sim.control.roomiest_attitude import has_enough, roomiest_attitude
@@ -126,6 +126,8 @@ class PathFollower:
             disturbance, current = self._unknowns(state, applied, dt)
             situation = self._situation(state, view, current, force_ratio)
             attitude = mode.attitude(situation, dt)
+            if self.dragged and self._balanced is not None:
+                begin_centre(self._left, self.centre, state.rotation, state.quaternion, self._balanced.wished)
             if self._refuge is not None:
                 self._look_back(self._refuge, situation, dt)
             quaternion = attitude.quaternion
@@ -209,7 +211,7 @@ class PathFollower:
         time = self._loops.velocity_time
         seen = record_of(view if goal is None else view._replace(speed=0.0))
         watch_centre(self._left, self.centre, state.rotation, state.rates, seen, dt, time)
-        shift, pushed, _ = self.centre[0]
+        shift, pushed = self.centre["shift"][0], self.centre["pushed"][0]
         if goal is None:
             see_centre(seen, self.centre)
             motion = self._approach.motion(view_of(seen))
