@@ -61,8 +61,9 @@ def balanced(R):
     view: Any = None  # an attitude that is fixed does not look at it
 
     def heading_deg(hull):
-        still, flow = np.zeros(3), np.array([0.5, 0.0, 0.0])
-        found = law.attitude(Situation(view, hull, still, still, still, left.effort, 1.0, flow), DT)
+        flow, none = np.array([0.5, 0.0, 0.0]), np.zeros(3)
+        force = hull @ torpedo.dynamics.steady_wrenches((flow @ hull)[None], hull[2:])[0, :3]
+        found = law.attitude(Situation(view, hull, force, none, none, left.effort, 1.0, flow), DT)
         return np.degrees(Rotation.from_matrix(rotation_from_quaternion(found.quaternion)).as_euler("ZYX")[0])
 
     return heading_deg
