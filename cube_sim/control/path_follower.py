@@ -37,6 +37,8 @@ PATIENCE_S = 1.0
 """How long the thrusters have to be short of what a slow pace asks for before the vehicle turns."""
 BACK_RAD = 0.02
 """Within this angle of the attitude its mission asks for it is taken to be back there."""
+UNDER_WAY_RAD = 0.7
+"""Farther than this from that attitude a hull is on its way there; to be short of force on the way will pass."""
 
 
 @dataclass
@@ -76,7 +78,7 @@ class PathFollower:
         """Fly with what the thrusters can do from the start."""
         self.memory: Record = np.zeros(1, MEMORY)
         self.centre: Record = np.zeros(1, CENTRE)
-        self._short_s, self._pressed = 0.0, False
+        self._short_s, self._pressed, self._desired = 0.0, False, np.array([1.0, 0.0, 0.0, 0.0])
         self._goal: SafeModeGoal | None = None
         self._balanced: BalancedAttitude | None = None
         self._monitor = LossOfTargetMonitor(self.safe_mode)
@@ -137,6 +139,7 @@ class PathFollower:
             self._watch_shortage(bool(answer["enough"]), dt)
         if goal is None:
             self.target.advance(view.speed, dt)
+        self._desired = quaternion
         return Decision(
             wrench=answer["wrench"],
             secondary=self._secondary(answer["wrench"], state),
@@ -253,7 +256,10 @@ class PathFollower:
 
     def _mode(self, state: State, force_ratio: float) -> AttitudeMode:
         """Who says which attitude to take."""
-        if self._pressed and self._refuge is None and self._balanced is None and not self.capability.steers_by_attitude:
+        chosen = self._refuge is not None or self._balanced is not None or self.capability.steers_by_attitude
+        if self._pressed and not chosen and self._is_under_way(state, force_ratio):
+            self._short_s, self._pressed = 0.0, False
+        if self._pressed and not chosen:
             hull, R = self.loops.dynamics.record, state.rotation
             found = roomiest_attitude(hull, self._budget, force_ratio, self._slow_flow, R)
             self._refuge = None if found is None else FixedAttitude(quaternion_from_rotation(found))
@@ -272,6 +278,12 @@ class PathFollower:
             return self._balanced
         self._balanced = None
         return self.attitude if self._goal is None else self._goal.attitude
+
+    def _is_under_way(self, state: State, force_ratio: float) -> bool:
+        """Whether the hull is far from the attitude its mission asks for, and the thrusters have enough once there."""
+        there = rotation_from_quaternion(self._desired)
+        far = np.trace(there.T @ state.rotation) < 1.0 + 2.0 * np.cos(UNDER_WAY_RAD)
+        return bool(far) and has_enough(self.loops.dynamics.record, self._budget, force_ratio, self._slow_flow, there)
 
     def _look_back(self, refuge: FixedAttitude, situation: Situation, dt: float) -> None:
         """Leave the refuge once the thrusters have enough in the attitude that the mission asks for, or not in it."""
