@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import radians
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -11,13 +12,13 @@ from cube_sim.guidance.path import Path
 from cube_sim.navigation.aid import Aid
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
-from cube_sim.navigation.filter import Fusion, ReadingOutcome
 from cube_sim.navigation.heading import LEAST_LEVEL_PART, Heading
 from cube_sim.navigation.imu import ImuErrors
-from cube_sim.navigation.motion import Motion, Truth
-from cube_sim.navigation.navigator import Estimate, InitialErrors, Navigator
+from cube_sim.navigation.motion import Motion, Truth, felt
+from cube_sim.navigation.navigator import InitialErrors, Navigator
 from cube_sim.navigation.observability import what_drifts
 from cube_sim.navigation.position import PositionFix
+from cube_sim.navigation.reading import ReadingOutcome
 from cube_sim.navigation.sampling import Sampling
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.navigation_channels import navigation_channels
@@ -25,7 +26,7 @@ from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Scenario
 from cube_sim.scenario import navigation_blocks as blocks
 from cube_sim.scenario.attitude_blocks import AlongPathBlock, AnyAttitude, FixedAttitudeBlock
-from cube_sim.spatial import Matrix, State, Vector, quaternion_from_euler, rotation_from_quaternion
+from cube_sim.spatial import State, Vector, quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.vehicle import Vehicle
 
 STATIONS = 501
@@ -77,11 +78,15 @@ class StateEstimation:
         truth = read_truth(true, data, self._vehicle)
         if self._navigator is None:
             self._navigator = self._start(truth.motion, recorder, t)
-        estimate, fusions = self._navigator.update(truth)
-        self._record(self._navigator, truth, estimate, recorder, t)
-        for fusion in fusions:
-            self._record_reading(self._navigator.aids[fusion.reading.aid].name, fusion, recorder, t)
-        return estimate.state
+        navigator = self._navigator
+        arrived = navigator.update(truth)
+        ((position, quaternion, rotation, velocity, rates, *believed),) = navigator.answer.tolist()
+        recorder.append("navigation", t, position, quaternion, velocity, rates, *believed)
+        recorder.append("navigation_error", t, *navigator.error.tolist()[0])
+        recorder.append("sensor_imu", t, navigator.inertial[:3], navigator.inertial[3:])
+        for reading in arrived.tolist():
+            self._record_reading(navigator.aids[reading[0]], reading, recorder, t)
+        return State(position, quaternion, rotation, velocity, rates)
 
     def _start(self, truth: Motion, recorder: SignalStore, t: float) -> Navigator:
         block = self._block
@@ -96,42 +101,16 @@ class StateEstimation:
             period_s=self._period,
         )
 
-    def _record(self, navigator: Navigator, truth: Truth, estimate: Estimate, recorder: SignalStore, t: float) -> None:
-        state, motion = estimate.state, truth.motion
-        recorder.append(
-            "navigation",
-            t,
-            state.position,
-            state.quaternion,
-            state.velocity,
-            state.rates,
-            estimate.position_sigma,
-            estimate.velocity_sigma,
-            estimate.attitude_sigma,
-            estimate.gyro_bias,
-            estimate.accelerometer_bias,
-        )
-        recorder.append(
-            "navigation_error",
-            t,
-            state.position - motion.position,
-            state.rotation @ state.velocity - motion.velocity,
-            rotation_vector(state.rotation @ motion.rotation.T),
-            estimate.gyro_bias - navigator.true_biases[:3],
-            estimate.accelerometer_bias - navigator.true_biases[3:],
-        )
-        recorder.append("sensor_imu", t, navigator.inertial[:3], navigator.inertial[3:])
-
-    def _record_reading(self, name: str, fusion: Fusion, recorder: SignalStore, t: float) -> None:
-        reading, innovation = fusion.reading.value, fusion.innovation
-        taken_at = fusion.reading.tick * self._period
-        values = (reading[0], innovation[0]) if len(reading) == 1 else (reading, innovation)
-        recorder.append(f"sensor_{name}", t, values[0], taken_at, values[1], fusion.nis, fusion.outcome)
-        if fusion.outcome is ReadingOutcome.ACCEPTED_AFTER_REJECTIONS and name not in self._in_doubt:
+    def _record_reading(self, aid: Aid, reading: tuple[Any, ...], recorder: SignalStore, t: float) -> None:
+        """Record the numbers of an element of `cube_sim.navigation.reading.READING`."""
+        name, n = aid.name, slice(aid.components) if aid.components > 1 else 0
+        _, tick, _, value, innovation, nis, outcome = reading
+        recorder.append(f"sensor_{name}", t, value[n], tick * self._period, innovation[n], nis, outcome)
+        if outcome == ReadingOutcome.ACCEPTED_AFTER_REJECTIONS and name not in self._in_doubt:
             self._in_doubt.add(name)
             text = f"navigation: {name} contradicts the estimate again and again; it is believed, the estimate doubted"
             recorder.log(t, "WARNING", text)
-        elif fusion.outcome is ReadingOutcome.FUSED and name in self._in_doubt:
+        elif outcome == ReadingOutcome.FUSED and name in self._in_doubt:
             self._in_doubt.remove(name)
             recorder.log(t, "INFO", f"navigation: {name} and the estimate agree again")
 
@@ -164,17 +143,8 @@ def _level_parts(path: Path) -> Vector:
 def read_truth(state: State, data: mujoco.MjData, vehicle: Vehicle) -> Truth:
     """What sensors at the body origin feel; a free joint's linear acceleration is its origin's, in world axes."""
     acceleration = data.qacc[vehicle.dof_address : vehicle.dof_address + 3]
-    motion = Motion(state.position, state.rotation @ state.velocity, state.rotation, state.rates)
-    return Truth(motion, (acceleration - vehicle.gravity) @ state.rotation)
-
-
-def rotation_vector(R: Matrix) -> Vector:
-    """The rotation vector (3,) [rad] of R, at most pi long."""
-    quaternion = np.empty(4)
-    mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(R).ravel())
-    vector = np.empty(3)
-    mujoco.mju_quat2Vel(vector, quaternion, 1.0)
-    return vector
+    velocity, specific_force = felt(state.rotation, state.velocity, acceleration, vehicle.gravity)
+    return Truth(Motion(state.position, velocity, state.rotation, state.rates), specific_force)
 
 
 def _imu(block: blocks.ImuBlock) -> ImuErrors:

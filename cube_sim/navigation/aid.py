@@ -1,45 +1,50 @@
-"""What every aiding sensor answers: the reading it gives of a motion, and the Jacobian of that reading."""
+"""What every aiding sensor says of itself, and the record of it that the compiled laws read."""
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from collections.abc import Sequence
+from typing import Protocol
 
-from cube_sim.navigation.motion import Motion
+import numpy as np
+
+from cube_sim.navigation.gate import GATES
 from cube_sim.navigation.sampling import Sampling
-from cube_sim.spatial import Matrix, Vector
+from cube_sim.navigation.strapdown import CONSTANTS
+from cube_sim.spatial import Record, Vector
 
+DVL, DEPTH, HEADING, POSITION = range(4)
+"""Kinds of sensors; `cube_sim.navigation.expectation` says what each reads."""
+MOST_COMPONENTS, MOST_CONSTANTS = 3, 4
+"""Numbers in a reading, and constant errors of a sensor, at most: what the compiled laws have room for."""
 
-class Expected(NamedTuple):
-    """What a sensor should read, and the linear part of how.
+AID = np.dtype(
+    [
+        ("kind", np.int64),
+        ("components", np.int64),
+        ("constants", np.int64),
+        ("place", np.int64),
+        ("delay", np.int64),
+        ("rate_hz", np.float64),
+        ("noise", np.float64),
+        ("gate", np.float64),
+        ("site", np.float64, 3),
+    ]
+)
+"""One sensor, the same type for all kinds.
 
-    Attributes:
-        value: h (n,).
-        H_motion: dh / d[dp, dv, phi, db] (n, 12): world position and velocity, rotation vector in world axes with
-            R_true = Exp(phi) R, gyro bias, by which the true rates are smaller than they seem.
-        H_constants: dh / d constants (n, c).
-    """
-
-    value: Vector
-    H_motion: Matrix
-    H_constants: Matrix
-
-
-class Reading(NamedTuple):
-    """One reading of an aiding sensor.
-
-    Attributes:
-        aid: index of the sensor.
-        tick: at which it was taken.
-        value: (n,).
-    """
-
-    aid: int
-    tick: int
-    value: Vector
+Its kind; the numbers n in a reading and c of its constant errors; where those begin in the filter's error; the ticks a
+reading is under way; its rate [Hz]; the standard deviation of its noise; the NIS beyond which a reading is rejected;
+its site [m]. See `Aid`.
+"""
 
 
 class Aid(Protocol):
     """A sensor beside the inertial unit. Its error is a few constants, drawn once per run, and white noise."""
+
+    @property
+    def kind(self) -> int:
+        """By which its law is found."""
+        ...
 
     @property
     def name(self) -> str:
@@ -52,19 +57,46 @@ class Aid(Protocol):
         ...
 
     @property
+    def components(self) -> int:
+        """Numbers n in a reading, `MOST_COMPONENTS` at most."""
+        ...
+
+    @property
     def noise(self) -> float:
         """Standard deviation of each component of a reading, in its unit."""
         ...
 
     @property
     def constants(self) -> Vector:
-        """Standard deviations (c,) of its constant errors."""
+        """Standard deviations (c,) of its constant errors, `MOST_CONSTANTS` at most."""
         ...
 
-    def expect(self, motion: Motion, constants: Vector) -> Expected | None:
-        """The reading without noise; None where the sensor has none to give."""
+    @property
+    def site(self) -> tuple[float, float, float]:
+        """The place its law needs [m]: where it sits, or where what it looks at is; zeros where it needs none."""
         ...
 
-    def innovation(self, reading: Vector, expected: Vector) -> Vector:
-        """The innovation (n,): the reading less the expected one, in its unit."""
-        ...
+
+def aid_records(aids: Sequence[Aid], period_s: float) -> Record:
+    """The sensors as compiled laws read them: (k,) of `AID`, their constants one after the other in the error.
+
+    Args:
+        aids: the sensors.
+        period_s: length of a tick.
+
+    Raises:
+        ValueError: a reading of more numbers, or more constant errors, than the laws have room for.
+    """
+    records, place = np.zeros(len(aids), AID), CONSTANTS
+    for record, aid in zip(records, aids, strict=True):
+        c = len(aid.constants)
+        if not 1 <= aid.components <= MOST_COMPONENTS or c > MOST_CONSTANTS:
+            raise ValueError(
+                f"{aid.name}: {aid.components} numbers in a reading and {c} constant errors; the laws have room for"
+                f" {MOST_COMPONENTS} and {MOST_CONSTANTS}"
+            )
+        record["kind"], record["components"], record["constants"], record["place"] = aid.kind, aid.components, c, place
+        record["delay"], record["rate_hz"] = aid.sampling.delay_ticks(period_s), aid.sampling.rate_hz
+        record["noise"], record["gate"], record["site"] = aid.noise, GATES[aid.components], aid.site
+        place += c
+    return records

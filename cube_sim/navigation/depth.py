@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from cube_sim.navigation.aid import Expected
-from cube_sim.navigation.motion import Motion
+from cube_sim.native.compiled import inlined
+from cube_sim.navigation.aid import DEPTH
 from cube_sim.navigation.sampling import Sampling
 from cube_sim.spatial import Vector
 
@@ -26,18 +26,18 @@ class Depth:
     noise: float
     bias: float
     name: str = "depth"
+    kind: int = field(default=DEPTH, init=False)
+    components: int = field(default=1, init=False)
+    site: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), init=False)
 
     @property
     def constants(self) -> Vector:
         """Standard deviation of [b]."""
         return np.array([self.bias])
 
-    def expect(self, motion: Motion, constants: Vector) -> Expected:
-        """See `Aid.expect`."""
-        H_motion = np.zeros((1, 12))
-        H_motion[0, 2] = -1.0
-        return Expected(constants - motion.position[2], H_motion, np.ones((1, 1)))
 
-    def innovation(self, reading: Vector, expected: Vector) -> Vector:
-        """The difference [m]."""
-        return reading - expected
+@inlined
+def depth_reading(constants, position, value, H_motion, H_constants):
+    """As `cube_sim.navigation.expectation.expect`."""
+    value[0] = constants[0] - position[2]
+    H_motion[0, 2], H_constants[0, 0] = -1.0, 1.0

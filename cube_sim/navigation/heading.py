@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import atan2, pi
+from dataclasses import dataclass, field
+from math import atan2
 
 import numpy as np
 
-from cube_sim.navigation.aid import Expected
-from cube_sim.navigation.motion import Motion
+from cube_sim.native.compiled import inlined
+from cube_sim.navigation.aid import HEADING
 from cube_sim.navigation.sampling import Sampling
 from cube_sim.spatial import Vector
 
@@ -30,25 +30,27 @@ class Heading:
     noise: float
     bias: float
     name: str = "heading"
+    kind: int = field(default=HEADING, init=False)
+    components: int = field(default=1, init=False)
+    site: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), init=False)
 
     @property
     def constants(self) -> Vector:
         """Standard deviation of [b]."""
         return np.array([self.bias])
 
-    def expect(self, motion: Motion, constants: Vector) -> Expected | None:
-        """See `Aid.expect`.
 
-        n changes by phi x n, its heading by phi_z - n_z (n_x phi_x + n_y phi_y) / (n_x^2 + n_y^2).
-        """
-        x, y, z = motion.rotation[:, 0].tolist()
-        level = x * x + y * y
-        if level < LEAST_LEVEL_PART**2:
-            return None
-        H_motion = np.zeros((1, 12))
-        H_motion[0, 6:9] = -z * x / level, -z * y / level, 1.0
-        return Expected(atan2(y, x) + constants, H_motion, np.ones((1, 1)))
+@inlined
+def heading_reading(constants, R, value, H_motion, H_constants):
+    """As `cube_sim.navigation.expectation.expect`; whether the nose is level enough to read.
 
-    def innovation(self, reading: Vector, expected: Vector) -> Vector:
-        """The difference, the short way round [rad]."""
-        return (reading - expected + pi) % (2.0 * pi) - pi
+    n changes by phi x n, its heading by phi_z - n_z (n_x phi_x + n_y phi_y) / (n_x^2 + n_y^2).
+    """
+    x, y, z = R[0, 0], R[1, 0], R[2, 0]
+    level = x * x + y * y
+    if level < LEAST_LEVEL_PART**2:
+        return False
+    value[0] = atan2(y, x) + constants[0]
+    H_motion[0, 6], H_motion[0, 7], H_motion[0, 8] = -z * x / level, -z * y / level, 1.0
+    H_constants[0, 0] = 1.0
+    return True

@@ -7,8 +7,15 @@ from math import sqrt
 
 import numpy as np
 
-from cube_sim.navigation.motion import Truth
-from cube_sim.spatial import Vector
+from cube_sim.native.compiled import inlined
+from cube_sim.spatial import Record, Vector
+
+IMU = np.dtype([("noise", np.float64, 6), ("walk", np.float64, 6)])
+"""Standard deviations of the noise of a reading and of the biases' steps from one to the next [rad/s, m/s^2]."""
+IMU_MEMORY = np.dtype([("bias", np.float64, 6), ("reading", np.float64, 6), ("started", np.int64)])
+"""The true biases and the latest reading [rad/s, m/s^2], and whether there is one."""
+IMU_NORMALS = 12
+"""Standard normal numbers a reading takes: six steps of the biases, six of noise."""
 
 
 @dataclass(frozen=True)
@@ -46,31 +53,32 @@ class ImuErrors:
         """(6,) densities of the walks."""
         return np.repeat([self.gyro_bias_walk, self.accelerometer_bias_walk], 3)
 
+    def record(self, period_s: float) -> Record:
+        """A unit with these errors that is read once per period: (1,) of `IMU`.
 
-class Imu:
-    """An inertial unit at the body origin, aligned with the body axes.
+        The noise of a sample is its density / sqrt(period), as a unit shows it that averages over the period between
+        two readings.
+        """
+        record = np.zeros(1, IMU)
+        record["noise"], record["walk"] = self.noise / sqrt(period_s), self.bias_walk * sqrt(period_s)
+        return record
 
-    A reading is [w; f] + bias + noise with the noise of a sample its density / sqrt(period), as a unit shows it that
-    averages over the period between two readings.
+
+@inlined
+def read_imu(imu, memory, rates, specific_force, normals):
+    """The next reading [w; f] + bias + noise of a unit at the body origin, aligned with the body axes.
 
     Args:
-        errors: how good it is.
-        random: its own stream.
-        period_s: time between two readings.
+        imu: record `IMU`.
+        memory: record `IMU_MEMORY`, moved on.
+        rates: true w (3,) [rad/s], body axes.
+        specific_force: true f (3,) [m/s^2], body axes.
+        normals: (12,) standard normal numbers.
     """
-
-    def __init__(self, errors: ImuErrors, random: np.random.Generator, period_s: float) -> None:
-        self._random = random
-        self._noise = errors.noise / sqrt(period_s)
-        self._walk = errors.bias_walk * sqrt(period_s)
-        self.bias = errors.bias * random.standard_normal(6)
-        """True bias (6,) of the latest reading [rad/s, m/s^2]."""
-        self._first = True
-
-    def read(self, truth: Truth) -> Vector:
-        """(6,) angular rates [rad/s] and specific force [m/s^2], body axes; once per period."""
-        step, noise = self._random.standard_normal((2, 6))
-        if not self._first:
-            self.bias = self.bias + self._walk * step
-        self._first = False
-        return np.concatenate([truth.motion.rates, truth.specific_force]) + self.bias + self._noise * noise
+    k, m = imu[0], memory[0]
+    for i in range(6):
+        if m.started:
+            m.bias[i] += k.walk[i] * normals[i]
+        true = rates[i] if i < 3 else specific_force[i - 3]
+        m.reading[i] = true + m.bias[i] + k.noise[i] * normals[6 + i]
+    m.started = 1

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from cube_sim.navigation.aid import Aid
-from cube_sim.navigation.filter import Filter, Fusion
-from cube_sim.navigation.imu import Imu, ImuErrors
-from cube_sim.navigation.instrument import Instrument
+from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters, estimate
+from cube_sim.navigation.filter import Filter
+from cube_sim.navigation.imu import IMU_MEMORY, ImuErrors
 from cube_sim.navigation.motion import Motion, Truth
-from cube_sim.navigation.strapdown import ACCELEROMETER_BIAS, ATTITUDE, GYRO_BIAS, POSITION, VELOCITY, rotation, turned
+from cube_sim.navigation.normals import DrawnAhead
+from cube_sim.navigation.reading import READING
+from cube_sim.navigation.sensing import SENSOR
+from cube_sim.navigation.strapdown import ATTITUDE, POSITION, VELOCITY, turned
 from cube_sim.navigation.streams import stream
-from cube_sim.spatial import (
-    Matrix,
-    State,
-    Vector,
-    conjugate,
-    quaternion_from_rotation,
-)
+from cube_sim.spatial import Record, Vector, conjugate, quaternion_from_rotation
 
 
 @dataclass(frozen=True)
@@ -46,30 +42,8 @@ class InitialErrors:
         return np.concatenate([np.repeat([self.position, self.velocity, self.tilt], 3)[:8], [self.heading]])
 
 
-class Estimate(NamedTuple):
-    """What is known at a tick, with standard deviations as the filter believes them.
-
-    Attributes:
-        state: for the controller.
-        position_sigma: (3,) [m], world axes.
-        velocity_sigma: (3,) [m/s], world axes.
-        attitude_sigma: (3,) [rad], rotation vector in world axes; the last is the heading's.
-        gyro_bias: (3,) [rad/s].
-        accelerometer_bias: (3,) [m/s^2].
-        covariance: (15 + c, 15 + c) of the error, laid out as in `cube_sim.navigation.strapdown`.
-    """
-
-    state: State
-    position_sigma: Vector
-    velocity_sigma: Vector
-    attitude_sigma: Vector
-    gyro_bias: Vector
-    accelerometer_bias: Vector
-    covariance: Matrix
-
-
 class Navigator:
-    """One vehicle's navigation: its instruments, each on its own random stream, and its filter.
+    """One vehicle's navigation: its sensors, each on its own random stream, and its filter.
 
     Args:
         imu: the inertial unit's errors.
@@ -81,7 +55,10 @@ class Navigator:
         period_s: length of a tick.
 
     Attributes:
-        inertial: the inertial unit's latest reading (6,) [rad/s, m/s^2].
+        aids: the same.
+        filter: its estimate.
+        answer: record `ESTIMATE` of the latest tick.
+        error: record `ERROR` of the latest tick.
     """
 
     def __init__(
@@ -95,11 +72,7 @@ class Navigator:
         period_s: float,
     ) -> None:
         self.aids = tuple(aids)
-        self._imu = Imu(imu, stream(seed, "imu"), period_s)
-        self._instruments = [
-            Instrument(index, aid, stream(seed, aid.name), period_s) for index, aid in enumerate(self.aids)
-        ]
-        constants = np.concatenate([np.zeros(0), *(aid.constants for aid in self.aids)])
+        k, constants = len(self.aids), np.concatenate([np.zeros(0), *(aid.constants for aid in self.aids)])
         sigma = np.concatenate([initial.sigma, imu.bias, constants])
         error = initial.sigma * stream(seed, "initial estimate").standard_normal(9)
         # The estimate is R = Exp(-phi) R_true, and q = (q_true* exp(phi))*.
@@ -107,50 +80,42 @@ class Navigator:
         x = np.concatenate(
             [truth.position - error[POSITION], truth.velocity - error[VELOCITY], q, np.zeros(6 + len(constants))]
         )
-        self._filter = Filter(x, np.diag(sigma**2), imu, self.aids, gravity, period_s)
-        self._tick = -1
-        self.inertial = np.zeros(6)
+        self.filter = Filter(x, np.diag(sigma**2), imu, self.aids, gravity, period_s)
+        self._parameters = NavigationParameters(imu.record(period_s), self.filter.aids, self.filter.settings)
+        streams = [stream(seed, name) for name in ("imu", *(aid.name for aid in self.aids))]
+        self._imu: Record = np.zeros(1, IMU_MEMORY)
+        self._imu["bias"] = imu.bias * streams[0].standard_normal(6)
+        self._sensors: Record = np.zeros(k, SENSOR)
+        for sensor, aid, own in zip(self._sensors, self.aids, streams[1:], strict=True):
+            c = len(aid.constants)
+            sensor["constants"][:c] = aid.constants * own.standard_normal(c)
+        self._drawn = DrawnAhead(streams)
+        self.answer: Record = np.zeros(1, ESTIMATE)
+        self.error: Record = np.zeros(1, ERROR)
+        self._arrived: Record = np.zeros(k, READING)
+
+    @property
+    def inertial(self) -> Vector:
+        """The inertial unit's latest reading (6,) [rad/s, m/s^2]."""
+        return self._imu["reading"][0]
 
     @property
     def true_biases(self) -> Vector:
         """(6,) of the inertial unit's latest reading, which the filter does not know [rad/s, m/s^2]."""
-        return self._imu.bias
+        return self._imu["bias"][0]
 
     def true_constants(self, aid: int) -> Vector:
         """Constant errors (c,) of a sensor, which the filter does not know."""
-        return self._instruments[aid].constants
+        return self._sensors["constants"][aid, : len(self.aids[aid].constants)]
 
-    def constants(self, aid: int) -> Vector:
-        """The same as the filter estimates them."""
-        return self._filter.constants(aid)
+    def stage(self, ticks: int) -> tuple[NavigationParameters, NavigationMemory]:
+        """The first arguments of `estimate`, for so many ticks."""
+        self._drawn.reserve(ticks)
+        return self._parameters, NavigationMemory(self._imu, self._sensors, self._drawn.normals, self.filter.memory)
 
-    def update(self, truth: Truth) -> tuple[Estimate, list[Fusion]]:
-        """Go on by one tick (at the first call: to t = 0); the estimate, and the readings that have arrived."""
-        self._tick += 1
-        self.inertial = self._imu.read(truth)
-        readings = [
-            reading for instrument in self._instruments for reading in instrument.read(truth.motion, self._tick)
-        ]
-        fusions = self._filter.step(self.inertial, readings)
-        return self._estimate(), fusions
-
-    def _estimate(self) -> Estimate:
-        x, P = self._filter.x, self._filter.P
-        R = rotation(x[6:10])
-        sigma = np.sqrt(P.diagonal())
-        state = State(
-            position=x[0:3].copy(),
-            quaternion=x[6:10].copy(),
-            rotation=R,
-            velocity=x[3:6] @ R,
-            rates=self.inertial[:3] - x[10:13],
-        )
-        return Estimate(
-            state=state,
-            position_sigma=sigma[POSITION],
-            velocity_sigma=sigma[VELOCITY],
-            attitude_sigma=sigma[ATTITUDE],
-            gyro_bias=x[GYRO_BIAS.start + 1 : GYRO_BIAS.stop + 1].copy(),
-            accelerometer_bias=x[ACCELEROMETER_BIAS.start + 1 : ACCELEROMETER_BIAS.stop + 1].copy(),
-            covariance=P,
-        )
+    def update(self, truth: Truth) -> Record:
+        """Go on by one tick (at the first call: to t = 0); the readings that have arrived, of `READING`."""
+        self.answer, self.error = np.zeros(1, ESTIMATE), np.zeros(1, ERROR)
+        into = self.answer, self.error, self._arrived
+        count = estimate(*self.stage(1), *truth.motion, truth.specific_force, *into)
+        return self._arrived[:count]

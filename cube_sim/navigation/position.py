@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from cube_sim.navigation.aid import Expected
-from cube_sim.navigation.motion import Motion
+from cube_sim.native.compiled import inlined
+from cube_sim.navigation.aid import POSITION
 from cube_sim.navigation.sampling import Sampling
 from cube_sim.spatial import Vector
 
@@ -24,16 +24,18 @@ class PositionFix:
     sampling: Sampling
     noise: float
     name: str = "position"
+    kind: int = field(default=POSITION, init=False)
+    components: int = field(default=3, init=False)
+    site: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), init=False)
 
     @property
     def constants(self) -> Vector:
         """None."""
         return np.zeros(0)
 
-    def expect(self, motion: Motion, constants: Vector) -> Expected:
-        """See `Aid.expect`."""
-        return Expected(motion.position, np.eye(3, 12), np.zeros((3, 0)))
 
-    def innovation(self, reading: Vector, expected: Vector) -> Vector:
-        """The difference [m]."""
-        return reading - expected
+@inlined
+def position_reading(position, value, H_motion):
+    """As `cube_sim.navigation.expectation.expect`."""
+    for i in range(3):
+        value[i], H_motion[i, i] = position[i], 1.0

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil
 
+from cube_sim.native.compiled import compiled
+
 _ROUNDING = 1e-9  # of a tick
 
 
@@ -22,8 +24,14 @@ class Sampling:
 
     def tick_of(self, sample: int, period_s: float) -> int:
         """Tick of sample 0, 1, 2, ...: the first one not earlier than sample / rate_hz."""
-        return ceil(sample / (self.rate_hz * period_s) - _ROUNDING)
+        return int(tick_of_sample(sample, self.rate_hz, period_s))
 
     def delay_ticks(self, period_s: float) -> int:
         """Ticks from the sampling of a reading to the first tick at which it is there."""
         return ceil(self.delay_s / period_s - _ROUNDING)
+
+
+@compiled
+def tick_of_sample(sample, rate_hz, period_s):
+    """See `Sampling.tick_of`."""
+    return ceil(sample / (rate_hz * period_s) - _ROUNDING)

@@ -48,6 +48,28 @@ def rotation(q):
 
 
 @compiled
+def carried_on(P, D):
+    """(I + D) P (I + D)', a new array, where only the first rows of D, which are given, are not zero.
+
+    A function of its own: known to have nine rows, its loops would be unrolled into a hundred.
+    """
+    size = len(P)
+    half = P.copy()
+    for i in range(D.shape[0]):
+        for k in range(D.shape[1]):
+            if D[i, k] != 0.0:
+                for j in range(size):
+                    half[i, j] += D[i, k] * P[k, j]
+    whole = half.copy()
+    for j in range(D.shape[0]):
+        for k in range(D.shape[1]):
+            if D[j, k] != 0.0:
+                for i in range(size):
+                    whole[i, j] += D[j, k] * half[i, k]
+    return whole
+
+
+@compiled
 def predict(x, P, before, now, gravity, dt, noise, walk):
     """State and covariance one tick later.
 
@@ -104,19 +126,7 @@ def predict(x, P, before, now, gravity, dt, noise, walk):
             # S(a) R db_g dt^2 / 2: a gyro bias tilts the estimate, and the tilted estimate misjudges gravity
             for k in range(3):
                 D[3 + i, 9 + j] += 0.25 * dt * dt * S[i, k] * (R[k, j] + R_now[k, j])
-    size = len(P)
-    half = P.copy()
-    for i in range(9):
-        for k in range(3, 15):
-            if D[i, k] != 0.0:
-                for j in range(size):
-                    half[i, j] += D[i, k] * P[k, j]
-    whole = half.copy()
-    for j in range(9):
-        for k in range(3, 15):
-            if D[j, k] != 0.0:
-                for i in range(size):
-                    whole[i, j] += D[j, k] * half[i, k]
+    whole, size = carried_on(P, D), len(P)
     for i in range(3):
         n_a = noise[3 + i] ** 2
         whole[i, i] += n_a * dt**3 / 3.0

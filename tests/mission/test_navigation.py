@@ -11,7 +11,8 @@ from support.places import SCENARIOS
 import cube_sim
 from cube_sim.errors import ScenarioError
 from cube_sim.mission.hull import flown_hull, initial_state
-from cube_sim.mission.navigation import read_truth, rotation_vector
+from cube_sim.mission.navigation import read_truth
+from cube_sim.navigation.estimating import rotation_vector
 from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
 from cube_sim.spatial import angle_between, rotation_about, rotation_from_quaternion

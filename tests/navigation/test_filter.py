@@ -16,6 +16,7 @@ from support.navigation_motion import (
     IMU,
     INITIAL,
     KNOWN,
+    expected,
     navigate,
     on_time,
     straight,
@@ -24,15 +25,16 @@ from support.navigation_motion import (
     weaving,
 )
 
-from cube_sim.navigation.aid import Reading
 from cube_sim.navigation.correction import corrected
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
-from cube_sim.navigation.filter import MAX_REJECTIONS, Filter, ReadingOutcome
+from cube_sim.navigation.filter import Filter
+from cube_sim.navigation.gate import MAX_REJECTIONS
 from cube_sim.navigation.heading import Heading
 from cube_sim.navigation.motion import Motion
 from cube_sim.navigation.navigator import InitialErrors
 from cube_sim.navigation.position import PositionFix
+from cube_sim.navigation.reading import Reading, ReadingOutcome
 from cube_sim.navigation.sampling import Sampling
 from cube_sim.navigation.strapdown import predict, rotation, turned
 from cube_sim.scenario.navigation_blocks import LARGEST_SCALE_ERROR
@@ -254,7 +256,6 @@ def test_readings_of_the_future_or_of_ages_ago_are_refused():
     for tick in (7, 2):
         with pytest.raises(ValueError, match=f"tick {tick} cannot be fused at tick 6"):
             filter_.step(inputs[0], [Reading(0, tick, np.zeros(3))])
-        filter_._tick -= 1
 
 
 def moved(x, error):
@@ -283,16 +284,16 @@ def test_how_a_reading_changes_with_the_error(aid):
 
     def reading(error):
         y = moved(x, error)
-        return aid.expect(Motion(y[:3], y[3:6], rotation(y[6:10]), w - y[10:13]), y[16:]).value
+        return expected(aid, Motion(y[:3], y[3:6], rotation(y[6:10]), w - y[10:13]), y[16:]).value
 
-    expected = aid.expect(Motion(x[:3], x[3:6], rotation(x[6:10]), w - x[10:13]), x[16:])
+    found = expected(aid, Motion(x[:3], x[3:6], rotation(x[6:10]), w - x[10:13]), x[16:])
     h = 1e-6
     for i in range(12):
         e = h * np.eye(15 + c)[i]
-        np.testing.assert_allclose((reading(e) - reading(-e)) / (2 * h), expected.H_motion[:, i], atol=1e-8)
+        np.testing.assert_allclose((reading(e) - reading(-e)) / (2 * h), found.H_motion[:, i], atol=1e-8)
     for i in range(c):
         e = h * np.eye(15 + c)[15 + i]
-        np.testing.assert_allclose((reading(e) - reading(-e)) / (2 * h), expected.H_constants[:, i], atol=1e-8)
+        np.testing.assert_allclose((reading(e) - reading(-e)) / (2 * h), found.H_constants[:, i], atol=1e-8)
 
 
 def test_how_the_error_goes_on_over_a_tick():

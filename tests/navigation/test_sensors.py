@@ -2,21 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from support.navigation_motion import AIDS, DEG, DT, IMU, INITIAL, navigate, straight, truths, weaving
+from support.navigation_motion import (
+    AIDS,
+    DEG,
+    DT,
+    GRAVITY,
+    IMU,
+    INITIAL,
+    KNOWN,
+    expected,
+    navigate,
+    straight,
+    truths,
+    weaving,
+)
 
+from cube_sim.navigation.aid import aid_records
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
+from cube_sim.navigation.expectation import difference
 from cube_sim.navigation.heading import Heading
-from cube_sim.navigation.imu import Imu, ImuErrors
-from cube_sim.navigation.instrument import Instrument
+from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion, Truth
+from cube_sim.navigation.navigator import Navigator
 from cube_sim.navigation.observability import what_drifts
 from cube_sim.navigation.sampling import Sampling
-from cube_sim.navigation.streams import stream
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 
 REST = Truth(Motion(np.array([1.0, 2.0, -8.0]), np.zeros(3), np.eye(3), np.zeros(3)), np.array([0.0, 0.0, 9.81]))
@@ -26,13 +40,24 @@ def readings(ticks, aid):
     return {f.reading.tick: f.reading.value for tick in ticks for f in tick.fusions if f.reading.aid == aid}
 
 
+def at_rest(errors, seed, period):
+    """An inertial unit alone, and a function that reads it at rest."""
+    navigator = Navigator(errors, [], KNOWN, REST.motion, seed, GRAVITY, period)
+
+    def read():
+        navigator.update(REST)
+        return navigator.inertial.copy()
+
+    return navigator, read
+
+
 def test_the_noise_of_the_inertial_unit_has_the_stated_density():
     """A mean over T seconds of white noise of density N scatters by N / sqrt(T), whatever the period."""
     errors = ImuErrors(0.01, 0.2, 0.0, 0.0, 0.0, 0.0)
     for period in (0.02, 0.1):
-        imu = Imu(errors, stream(3, "imu"), period)
+        _, read = at_rest(errors, 3, period)
         n = round(1.0 / period)
-        means = np.array([np.mean([imu.read(REST) for _ in range(n)], axis=0) for _ in range(400)])
+        means = np.array([np.mean([read() for _ in range(n)], axis=0) for _ in range(400)])
         scatter = means.std(axis=0) / errors.noise
         np.testing.assert_allclose(scatter, 1.0, atol=0.13)  # 400 samples: 0.035 one standard deviation
         np.testing.assert_allclose(means.mean(axis=0), [0, 0, 0, 0, 0, 9.81], atol=4 * 0.2 / 20)
@@ -42,13 +67,13 @@ def test_its_biases_are_drawn_once_and_wander_as_stated():
     errors = ImuErrors(0.0, 0.0, 0.02, 0.3, 0.001, 0.02)
     starts, steps = [], []
     for seed in range(300):
-        imu = Imu(errors, stream(seed, "imu"), 0.1)
-        first = imu.read(REST) - np.array([0, 0, 0, 0, 0, 9.81])
-        np.testing.assert_allclose(first, imu.bias, atol=1e-14)
+        navigator, read = at_rest(errors, seed, 0.1)
+        first = read() - np.array([0, 0, 0, 0, 0, 9.81])
+        np.testing.assert_allclose(first, navigator.true_biases, atol=1e-14)
         for _ in range(40):
-            imu.read(REST)
+            read()
         starts.append(first)
-        steps.append(imu.bias - first)
+        steps.append(navigator.true_biases - first)
     np.testing.assert_allclose(np.std(starts, axis=0) / errors.bias, 1.0, atol=0.17)
     np.testing.assert_allclose(np.std(steps, axis=0) / (errors.bias_walk * np.sqrt(4.0)), 1.0, atol=0.17)
 
@@ -77,12 +102,12 @@ def test_the_same_seed_gives_the_same_estimate_and_another_another():
 
 @pytest.mark.parametrize(("rate", "delay"), [(50.0, 0.0), (5.0, 0.1), (8.0, 0.03), (0.3, 1.0), (33.3, 0.02)])
 def test_readings_come_at_their_rate_and_after_their_delay(rate, delay):
-    instrument = Instrument(0, Depth(Sampling(rate, delay), 0.1, 0.0), stream(1, "depth"), DT)
+    navigator = Navigator(IMU, [Depth(Sampling(rate, delay), 0.1, 0.0)], INITIAL, REST.motion, 1, GRAVITY, DT)
     taken, late = [], []
     for tick in range(1001):
-        for reading in instrument.read(REST.motion, tick):
-            taken.append(reading.tick)
-            late.append(tick - reading.tick)
+        for reading in navigator.update(REST):
+            taken.append(int(reading["tick"]))
+            late.append(tick - int(reading["tick"]))
     ideal = np.arange(len(taken)) / rate
     error = np.array(taken) * DT - ideal
     assert error.min() > -1e-9
@@ -95,14 +120,15 @@ def test_a_doppler_log_on_an_arm_feels_the_turn():
     dvl = Dvl(Sampling(5.0), 0.01, 0.0, 0.0, (1.0, 0.0, 0.0))
     R = rotation_from_quaternion(quaternion_from_euler(0.0, 0.0, np.pi / 2))
     motion = Motion(np.zeros(3), np.array([0.0, 0.5, 0.1]), R, np.array([0.0, 0.0, 0.2]))
-    np.testing.assert_allclose(dvl.expect(motion, np.zeros(4)).value, [0.5, 0.2, 0.1], atol=1e-15)
+    np.testing.assert_allclose(expected(dvl, motion, np.zeros(4)).value, [0.5, 0.2, 0.1], atol=1e-15)
     np.testing.assert_allclose(
-        dvl.expect(motion, np.array([0.1, 0.01, 0.02, 0.03])).value, [0.56, 0.24, 0.14], atol=1e-15
+        expected(dvl, motion, np.array([0.1, 0.01, 0.02, 0.03])).value, [0.56, 0.24, 0.14], atol=1e-15
     )
 
 
 def test_depth_is_positive_downwards():
-    assert Depth(Sampling(1.0), 0.1, 0.1).expect(REST.motion, np.array([0.5])).value == pytest.approx(8.5)
+    depth = Depth(Sampling(1.0), 0.1, 0.1)
+    assert expected(depth, REST.motion, np.array([0.5])).value == pytest.approx(8.5)
 
 
 def test_a_compass_reads_from_x_towards_y_wraps_and_is_silent_nose_up():
@@ -110,15 +136,24 @@ def test_a_compass_reads_from_x_towards_y_wraps_and_is_silent_nose_up():
 
     def read(roll, pitch, yaw):
         R = rotation_from_quaternion(quaternion_from_euler(*np.radians([roll, pitch, yaw])))
-        return compass.expect(Motion(np.zeros(3), np.zeros(3), R, np.zeros(3)), np.zeros(1))
+        return expected(compass, Motion(np.zeros(3), np.zeros(3), R, np.zeros(3)), np.zeros(1))
 
     for roll in (0.0, 90.0, 180.0):
         assert read(roll, 40.0, 130.0).value == pytest.approx(130.0 * DEG)
     assert read(0.0, 75.0, 10.0) is not None
     assert read(0.0, 76.0, 10.0) is None
     assert read(30.0, -90.0, 10.0) is None
-    turned = compass.innovation(np.array([179.0 * DEG]), np.array([-179.0 * DEG]))
+    turned = difference(aid_records([compass], DT)[0], 179.0 * DEG, -179.0 * DEG)
     np.testing.assert_allclose(turned, -2.0 * DEG)
+
+
+def test_a_sensor_of_more_numbers_than_the_laws_have_room_for_is_refused():
+    @dataclass(frozen=True)
+    class Wide(Depth):
+        components: int = field(default=4, init=False)
+
+    with pytest.raises(ValueError, match=r"depth: 4 numbers in a reading .* have room for 3"):
+        aid_records([Wide(Sampling(1.0), 0.1, 0.1)], DT)
 
 
 def test_every_sensor_may_be_missing_and_what_is_lost_is_said():

@@ -8,17 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cube_sim.navigation.aid import Aid
+from cube_sim.navigation.aid import Aid, aid_records
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
-from cube_sim.navigation.filter import Fusion
+from cube_sim.navigation.expectation import expect
 from cube_sim.navigation.heading import Heading
 from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion, Truth
-from cube_sim.navigation.navigator import Estimate, InitialErrors, Navigator
+from cube_sim.navigation.navigator import InitialErrors, Navigator
 from cube_sim.navigation.position import PositionFix
+from cube_sim.navigation.reading import Fusion, fusion_of
 from cube_sim.navigation.sampling import Sampling
-from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
+from cube_sim.spatial import State, quaternion_from_euler, rotation_from_quaternion
 
 DEG = np.pi / 180.0
 DT = 0.02
@@ -85,6 +86,18 @@ def on_time(aids: Sequence[Aid]) -> list[Aid]:
     return [replace(aid, sampling=replace(aid.sampling, delay_s=0.0)) for aid in aids]  # type: ignore[type-var]
 
 
+class Estimate(NamedTuple):
+    """What is known at a tick, as a record `ESTIMATE` names it, and the covariance."""
+
+    state: State
+    position_sigma: np.ndarray
+    velocity_sigma: np.ndarray
+    attitude_sigma: np.ndarray
+    gyro_bias: np.ndarray
+    accelerometer_bias: np.ndarray
+    covariance: np.ndarray
+
+
 class Tick(NamedTuple):
     """A tick of a navigator: its error as the filter defines it, true minus estimated."""
 
@@ -97,9 +110,31 @@ def navigate(motions, seed=0, imu=IMU, aids=AIDS, initial=INITIAL, dt=DT) -> lis
     navigator = Navigator(imu, aids, initial, motions[0].motion, seed, GRAVITY, dt)
     ticks = []
     for true in motions:
-        estimate, fusions = navigator.update(true)
+        fusions = [fusion_of(reading, aids[reading["aid"]].components) for reading in navigator.update(true)]
+        answer = navigator.answer[0]
+        state = State(*(answer[name] for name in State._fields))
+        sigmas = (answer[name] for name in Estimate._fields[1:-1])
+        estimate = Estimate(state, *sigmas, navigator.filter.P.copy())
         ticks.append(Tick(estimate, fusions, error_of(navigator, true.motion, estimate)))
     return ticks
+
+
+class Expected(NamedTuple):
+    """What a sensor should read, and its Jacobians, as `expect` says."""
+
+    value: np.ndarray
+    H_motion: np.ndarray
+    H_constants: np.ndarray
+
+
+def expected(aid: Aid, motion: Motion, constants: np.ndarray) -> Expected | None:
+    """The reading (n,) of a sensor without noise; None where it has none to give."""
+    n, c = aid.components, len(constants)
+    found = Expected(np.empty(3), np.empty((3, 12)), np.empty((3, 4)))
+    told = (tuple(motion[0].tolist()), tuple(motion[1].tolist()), motion[2], tuple(motion[3].tolist()))
+    if not expect(aid_records([aid], DT)[0], (*constants.tolist(), *[0.0] * (4 - c)), *told, *found):
+        return None
+    return Expected(found.value[:n], found.H_motion[:n], found.H_constants[:n, :c])
 
 
 def error_of(navigator: Navigator, true: Motion, estimate: Estimate) -> np.ndarray:
@@ -114,6 +149,6 @@ def error_of(navigator: Navigator, true: Motion, estimate: Estimate) -> np.ndarr
             true.velocity - state.rotation @ state.velocity,
             phi,
             navigator.true_biases - np.concatenate([estimate.gyro_bias, estimate.accelerometer_bias]),
-            *(navigator.true_constants(i) - navigator.constants(i) for i in range(len(navigator.aids))),
+            *(navigator.true_constants(i) - navigator.filter.constants(i) for i in range(len(navigator.aids))),
         ]
     )

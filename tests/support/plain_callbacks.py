@@ -93,7 +93,13 @@ _TYPES = SimpleNamespace(
 _NUMBA = SimpleNamespace(njit=_as_it_is, cfunc=_as_it_is, types=_TYPES)
 
 
-_PLAIN = ("cube_sim.tuples", "cube_sim.vehicle.laws.", "cube_sim.guidance.", "cube_sim.control.")
+_PLAIN = (
+    "cube_sim.tuples",
+    "cube_sim.vehicle.laws.",
+    "cube_sim.guidance.",
+    "cube_sim.navigation.",
+    "cube_sim.control.",
+)
 """How the names of modules begin that are executed once more when another of them imports them."""
 
 
@@ -103,7 +109,7 @@ class _Plain:
     def __init__(self) -> None:
         self._modules: dict[str, object] = {
             "numba": _NUMBA,
-            "cube_sim.native.compiled": SimpleNamespace(compiled=_as_it_is),
+            "cube_sim.native.compiled": SimpleNamespace(compiled=_as_it_is, inlined=_as_it_is),
             "cube_sim.vehicle.plugin.memory": _MEMORY,
         }
 
@@ -119,9 +125,7 @@ class _Plain:
         return module
 
     def _import(self, name, globals_=None, locals_=None, fromlist=(), level=0):
-        if name not in self._modules and name.startswith(
-            ("cube_sim.tuples", "cube_sim.vehicle.laws.", "cube_sim.guidance.", "cube_sim.control.")
-        ):
+        if name not in self._modules and name.startswith(_PLAIN):
             self.module(name)
         if name in self._modules:
             return self._modules[name]

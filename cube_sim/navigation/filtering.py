@@ -1,0 +1,181 @@
+"""The filter's law, compiled: strapdown prediction, readings fused at the instant they speak of, a gate."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.native.compiled import compiled, inlined
+from cube_sim.navigation.correction import corrected
+from cube_sim.navigation.expectation import difference, expect
+from cube_sim.navigation.gate import MAX_REJECTIONS
+from cube_sim.navigation.reading import ACCEPTED_AFTER_REJECTIONS, ARRIVED, FUSED, NONE, REJECTED
+from cube_sim.navigation.strapdown import predict, rotation
+from cube_sim.spatial import Matrix, Record, Vector
+from cube_sim.tuples import triple
+
+FILTER = np.dtype(
+    [("period_s", np.float64), ("gravity", np.float64, 3), ("noise", np.float64, 6), ("walk", np.float64, 6)]
+)
+"""Length of a tick [s], gravity [m/s^2] in world axes, the stated densities of the inertial unit's noise and walks."""
+
+
+class FilterMemory(NamedTuple):
+    """The estimate, and what is remembered of the last N ticks: tick t in row t % N.
+
+    Attributes:
+        tick: the present one (1,), -1 before the first.
+        x: (16 + c,) state, laid out as in `cube_sim.navigation.strapdown`.
+        P: (15 + c, 15 + c) covariance of its error.
+        rejections: readings of each sensor rejected in a row (k,).
+        inertials: (N, 6) readings of the inertial unit.
+        states: (N, 16 + c) of each tick before its readings.
+        covariances: (N, 15 + c, 15 + c) likewise.
+        rejections_before: (N, k) likewise.
+        readings: (N, k) of `cube_sim.navigation.reading.READING`, in the row of the tick at which they were taken.
+    """
+
+    tick: NDArray[np.int64]
+    x: Vector
+    P: Matrix
+    rejections: NDArray[np.int64]
+    inertials: Matrix
+    states: Matrix
+    covariances: NDArray[np.float64]
+    rejections_before: NDArray[np.int64]
+    readings: Record
+
+
+@compiled
+def set_estimate(x, P, state, covariance):
+    """Copy a state and its covariance into x and P."""
+    for i in range(len(x)):
+        x[i] = state[i]
+    for i in range(len(P)):
+        for j in range(len(P)):
+            P[i, j] = covariance[i, j]
+
+
+@inlined
+def remember(memory, at):
+    """Write the estimate into a row, as that of its tick before any reading."""
+    set_estimate(memory.states[at], memory.covariances[at], memory.x, memory.P)
+    for i in range(len(memory.rejections)):
+        memory.rejections_before[at, i] = memory.rejections[i]
+
+
+@inlined
+def recall(memory, at):
+    """Take up the estimate of a row."""
+    set_estimate(memory.x, memory.P, memory.states[at], memory.covariances[at])
+    for i in range(len(memory.rejections)):
+        memory.rejections[i] = memory.rejections_before[at, i]
+
+
+@inlined
+def estimated_constants(aid, x):
+    """The constant errors of a sensor as the state x has them, a 4-tuple; zeros for those it does not have."""
+    at, c = aid.place + 1, aid.constants
+    return (
+        x[at] if c > 0 else 0.0,
+        x[at + 1] if c > 1 else 0.0,
+        x[at + 2] if c > 2 else 0.0,
+        x[at + 3] if c > 3 else 0.0,
+    )
+
+
+@inlined
+def inflated(P, factor):
+    """The covariance with the variances of position, velocity and attitude raised by a factor, a new array.
+
+    Those of the sensors' own errors stay: a filter that is lost would otherwise explain its being lost by them.
+    """
+    raised, scale = P.copy(), sqrt(factor)
+    for i in range(len(P)):
+        for j in range(len(P)):
+            raised[i, j] *= (scale if i < 9 else 1.0) * (scale if j < 9 else 1.0)
+    return raised
+
+
+@compiled
+def fuse(aid, memory, reading, inertial):
+    """Fuse a reading of the estimate's own tick, unless the gate rejects it.
+
+    Args:
+        aid: element of `cube_sim.navigation.aid.AID`.
+        memory: `FilterMemory`; x, P and rejections are moved on.
+        reading: element of `cube_sim.navigation.reading.READING`; innovation, NIS and outcome are filled.
+        inertial: (6,) reading of the inertial unit at that tick.
+    """
+    x, n, size = memory.x, aid.components, len(memory.P)
+    expected, H_motion, H_constants = np.empty(3), np.empty((3, 12)), np.empty((3, 4))
+    w = (inertial[0] - x[10], inertial[1] - x[11], inertial[2] - x[12])
+    p, v, R = triple(x), (x[3], x[4], x[5]), rotation(x[6:10])
+    constants = estimated_constants(aid, x)
+    reading.nis, reading.outcome = 0.0, REJECTED
+    for i in range(3):
+        reading.innovation[i] = 0.0
+    if not expect(aid, constants, p, v, R, w, expected, H_motion, H_constants):
+        return  # the sensor saw a heading where the estimate has none: nothing to compare, nothing to hold against it
+    y, H, variance = np.empty(n), np.zeros((n, size)), aid.noise * aid.noise
+    for i in range(n):
+        y[i] = reading.innovation[i] = difference(aid, reading.value[i], expected[i])
+        for j in range(12):
+            H[i, j] = H_motion[i, j]
+        for j in range(aid.constants):
+            H[i, aid.place + j] = H_constants[i, j]
+    later, covariance, nis = corrected(x, memory.P, H, y, variance)
+    outcome, in_a_row = FUSED, memory.rejections[reading.aid]
+    if nis > aid.gate:
+        outcome = ACCEPTED_AFTER_REJECTIONS if in_a_row >= MAX_REJECTIONS else REJECTED
+    memory.rejections[reading.aid] = in_a_row + 1 if nis > aid.gate else 0
+    if outcome == ACCEPTED_AFTER_REJECTIONS:
+        later, covariance, _ = corrected(x, inflated(memory.P, nis / aid.gate), H, y, variance)
+    if outcome != REJECTED:
+        set_estimate(x, memory.P, later, covariance)
+    reading.nis, reading.outcome = nis, outcome
+
+
+@inlined
+def open_tick(memory, inertial):
+    """Begin the next tick (the first time: tick 0), with no readings yet; the estimate stays behind until `run_since`.
+
+    Args:
+        memory: `FilterMemory`, moved on.
+        inertial: (6,) reading of the inertial unit at that tick [rad/s, m/s^2].
+    """
+    memory.tick[0] += 1
+    at = memory.tick[0] % len(memory.states)
+    for i in range(6):
+        memory.inertials[at, i] = inertial[i]
+    for i in range(len(memory.rejections)):
+        memory.readings[at, i].whereabouts = NONE
+
+
+@compiled
+def run_since(settings, aids, memory, first):
+    """Bring the estimate to the present tick: from the one before, or again from a tick further back.
+
+    Args:
+        settings: record `FILTER`.
+        aids: (k,) of `cube_sim.navigation.aid.AID`.
+        memory: `FilterMemory`, moved on.
+        first: the earliest tick of which a reading is new; the present one for none.
+    """
+    s, now, ticks = settings[0], memory.tick[0], len(memory.states)
+    for tick in range(first, now + 1):
+        at = tick % ticks
+        if tick == first and tick < now:
+            recall(memory, at)
+        else:
+            if tick > 0:
+                last, this = memory.inertials[(tick - 1) % ticks], memory.inertials[at]
+                x, P = predict(memory.x, memory.P, last, this, s.gravity, s.period_s, s.noise, s.walk)
+                set_estimate(memory.x, memory.P, x, P)
+            remember(memory, at)
+        for i in range(len(aids)):
+            if memory.readings[at, i].whereabouts == ARRIVED:
+                fuse(aids[i], memory, memory.readings[at, i], memory.inertials[at])
