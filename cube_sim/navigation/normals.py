@@ -53,10 +53,10 @@ class DrawnAhead:
 
     def _draw(self, ticks: int) -> None:
         values, used = self.normals
-        size = IMU_NORMALS * ticks  # no other sensor takes as many
+        size = max(IMU_NORMALS * ticks, values.shape[1])  # no other sensor takes as many; what is left has room
         rows = []
         for row, taken, stream in zip(values, used.tolist(), self._streams, strict=True):
             left = row[taken:]
-            rows.append(np.concatenate([left, stream.standard_normal(max(size - len(left), 0))])[:size])
+            rows.append(np.concatenate([left, stream.standard_normal(size - len(left))]))
         self.normals = Normals(np.array(rows), np.zeros_like(used))
-        self._ticks = ticks
+        self._ticks = size // IMU_NORMALS
