@@ -158,15 +158,13 @@ def _run_ticks(
         When and why the run ended before its time; None if it did not.
     """
     scenario = mission.scenario
-    ticks_per_second = max(1, round(1.0 / scenario.control_period_s))
-    flight = Flight.recorded(loaded, mission, recorder)
-    for k in range(scenario.ticks + 1):
-        flight.control(warnings)
-        if flight.ended:
-            break
-        if k < scenario.ticks:
-            flight.advance()
-        if progress is not None and k % ticks_per_second == 0:
-            progress(k * scenario.control_period_s, scenario.duration_s)
+    flight, told = Flight.recorded(loaded, mission, recorder), -1.0
+    while not flight.over:
+        flight.fly(warnings, scenario.ticks - flight.tick)
+        if progress is not None and flight.time_s >= told + 1.0:
+            told = flight.time_s
+            progress(told, scenario.duration_s)
+    if not flight.ended:
+        flight.control(warnings)  # the last row is the state at the end
     flight.finish()
     return EarlyEnd(flight.time_s, flight.ended) if flight.ended else None

@@ -123,6 +123,12 @@ def to_world(R_WB, a_B):
 
 
 @compiled
+def turned_to_world(R_WB, a_B):
+    """`to_world` of an array (3,), an array: the sums of R_WB @ a_B in one order, whatever BLAS is there."""
+    return np.array(to_world(R_WB, triple(a_B)))
+
+
+@compiled
 def solve_positive(S, b):
     """The 3-tuple x with S x = b, for a symmetric positive definite (3,3) S and a 3-tuple b, by S = L D L'.
 

@@ -39,7 +39,7 @@ MEMORIES = (
     ("observer", "memory", ("integral", "estimate")),
     ("", "memory", ("force", "velocity", "torque")),
     ("", "centre", ("shift",)),
-    ("_balanced", "memory", ("led", "twice", "torque", "torque_twice")),
+    ("balanced", "memory", ("led", "twice", "torque", "torque_twice")),
 )
 """What the controller remembers from tick to tick: the part that holds it (the controller itself: none), the name of
 its record, and the fields. The centre of oscillation moves only where a hull is dragged along. Beside these the
@@ -185,7 +185,7 @@ class FlownLoop:
 
     @property
     def _balanced(self) -> Any:
-        return self.controller._balanced
+        return self.controller.balanced
 
     def _write(self, point: Point) -> Vector:
         """Put everything into a point; returns the wrench commanded over the tick before it."""

@@ -57,6 +57,11 @@ class Effort:
     disagreements: int = 0
     unproven: int = 0
 
+    def add(self, nodes: int, unproven: int) -> None:
+        """Count what searches have cost."""
+        self.nodes += nodes
+        self.unproven += unproven
+
 
 class Allocator:
     """Exact dead-zone thruster allocation for one vehicle.
@@ -178,7 +183,7 @@ class Allocator:
         self._closest = closest_wrench_data(wrench_metric(self.A, self.wrench_weights), facets=self._problem.scaled)
         self._previous = no_previous_answer(m, self.change_limit)
         self._pack()
-        self._size, self._ends = answer_size(n, m), (m, m + n, m + 2 * n)
+        self.answer_size, self._ends = answer_size(n, m), (m, m + n, m + 2 * n)
         self._confirmer = (
             Confirmer(self._problem, self._packed, AGREEMENT, max(largest, 1e-6))
             if self.method == "search+proxqp"
@@ -267,12 +272,38 @@ class Allocator:
             AllocationError: a part is not n numbers.
         """
         first, second = self._demand(primary), self._demand(secondary)
-        if not len(self._closest.facets):
-            self._closest = closest_wrench_data(self._closest.metric, facets=True)
-            self._pack()
+        self._prepare_for_parts()
         with np.errstate(over="ignore", invalid="ignore"):  # a sum that is no number is answered as such
             whole = first + second
         return self._answer(whole, np.concatenate((first, second)))
+
+    def searched(self, two_parts: bool) -> NDArray[np.float64] | None:
+        """What `solve_each` answers demands by, one at a time; None where the method is another than the search alone.
+
+        The previous answer lies in it. Answers are to be confirmed by `confirm`, what they cost goes to `effort`.
+
+        Args:
+            two_parts: whether demands have a part that gives way.
+        """
+        if self._enumeration is not None or self._fewest_calls is not None:
+            return None
+        if two_parts:
+            self._prepare_for_parts()
+        return self._packed
+
+    def confirm(self, row: NDArray[np.float64], demand: NDArray[np.float64]) -> None:
+        """Let ProxQP solve the subset of one answer (see `answer_of`) to a demand (n,), where the method says so."""
+        if self._confirmer is None:
+            return
+        self.effort.qps += 1
+        if not self._confirmer.confirms(row, demand):
+            self.effort.disagreements += 1
+
+    def _prepare_for_parts(self) -> None:
+        """Make ready for demands of two parts."""
+        if not len(self._closest.facets):
+            self._closest = closest_wrench_data(self._closest.metric, facets=True)
+            self._pack()
 
     def _demand(self, wrench: ArrayLike) -> NDArray[np.float64]:
         """A checked demand (n,)."""
@@ -288,20 +319,16 @@ class Allocator:
     def _answer(self, demand: NDArray[np.float64], demands: NDArray[np.float64]) -> Allocation:
         """Answer one demand (n,) given as it is, or as its two parts (2 n,)."""
         m, a, b = self._ends
-        row, subset, effort = np.zeros(self._size), np.empty(m, SIDE), self.effort
+        row, subset, effort = np.zeros(self.answer_size), np.empty(m, SIDE), self.effort
         if self._fewest_calls is not None:
             solve = self._search if self._enumeration is None else self._enumerate
             residual, cost, status = self._answer_in_reach(solve, demands, row, subset)
         elif self._enumeration is None:
             residual, cost, status, nodes, doubts = solve_each(self._packed, demands, row, subset)
-            effort.nodes += nodes
-            effort.unproven += doubts
+            effort.add(nodes, doubts)
         else:
             residual, cost, status = self._enumerate(demands, row, subset)
-        if self._confirmer is not None:
-            effort.qps += 1
-            if not self._confirmer.confirms(row, demand):
-                effort.disagreements += 1
+        self.confirm(row, demand)
         force, status = row[:m], _STATUS[int(status)]
         # A named tuple's own constructor takes longer than the arrays it is given.
         return tuple.__new__(Allocation, (force, row[m:a], row[a:b], residual, cost, subset, status))
@@ -309,8 +336,7 @@ class Allocator:
     def _search(self, demands: NDArray[np.float64], row: NDArray[np.float64], subset: NDArray[np.int8]) -> Solved:
         """Answer a demand by the search, within the reach of the previous answer."""
         *solved, nodes, doubts = solve_each(self._packed, demands, row, subset)
-        self.effort.nodes += nodes
-        self.effort.unproven += doubts
+        self.effort.add(nodes, doubts)
         return tuple(solved)
 
     def _enumerate(self, demands: NDArray[np.float64], row: NDArray[np.float64], subset: NDArray[np.int8]) -> Solved:
@@ -350,7 +376,7 @@ class Allocator:
         n, m = self.A.shape
         if demands.ndim != 2 or demands.shape[1] != n:
             raise AllocationError(f"the wrenches have shape {demands.shape}; A has {n} rows, so give (N, {n})")
-        answers, subsets = np.zeros((len(demands), self._size)), np.empty((len(demands), m), SIDE)
+        answers, subsets = np.zeros((len(demands), self.answer_size)), np.empty((len(demands), m), SIDE)
         if self._fewest_calls is None:
             self._search(demands.ravel(), answers.ravel(), subsets.ravel())
         else:

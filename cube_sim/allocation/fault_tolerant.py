@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,10 @@ from cube_sim.wrench.health import Health
 from cube_sim.wrench.limits import thruster_limits
 from cube_sim.wrench.matrix import effective_matrix, error_size, lever_arm
 from cube_sim.wrench.tolerances import FORCE_ROUNDING
+
+if TYPE_CHECKING:
+    from cube_sim.allocation.allocator import Allocator
+    from cube_sim.allocation.responsive import ResponsiveThrusters
 
 Build = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int_]], WrenchAllocator]
 """(A (n, k), limits (k, 4) [N], which thrusters (k,), from 0) -> an allocator for k thrusters."""
@@ -227,6 +231,39 @@ class FaultTolerant:
             subset=np.zeros(thrusters, np.int8),
             status=Status.EXACT if residual <= self._rounding_N else Status.CLOSEST,
         )
+
+    def searched(self, two_parts: bool) -> tuple[Allocator, ResponsiveThrusters] | None:
+        """Who allocates for the thrusters that respond, and what the compiled allocation needs to go on from here.
+
+        `take_over` tells this object of what it did.
+
+        Args:
+            two_parts: whether demands have a part that gives way.
+
+        Returns:
+            None where the thrusters that respond are not allocated by the search alone.
+        """
+        # Only here: they load the compiler.
+        from cube_sim.allocation.allocator import Allocator
+        from cube_sim.allocation.responsive import ResponsiveThrusters
+
+        if not isinstance(self._allocator, Allocator) or (packed := self._allocator.searched(two_parts)) is None:
+            return None
+        return self._allocator, ResponsiveThrusters(
+            packed,
+            self._responsive,
+            self._held,
+            self._held_wrench,
+            self.health.efficiency,
+            self._responds,
+            self.limits,
+            self._rounding_N,
+            *(np.array(values, dtype=np.float64) for values in self._previous),
+        )
+
+    def take_over(self, thrusters: ResponsiveThrusters) -> None:
+        """Go on from where the compiled allocation has come with what `searched` gave."""
+        self._previous = PreviousForces(thrusters.force, thrusters.subset, thrusters.push)
 
     def _checked(self, name: str, wrench: ArrayLike) -> NDArray[np.float64]:
         """A wrench (n,)."""

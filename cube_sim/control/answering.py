@@ -6,6 +6,8 @@ for any other: the numbers are the same.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from cube_sim.control.along_path import nose_along
@@ -18,6 +20,7 @@ from cube_sim.guidance.approach import approach_motion
 from cube_sim.guidance.pursuit import pursuit_motion
 from cube_sim.guidance.speed import speed_at
 from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Matrix, Record, Vector
 
 SETTINGS = np.dtype(
     [
@@ -43,44 +46,10 @@ the damping of the current's, the levelling time [s], the force that is asked fo
 """
 
 
-@compiled
-def answer(
-    settings,
-    hull,
-    loops,
-    left,
-    normals,
-    bounds,
-    held_shares,
-    profile,
-    nodes,
-    square,
-    approach,
-    pursuit,
-    balancing,
-    balanced_normals,
-    balanced_bounds,
-    balanced_shares,
-    disturbance,
-    current,
-    side,
-    balanced,
-    centre,
-    memory,
-    view,
-    desired,
-    followed,
-    R,
-    q,
-    v,
-    w,
-    applied,
-    dt,
-    force_ratio,
-):
-    """One tick; the arguments that are not said here are those of the parts.
+class LawParts(NamedTuple):
+    """What a tick of the law reads and moves on beside the tick's own numbers.
 
-    Args:
+    Attributes:
         settings: record `SETTINGS`.
         hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
         loops: record of `cube_sim.control.loops.LOOPS`.
@@ -103,6 +72,38 @@ def answer(
         balanced: memory of `balance`, moved on.
         centre: memory of `watch_centre`, moved on.
         memory: of `follow`, moved on.
+    """
+
+    settings: Record
+    hull: Record
+    loops: Record
+    left: Record
+    normals: Matrix
+    bounds: Vector
+    held_shares: Vector
+    profile: Record
+    nodes: Vector
+    square: Vector
+    approach: Record
+    pursuit: Record
+    balancing: Record
+    balanced_normals: Matrix
+    balanced_bounds: Vector
+    balanced_shares: Vector
+    disturbance: Record
+    current: Vector
+    side: Record
+    balanced: Record
+    centre: Record
+    memory: Record
+
+
+@compiled
+def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio):
+    """One tick.
+
+    Args:
+        parts: `LawParts`.
         view: record of `cube_sim.guidance.view_record.VIEW`.
         desired: record of `cube_sim.control.attitude_mode.DESIRED`, zero, filled.
         followed: record of `cube_sim.control.following.FOLLOWED`, filled.
@@ -114,41 +115,42 @@ def answer(
         dt: [s].
         force_ratio: share of their force that the supply leaves the thrusters.
     """
-    s, seen, time = settings[0], view, loops[0].velocity_time
+    p, s, hull, current = parts, parts.settings[0], parts.hull, parts.current
+    seen, time = view, p.loops[0].velocity_time
     if s.dragged:
-        watch_centre(left, centre, R, w, view, dt, time)
+        watch_centre(p.left, p.centre, R, w, view, dt, time)
         seen = view.copy()
-        see_centre(seen, centre)
-    speed, slope = speed_at(profile, nodes, square, view[0].arc_length)
+        see_centre(seen, p.centre)
+    speed, slope = speed_at(p.profile, p.nodes, p.square, view[0].arc_length)
     if s.pursuit:
-        velocity, acceleration = pursuit_motion(seen, pursuit, slope)
+        velocity, acceleration = pursuit_motion(seen, p.pursuit, slope)
     else:
-        velocity, acceleration = approach_motion(seen, approach, speed, slope)
+        velocity, acceleration = approach_motion(seen, p.approach, speed, slope)
     if s.dragged:
-        acceleration += centre[0].pushed / time
+        acceleration += p.centre[0].pushed / time
     unknown = np.zeros(6)
     if s.disturbance_time > 0.0:
-        observe_disturbance(hull, s.disturbance_time, disturbance, R, v, w, applied, current, dt)
-        unknown[:] = disturbance[0].estimate
+        observe_disturbance(hull, s.disturbance_time, p.disturbance, R, v, w, applied, current, dt)
+        unknown[:] = p.disturbance[0].estimate
         if s.current_time > 0.0:
             observe_current(hull, s.current_damping, dt / s.current_time, current, R, v, w, unknown)
     if s.fixed:
         desired[0].quaternion[:] = s.attitude
     else:
-        nose_along(s.levelling_time, side, desired, view, dt)
+        nose_along(s.levelling_time, p.side, desired, view, dt)
     if s.dragged:
-        begin_centre(left, centre, R, q, desired[0].quaternion)
+        begin_centre(p.left, p.centre, R, q, desired[0].quaternion)
     if s.balanced:
-        facets = balanced_normals, balanced_bounds, balanced_shares
-        balance(hull, balancing, *facets, balanced, desired, R, memory, current, dt, force_ratio)
+        facets = p.balanced_normals, p.balanced_bounds, p.balanced_shares
+        balance(hull, p.balancing, *facets, p.balanced, desired, R, p.memory, current, dt, force_ratio)
     follow(
         hull,
-        loops,
-        left,
-        normals,
-        bounds,
-        held_shares,
-        memory,
+        p.loops,
+        p.left,
+        p.normals,
+        p.bounds,
+        p.held_shares,
+        p.memory,
         followed,
         R,
         q,

@@ -9,9 +9,8 @@ import numpy as np
 
 from cube_sim.control.along_path import MEMORY as SIDE
 from cube_sim.control.along_path import AlongPath
-from cube_sim.control.answering import SETTINGS, answer
+from cube_sim.control.answering import SETTINGS, LawParts, answer
 from cube_sim.control.attitude_mode import DESIRED
-from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.balancing import BALANCE
 from cube_sim.control.balancing import MEMORY as BALANCED
 from cube_sim.control.disturbance import MEMORY as DISTURBANCE
@@ -54,7 +53,6 @@ class CompiledParts:
     def answer(
         self,
         follower: PathFollower,
-        balanced: BalancedAttitude | None,
         seen: Record,
         followed: Record,
         state: State,
@@ -64,8 +62,15 @@ class CompiledParts:
     ) -> Vector:
         """One tick, its answer into `followed`; returns the desired attitude (4,)."""
         desired = np.zeros(1, DESIRED)
+        motion = state.rotation, state.quaternion, state.velocity, state.rates
+        answer(self.arguments(follower), seen, desired, followed, *motion, applied, dt, force_ratio)
+        return desired["quaternion"][0]
+
+    def arguments(self, follower: PathFollower) -> LawParts:
+        """What does not come from the tick, balanced or not as the follower's attitude is by now."""
+        balanced = follower.balanced
         self.settings["balanced"] = balanced is not None
-        answer(
+        return LawParts(
             self.settings,
             *self.law,
             *self.speed,
@@ -79,18 +84,7 @@ class CompiledParts:
             NEVER_BALANCED if balanced is None else balanced.memory,
             follower.centre,
             follower.memory,
-            seen,
-            desired,
-            followed,
-            state.rotation,
-            state.quaternion,
-            state.velocity,
-            state.rates,
-            applied,
-            dt,
-            force_ratio,
         )
-        return desired["quaternion"][0]
 
 
 NOT_BALANCED, NEVER_BALANCED = np.zeros(1, BALANCE), np.zeros(1, BALANCED)

@@ -24,19 +24,50 @@ is, or half its own length: while a fault moves through a window, the line that 
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from cube_sim.control.probing import Probes
-from cube_sim.control.telemetry_gain import TelemetryGain
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.control.probing import ProbeMemory, Probes
+from cube_sim.control.telemetry_gain import Gains, TelemetryGain, learn_gains
 from cube_sim.control.window_reading import Evidence, WindowReading, contradicts, read_window
 from cube_sim.native.compiled import compiled
-from cube_sim.spatial import Vector
+from cube_sim.spatial import Matrix, Vector
 from cube_sim.wrench.health import Health
 
 _LENGTHS = (1, 4, 16)
 """Lengths of the windows under noise, in lengths of the first."""
 _SAME_EFFICIENCY = 0.1
 """Readings of an efficiency that differ by less are the same."""
+
+
+class Window(NamedTuple):
+    """The forces of the last ticks, and what they are held against.
+
+    Attributes:
+        expected: (k,m) [N], a ring of rows.
+        measured: (k,m) [N], likewise.
+        ring: (2,) the next row, and how many are filled.
+        age: (m,) of what is believed [ticks].
+        suspect: (m,) bool, which do not do what is believed of them.
+        efficiency: (m,) believed share.
+        stuck: (m,) force [N] believed to be held; NaN where none is.
+        threshold: differences below this say nothing [N].
+        noise: standard deviation of a measured force [N].
+        gains: what is known of the telemetry.
+    """
+
+    expected: Matrix
+    measured: Matrix
+    ring: NDArray[np.int64]
+    age: NDArray[np.int_]
+    suspect: NDArray[np.bool_]
+    efficiency: Vector
+    stuck: Vector
+    threshold: float
+    noise: float
+    gains: Gains
 
 
 class Diagnosis:
@@ -68,7 +99,7 @@ class Diagnosis:
         self._threshold, self._noise = threshold_N, noise_N
         self._lengths = tuple(n * k for k in _LENGTHS) if noise_N > 0.0 else (n,)
         self._expected, self._measured = np.zeros((self._lengths[-1], m)), np.zeros((self._lengths[-1], m))
-        self._filled, self._row = 0, 0
+        self._ring = np.zeros(2, dtype=np.int64)
         self._gain = TelemetryGain(m, gain_tolerance, n * threshold_N**2)
         self._suspect = np.zeros(m, dtype=bool)
         self._suggested: dict[tuple[int, int], tuple[WindowReading, int]] = {}
@@ -89,30 +120,36 @@ class Diagnosis:
             measured: (m,) forces [N] they are measured to give.
             force_ratio: the share of these forces that their supply leaves them, above 0.
         """
-        noise = self._noise / force_ratio
-        self._take(expected, measured / force_ratio, noise)
-        self._age += 1
-        self.doubtful = np.zeros(len(expected), dtype=bool)
-        self._suspect[:] = False
+        enter_pair(self._window, expected, measured, force_ratio)
+        return self.conclude(force_ratio)
+
+    def conclude(self, force_ratio: float) -> Health:
+        """Judge the pair of forces that `enter_pair` has entered into the window last."""
+        self.doubtful = np.zeros(len(self._age), dtype=bool)
         for n in self._lengths:
-            if self._filled >= n:
-                self._judge(n, noise)
+            if self._ring[1] >= n:
+                self._judge(n, self._noise / force_ratio)
         return self.health
 
-    def _take(self, expected: Vector, measured: Vector, noise: float) -> None:
-        """Put a pair of forces in the place of the oldest, of which the gains are learned."""
-        row = self._row
-        if self._filled == len(self._expected):
-            sound = sound_pairs(*self.health, self._suspect, self._age, len(self._expected))
-            self._gain.learn(self._expected[row], self._measured[row], sound, noise)
-        self._expected[row], self._measured[row] = expected, measured
-        self._row = (row + 1) % len(self._expected)
-        self._filled = min(self._filled + 1, len(self._expected))
+    @property
+    def window(self) -> Window | None:
+        """What it judges by while nothing speaks against what is believed; None where Python has to, as under noise."""
+        return None if self._noise > 0.0 or self.doubtful.any() else self._window
+
+    @property
+    def probes(self) -> ProbeMemory:
+        """What thrusters are probed by."""
+        return self._probes.memory
+
+    @property
+    def _window(self) -> Window:
+        rings, health = (self._expected, self._measured, self._ring, self._age, self._suspect), self.health
+        return Window(*rings, *health, self._threshold, float(self._noise), self._gain.gains)
 
     def _judge(self, n: int, noise: float) -> None:
         """Believe something else of thrusters that do not do what is believed of them, if n ticks say what."""
-        gain, health = self._gain.gain, self.health
-        first = (self._row - n) % len(self._expected)
+        gain, health = self._gain.gains.gain, self.health
+        first = int(self._ring[0] - n) % len(self._expected)
         contradicted = contradicts(
             self._expected, self._measured, first, n, *health, gain, self._threshold, float(noise)
         )
@@ -120,7 +157,7 @@ class Diagnosis:
             return
         newest = (first + np.arange(n)) % len(self._expected)
         x, y = self._expected[newest], self._measured[newest] / gain
-        least, most = (self._gain.least / gain).tolist(), (self._gain.most / gain).tolist()
+        least, most = (self._gain.gains.least / gain).tolist(), (self._gain.gains.most / gain).tolist()
         for i in range(len(gain)):
             reading = None
             # A window longer than the belief is old holds what was before it.
@@ -180,3 +217,24 @@ def sound_pairs(efficiency, stuck, suspect, age, length):
     for i in range(len(age)):
         sound[i] = efficiency[i] == 1.0 and np.isnan(stuck[i]) and not suspect[i] and age[i] >= length
     return sound
+
+
+@compiled
+def enter_pair(window, expected, measured, force_ratio):
+    """Put a pair of forces in the place of the oldest, of which the gains of the telemetry are learned.
+
+    Args:
+        window: `Window`, moved on.
+        expected: (m,) [N], at the voltage of the characteristics.
+        measured: (m,) [N].
+        force_ratio: the share of their force that the supply leaves the thrusters.
+    """
+    w, rows, row = window, len(window.expected), window.ring[0]
+    if w.ring[1] == rows:
+        sound = sound_pairs(w.efficiency, w.stuck, w.suspect, w.age, rows)
+        learn_gains(w.gains, w.expected[row], w.measured[row], sound, w.noise / force_ratio)
+    for i in range(len(w.age)):
+        w.expected[row, i], w.measured[row, i] = expected[i], measured[i] / force_ratio
+        w.age[i] += 1
+        w.suspect[i] = False
+    w.ring[0], w.ring[1] = (row + 1) % rows, min(w.ring[1] + 1, rows)

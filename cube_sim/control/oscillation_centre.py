@@ -71,8 +71,8 @@ def begin_centre(left, memory, R, q, wish):
     """Begin as if the hull had turned from the attitude its mission wishes to where it is.
 
     Turning to that attitude then brings the shift back to none. Begun at none, it would have to be forgotten, with the
-    hull beside its path meanwhile. The push D w of a turn by theta at an even rate adds up to R J(-theta) D theta, where
-    J(theta) is the integral of exp(t S(theta)) over t from 0 to 1.
+    hull beside its path meanwhile. The push D w of a turn by theta at an even rate adds up to R J(-theta) D theta,
+    where J(theta) is the integral of exp(t S(theta)) over t from 0 to 1.
 
     Args:
         left: record of `cube_sim.control.authority.CAPABILITY`; of it D.

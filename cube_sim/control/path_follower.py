@@ -10,7 +10,7 @@ from cube_sim.control.asked import MEMORY
 from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Authority, Capability, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
-from cube_sim.control.compiled_parts import compiled_parts
+from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
@@ -19,13 +19,15 @@ from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
-from cube_sim.control.priority import split_path_first
+from cube_sim.control.priority import force_with_torque, yield_attitude
 from cube_sim.control.roomiest_attitude import has_enough, roomiest_attitude
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
+from cube_sim.control.shortage import SHORTAGE, watch_shortage
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.guidance.view_record import record_of, view_of
 from cube_sim.spatial import Record, State, Vector, quaternion_from_rotation, rotation_from_quaternion
+from cube_sim.tuples import turned_to_world
 
 SLOWER = 3.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
@@ -33,10 +35,6 @@ SLOWER_ACROSS = 2.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
 SLOWER_AT_TRIM = 2.0
 """Where roll or pitch is left to the water, the balance of force and torque is sought this many times more slowly."""
-PATIENCE_S = 1.0
-"""How long the thrusters have to be short of what a slow pace asks for before the vehicle turns."""
-BACK_RAD = 0.02
-"""Within this angle of the attitude its mission asks for it is taken to be back there."""
 UNDER_WAY_RAD = 0.7
 """Farther than this from that attitude a hull is on its way there; to be short of force on the way will pass."""
 
@@ -78,16 +76,18 @@ class PathFollower:
         """Fly with what the thrusters can do from the start."""
         self.memory: Record = np.zeros(1, MEMORY)
         self.centre: Record = np.zeros(1, CENTRE)
-        self._short_s, self._pressed, self._desired = 0.0, False, np.array([1.0, 0.0, 0.0, 0.0])
+        self.shortage: Record = np.zeros(1, SHORTAGE)
+        self.desired: Vector = np.array([1.0, 0.0, 0.0, 0.0])
         self._goal: SafeModeGoal | None = None
-        self._balanced: BalancedAttitude | None = None
-        self._monitor = LossOfTargetMonitor(self.safe_mode)
+        self.balanced: BalancedAttitude | None = None
+        self.monitor = LossOfTargetMonitor(self.safe_mode)
+        self.coupling = force_with_torque(self.loops.dynamics.total_mass)
         self.reconfigure(self.capability)
 
     def reconfigure(self, left: Capability) -> None:
         """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
         self.capability = left
-        self._balanced, self._loops, self._approach = None, self.loops, self.approach
+        self.balanced, self._loops, self._approach = None, self.loops, self.approach
         self._refuge: FixedAttitude | None = None
         budget = left.budget
         self._left = left.record(self.loops.dynamics.total_mass)
@@ -95,7 +95,7 @@ class PathFollower:
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
-                self._monitor.restart()
+                self.monitor.restart()
             self._goal = None
         elif self._goal is not None:
             self._goal.set_reason(left.reason)
@@ -111,7 +111,7 @@ class PathFollower:
 
     def view(self, state: State) -> TargetView:
         """See `Controller.view`."""
-        return self.target.view(state.position, state.rotation @ state.velocity)
+        return self.target.view(state.position, turned_to_world(state.rotation, state.velocity))
 
     def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """See `Controller.decide`."""
@@ -121,25 +121,26 @@ class PathFollower:
         mode = self._mode(state, force_ratio)
         followed = np.zeros(1, FOLLOWED)
         if seen is not None and goal is None and self._compiled is not None and self._refuge is None:
-            quaternion = self._compiled.answer(self, self._balanced, seen, followed, state, applied, dt, force_ratio)
+            quaternion = self._compiled.answer(self, seen, followed, state, applied, dt, force_ratio)
             disturbance, current = self._estimates()
         else:
             motion = self._motion(state, view, goal, dt)
             disturbance, current = self._unknowns(state, applied, dt)
             situation = self._situation(state, view, current, force_ratio)
             attitude = mode.attitude(situation, dt)
-            if self.dragged and self._balanced is not None:
-                begin_centre(self._left, self.centre, state.rotation, state.quaternion, self._balanced.wished)
+            if self.dragged and self.balanced is not None:
+                begin_centre(self._left, self.centre, state.rotation, state.quaternion, self.balanced.wished)
             if self._refuge is not None:
                 self._look_back(self._refuge, situation, dt)
             quaternion = attitude.quaternion
             self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
         answer = followed[0]
         if self.capability.budget is not None:
-            self._watch_shortage(bool(answer["enough"]), dt)
+            balanced = NEVER_BALANCED if self.balanced is None else self.balanced.memory
+            watch_shortage(self.shortage, bool(answer["enough"]), self.balanced is not None, balanced, dt)
         if goal is None:
             self.target.advance(view.speed, dt)
-        self._desired = quaternion
+        self.desired = quaternion
         return Decision(
             wrench=answer["wrench"],
             secondary=self._secondary(answer["wrench"], state),
@@ -159,7 +160,7 @@ class PathFollower:
     def _seen(self, state: State) -> Record | None:
         """The view as compiled laws read it; None from a target that only Python asks."""
         seen = getattr(self.target, "seen", None)
-        return None if seen is None else seen(state.position, state.rotation @ state.velocity)
+        return None if seen is None else seen(state.position, turned_to_world(state.rotation, state.velocity))
 
     def _estimates(self) -> tuple[Vector, Vector]:
         """The disturbance and the current as they are estimated."""
@@ -204,7 +205,7 @@ class PathFollower:
             self.most_rest,
             self.capability.budget is not None,
             goal is None and self.waits and isinstance(self._approach, Approach),
-            self._balanced is not None,
+            self.balanced is not None,
         )
 
     def _motion(self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float) -> DesiredMotion:
@@ -240,34 +241,24 @@ class PathFollower:
         """Where to go instead of along the path, once there is a reason to; only other thrusters end it."""
         if self._goal is None:
             lost = self.capability.reason if self.capability.authority is Authority.SAFE else ""
-            reason = lost or self._monitor.reason(view, dt)
+            reason = lost or self.monitor.reason(view, dt)
             self._goal = SafeModeGoal(self.safe_mode, state, reason) if reason else None
         return self._goal
 
-    def _watch_shortage(self, enough: bool, dt: float) -> None:
-        """Turn to where the thrusters have more when they have been short for a while, and back when they are not."""
-        self._short_s = 0.0 if enough else self._short_s + dt
-        if self._short_s > PATIENCE_S:
-            self._pressed = True
-        elif (
-            self._pressed and self._balanced is not None and not self._balanced.short and self._balanced.off < BACK_RAD
-        ):
-            self._pressed = False
-
     def _mode(self, state: State, force_ratio: float) -> AttitudeMode:
         """Who says which attitude to take."""
-        chosen = self._refuge is not None or self._balanced is not None or self.capability.steers_by_attitude
-        if self._pressed and not chosen and self._is_under_way(state, force_ratio):
-            self._short_s, self._pressed = 0.0, False
-        if self._pressed and not chosen:
+        chosen = self._refuge is not None or self.balanced is not None or self.capability.steers_by_attitude
+        if self.pressed and not chosen and self._is_under_way(state, force_ratio):
+            self.shortage["since"], self.shortage["pressed"] = 0.0, False
+        if self.pressed and not chosen:
             hull, R = self.loops.dynamics.record, state.rotation
             found = roomiest_attitude(hull, self._budget, force_ratio, self._slow_flow, R)
             self._refuge = None if found is None else FixedAttitude(quaternion_from_rotation(found))
         if self._refuge is not None:
             return self._refuge
-        if self.capability.steers_by_attitude or self._pressed:
-            if self._balanced is None:
-                self._balanced = BalancedAttitude(
+        if self.capability.steers_by_attitude or self.pressed:
+            if self.balanced is None:
+                self.balanced = BalancedAttitude(
                     self.capability,
                     self.loops.dynamics,
                     state.rotation,
@@ -275,13 +266,13 @@ class PathFollower:
                     self.attitude if self._goal is None else self._goal.attitude,
                     most_rate=self.loops.most_rate,
                 )
-            return self._balanced
-        self._balanced = None
+            return self.balanced
+        self.balanced = None
         return self.attitude if self._goal is None else self._goal.attitude
 
     def _is_under_way(self, state: State, force_ratio: float) -> bool:
         """Whether the hull is far from the attitude its mission asks for, and the thrusters have enough once there."""
-        there = rotation_from_quaternion(self._desired)
+        there = rotation_from_quaternion(self.desired)
         far = np.trace(there.T @ state.rotation) < 1.0 + 2.0 * np.cos(UNDER_WAY_RAD)
         return bool(far) and has_enough(self.loops.dynamics.record, self._budget, force_ratio, self._slow_flow, there)
 
@@ -290,8 +281,9 @@ class PathFollower:
         wish = self.attitude if self._goal is None else self._goal.attitude
         back = rotation_from_quaternion(wish.attitude(situation, dt).quaternion)
         given = self.loops.dynamics.record, self._budget, situation.force_ratio, self._slow_flow
-        if self._short_s == 0.0 and has_enough(*given, back):
-            self._refuge, self._pressed = None, False
+        if self.shortage["since"][0] == 0.0 and has_enough(*given, back):
+            self._refuge = None
+            self.shortage["pressed"] = False
         elif not has_enough(*given, rotation_from_quaternion(refuge.quaternion)):
             self._refuge = None  # the path has turned: to be looked for anew
 
@@ -311,9 +303,29 @@ class PathFollower:
         if self._refuge is not None:
             still = self.loops.dynamics.steady_wrenches(np.zeros((1, 3)), state.rotation[2:])[0]
             return np.concatenate([wrench[:3] - still[:3], np.zeros(3)])
-        if not self.path_first or self.capability.steers_by_attitude or self.capability.within_cost_limit is not None:
-            return np.zeros(6)
-        return split_path_first(wrench, self.loops.dynamics.total_mass).secondary
+        secondary = np.zeros(6)
+        if self.attitude_yields:
+            yield_attitude(self.coupling, wrench, secondary)
+        return secondary
+
+    @property
+    def pressed(self) -> bool:
+        """Whether the thrusters have been short for so long that the vehicle turns to where they have more."""
+        return bool(self.shortage["pressed"][0])
+
+    @property
+    def ready(self) -> CompiledParts | None:
+        """What one compiled call a tick goes on with as it stands; None where Python has something to say."""
+        balanced = self.capability.steers_by_attitude or self.pressed
+        if self._goal is not None or self._refuge is not None or (self.balanced is not None) != balanced:
+            return None
+        return self._compiled
+
+    @property
+    def attitude_yields(self) -> bool:
+        """Whether the attitude gives way to the path where the thrusters cannot serve both."""
+        left = self.capability
+        return self.path_first and not left.steers_by_attitude and left.within_cost_limit is None
 
     def _unknowns(self, state: State, applied: Vector, dt: float) -> tuple[Vector, Vector]:
         """The estimated disturbance and current: what the current explains is taken out of the disturbance."""

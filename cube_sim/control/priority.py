@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Vector
 
 
@@ -21,6 +22,29 @@ class Split(NamedTuple):
     secondary: Vector
 
 
+def force_with_torque(mass: Matrix) -> Matrix:
+    """M12 M22^-1 (3,3) [1/m]: the force that comes with a torque which is not to move the body origin.
+
+    Args:
+        mass: M (6,6), rigid body and added mass.
+    """
+    return np.ascontiguousarray(np.linalg.solve(mass[3:, 3:].T, mass[:3, 3:].T).T, dtype=np.float64)
+
+
+@compiled
+def yield_attitude(coupling, wrench, secondary):
+    """Write the part (6,) of a wrench (6,) that gives way to the path: its torque, and the force that comes with it.
+
+    Args:
+        coupling: of `force_with_torque`.
+        wrench: tau (6,) demanded [N, N m], body axes.
+        secondary: out.
+    """
+    for i in range(3):
+        secondary[i] = coupling[i, 0] * wrench[3] + coupling[i, 1] * wrench[4] + coupling[i, 2] * wrench[5]
+        secondary[3 + i] = wrench[3 + i]
+
+
 def split_path_first(wrench: Vector, mass: Matrix) -> Split:
     """Split a wrench into a primary task of three rows and a secondary one in its null space (Nakamura 1987).
 
@@ -32,6 +56,6 @@ def split_path_first(wrench: Vector, mass: Matrix) -> Split:
         wrench: tau (6,) demanded [N, N m], body axes.
         mass: M (6,6), rigid body and added mass.
     """
-    torque = wrench[3:]
-    secondary = np.concatenate([mass[:3, 3:] @ np.linalg.solve(mass[3:, 3:], torque), torque])
+    secondary = np.empty(6)
+    yield_attitude(force_with_torque(mass), wrench, secondary)
     return Split(wrench - secondary, secondary)

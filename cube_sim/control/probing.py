@@ -8,10 +8,40 @@ answers is known within a few control periods. Then its probe ends.
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector
 from cube_sim.wrench.health import Health
+
+
+class ProbeMemory(NamedTuple):
+    """What probes there are, and how far they have come.
+
+    Attributes:
+        force: (m,) [N] what a silent thruster is asked for.
+        period: between two probes of one thruster [ticks].
+        length: the most a probe takes [ticks].
+        wait: (m,) until a thruster may be probed [ticks]; moved on, like all that follow.
+        was_responsive: (m,) bool, at the tick before.
+        running: (2,) the thruster that is probed, and for how many ticks more.
+        asked: (1,) what it is asked for [N].
+        efficiency: (m,) believed when that probe began.
+        stuck: (m,) likewise [N].
+    """
+
+    force: Vector
+    period: int
+    length: int
+    wait: NDArray[np.int64]
+    was_responsive: NDArray[np.bool_]
+    running: NDArray[np.int64]
+    asked: Vector
+    efficiency: Vector
+    stuck: Vector
 
 
 class Probes:
@@ -23,18 +53,24 @@ class Probes:
         dt: control period [s].
         period_s: between two probes of one thruster, and from its loss to the first [s].
         length_s: the most a probe takes [s].
+
+    Attributes:
+        memory: of `with_probe`.
     """
 
     def __init__(self, force: Vector, dt: float, period_s: float = 5.0, length_s: float = 0.3) -> None:
         m = len(force)
-        self._force = force
-        self._period, self._length = max(1, round(period_s / dt)), max(1, round(length_s / dt))
-        self._wait = np.zeros(m, dtype=int)
-        self._was_responsive = np.ones(m, dtype=bool)
-        self._thruster, self._left, self._asked = -1, 0, 0.0
-        self._before = self._health = Health.whole(m)
-        # Nothing to count down and nobody silent: nothing to do while the health stays the same object.
-        self._at_rest = False
+        self.memory = ProbeMemory(
+            force=np.array(force, dtype=np.float64),
+            period=max(1, round(period_s / dt)),
+            length=max(1, round(length_s / dt)),
+            wait=np.zeros(m, np.int64),
+            was_responsive=np.ones(m, np.bool_),
+            running=np.array([-1, 0]),
+            asked=np.zeros(1),
+            efficiency=np.ones(m),
+            stuck=np.full(m, np.nan),
+        )
 
     def with_probe(self, force: Vector, health: Health, doubtful: np.ndarray) -> Vector:
         """The forces (m,) [N] to ask for at this tick in place of `force`, a probe among them when one is due.
@@ -46,35 +82,42 @@ class Probes:
             health: what is believed of them.
             doubtful: (m,) bool, which ones need another command to be judged.
         """
-        if self._at_rest and health is self._health and not doubtful.any():
-            return force
-        silent = (health.efficiency == 0.0) & np.isnan(health.stuck)
-        self._wait = np.maximum(0, self._wait - 1)
-        self._wait[silent & self._was_responsive] = self._period
-        self._was_responsive = health.responsive
-        if self._left > 0 and not self._unchanged(health):
-            self._left = 0
-        if self._left == 0:
-            self._start(np.flatnonzero((silent | doubtful) & (self._wait == 0)), force, health)
-        self._health = health
-        self._at_rest = self._left == 0 and not silent.any() and not self._wait.any()
-        if self._left == 0:
-            return force
-        self._left -= 1
         probed = force.copy()
-        probed[self._thruster] = self._asked
+        put_probe(self.memory, *health, doubtful, probed)
         return probed
 
-    def _start(self, due: np.ndarray, force: Vector, health: Health) -> None:
-        if due.size == 0:
-            return
-        self._thruster = i = int(due[0])
-        self._asked = 0.0 if abs(force[i]) > 0.5 * abs(self._force[i]) else float(self._force[i])
-        self._left, self._before = self._length, health
-        self._wait[i] = self._period
 
-    def _unchanged(self, health: Health) -> bool:
-        """Whether no more is known of the probed thruster than when its probe began."""
-        i, before = self._thruster, self._before
-        same_hold = health.stuck[i] == before.stuck[i] or bool(np.isnan(health.stuck[i]) and np.isnan(before.stuck[i]))
-        return bool(health.efficiency[i] == before.efficiency[i]) and same_hold
+@compiled
+def put_probe(memory, efficiency, stuck, doubtful, force):
+    """One tick of `Probes`.
+
+    Args:
+        memory: `ProbeMemory`, moved on.
+        efficiency: (m,) believed share.
+        stuck: (m,) force [N] believed to be held; NaN where none is.
+        doubtful: (m,) bool.
+        force: (m,) [N] to be asked for, changed.
+    """
+    p, due = memory, -1
+    for i in range(len(force)):
+        silent, responsive = efficiency[i] == 0.0 and np.isnan(stuck[i]), efficiency[i] > 0.0 and np.isnan(stuck[i])
+        p.wait[i] = max(0, p.wait[i] - 1)
+        if silent and p.was_responsive[i]:
+            p.wait[i] = p.period
+        p.was_responsive[i] = responsive
+        if due < 0 and (silent or doubtful[i]) and p.wait[i] == 0:
+            due = i
+    if p.running[1] > 0:
+        # No more may be known of the probed thruster than when its probe began.
+        i = p.running[0]
+        held = stuck[i] == p.stuck[i] or (np.isnan(stuck[i]) and np.isnan(p.stuck[i]))
+        if efficiency[i] != p.efficiency[i] or not held:
+            p.running[1] = 0
+    if p.running[1] == 0 and due >= 0:
+        p.running[0], p.running[1], p.wait[due] = due, p.length, p.period
+        p.asked[0] = 0.0 if abs(force[due]) > 0.5 * abs(p.force[due]) else p.force[due]
+        p.efficiency[:] = efficiency
+        p.stuck[:] = stuck
+    if p.running[1] > 0:
+        p.running[1] -= 1
+        force[p.running[0]] = p.asked[0]

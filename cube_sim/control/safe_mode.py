@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, hypot
+from math import atan2, sqrt
 
 import numpy as np
 
 from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.guidance.law import DesiredMotion, TargetView
-from cube_sim.spatial import State, Vector, quaternion_from_euler
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record, State, Vector, quaternion_from_euler
 
 NEARER = 0.01
 """Share of the distance limit by which a vehicle far off has to come nearer within its patience (a choice)."""
@@ -66,6 +67,21 @@ class SafeModeGoal:
         return DesiredMotion(velocity * min(1.0, self._mode.speed / max(speed, 1e-12)), np.zeros(3))
 
 
+LOSS = np.dtype(
+    [
+        ("limit", np.float64),
+        ("patience", np.float64),
+        ("was_near", np.bool_),
+        ("since", np.float64),
+        ("nearest", np.float64),
+        ("distance", np.float64),
+    ]
+)
+"""A `LossOfTargetMonitor`: the limit [m] and the patience [s] of its mode, and what it remembers: whether the vehicle
+has been within the limit, for how long it has been beyond it without coming nearer [s], the nearest it has come
+[m], and how far it is now [m]."""
+
+
 class LossOfTargetMonitor:
     """Detects that a vehicle has lost its target: beyond the limit, and no nearer than before, for the patience.
 
@@ -74,22 +90,35 @@ class LossOfTargetMonitor:
     """
 
     def __init__(self, mode: SafeMode) -> None:
-        self._mode, self._was_near = mode, False
-        self.restart()
+        self.memory: Record = np.array([(mode.limit, mode.patience, False, 0.0, np.inf, 0.0)], LOSS)
 
     def restart(self) -> None:
         """Begin to count anew, from where the vehicle takes its path up again."""
-        self._since, self._nearest = 0.0, np.inf
+        self.memory["since"], self.memory["nearest"] = 0.0, np.inf
 
     def reason(self, view: TargetView, dt: float) -> str:
         """Why the path is given up, "" if it is not; to be asked at every tick."""
-        distance, limit = hypot(*view.error.tolist()), self._mode.limit
-        if distance <= limit:
-            self._was_near, self._since, self._nearest = True, 0.0, distance
-        elif distance <= self._nearest - NEARER * limit:
-            self._since, self._nearest = 0.0, distance
-        elif self._was_near:
-            self._since += dt
-        if self._since < self._mode.patience:
+        if not loses_target(self.memory, view.error, dt):
             return ""
-        return f"{distance:.1f} m from its target on the path, beyond {limit:g} m for {self._mode.patience:g} s"
+        limit, patience, *_, distance = self.memory[0]
+        return f"{distance:.1f} m from its target on the path, beyond {limit:g} m for {patience:g} s"
+
+
+@compiled
+def loses_target(memory, error, dt):
+    """One tick of `LossOfTargetMonitor`: whether the target is lost.
+
+    Args:
+        memory: record `LOSS`, moved on.
+        error: (3,) from the target to the vehicle [m].
+        dt: [s].
+    """
+    m = memory[0]
+    m.distance = sqrt(error[0] * error[0] + error[1] * error[1] + error[2] * error[2])
+    if m.distance <= m.limit:
+        m.was_near, m.since, m.nearest = True, 0.0, m.distance
+    elif m.distance <= m.nearest - NEARER * m.limit:
+        m.since, m.nearest = 0.0, m.distance
+    elif m.was_near:
+        m.since += dt
+    return m.since >= m.patience

@@ -13,11 +13,34 @@ from one whose telemetry reads that much less.
 from __future__ import annotations
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector
+
+
+class Gains(NamedTuple):
+    """What is known of m gains.
+
+    Attributes:
+        xx: (m,) sum of the squares of the expected forces [N^2]; moved on, like the next four.
+        xy: (m,) sum of the products of the expected and the measured ones [N^2].
+        gain: (m,) the estimates, 1 at first.
+        least: (m,) what they may be at least.
+        most: (m,) what they may be at most.
+        tolerance: how far from 1 a gain may be.
+        unknown: sum of the squares [N^2] of what forces differ by for other reasons than gain and noise.
+    """
+
+    xx: Vector
+    xy: Vector
+    gain: Vector
+    least: Vector
+    most: Vector
+    tolerance: float
+    unknown: float
 
 
 class TelemetryGain:
@@ -29,16 +52,12 @@ class TelemetryGain:
         unknown: sum of the squares [N^2] of what forces differ by for other reasons than gain and noise.
 
     Attributes:
-        gain: (m,) the estimates, 1 at first.
-        least: (m,) what they may be at least.
-        most: (m,) what they may be at most.
+        gains: what is known of them.
     """
 
     def __init__(self, m: int, tolerance: float, unknown: float) -> None:
-        self._tolerance, self._unknown = tolerance, unknown
-        self._xx, self._xy = np.zeros(m), np.zeros(m)
-        self.gain = np.ones(m)
-        self.least, self.most = np.full(m, 1.0 - tolerance), np.full(m, 1.0 + tolerance)
+        least, most = np.full(m, 1.0 - tolerance), np.full(m, 1.0 + tolerance)
+        self.gains = Gains(np.zeros(m), np.zeros(m), np.ones(m), least, most, float(tolerance), float(unknown))
 
     def learn(self, expected: Vector, measured: Vector, whole: np.ndarray, noise: float) -> None:
         """Take one more pair of forces into account.
@@ -49,33 +68,23 @@ class TelemetryGain:
             whole: (m,) bool, whose pair this is good for.
             noise: standard deviation of a measured force [N].
         """
-        if self._tolerance == 0.0:
-            return
-        learn_gain(
-            self._xx,
-            self._xy,
-            expected,
-            measured,
-            whole,
-            self._tolerance,
-            self._unknown + (2.0 * noise / self._tolerance) ** 2,
-            float(noise),
-            self.gain,
-            self.least,
-            self.most,
-        )
+        learn_gains(self.gains, expected, measured, whole, float(noise))
 
 
 @compiled
-def learn_gain(xx, xy, expected, measured, whole, tolerance, weight, noise, gain, least, most):
-    """Take one more pair of forces of each thruster into account; w is the weight."""
-    lowest, highest = 1.0 - tolerance, 1.0 + tolerance
-    for i in range(len(gain)):
+def learn_gains(gains, expected, measured, whole, noise):
+    """Take one more pair of forces of each thruster into account, as `TelemetryGain.learn` says; w is the weight."""
+    g = gains
+    if g.tolerance == 0.0:
+        return
+    lowest, highest = 1.0 - g.tolerance, 1.0 + g.tolerance
+    weight = g.unknown + (2.0 * noise / g.tolerance) ** 2
+    for i in range(len(g.gain)):
         if whole[i]:
-            xx[i] += expected[i] * expected[i]
-            xy[i] += expected[i] * measured[i]
-        sum_xx = xx[i] + weight
-        gain[i] = min(max((xy[i] + weight) / sum_xx, lowest), highest)
-        uncertainty = 2.0 * tolerance * weight / sum_xx + 4.0 * noise / sqrt(sum_xx)
-        least[i] = max(lowest, gain[i] - uncertainty)
-        most[i] = min(highest, gain[i] + uncertainty)
+            g.xx[i] += expected[i] * expected[i]
+            g.xy[i] += expected[i] * measured[i]
+        sum_xx = g.xx[i] + weight
+        g.gain[i] = min(max((g.xy[i] + weight) / sum_xx, lowest), highest)
+        uncertainty = 2.0 * g.tolerance * weight / sum_xx + 4.0 * noise / sqrt(sum_xx)
+        g.least[i] = max(lowest, g.gain[i] - uncertainty)
+        g.most[i] = min(highest, g.gain[i] + uncertainty)

@@ -16,9 +16,12 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cube_sim.allocation import Status
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action, action_of
+from cube_sim.flight.compiled import BEGIN, JUDGED, Flown, fly_ticks
 from cube_sim.flight.observation import Observation
+from cube_sim.flight.rows import rows_for, write_power
 from cube_sim.flight.snapshot import Snapshot
 from cube_sim.flight.start import described, foreseen_attitude, placed
 from cube_sim.flight.tick import NotANumberError, tick
@@ -30,7 +33,9 @@ from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.surface_watch import SurfaceWatch
 from cube_sim.mission.unattainable_log import UnattainableLog
+from cube_sim.recording.batch import ticks_left_of_second
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
 from cube_sim.spatial import State, Vector
 from cube_sim.vehicle.plugin.warnings import collect_warnings
@@ -38,6 +43,10 @@ from cube_sim.vehicle.state import read_state
 
 _CHANGING = "controller", "supply", "events", "fault_finding", "drop_weight", "estimation"
 """What of a mission changes in a flight, beside MuJoCo's data, its model's numbers and the allocation."""
+
+
+PYTHON_TICKS = 10
+"""So many ticks are flown in Python before compiled code is tried again."""
 
 
 class Flight:
@@ -103,6 +112,8 @@ class Flight:
         self._unattainable = UnattainableLog(store)
         self._pace = PaceLog(store, mission.scenario.guidance.speed_m_s)
         self._surface = SurfaceWatch(store, mission.model, mission.vehicle)
+        self._period = mission.scenario.control_period_s
+        self._rows, self._python_until = rows_for(mission.channels, 1), 1
 
     @property
     def time_s(self) -> float:
@@ -118,6 +129,11 @@ class Flight:
     def signals(self) -> dict[str, NDArray[np.float64]]:
         """Everything recorded since the start: "channel.field" -> (n, 1 + width), column 0 the time [s]."""
         return self._store.signals
+
+    @property
+    def log(self) -> tuple[LogLine, ...]:
+        """Everything said since the start, in the order of time."""
+        return self._store.lines
 
     def reset(self, seed: int | None = None, state: State | None = None) -> Observation:
         """Back to the beginning.
@@ -190,29 +206,62 @@ class Flight:
             over=self.over,
         )
 
-    def control(self, warnings: list[str], action: Action = OWN) -> None:
+    def fly(self, warnings: list[str], ticks: int) -> None:
+        """Fly up to so many control periods, as far as compiled code goes or to the end of the simulated second.
+
+        One at least is flown, unless the flight ends.
+
+        Args:
+            warnings: where MuJoCo's arrive; they are moved to the log.
+            ticks: at most.
+        """
+        reached = self._fly_compiled(ticks)
+        if reached is not None:
+            self.control(warnings, reached=reached)
+            self.advance()
+
+    def _fly_compiled(self, ticks: int) -> int | None:
+        """Fly what compiled code can; how far the next tick has come, None where it has all been flown."""
+        mission, tick, period = self.mission, self.tick, self._period
+        ticks = min(ticks, ticks_left_of_second(tick, period), mission.events.ticks_before(tick, period))
+        if tick < self._python_until or ticks <= 0 or not self._surface.under_water:
+            return BEGIN
+        flown = fly_ticks(mission, tick, ticks, self._applied, self._surface.boxes)
+        if flown is None or flown.ticks == 0:
+            self._python_until = tick + PYTHON_TICKS
+            return BEGIN if flown is None else flown.reached
+        self._note(flown)
+        return None if flown.reached == BEGIN else flown.reached
+
+    def control(self, warnings: list[str], action: Action = OWN, reached: int = BEGIN) -> None:
         """All of a tick but the physics; `ended` says whether it went well.
 
         Args:
             warnings: where MuJoCo's arrive; they are moved to the log.
             action: in place of the loop's own answer.
+            reached: how far the tick has come in the compiled loop.
         """
         mission, store, t = self.mission, self._store, self.time_s
-        for message in mission.events.apply_due(t):
-            store.log(t, "WARNING", message)
-        mujoco.mj_forward(mission.model, mission.data)
+        if reached == BEGIN:
+            for message in mission.events.apply_due(t):
+                store.log(t, "WARNING", message)
+            mujoco.mj_forward(mission.model, mission.data)
         while warnings:
             store.log(t, "WARNING", f"MuJoCo: {warnings.pop(0)}")
         self.ended = divergence(mission.model, mission.data) or ""
         if self.ended:
             return
         self._surface.note(t, mission.data)
-        other_voltage = self._feed_thrusters(t)
+        judged = reached == JUDGED
+        other_voltage = not judged and self._feed_thrusters(t)
+        supply = mission.supply
+        write_power(self._rows, 0, t, supply.power, supply.energy, supply.voltage, supply.charge)
         try:
-            if respond_to_faults(mission, store, t) or other_voltage or self.tick == 0:
+            if respond_to_faults(mission, store, t, judged) or other_voltage or self.tick == 0:
                 record_actuation(mission, store, t)
-            decision, allocation, self._known = tick(mission, store, t, self._applied, action)
+            decision, allocation, self._known = tick(mission, self._rows, store, t, self._applied, action)
         except (NotANumberError, OwnCodeError) as error:
+            store.extend(t, t, [("power", self._rows.power)])
             self.ended = str(error)
             return
         self._applied, self._wanted = allocation.wrench, decision.quaternion
@@ -266,6 +315,7 @@ class Flight:
         if snapshot.digest != self._digest:
             raise FlightError("the snapshot belongs to another scenario")
         loop, logs, allocation, physics, numbers, parts = unpacked(snapshot.content, self._fixed)
+        self._python_until = max(1, loop[0])
         if loop[0] < self.tick:
             self._store.clear()  # rows are recorded in the order of time
         self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted = loop
@@ -290,8 +340,19 @@ class Flight:
         supply, before = self.mission.supply, self.mission.supply.force_ratio
         if supply.update(self.mission.data):
             self._store.log(t, "WARNING", "the battery is empty: the thrusters stand still")
-        self._store.append("power", t, supply.power, supply.energy, supply.voltage, supply.charge)
         return supply.force_ratio != before
+
+    def _note(self, flown: Flown) -> None:
+        """Take in what the compiled loop has done: its rows into the record, what is to be said into the log."""
+        first = self.tick
+        self.tick += flown.ticks
+        self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.state
+        times = [k * self._period for k in range(first, self.tick)]
+        self._surface.note_under_water(times[-1])
+        for t, status, pace in zip(times, flown.rows.allocation[:, 3].tolist(), flown.pace.tolist(), strict=True):
+            self._unattainable.note(t, Status(int(status)))
+            self._pace.note(t, pace)
+        self._store.extend(times[0], times[-1], flown.rows.named())
 
     def _log_given_up(self, t: float, reason: str) -> None:
         """Log that the path is given up, and why, or followed again; drop the ballast where that is asked."""

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from math import hypot, isfinite
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
 from cube_sim.allocation import Allocation
 from cube_sim.control.controller import Decision
+from cube_sim.control.following import FOLLOWED
 from cube_sim.flight.action import Action
+from cube_sim.flight.rows import Rows, write_actuation, write_motion
+from cube_sim.guidance.view_record import record_of
 from cube_sim.mission import Mission
 from cube_sim.mission.supply import allocate_at
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.spatial import State, Vector, angle_between, quaternion_from_rotation
+from cube_sim.spatial import State, Vector, angle_between
 from cube_sim.vehicle.current import water_velocity
 from cube_sim.vehicle.state import read_state
 
@@ -36,12 +39,13 @@ class Tick(NamedTuple):
     known: State
 
 
-def tick(mission: Mission, store: SignalStore, t: float, applied: Vector, action: Action) -> Tick:
+def tick(mission: Mission, rows: Rows, store: SignalStore, t: float, applied: Vector, action: Action) -> Tick:
     """One control period up to the thruster commands.
 
     Args:
         mission: whose MuJoCo data are up to date at t.
-        store: gets one row per channel.
+        rows: one of each channel, that of the supply written; the others are written here.
+        store: gets the rows, and what the navigation records.
         t: simulated time [s].
         applied: (6,) wrench commanded over the tick before.
         action: in place of the loop's own answer.
@@ -68,40 +72,45 @@ def tick(mission: Mission, store: SignalStore, t: float, applied: Vector, action
             force = mission.fault_finding.probed(force)
         commands = thrusters.command(force)
     mission.data.ctrl[thrusters.actuators] = commands
-    if mission.fault_finding is not None:
-        mission.fault_finding.commanded(commands)
-    _record(mission, store, t, state, known, decision, allocation, commands)
+    # The errors recorded are those of the true state, not of the estimate.
+    attitude_error = decision.attitude_error if known is state else angle_between(decision.quaternion, state.quaternion)
+    _write(mission, rows, t, state, decision, attitude_error, allocation, commands)
+    store.extend(t, t, rows.named())
     return Tick(decision, allocation, known)
 
 
-def _record(
+def _write(
     mission: Mission,
-    store: SignalStore,
+    rows: Rows,
     t: float,
     state: State,
-    known: State,
     decision: Decision,
+    attitude_error: float,
     allocation: Allocation,
     commands: Vector,
 ) -> None:
     """One row per channel."""
-    store.append("pose", t, state.position, state.quaternion)
-    store.append("velocity", t, state.velocity, state.rates)
-    point, error, attitude_error = decision.view.point, decision.view.error, decision.attitude_error
-    if known is not state:
-        # The errors recorded are those of the true state, not of the estimate.
-        error = (state.position - point.position) @ point.rotation
-        attitude_error = angle_between(decision.quaternion, state.quaternion)
-    s1, y1, z1 = error
-    orientation = quaternion_from_rotation(point.rotation)
-    store.append("target", t, decision.view.arc_length, decision.remaining, point.position, orientation)
-    store.append("path_error", t, s1, (y1, z1), hypot(y1, z1), attitude_error)
-    store.append("reference", t, decision.velocity, decision.rates, decision.quaternion)
-    store.append("wrench", t, decision.wrench, allocation.wrench, decision.disturbance)
-    store.append("allocation", t, allocation.residual, allocation.cost, allocation.status, allocation.subset)
-    produced = mission.data.actuator_force[mission.vehicle.thrusters.actuators]
-    store.append("thrusters", t, allocation.force, commands, produced)
-    believed = mission.allocator.health.efficiency
-    store.append("health", t, mission.events.health.efficiency, believed, decision.authority)
+    followed = np.zeros(1, FOLLOWED)
+    followed["wrench"], followed["velocity"], followed["rates"] = decision.wrench, decision.velocity, decision.rates
+    seen = record_of(decision.view)
+    seen["remaining"] = decision.remaining
     water = water_velocity(mission.model, t, state.position[2])
-    store.append("water", t, water, decision.current)
+    vectors = decision.quaternion, attitude_error, decision.disturbance, decision.current, water
+    numbers = np.concatenate([state.position, state.quaternion, state.rotation.ravel(), state.velocity, state.rates])
+    write_motion(rows, 0, t, numbers, seen, followed, *vectors)
+    write_actuation(
+        rows,
+        0,
+        t,
+        allocation.wrench,
+        allocation.force,
+        commands,
+        mission.data.actuator_force[mission.vehicle.thrusters.actuators],
+        allocation.subset.astype(np.float64),
+        float(allocation.residual),
+        float(allocation.cost),
+        int(allocation.status),
+        mission.events.health.efficiency,
+        mission.allocator.health.efficiency,
+        float(decision.authority),
+    )

@@ -10,8 +10,8 @@ from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.path_record import path_numbers
 from cube_sim.guidance.speed import SpeedProfile
-from cube_sim.guidance.view_record import VIEW, see, view_of
-from cube_sim.native.compiled import compiled
+from cube_sim.guidance.target_record import RunningParts, advanced, clocked, see_from_target
+from cube_sim.guidance.view_record import VIEW, view_of
 from cube_sim.spatial import Record, Vector
 
 
@@ -30,6 +30,8 @@ class ClockedTarget:
     def __init__(self, path: Path, profile: SpeedProfile, laps: float = inf, arc_length: float = 0.0) -> None:
         self._path, self._profile = path, profile
         self._last = path.length * (laps if path.closed else 1.0)
+        self._record, planned = clocked(self._last), getattr(profile, "parts", None)
+        self.parts: RunningParts | None = None if planned is None else (self._record, planned)
         self.arc_length = arc_length
 
     @property
@@ -41,7 +43,7 @@ class ClockedTarget:
         """`view` as compiled laws read it, (1,) of `cube_sim.guidance.view_record.VIEW`."""
         view, s, last = np.zeros(1, VIEW), self.arc_length, self._last
         row, speed = path_numbers(self._path, min(s, last)), self._profile.at(s).value
-        see_from_clocked_target(view, row, s, last, speed, position, velocity_W)
+        see_from_target(view, self._record, row, speed, s, position, velocity_W)
         return view
 
     def view(self, position: Vector, velocity_W: Vector) -> TargetView:
@@ -54,27 +56,6 @@ class ClockedTarget:
         return view_of(self.seen(position, velocity_W))
 
     def advance(self, speed: float, dt: float) -> None:
-        """Move on for dt [s]: two terms of the series of s(t), exact for a speed that changes evenly in time."""
-        self.arc_length += dt * speed * (1.0 + 0.5 * dt * self._profile.at(self.arc_length).slope)
-
-
-@compiled
-def see_from_clocked_target(view, row, arc_length, last, speed, position, velocity_W):
-    """Fill a record `VIEW`.
-
-    Args:
-        view: filled.
-        row: (16,) the path at the target, or at its end where the target has passed that: changed to run on then.
-        arc_length: of the target [m].
-        last: where the path ends [m].
-        speed: s' [m/s].
-        position: p_WB (3,) [m].
-        velocity_W: over ground (3,) [m/s], world axes.
-    """
-    if arc_length > last:
-        for i in range(3):
-            row[i] += (arc_length - last) * row[3 + 3 * i]
-        for i in range(4):
-            row[12 + i] = 0.0
-    see(view, row, arc_length, last - arc_length, position, velocity_W)
-    view[0].speed = speed
+        """Move on for dt [s], starting at s' = speed [m/s]."""
+        s = self.arc_length
+        self.arc_length = advanced(self._record, self._profile.at(s).slope, s, speed, dt)

@@ -9,12 +9,9 @@ import numpy as np
 from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.path_record import path_numbers
-from cube_sim.guidance.view_record import VIEW, see, view_of
-from cube_sim.native.compiled import compiled
+from cube_sim.guidance.target_record import NO_PLAN, RunningParts, advanced, see_from_target, virtual
+from cube_sim.guidance.view_record import VIEW, view_of
 from cube_sim.spatial import Record, Vector
-
-TARGET = np.dtype([(name, np.float64) for name in ("gain", "speed_limit", "first", "last")])
-"""Numbers of `VirtualTarget`: k2 [1/s], the bound on |s'| [m/s], and the arc lengths between which it runs [m]."""
 
 
 class VirtualTarget:
@@ -37,7 +34,7 @@ class VirtualTarget:
     ) -> None:
         self._path = path
         first, last = -inf if path.closed else 0.0, path.length * (laps if path.closed else 1.0)
-        self.record: Record = np.array([(gain, speed_limit, first, last)], TARGET)
+        self.parts: RunningParts = virtual(gain, speed_limit, first, last), NO_PLAN
         self.arc_length = arc_length
 
     @property
@@ -48,7 +45,7 @@ class VirtualTarget:
     def seen(self, position: Vector, velocity_W: Vector) -> Record:
         """`view` as compiled laws read it, (1,) of `cube_sim.guidance.view_record.VIEW`."""
         view, s = np.zeros(1, VIEW), self.arc_length
-        see_from_virtual_target(view, self.record, path_numbers(self._path, s), s, position, velocity_W)
+        see_from_target(view, self.parts[0], path_numbers(self._path, s), 0.0, s, position, velocity_W)
         return view
 
     def view(self, position: Vector, velocity_W: Vector) -> TargetView:
@@ -62,25 +59,4 @@ class VirtualTarget:
 
     def advance(self, speed: float, dt: float) -> None:
         """Move the target for dt [s] at s' = speed [m/s], never past an end of its run."""
-        first, last = float(self.record["first"][0]), float(self.record["last"][0])
-        self.arc_length = min(max(self.arc_length + speed * dt, first), last)
-
-
-@compiled
-def see_from_virtual_target(view, target, row, arc_length, position, velocity_W):
-    """Fill a record `VIEW`.
-
-    Args:
-        view: filled.
-        target: record `TARGET`.
-        row: (16,) the path at the target.
-        arc_length: of the target [m].
-        position: p_WB (3,) [m].
-        velocity_W: over ground (3,) [m/s], world axes.
-    """
-    t, w = target[0], view[0]
-    see(view, row, arc_length, t.last - arc_length, position, velocity_W)
-    speed = min(max(w.velocity[0] + t.gain * w.error[0], -t.speed_limit), t.speed_limit)
-    if (arc_length <= t.first and speed < 0.0) or (arc_length >= t.last and speed > 0.0):
-        speed = 0.0
-    w.speed = speed
+        self.arc_length = advanced(self.parts[0], 0.0, self.arc_length, speed, dt)

@@ -33,18 +33,21 @@ class DropWeight:
         surface: height of the water's surface [m], world axes.
         vehicle: the hull that carries it.
         period_s: length of a tick.
+
+    Attributes:
+        dropped: whether it is gone.
     """
 
     def __init__(self, weight: float, surface: float, vehicle: Vehicle, period_s: float) -> None:
         self._weight, self._surface, self._vehicle, self._period = weight, surface, vehicle, period_s
         self._mobility = np.linalg.inv(vehicle.mass_matrix + vehicle.added_mass)
-        self._dropped = False
+        self.dropped = False
 
     def drop(self) -> bool:
         """Let it go; False if there is none, or no longer."""
-        if self._dropped or self._weight == 0.0:
+        if self.dropped or self._weight == 0.0:
             return False
-        self._dropped = True
+        self.dropped = True
         return True
 
     def lift(self, data: mujoco.MjData) -> None:
@@ -53,7 +56,7 @@ class DropWeight:
         Args:
             data: MuJoCo's, up to date at the start of the tick, accelerations too.
         """
-        if not self._dropped:
+        if not self.dropped:
             return
         hull, T = self._vehicle, self._period
         body, dof = hull.body, hull.dof_address

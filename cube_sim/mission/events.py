@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil
+from sys import maxsize
 from typing import assert_never
 
 import mujoco
@@ -11,6 +13,9 @@ from cube_sim.scenario.event_blocks import AnyEvent, CurrentEventBlock, Thruster
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.health import Health
+
+SAME_S = 1e-9
+"""Times that differ by less are the same: those of ticks are rounded [s]."""
 
 
 class Events:
@@ -28,9 +33,24 @@ class Events:
     def apply_due(self, t: float) -> list[str]:
         """Apply the events due at t [s]; returns one message each, for the log."""
         messages = []
-        while self._pending and self._pending[0].at_s <= t + 1e-9:
+        while self._pending and self._pending[0].at_s <= t + SAME_S:
             messages.append(self._apply(self._pending.pop(0)))
         return messages
+
+    def ticks_before(self, tick: int, period: float) -> int:
+        """How many ticks, from this one on, come before the next event; very many when there is none.
+
+        Args:
+            tick: its number.
+            period: of the ticks [s].
+        """
+        if not self._pending:
+            return maxsize
+        at = self._pending[0].at_s
+        due = max(tick, ceil(at / period) + 1)
+        while due > tick and at <= (due - 1) * period + SAME_S:
+            due -= 1
+        return due - tick
 
     def _apply(self, event: AnyEvent) -> str:
         match event:

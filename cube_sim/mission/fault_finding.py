@@ -7,12 +7,13 @@ from math import sqrt
 import mujoco
 import numpy as np
 
-from cube_sim.control.diagnosis import Diagnosis
+from cube_sim.control.diagnosis import Diagnosis, Window
+from cube_sim.control.probing import ProbeMemory
 from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.telemetry import Telemetry
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Vector
-from cube_sim.vehicle.motor_lag import MotorLag
+from cube_sim.vehicle.motor_lag import activation_addresses
 from cube_sim.wrench.health import Health
 
 PROBE_S = 0.3
@@ -27,20 +28,18 @@ class FaultFinding:
     """Finds the faults of a hull's thrusters.
 
     Args:
-        flown: the hull, its model with time step and integrator set: the motors are those of this moment.
+        flown: the hull.
         scenario: the mission.
+
+    Attributes:
+        activation_at: (m,) where MuJoCo keeps the lagged commands.
     """
 
     def __init__(self, flown: CompiledHull, scenario: Scenario) -> None:
         self._thrusters = flown.vehicle.thrusters
-        self._lag = MotorLag(flown.model, self._thrusters, scenario.steps_per_tick)
+        self.activation_at = activation_addresses(flown.model, self._thrusters)
         self._telemetry = Telemetry(scenario.telemetry, len(self._thrusters.names), scenario.seed)
         self._diagnosis = _diagnosis(self._thrusters.limits, scenario)
-
-    @property
-    def motors(self) -> mujoco.MjModel:
-        """The model of the motors alone."""
-        return self._lag.model
 
     def reseed(self, seed: int) -> None:
         """Start the noise of the telemetry anew."""
@@ -56,15 +55,22 @@ class FaultFinding:
         measured = self._telemetry.read(data.actuator_force[self._thrusters.actuators])
         if force_ratio == 0.0:
             return self._diagnosis.health
-        return self._diagnosis.update(self._thrusters.force(self._lag.activation), measured, force_ratio)
+        expected = self._thrusters.force(data.act[self.activation_at])
+        return self._diagnosis.update(expected, measured, force_ratio)
+
+    def conclude(self, force_ratio: float) -> Health:
+        """The same when the forces of this tick have been entered already."""
+        return self._diagnosis.conclude(force_ratio)
+
+    @property
+    def evidence(self) -> tuple[Window, ProbeMemory, Vector] | None:
+        """What it judges by, its probes and the gains (m,) of the telemetry; None where Python has to judge."""
+        window = self._diagnosis.window
+        return None if window is None else (window, self._diagnosis.probes, self._telemetry.gain)
 
     def probed(self, force: Vector) -> Vector:
         """The forces (m,) [N] to ask for at this tick, a probe among them when one is due."""
         return self._diagnosis.probed(force)
-
-    def commanded(self, commands: Vector) -> None:
-        """Take note of the commands (m,) of this tick."""
-        self._lag.advance(commands)
 
 
 def _diagnosis(limits: Vector, scenario: Scenario) -> Diagnosis:

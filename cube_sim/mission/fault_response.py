@@ -8,20 +8,22 @@ from cube_sim.mission.prepare import Mission
 from cube_sim.recording.signal_store import SignalStore
 
 
-def respond_to_faults(mission: Mission, recorder: SignalStore, t: float) -> bool:
+def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged: bool = False) -> bool:
     """Hand what is now believed of the thrusters to allocation and controller.
 
     Args:
         mission: whose MuJoCo data are up to date at t.
         recorder: gets a sentence when the belief changes.
         t: simulated time [s].
+        judged: whether the forces of this tick have been entered into the evidence already.
 
     Returns:
         Whether the health believed in has changed.
     """
     allocator = mission.allocator
     if mission.fault_finding is not None:
-        health = mission.fault_finding.judge(mission.data, mission.supply.force_ratio)
+        found, ratio = mission.fault_finding, mission.supply.force_ratio
+        health = found.conclude(ratio) if judged else found.judge(mission.data, ratio)
     elif mission.scenario.control.faults == "told":
         health = mission.events.health
     else:

@@ -75,8 +75,6 @@ class Mission:
     def fixed(self) -> dict[str, Any]:
         """What parts of it refer to and that never changes, by name."""
         fixed = {name: getattr(self, name) for name in ("scenario", "model", "data", "vehicle", "path", "ability")}
-        if self.fault_finding is not None:
-            fixed["motors"] = self.fault_finding.motors
         return fixed | {f"code {key}": code for key, code in self.codes.items()}
 
 

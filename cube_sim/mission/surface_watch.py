@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +16,29 @@ SURFACE_M = 0.0
 """Height of the water's surface, world axes [m]."""
 CLEAR_M = 1e-3
 """What is out of the water by less is at the surface (choice) [m]."""
+EMERGED_M = SURFACE_M + CLEAR_M
+"""Height above which the top of a hull is out of the water, world axes [m]."""
 SUBMERGED_S = 1.0
 """A hull has dived again once it has been under water for this long: one that bobs is out of it once (choice) [s]."""
 NOT_MODELLED = "no surface is modelled at z = 0: above it the vehicle is carried, damped and driven as below"
 
 _WITHOUT_EXTENT = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD)
+
+
+class Boxes(NamedTuple):
+    """The geoms of a hull, of `top_of`.
+
+    Attributes:
+        geoms: (g,) which ones.
+        radii: (g,) of their spheres [m].
+        centres: (g,3) of their boxes [m], in their own axes.
+        halves: (g,3) half the sizes of their boxes [m].
+    """
+
+    geoms: NDArray[np.int_]
+    radii: NDArray[np.float64]
+    centres: NDArray[np.float64]
+    halves: NDArray[np.float64]
 
 
 class SurfaceWatch:
@@ -30,15 +50,17 @@ class SurfaceWatch:
         recorder: whose log it is.
         model: the compiled model.
         vehicle: the hull.
+
+    Attributes:
+        boxes: of its geoms.
     """
 
     def __init__(self, recorder: SignalStore, model: mujoco.MjModel, vehicle: Vehicle) -> None:
         self._recorder, self._body = recorder, vehicle.body
         its_own = model.body_rootid[model.geom_bodyid] == model.body_rootid[vehicle.body]
-        self._geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))
-        self._radius = model.geom_rbound[self._geoms]
-        boxes = model.geom_aabb[self._geoms]
-        self._centre, self._half = boxes[:, :3].copy(), boxes[:, 3:].copy()
+        geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))
+        boxes = model.geom_aabb[geoms]
+        self.boxes = Boxes(geoms, model.geom_rbound[geoms], boxes[:, :3].copy(), boxes[:, 3:].copy())
         self._out, self._dry_at = False, -np.inf
         self._emergences, self._highest, self._time_out, self._noted_at = 0, SURFACE_M, 0.0, 0.0
 
@@ -47,7 +69,7 @@ class SurfaceWatch:
         since, self._noted_at = t - self._noted_at, t
         origin = float(data.xpos[self._body, 2])
         top = max(origin, self._top(data))
-        if top > SURFACE_M + CLEAR_M:
+        if top > EMERGED_M:
             self._highest, self._dry_at = max(self._highest, top), t
             if self._out:
                 self._time_out += since
@@ -64,6 +86,15 @@ class SurfaceWatch:
             self._out = False
             self._recorder.log(t, "INFO", "the hull is under water again")
 
+    @property
+    def under_water(self) -> bool:
+        """Whether the vehicle has been under water for long enough for that to be no news."""
+        return not self._out
+
+    def note_under_water(self, t: float) -> None:
+        """Take in that the vehicle is still under water at t [s], and was at all ticks before."""
+        self._noted_at = t
+
     def finish(self, t: float) -> None:
         """Sum up at the end of the run, at t [s]."""
         if self._emergences:
@@ -77,7 +108,7 @@ class SurfaceWatch:
 
     def _top(self, data: mujoco.MjData) -> float:
         """Height of the highest geom's bounding box [m]; its sphere's as long as that is under water."""
-        return top_of(data.geom_xpos, data.geom_xmat, self._geoms, self._radius, self._centre, self._half)
+        return top_of(data.geom_xpos, data.geom_xmat, *self.boxes)
 
 
 @compiled
@@ -110,6 +141,6 @@ def path_above_surface(points: NDArray[np.float64]) -> str | None:
         points: (n,3) on the path [m], world axes.
     """
     highest = float(points[:, 2].max())
-    if highest <= SURFACE_M + CLEAR_M:
+    if highest <= EMERGED_M:
         return None
     return f"the path comes out of the water, it rises to z = {highest:.2f} m; {NOT_MODELLED}"

@@ -16,10 +16,13 @@ class Telemetry:
         block: the scenario's `telemetry`.
         m: number of thrusters.
         seed: root of the random stream.
+
+    Attributes:
+        gain: (m,) of the readings.
     """
 
     def __init__(self, block: TelemetryBlock, m: int, seed: int) -> None:
-        self._gain = np.full(m, block.gain) if block.thruster_gains is None else np.array(block.thruster_gains)
+        self.gain = np.full(m, block.gain) if block.thruster_gains is None else np.array(block.thruster_gains)
         self._noise = block.noise_N
         self.reseed(seed)
 
@@ -30,5 +33,5 @@ class Telemetry:
     def read(self, force: Vector) -> Vector:
         """(m,) readings [N] of the forces (m,) [N]; once per control period."""
         if self._noise == 0.0:
-            return self._gain * force
-        return self._gain * force + self._noise * self._random.standard_normal(len(force))
+            return self.gain * force
+        return self.gain * force + self._noise * self._random.standard_normal(len(force))

@@ -84,6 +84,39 @@ def bits(typingctx: Any, number: Any) -> Any:
     return types.int64(types.float64), codegen
 
 
+@intrinsic
+def call_at(typingctx: Any, function: Any, address: Any, arguments: Any) -> Any:
+    """What a compiled function answers, without its code in the caller's: large functions need not be compiled twice.
+
+    Args:
+        typingctx: numba's, not given by the caller.
+        function: that is called.
+        address: of its code, `address_of` arguments of these types.
+        arguments: a tuple.
+    """
+    kinds = tuple(types.unliteral(kind) for kind in arguments)
+    result = function.get_call_type(typingctx, kinds, {}).return_type
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        convention = context.call_conv
+        pointer = builder.inttoptr(args[1], convention.get_function_type(result, kinds).as_pointer())
+        given = cgutils.unpack_tuple(builder, args[2])
+        status, answer = convention.call_function(builder, pointer, result, kinds, given)
+        with cgutils.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
+        return answer
+
+    return result(function, types.int64, arguments), codegen
+
+
+def address_of(function: Any, *arguments: Any) -> int:
+    """Where the code of a compiled function lies for arguments of the types of these."""
+    kinds = tuple(numba.typeof(argument) for argument in arguments)
+    function.compile(kinds)
+    overload = function.overloads[kinds]
+    return int(overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name))
+
+
 def compiled(function: Callable[..., Any]) -> Any:
     """Compile `function` at its first call; the uncompiled one stays reachable as `.py_func`, the reference in tests.
 
@@ -95,6 +128,11 @@ def compiled(function: Callable[..., Any]) -> Any:
 def inlined(function: Callable[..., Any]) -> Any:
     """The same for a function called from one place: compiled as a part of its caller, not once more by itself."""
     return _compile(function, inline="always")
+
+
+def unlocked(function: Callable[..., Any]) -> Any:
+    """The same for a function that runs for long: other threads of Python go on while it does."""
+    return _compile(function, nogil=True)
 
 
 def _compile(function: Callable[..., Any], **options: Any) -> Any:

@@ -46,6 +46,20 @@ def batch_number(t: float) -> int:
     return math.floor(t)
 
 
+def ticks_left_of_second(tick: int, period: float) -> int:
+    """How many ticks, this one and those that follow, fall into the batch of this one.
+
+    Args:
+        tick: its number.
+        period: of the ticks [s].
+    """
+    end = batch_number(tick * period) + 1
+    last = max(tick, math.ceil(end / period) + 1)
+    while last * period >= end:
+        last -= 1
+    return last - tick + 1
+
+
 def split_into_batches(rows: Mapping[str, Rows], log: Sequence[LogLine]) -> Iterator[Batch]:
     """Cut whole columns into the batches in which they were recorded.
 

@@ -46,6 +46,21 @@ class ChannelBuffer:
             raise
         self._count = count + 1
 
+    def extend(self, rows: Rows) -> None:
+        """Copy rows (n, 1+width), column 0 the time.
+
+        Raises:
+            RecordingError: they have another width.
+        """
+        if rows.shape[1:] != self._rows.shape[1:]:
+            width = self._rows.shape[1]
+            raise RecordingError(f"channel {self._channel.name!r} takes rows of {width} numbers, not {rows.shape}")
+        end = self._count + len(rows)
+        if end > len(self._times):
+            self._allocate(max(2 * self._count, end))
+        self._rows[self._count : end] = rows
+        self._count = end
+
     @property
     def rows(self) -> Rows:
         """The rows collected so far, (n, 1+width), still here."""

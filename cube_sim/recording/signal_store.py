@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,7 +34,7 @@ class SignalStore:
         self._buffers = {channel.name: ChannelBuffer(channel) for channel in self._channels}
         self._written: dict[str, list[Rows]] = {channel.name: [] for channel in self._channels}
         self._log: list[LogLine] = []
-        self._warnings: list[LogLine] = []
+        self._lines: list[LogLine] = []
         self._time = -np.inf
         self._batch_end = -np.inf
 
@@ -52,11 +52,26 @@ class SignalStore:
         """
         if t != self._time:
             self._advance(t)
-        try:
-            buffer = self._buffers[channel]
-        except KeyError:
-            raise RecordingError(f"no channel {channel!r}; there are {', '.join(self._buffers)}") from None
-        buffer.append(t, values)
+        self._buffer(channel).append(t, values)
+
+    def extend(self, first: float, last: float, rows: Iterable[tuple[str, Rows]]) -> None:
+        """Record rows of one simulated second.
+
+        Args:
+            first: the earliest time in them [s]; never less than that of any row before.
+            last: the latest time in them [s].
+            rows: (n, 1+width) of each channel by name, column 0 the time.
+
+        Raises:
+            RecordingError: no such channel, rows that do not fit it, or time running backwards.
+        """
+        if first > self._time:
+            self._advance(first)
+        if not last >= self._time or batch_number(last) != batch_number(first):
+            raise RecordingError(f"rows from t = {first} s to {last} s after t = {self._time} s")
+        for channel, table in rows:
+            self._buffer(channel).extend(table)
+        self._time = last
 
     def log(self, t: float, level: str, text: str) -> None:
         """Record a sentence.
@@ -75,19 +90,29 @@ class SignalStore:
             self._advance(t)
         line = LogLine(t, level, text)
         self._log.append(line)
-        if level in WEIGHTY:
-            self._warnings.append(line)
+        self._lines.append(line)
+
+    @property
+    def lines(self) -> tuple[LogLine, ...]:
+        """What has been said, in the order of time."""
+        return tuple(self._lines)
 
     @property
     def warnings(self) -> tuple[LogLine, ...]:
         """What has been said at the level WARNING or above, in the order of time."""
-        return tuple(self._warnings)
+        return tuple(line for line in self._lines if line.level in WEIGHTY)
 
     @property
     def signals(self) -> dict[str, Rows]:
         """Everything recorded: "channel.field" -> (n, 1+width), column 0 the time [s]."""
         rows = {name: np.concatenate([*self._written[name], buffer.rows]) for name, buffer in self._buffers.items()}
         return signals(self._channels, rows)
+
+    def _buffer(self, channel: str) -> ChannelBuffer:
+        try:
+            return self._buffers[channel]
+        except KeyError:
+            raise RecordingError(f"no channel {channel!r}; there are {', '.join(self._buffers)}") from None
 
     def _advance(self, t: float) -> None:
         # Written this way round, a NaN is refused too.

@@ -25,11 +25,16 @@ def water_velocity(model: mujoco.MjModel, time: float, height: float) -> NDArray
     Raises:
         ModelError: the model has no water.
     """
-    steady = model.opt.wind.copy()
+    steady, table = model.opt.wind.copy(), current_table(model)
+    return steady if table is None else steady + velocity_at(time, height, *table)
+
+
+def current_table(model: mujoco.MjModel) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None:
+    """The model's `water:current`: times (n_t,) [s], heights (n_z,) [m], velocities (n_t n_z,3) [m/s], world axes."""
     if not _has_table(model):
-        return steady
+        return None
     times, heights, velocities = _table(model)
-    return steady + velocity_at(time, height, times, heights, velocities.reshape(-1, 3))
+    return times, heights, velocities.reshape(-1, 3)
 
 
 def set_current(model: mujoco.MjModel, velocities: ArrayLike) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isnan, nan
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 from cube_sim.errors import ModelError
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.battery import Battery
-from cube_sim.vehicle.laws.curve_table import drawn_power
+from cube_sim.vehicle.laws.curve_table import drawn_power, work
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.thrusters import Thrusters
 
@@ -29,6 +31,7 @@ class PowerSupply:
         force_ratio: (V / V_n)^2, the share of the characteristics' forces that the thrusters give.
         power: (m,) electrical power of each thruster [W].
         energy: drawn by the thrusters since the first update [J].
+        counted_to: time of the last update [s]; NaN before the first.
         charge: of the battery, 1 full, 0 empty; 1 without one.
     """
 
@@ -61,7 +64,7 @@ class PowerSupply:
         self._efficiency_at, self._stuck_at = starts + layout.EFFICIENCY, starts + layout.STUCK
         self.power: NDArray[np.float64] = np.zeros(len(thrusters.names))
         self.energy = 0.0
-        self._time: float | None = None
+        self.counted_to = nan
         self._drain = 0.0
 
     def update(self, data: mujoco.MjData) -> bool:
@@ -79,9 +82,9 @@ class PowerSupply:
             emptied = self.charge == 0.0 and self.force_ratio > 0.0
             self._feed(self._battery, data)
         power = self._power(data)
-        if self._time is not None:
-            self.energy += 0.5 * float(self.power.sum() + power.sum()) * (data.time - self._time)
-        self.power, self._time = power, data.time
+        if not isnan(self.counted_to):
+            self.energy += work(self.power, power, data.time - self.counted_to)
+        self.power, self.counted_to = power, data.time
         if self._battery is not None and self.force_ratio > 0.0:
             self._drain = self._battery.drain(float(power.sum()), self.voltage)
         return emptied
@@ -91,14 +94,23 @@ class PowerSupply:
 
         What a damaged propeller loses, its motor draws all the same. A dead motor draws nothing.
         """
-        forces = data.actuator_force[self._thrusters.actuators]
+        return drawn_power(*self.drawing, data.actuator_force[self._thrusters.actuators])
+
+    @property
+    def drawing(self) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+        """The arguments of `drawn_power` before the forces."""
         packed = packing.packed_parameters(self._model)
-        return drawn_power(packed, self._efficiency_at, self._stuck_at, self._thrusters.power_coefficients, forces)
+        return packed, self._efficiency_at, self._stuck_at, self._thrusters.power_coefficients
+
+    @property
+    def sags(self) -> bool:
+        """Whether its voltage depends on what is drawn."""
+        return self._battery is not None
 
     def _discharge(self, battery: Battery, time: float) -> None:
         """Take from the charge what the cells have lost since the last update, at that update's rate."""
-        if self._time is not None:
-            self.charge = max(0.0, self.charge - self._drain * (time - self._time) / battery.capacity)
+        if not isnan(self.counted_to):
+            self.charge = max(0.0, self.charge - self._drain * (time - self.counted_to) / battery.capacity)
 
     def _feed(self, battery: Battery, data: mujoco.MjData) -> None:
         """Set the voltage at which the battery and the propellers agree, each at its present speed per volt."""

@@ -89,16 +89,17 @@ class Thrusters:
         """(m,) commands whose steady forces are `force` (m,) [N]: the inverse characteristics."""
         from cube_sim.vehicle.laws.curve_table import commands_of_forces  # only here: it loads the compiler
 
-        return commands_of_forces(*self._curve_table, self._one_each("force", force))
+        return commands_of_forces(*self.curve_table, self._one_each("force", force))
 
     def force(self, command: ArrayLike) -> NDArray[np.float64]:
         """(m,) steady forces [N] of `command` (m,)."""
         from cube_sim.vehicle.laws.curve_table import steady_forces  # only here: it loads the compiler
 
-        return steady_forces(*self._curve_table, self._one_each("command", command))
+        return steady_forces(*self.curve_table, self._one_each("command", command))
 
     @cached_property
-    def _curve_table(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    def curve_table(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """The characteristics as compiled laws read them, see `cube_sim.vehicle.laws.curve_table`."""
         from cube_sim.vehicle.laws.curve_table import curve_table  # only here: it loads the compiler
 
         return curve_table(self.characteristics)

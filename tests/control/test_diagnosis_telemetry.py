@@ -125,11 +125,11 @@ def test_gains_are_known_the_better_the_more_force_was_seen():
     for _ in range(2000):
         x = random.uniform(-10.0, 10.0, 3)
         gains.learn(x, true * x + random.normal(size=3), np.array([True, True, True]), 1.0)
-        assert (gains.least <= true).all()
-        assert (true <= gains.most).all()
-        widths.append(float((gains.most - gains.least).max()))
-    np.testing.assert_allclose(gains.gain, true, atol=0.01)
+        assert (gains.gains.least <= true).all()
+        assert (true <= gains.gains.most).all()
+        widths.append(float((gains.gains.most - gains.gains.least).max()))
+    np.testing.assert_allclose(gains.gains.gain, true, atol=0.01)
     assert widths[-1] < 0.05 < widths[0]
-    before = gains.gain
+    before = gains.gains.gain.copy()
     gains.learn(np.full(3, 30.0), np.zeros(3), np.zeros(3, dtype=bool), 1.0)  # of a thruster that is not whole
-    np.testing.assert_array_equal(gains.gain, before)
+    np.testing.assert_array_equal(gains.gains.gain, before)

@@ -59,7 +59,7 @@ def test_one_update_finds_voltage_forces_and_power_that_fit(cube, resistance):
     voltage = supply.voltage
     np.testing.assert_allclose(seen, voltage, rtol=1e-13)
     np.testing.assert_allclose(data.actuator_force, whole * (voltage / 16.0) ** 2, rtol=1e-13)
-    np.testing.assert_allclose(supply.power, thrusters.power(data.actuator_force), rtol=0)
+    np.testing.assert_allclose(supply.power, thrusters.power(data.actuator_force), rtol=1e-14)
     assert supply.power.sum() == pytest.approx(FULL_AHEAD_W * (voltage / 16.0) ** 3, rel=1e-12)
     assert voltage == pytest.approx(16.8 - resistance * supply.power.sum() / voltage, rel=1e-12)
     assert supply.force_ratio == pytest.approx((voltage / 16.0) ** 2, rel=1e-15)
@@ -94,7 +94,7 @@ def test_energy_is_the_integral_of_power(cube):
         assert (supply.voltage, supply.force_ratio, supply.charge) == (16.0, 1.0, 1.0)
     assert supply.energy == pytest.approx(thrusters.energy(times, forces), rel=1e-12)
     assert supply.energy > 100.0
-    np.testing.assert_array_equal(supply.power, thrusters.power(forces[-1]))
+    np.testing.assert_allclose(supply.power, thrusters.power(forces[-1]), rtol=1e-14)
 
 
 def test_discharge_follows_its_differential_equation(cube):

@@ -7,6 +7,7 @@ So a new MuJoCo release changes numbers, not this code.
 from __future__ import annotations
 
 import ctypes
+from functools import cache
 
 import mujoco
 import numpy as np
@@ -28,6 +29,7 @@ _SCALARS = {
 }  # fmt: skip
 
 
+@cache
 def offsets(struct: str, fields: tuple[str, ...]) -> dict[str, int]:
     """Byte offset of each field; arguments as in `record`, keys as in `fields`."""
     layout = record(struct, fields)

@@ -1,0 +1,104 @@
+"""One allocation over the thrusters that respond, compiled: what `FaultTolerant` does with the exact search."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.allocation.asked_forces import asked_forces
+from cube_sim.allocation.exact.solve import solve_each
+from cube_sim.native.compiled import address_of, call_at, compiled
+
+
+class ResponsiveThrusters(NamedTuple):
+    """What is allocated over, and what the answer before was.
+
+    Attributes:
+        packed: of the search for the k thrusters that respond; the previous answer in it is moved on.
+        which: (k,) those thrusters, from 0.
+        held: (m,) forces of stuck thrusters [N], 0 of all others.
+        held_wrench: (n,) of these.
+        efficiency: (m,) share of its force that each gives.
+        responds: (m,) bool.
+        limits: (m,4) of whole thrusters [N].
+        rounding: force that is one [N].
+        force: (m,) of the answer before [N]; moved on, like the next two.
+        subset: (m,) the side each thruster is on.
+        push: (m,) direction each thruster last pushed to.
+    """
+
+    packed: NDArray[np.float64]
+    which: NDArray[np.int_]
+    held: NDArray[np.float64]
+    held_wrench: NDArray[np.float64]
+    efficiency: NDArray[np.float64]
+    responds: NDArray[np.bool_]
+    limits: NDArray[np.float64]
+    rounding: float
+    force: NDArray[np.float64]
+    subset: NDArray[np.float64]
+    push: NDArray[np.float64]
+
+
+@cache
+def search_address() -> int:
+    """Where the code of `solve_each` lies, which is large."""
+    numbers = np.zeros(1)
+    return address_of(solve_each, numbers, numbers, numbers, np.zeros(1, np.int8))
+
+
+@compiled
+def allocate_responsive(search, thrusters, demand, secondary, force_ratio, parts, demands, row, sides, wrench):
+    """Forces of all thrusters for a demand, into `thrusters.force`; see `FaultTolerant.allocate` and `allocate_at`.
+
+    Args:
+        search: address of the code of `solve_each`, `search_address`.
+        thrusters: `ResponsiveThrusters`.
+        demand: (n,) all that is demanded [N, N m], finite.
+        secondary: (n,) the part of it that gives way; zero for none.
+        force_ratio: share of its force that the supply leaves each thruster, above 0.
+        parts: (2 n,) scratch.
+        demands: (n,) out: what the search was asked for.
+        row: of `answer_of`, out.
+        sides: (k,) scratch.
+        wrench: (n,) out: what is made.
+
+    Returns:
+        The forces (m,) to ask of the thrusters as if they were whole and fully fed [N]; residual [N], cost [N^2],
+        status; nodes looked at and answers not proven.
+    """
+    t, n, scaled = thrusters, len(demand), force_ratio != 1.0
+    yields = False
+    for a in range(n):
+        whole, part = demand[a], secondary[a]
+        if scaled:
+            whole, part = whole / force_ratio, part / force_ratio
+        yields = yields or part != 0.0
+        left = whole - t.held_wrench[a]
+        parts[a], parts[n + a], demands[a] = left - part, part, left
+    if yields:
+        for a in range(n):
+            demands[a] = parts[a] + parts[n + a]
+        residual, cost, status, nodes, doubts = call_at(solve_each, search, (t.packed, parts, row, sides))
+    else:
+        residual, cost, status, nodes, doubts = call_at(solve_each, search, (t.packed, demands, row, sides))
+    k, m = len(t.which), len(t.held)
+    for i in range(m):
+        t.force[i], t.subset[i] = t.held[i], np.sign(t.held[i])
+    for j in range(k):
+        i = t.which[j]
+        t.force[i], t.subset[i] = row[j], sides[j]
+    for a in range(n):
+        wrench[a] = row[k + a] if k == m else row[k + a] + t.held_wrench[a]
+    for i in range(m):
+        if t.subset[i] != 0.0:
+            t.push[i] = t.subset[i]
+    asked = asked_forces(t.force, t.efficiency, t.responds, t.limits, t.rounding)
+    if scaled:
+        residual, cost = residual * force_ratio, cost * force_ratio**2
+        for a in range(n):
+            wrench[a] *= force_ratio
+    return asked, residual, cost, status, nodes, doubts

@@ -1,0 +1,173 @@
+"""From the objects of a flight to the compiled loop, and back."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cube_sim.allocation.responsive import search_address
+from cube_sim.control.answering import LawParts, answer
+from cube_sim.control.attitude_mode import DESIRED
+from cube_sim.control.diagnosis import Diagnosis
+from cube_sim.control.following import FOLLOWED
+from cube_sim.control.path_follower import PathFollower
+from cube_sim.flight.compiled.loop import fly
+from cube_sim.flight.compiled.parts import Answering, Course, Engine, Evidence, Feed, Hull, Notes
+from cube_sim.flight.rows import Rows, rows_for
+from cube_sim.guidance.target_record import RunningParts
+from cube_sim.guidance.view_record import VIEW
+from cube_sim.mission import Mission
+from cube_sim.mission.surface_watch import Boxes
+from cube_sim.native.compiled import address_of
+from cube_sim.spatial import State, Vector
+from cube_sim.vehicle.current import current_table
+from cube_sim.vehicle.motor_lag import activation_addresses
+from cube_sim.vehicle.plugin import structs
+
+NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
+_LAW: list[int] = []
+NOTHING_WATCHED = Diagnosis(1.0, 1.0, 1.0, np.zeros(1))
+
+
+class Flown(NamedTuple):
+    """What the compiled loop has done.
+
+    Attributes:
+        ticks: how many it flew.
+        reached: how far the next one has come, as `cube_sim.flight.compiled.loop` names it.
+        rows: of the ticks flown.
+        pace: (ticks,) share of the speed along the path.
+        applied: (6,) wrench allocated over the last one [N, N m].
+        wanted: (4,) the attitude wanted at it; zero where none was flown.
+        state: of the vehicle at it.
+    """
+
+    ticks: int
+    reached: int
+    rows: Rows
+    pace: Vector
+    applied: Vector
+    wanted: Vector
+    state: State
+
+
+def fly_ticks(mission: Mission, tick: int, count: int, applied: Vector, boxes: Boxes) -> Flown | None:
+    """Fly up to so many ticks, none of which has an event.
+
+    Args:
+        mission: whose parts are moved on.
+        tick: number of the first one, 1 at least.
+        count: how many.
+        applied: (6,) wrench allocated over the tick before [N, N m].
+        boxes: of the hull, which is under water.
+
+    Returns:
+        None where a part of it is of a kind that only Python flies.
+    """
+    controller, supply = mission.controller, mission.supply
+    if type(controller) is not PathFollower or mission.estimation is not None or supply.sags:
+        return None
+    parts, target = controller.ready, controller.target
+    running: RunningParts | None = getattr(target, "parts", None)
+    if parts is None or running is None or mission.drop_weight.dropped:
+        return None
+    path, evidence = getattr(target.path, "parts", None), _evidence(mission)
+    searched = mission.allocator.searched(controller.attitude_yields)
+    if path is None or evidence is None or searched is None:
+        return None
+    allocator, thrusters = searched
+    arc_length, feed = np.array([target.arc_length]), _feed(mission)
+    left, yields = controller.capability, controller.attitude_yields
+    course = Course(path, *running, controller.monitor.memory, controller.shortage, left.steers_by_attitude, arc_length)
+    answering = Answering(controller.coupling, yields, float(left.authority), applied.copy(), np.zeros(4), np.zeros(22))
+    rows = rows_for(mission.channels, count)
+    notes = Notes(
+        np.zeros((count, allocator.answer_size)), np.zeros((count, 6)), np.zeros(count), np.zeros(2, np.int64)
+    )
+    law = parts.arguments(controller)
+    ticks, reached = fly(
+        (_law_address(law), search_address()), count, tick, _engine(mission), _hull(mission, boxes), feed, evidence,
+        course, law, answering, thrusters, rows, notes,
+    )  # fmt: skip
+    target.arc_length = float(arc_length[0])
+    if ticks:
+        controller.desired = answering.quaternion
+    supply.power, (supply.energy, supply.counted_to) = feed.power, feed.counted.tolist()
+    mission.allocator.take_over(thrusters)
+    allocator.effort.add(*notes.effort.tolist())
+    for row, demand in zip(notes.answers[:ticks], notes.demands[:ticks], strict=True):
+        allocator.confirm(row, demand)
+    state = answering.state
+    return Flown(
+        ticks,
+        reached,
+        rows.first(ticks),
+        notes.pace[:ticks],
+        answering.applied,
+        answering.quaternion,
+        State(state[:3], state[3:7], state[7:16].reshape(3, 3), state[16:19], state[19:]),
+    )
+
+
+def _law_address(law: LawParts) -> int:
+    """Where the code of the law lies, which is large."""
+    if not _LAW:
+        records = (np.zeros(1, kind) for kind in (VIEW, DESIRED, FOLLOWED))
+        motion = np.eye(3), np.zeros(4), np.zeros(3), np.zeros(3)
+        _LAW.append(address_of(answer, law, *records, *motion, np.zeros(6), 1.0, 1.0))
+    return _LAW[0]
+
+
+def _engine(mission: Mission) -> Engine:
+    data, vehicle = mission.data, mission.vehicle
+    return Engine(
+        model=mission.model._address,
+        data=data._address,
+        time=data._address + structs.offsets("mjData", ("time",))["time"],
+        warnings=data.warning.number,
+        qpos=data.qpos,
+        qvel=data.qvel,
+        qacc=data.qacc,
+        xpos=data.xpos,
+        xmat=data.xmat,
+        xquat=data.xquat,
+        geom_xpos=data.geom_xpos,
+        geom_xmat=data.geom_xmat,
+        ctrl=data.ctrl,
+        act=data.act,
+        actuator_force=data.actuator_force,
+        hull=np.array([vehicle.qpos_address, vehicle.dof_address, vehicle.body]),
+        steps=mission.scenario.steps_per_tick,
+        period=mission.scenario.control_period_s,
+    )
+
+
+def _hull(mission: Mission, boxes: Boxes) -> Hull:
+    table = current_table(mission.model)
+    return Hull(*boxes, mission.model.opt.wind, table is not None, *(NO_TABLE if table is None else table))
+
+
+def _feed(mission: Mission) -> Feed:
+    supply, thrusters = mission.supply, mission.vehicle.thrusters
+    return Feed(
+        thrusters.actuators,
+        activation_addresses(mission.model, thrusters),
+        *thrusters.curve_table,
+        *supply.drawing,
+        supply.power.copy(),
+        np.array([supply.energy, supply.counted_to]),
+        supply.voltage,
+        supply.charge,
+        supply.force_ratio,
+        mission.events.health.efficiency,
+    )
+
+
+def _evidence(mission: Mission) -> Evidence | None:
+    """What faults are found by; None where that takes Python at every tick."""
+    found = mission.fault_finding
+    if found is None:
+        assert NOTHING_WATCHED.window is not None
+        return Evidence(False, NOTHING_WATCHED.window, NOTHING_WATCHED.probes, np.zeros(1))
+    return None if found.evidence is None else Evidence(True, *found.evidence)

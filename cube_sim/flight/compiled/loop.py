@@ -1,0 +1,148 @@
+"""The compiled loop: so many ticks over the stages, or up to one that has something for Python to do."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+import numpy as np
+
+from cube_sim.allocation.responsive import allocate_responsive
+from cube_sim.control.answering import answer
+from cube_sim.control.attitude_mode import DESIRED
+from cube_sim.control.diagnosis import enter_pair
+from cube_sim.control.following import FOLLOWED
+from cube_sim.control.priority import yield_attitude
+from cube_sim.control.probing import put_probe
+from cube_sim.control.safe_mode import loses_target
+from cube_sim.control.shortage import watch_shortage
+from cube_sim.control.window_reading import contradicts
+from cube_sim.flight.rows import write_actuation, write_motion, write_power
+from cube_sim.guidance.path_record import path_row
+from cube_sim.guidance.speed import speed_at
+from cube_sim.guidance.target_record import advanced, see_from_target
+from cube_sim.guidance.view_record import VIEW
+from cube_sim.mission.divergence import DIVERGED, all_below
+from cube_sim.mission.surface_watch import EMERGED_M, top_of
+from cube_sim.native.compiled import call_at, unlocked
+from cube_sim.tuples import turned_to_world
+from cube_sim.vehicle.laws.current import velocity_at
+from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces, work
+from cube_sim.vehicle.plugin.engine import forward, step
+from cube_sim.vehicle.plugin.memory import double
+from cube_sim.vehicle.state import hull_state
+
+BEGIN, FORWARDED, JUDGED = 0, 1, 2
+"""How far the tick has come that Python goes on with: not begun; accelerations are up to date; the thrusters are fed
+too, and the evidence of faults is in."""
+
+
+@unlocked
+def fly(codes, count, tick, engine, hull, feed, evidence, course, law, answering, thrusters, rows, notes):
+    """Fly up to so many ticks.
+
+    Args:
+        codes: addresses of the code of `answer` and of `solve_each`.
+        count: how many.
+        tick: number of the first.
+        engine: `Engine`.
+        hull: `Hull`.
+        feed: `Feed`.
+        evidence: `Evidence`.
+        course: `Course`.
+        law: `cube_sim.control.answering.LawParts`.
+        answering: `Answering`.
+        thrusters: `cube_sim.allocation.responsive.ResponsiveThrusters`.
+        rows: `cube_sim.flight.rows.Rows`, so many; filled.
+        notes: `Notes`, so many; filled.
+
+    Returns:
+        How many were flown, and how far the next one has come.
+    """
+    e, dt, m = engine, engine.period, len(feed.actuators)
+    body, warned, period = e.hull[2], e.warnings.sum(), len(evidence.window.expected)
+    view, desired, followed = np.zeros(1, VIEW), np.zeros(1, DESIRED), np.zeros(1, FOLLOWED)
+    given, activation, force, no_current = np.empty(m), np.empty(m), np.empty(m), np.zeros(3)
+    secondary, parts, sides = np.zeros(6), np.empty(12), np.empty(len(thrusters.which), np.int8)
+    disturbance, water, nobody = np.zeros(6), np.empty(3), np.zeros(m, np.bool_)
+    for k in range(count):
+        t = (tick + k) * dt
+        forward(e.model, e.data)
+        top = max(e.xpos[body, 2], top_of(e.geom_xpos, e.geom_xmat, hull.geoms, hull.radii, hull.centres, hull.halves))
+        if e.warnings.sum() != warned or not all_below(DIVERGED, e.qpos, e.qvel, e.qacc) or top > EMERGED_M:
+            return k, FORWARDED
+        for i in range(m):
+            given[i], activation[i] = e.actuator_force[feed.actuators[i]], e.act[feed.activations[i]]
+        power = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
+        now = double(e.time, 0)
+        if not np.isnan(feed.counted[1]):
+            feed.counted[0] += work(feed.power, power, now - feed.counted[1])
+        feed.power[:] = power
+        feed.counted[1] = now
+        write_power(rows, k, t, power, feed.counted[0], feed.voltage, feed.charge)
+        if evidence.watched:
+            w = evidence.window
+            whole = steady_forces(feed.curves, feed.starts, activation)
+            enter_pair(w, whole, evidence.telemetry_gain * given, feed.force_ratio)
+            against = w.efficiency, w.stuck, w.gains.gain, w.threshold, 0.0
+            if w.ring[1] == period and contradicts(w.expected, w.measured, w.ring[0], period, *against).any():
+                return k, JUDGED
+        state = hull_state(e.qpos, e.qvel, e.xmat, e.xquat, e.hull[0], e.hull[1], body)
+        R = state[7:16].reshape(3, 3)
+        velocity_W = turned_to_world(R, state[16:19])
+        s = course.arc_length[0]
+        planned, slope, place = 0.0, 0.0, s
+        if course.target[0].clocked:
+            planned, slope = speed_at(*course.plan, s)
+            place = min(s, course.target[0].last)
+        row = path_row(*course.path, place)
+        see_from_target(view, course.target, row, planned, s, state[:3], velocity_W)
+        loss = course.loss.copy()
+        if loses_target(loss, view[0].error, dt):
+            return k, JUDGED
+        course.loss[0].was_near, course.loss[0].since = loss[0].was_near, loss[0].since
+        course.loss[0].nearest, course.loss[0].distance = loss[0].nearest, loss[0].distance
+        desired[0].quaternion[:] = 0.0
+        desired[0].rates[:] = 0.0
+        motion = R, state[3:7], state[16:19], state[19:]
+        call_at(answer, codes[0], (law, view, desired, followed, *motion, answering.applied, dt, feed.force_ratio))
+        out, wanted = followed[0], desired[0].quaternion
+        if not isfinite((out.wrench**2).sum() + (wanted**2).sum() + (view[0].error ** 2).sum()):
+            return k, JUDGED
+        if answering.yields:
+            yield_attitude(answering.coupling, out.wrench, secondary)
+        asked, residual, cost, status, nodes, doubts = allocate_responsive(
+            codes[1], thrusters, out.wrench, secondary, feed.force_ratio, parts,
+            notes.demands[k], notes.answers[k], sides, answering.applied,
+        )  # fmt: skip
+        if evidence.watched:
+            w = evidence.window
+            put_probe(evidence.probes, w.efficiency, w.stuck, nobody, asked)
+        commands = commands_of_forces(feed.curves, feed.starts, asked)
+        for i in range(m):
+            e.ctrl[feed.actuators[i]], force[i] = commands[i], thrusters.force[i] * feed.force_ratio
+        notes.effort[0] += nodes
+        notes.effort[1] += doubts
+        notes.pace[k] = out.pace
+        if law.settings[0].disturbance_time > 0.0:
+            disturbance[:] = law.disturbance[0].estimate
+        water[:] = hull.wind
+        if hull.sheared:
+            there = velocity_at(t, state[2], hull.times, hull.heights, hull.velocities)
+            for i in range(3):
+                water[i] += there[i]
+        current = law.current if law.settings[0].current_time > 0.0 else no_current
+        write_motion(rows, k, t, state, view, followed, wanted, out.attitude_error, disturbance, current, water)
+        write_actuation(
+            rows, k, t, answering.applied, force, commands, given, thrusters.subset, residual, cost, status,
+            feed.efficiency, thrusters.efficiency, answering.authority,
+        )  # fmt: skip
+        answering.quaternion[:] = wanted
+        answering.state[:] = state
+        course.arc_length[0] = advanced(course.target, slope, s, view[0].speed, dt)
+        pressed = course.shortage[0].pressed
+        if law.settings[0].budgeted:
+            watch_shortage(course.shortage, out.enough, law.settings[0].balanced, law.balanced, dt)
+        step(e.model, e.data, e.steps)
+        if course.shortage[0].pressed != pressed and not course.steers:
+            return k + 1, BEGIN
+    return count, BEGIN

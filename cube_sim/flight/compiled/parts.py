@@ -1,0 +1,196 @@
+"""What a flight is made of, as the compiled loop reads it: arrays in the memory of the objects in Python."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.control.diagnosis import Window
+from cube_sim.control.probing import ProbeMemory
+from cube_sim.guidance.path_record import Parts as PathParts
+from cube_sim.guidance.speed import Parts as SpeedParts
+from cube_sim.spatial import Matrix, Record, Vector
+
+Indices = NDArray[np.int_]
+
+
+class Engine(NamedTuple):
+    """MuJoCo's model and data.
+
+    Attributes:
+        model: address of the mjModel.
+        data: address of the mjData.
+        time: address of its time [s].
+        warnings: (w,) how often it has warned of each kind.
+        qpos: MuJoCo's, like all that follow but the last three.
+        qvel: of it.
+        qacc: of it.
+        xpos: of it.
+        xmat: of it.
+        xquat: of it.
+        geom_xpos: of it.
+        geom_xmat: of it.
+        ctrl: of it.
+        act: of it.
+        actuator_force: of it.
+        hull: (3,) where the hull's pose and its velocity begin, and its body.
+        steps: of the physics per tick.
+        period: of a tick [s].
+    """
+
+    model: int
+    data: int
+    time: int
+    warnings: NDArray[np.int32]
+    qpos: Vector
+    qvel: Vector
+    qacc: Vector
+    xpos: Matrix
+    xmat: Matrix
+    xquat: Matrix
+    geom_xpos: Matrix
+    geom_xmat: Matrix
+    ctrl: Vector
+    act: Vector
+    actuator_force: Vector
+    hull: Indices
+    steps: int
+    period: float
+
+
+class Hull(NamedTuple):
+    """What is seen of the hull beside its motion.
+
+    Attributes:
+        geoms: (g,) of `top_of`, like the next three.
+        radii: (g,) of it.
+        centres: (g,3) of it.
+        halves: (g,3) of it.
+        wind: (3,) the steady current [m/s], world axes.
+        sheared: whether there is a table of currents.
+        times: (n_t,) of `velocity_at`, like the next two.
+        heights: (n_z,) of it.
+        velocities: (n_t n_z,3) of it.
+    """
+
+    geoms: Indices
+    radii: Vector
+    centres: Matrix
+    halves: Matrix
+    wind: Vector
+    sheared: bool
+    times: Vector
+    heights: Vector
+    velocities: Matrix
+
+
+class Feed(NamedTuple):
+    """The thrusters and what feeds them.
+
+    Attributes:
+        actuators: (m,) indices into ctrl and actuator_force.
+        activations: (m,) indices into act.
+        curves: table of `cube_sim.vehicle.laws.curve_table`, like the next.
+        starts: (m,) of it.
+        packed: of `drawn_power`, like the next three.
+        efficiency_at: of it.
+        stuck_at: of it.
+        coefficients: of it.
+        power: (m,) [W] at the tick before; moved on.
+        counted: (2,) energy [J] and the time [s] up to which it is counted, NaN at first; moved on.
+        voltage: [V].
+        charge: share of the battery's that is left.
+        force_ratio: share of their force that the thrusters give at that voltage.
+        efficiency: (m,) true share of its force that each gives.
+    """
+
+    actuators: Indices
+    activations: Indices
+    curves: Vector
+    starts: NDArray[np.int64]
+    packed: Vector
+    efficiency_at: NDArray[np.int64]
+    stuck_at: NDArray[np.int64]
+    coefficients: Matrix
+    power: Vector
+    counted: Vector
+    voltage: float
+    charge: float
+    force_ratio: float
+    efficiency: Vector
+
+
+class Evidence(NamedTuple):
+    """What thruster faults are found by.
+
+    Attributes:
+        watched: whether they are looked for.
+        window: of the forces, moved on.
+        probes: of the thrusters, moved on.
+        telemetry_gain: (m,) measured forces are the true ones times these.
+    """
+
+    watched: bool
+    window: Window
+    probes: ProbeMemory
+    telemetry_gain: Vector
+
+
+class Course(NamedTuple):
+    """The target on its path.
+
+    Attributes:
+        path: arguments of `cube_sim.guidance.path_record.path_row`.
+        target: record of `cube_sim.guidance.target_record.TARGET`.
+        plan: of `speed_at`, the speed of a clocked target.
+        loss: record of `cube_sim.control.safe_mode.LOSS`, moved on.
+        shortage: record of `cube_sim.control.shortage.SHORTAGE`, moved on.
+        steers: whether the attitude is balanced in any case.
+        arc_length: (1,) of the target [m], moved on.
+    """
+
+    path: PathParts
+    target: Record
+    plan: SpeedParts
+    loss: Record
+    shortage: Record
+    steers: bool
+    arc_length: Vector
+
+
+class Answering(NamedTuple):
+    """What comes after the law.
+
+    Attributes:
+        coupling: (3,3) of `yield_attitude`.
+        yields: whether the attitude gives way to the path.
+        authority: code of how the vehicle flies.
+        applied: (6,) wrench allocated over the tick before [N, N m]; moved on.
+        quaternion: (4,) the attitude wanted at the last tick, out.
+        state: (22,) of the last tick, out.
+    """
+
+    coupling: Matrix
+    yields: bool
+    authority: float
+    applied: Vector
+    quaternion: Vector
+    state: Vector
+
+
+class Notes(NamedTuple):
+    """What is looked at after the ticks, a row each.
+
+    Attributes:
+        answers: of `answer_of`.
+        demands: (n,6) that the search was asked for.
+        pace: (n,) share of the speed along the path.
+        effort: (2,) nodes looked at and answers not proven, counted on.
+    """
+
+    answers: Matrix
+    demands: Matrix
+    pace: Vector
+    effort: NDArray[np.int64]

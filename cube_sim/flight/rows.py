@@ -1,0 +1,139 @@
+"""One row per channel and tick, written by one compiled law for every way a tick can be flown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.native.compiled import compiled
+from cube_sim.recording.channels import Channel
+from cube_sim.tuples import quaternion_from_matrix
+
+Table = NDArray[np.float64]
+
+
+class Rows(NamedTuple):
+    """Rows of the channels that get one at every tick: (n, 1 + width) each, column 0 the time [s]."""
+
+    pose: Table
+    velocity: Table
+    target: Table
+    path_error: Table
+    reference: Table
+    wrench: Table
+    allocation: Table
+    thrusters: Table
+    power: Table
+    health: Table
+    water: Table
+
+    def named(self) -> Iterator[tuple[str, Table]]:
+        """Channel and rows, for `SignalStore.extend`."""
+        return zip(self._fields, self, strict=True)
+
+    def first(self, count: int) -> Rows:
+        """The first of them."""
+        return Rows(*(table[:count] for table in self))
+
+
+def rows_for(channels: tuple[Channel, ...], count: int) -> Rows:
+    """So many rows, to be written."""
+    widths = {channel.name: 1 + channel.width for channel in channels}
+    return Rows(*(np.empty((count, widths[name])) for name in Rows._fields))
+
+
+@compiled
+def write_power(rows, k, t, power, energy, voltage, charge):
+    """The row of the supply.
+
+    Args:
+        rows: `Rows`.
+        k: which of them.
+        t: simulated time [s].
+        power: (m,) [W].
+        energy: drawn so far [J].
+        voltage: [V].
+        charge: share that is left.
+    """
+    row, m = rows.power[k], len(power)
+    row[0] = t
+    row[1 : 1 + m] = power
+    row[1 + m], row[2 + m], row[3 + m] = energy, voltage, charge
+
+
+@compiled
+def write_motion(rows, k, t, state, seen, followed, quaternion, attitude_error, disturbance, current, water):
+    """The rows of what the vehicle does and is to do.
+
+    Args:
+        rows: `Rows`.
+        k: which of them.
+        t: simulated time [s].
+        state: (22,) the true one, of `hull_state`.
+        seen: record of `cube_sim.guidance.view_record.VIEW`.
+        followed: record of `cube_sim.control.following.FOLLOWED`.
+        quaternion: (4,) the desired attitude.
+        attitude_error: of the true attitude [rad].
+        disturbance: estimate (6,) [N, N m], body axes.
+        current: estimate (3,) [m/s], world axes.
+        water: (3,) its true velocity [m/s], world axes.
+    """
+    view, out = seen[0], followed[0]
+    for table in (rows.pose, rows.velocity, rows.target, rows.path_error, rows.reference, rows.wrench, rows.water):
+        table[k, 0] = t
+    target, error = rows.target[k], rows.path_error[k]
+    target[1], target[2] = view.arc_length, view.remaining
+    orientation = quaternion_from_matrix(view.frame)
+    for i in range(4):
+        rows.pose[k, 4 + i], target[6 + i], rows.reference[k, 7 + i] = state[3 + i], orientation[i], quaternion[i]
+    for i in range(3):
+        rows.pose[k, 1 + i], target[3 + i] = state[i], view.row[i]
+        rows.velocity[k, 1 + i], rows.velocity[k, 4 + i] = state[16 + i], state[19 + i]
+        rows.reference[k, 1 + i], rows.reference[k, 4 + i] = out.velocity[i], out.rates[i]
+        rows.water[k, 1 + i], rows.water[k, 4 + i] = water[i], current[i]
+        error[1 + i] = 0.0
+        for j in range(3):
+            error[1 + i] += (state[j] - view.row[j]) * view.frame[j, i]
+    error[4] = sqrt(error[2] * error[2] + error[3] * error[3])
+    error[5] = attitude_error
+    for i in range(6):
+        rows.wrench[k, 1 + i], rows.wrench[k, 13 + i] = out.wrench[i], disturbance[i]
+
+
+@compiled
+def write_actuation(
+    rows, k, t, wrench, force, commands, given, subset, residual, cost, status, efficiency, believed, authority
+):
+    """The rows of what the thrusters are told and do.
+
+    Args:
+        rows: `Rows`.
+        k: which of them.
+        t: simulated time [s].
+        wrench: (6,) allocated [N, N m].
+        force: (m,) allocated [N].
+        commands: (m,).
+        given: (m,) force that is given [N].
+        subset: (m,) sides.
+        residual: [N].
+        cost: [N^2].
+        status: of the allocation.
+        efficiency: (m,) true.
+        believed: (m,).
+        authority: its code.
+    """
+    m = len(force)
+    rows.allocation[k, 0] = rows.thrusters[k, 0] = rows.health[k, 0] = t
+    rows.allocation[k, 1], rows.allocation[k, 2], rows.allocation[k, 3] = residual, cost, status
+    for i in range(6):
+        rows.wrench[k, 7 + i] = wrench[i]
+    for i in range(m):
+        rows.allocation[k, 4 + i] = subset[i]
+        rows.thrusters[k, 1 + i], rows.thrusters[k, 1 + m + i] = force[i], commands[i]
+        rows.thrusters[k, 1 + 2 * m + i] = given[i]
+        rows.health[k, 1 + i], rows.health[k, 1 + m + i] = efficiency[i], believed[i]
+    rows.health[k, 1 + 2 * m] = authority

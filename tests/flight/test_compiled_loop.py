@@ -1,0 +1,93 @@
+"""The compiled loop against the loop in Python: the same bits and sentences, for every scenario there is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.places import HELIX, SCENARIO_FILES, SCENARIOS
+
+from cube_sim.flight import Flight, flight
+from cube_sim.scenario import load
+
+CHECKS = [{"kind": "allowed_forces"}]
+COMPILED = {"bluerov2_gust", "bluerov2_vectored_helix", "bluerov2_vectored_hover", "bluerov2_vectored_line"}
+COMPILED |= {"cube_helix", "cube_hover", "cube_lose_one", "cube_survival", "cube_track", "jack_exact", "rov6_helix"}
+COMPILED |= {"torpedo_helix", "torpedo_line"}
+"""Scenarios whose ticks are nearly all of them flown by compiled code."""
+
+
+def flown(scenario, settings, compiled, monkeypatch):
+    """A flight to its end, its signals and sentences, and how many of its ticks compiled code flew."""
+    one, ticks, fly_ticks = Flight(scenario, settings), [0], flight.fly_ticks
+
+    def counted(*arguments):
+        done = fly_ticks(*arguments) if compiled else None
+        ticks[0] += 0 if done is None else done.ticks
+        return done
+
+    with monkeypatch.context() as patch:
+        patch.setattr(flight, "fly_ticks", counted)
+        while not one.over:
+            one.fly([], 10**9)
+    one.finish()
+    return one, ticks[0]
+
+
+def assert_same_flight(scenario, settings, monkeypatch):
+    """Both loops do the same; the share of ticks that compiled code flew."""
+    (a, compiled), (b, none) = (flown(scenario, settings, how, monkeypatch) for how in (True, False))
+    assert none == 0
+    assert a.tick == b.tick
+    assert a.ended == b.ended
+    assert a.log == b.log
+    for name, rows in a.signals.items():
+        assert rows.tobytes() == b.signals[name].tobytes(), name
+    return compiled / a.tick
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("path", SCENARIO_FILES, ids=lambda path: path.stem)
+def test_both_loops_fly_the_same(path, monkeypatch):
+    events = [event.model_dump(exclude_none=True) for event in load(path).scenario.events]
+    for k, event in enumerate(events):
+        event["at_s"] = 1.0 + 0.5 * k
+    share = assert_same_flight(path, {"duration_s": 6.0, "checks": CHECKS, "events": events}, monkeypatch)
+    if path.stem in COMPILED:
+        assert share > 0.7
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"events": [{"kind": "thrusters", "at_s": 1.01, "thrusters": ["T1"], "state": "stuck", "force_N": 51.0}]},
+        {"control_period_s": 0.1, "current_m_s": [0.0, 0.9, 0.0]},
+        {"initial.position_m": [0.0, 0.0, -0.3], "current_m_s": [0.2, 0.0, 0.0]},
+        {"allocation.method": "search", "guidance.speed_m_s": 2.0},
+        {
+            "control.safe_mode": {"action": "hold", "distance_limit_m": 0.5, "patience_s": 0.5},
+            "guidance.speed_m_s": 3.0,
+        },
+    ],
+    ids=["stuck", "slow_in_current", "at_the_surface", "too_fast", "lost"],
+)
+def test_both_loops_go_through_the_same_trouble(settings, monkeypatch):
+    assert_same_flight(HELIX, {"duration_s": 12.0, "checks": CHECKS, **settings}, monkeypatch)
+
+
+@pytest.mark.flight
+def test_both_loops_end_alike_when_the_simulation_fails(monkeypatch):
+    settings = {"duration_s": 3.0, "checks": CHECKS}
+    ended = []
+    for compiled in (True, False):
+        one = Flight(SCENARIOS / "cube_helix.yaml", settings)
+        if not compiled:
+            monkeypatch.setattr(flight, "fly_ticks", lambda *_: None)
+        while not one.over:
+            if one.tick == 50:
+                one.mission.data.qvel[:] = np.nan
+            one.fly([], 10)
+        one.finish()
+        ended.append((one.tick, one.ended, one.log))
+    assert ended[0] == ended[1]
+    assert "not a number" in ended[0][1]
