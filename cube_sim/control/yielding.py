@@ -3,8 +3,9 @@
 All that can be produced has N_f' F + N_t' M = b. A demand off it has to be changed, in its forces or in its torques. A
 force that is not made moves the vehicle off its path. A torque about a level axis that is not made tilts the hull until
 its righting moment makes up for it. So torques about level axes give way first, as far as the hull can hold them: with
-a tilt of 30 degrees at most, a righting moment r holds the torque of a force F on a lever of r / (2 F). On a longer one
-the force gives way, and the attitude has to point it (`balanced_attitude`).
+a tilt of 30 degrees at most, a righting moment r holds the torque of a force F on a lever of r / (2 F). F is what
+missions ask for along the axis whose force brings the torque, not along the broadest. On a longer lever the force gives
+way, and the attitude has to point it (`balanced_attitude`).
 """
 
 from __future__ import annotations
@@ -30,13 +31,13 @@ class WaterHold(NamedTuple):
 
     Attributes:
         righting: r (3,) [N m], body axes, see `Dynamics.righting_moment`.
-        force: the size of the forces that its missions ask for [N], positive.
+        force: the sizes of the forces (3,) that its missions ask for [N], body axes, positive.
         hull: whose it is; None where only the righting moment is known.
         speed: of its missions [m/s].
     """
 
     righting: Vector
-    force: float
+    force: Vector
     hull: Dynamics | None = None
     speed: float = 0.0
 
@@ -44,24 +45,26 @@ class WaterHold(NamedTuple):
     def of(dynamics: Dynamics, speed_m_s: float) -> WaterHold:
         """Of a hull whose missions ask for its drag at this speed, its weight less its buoyancy on top.
 
-        It is the drag of the axis with most of it: a slender hull that is pushed sideways meets that.
+        Along each axis it is the drag of moving that way: a slender hull that is pushed sideways meets more of it, but
+        its propeller's torque comes with the little that it meets ahead.
         """
-        drag = max(float(np.linalg.norm(dynamics.damping(speed_m_s * axis)[:3])) for axis in np.eye(6)[:3])
+        drag = np.array([np.linalg.norm(dynamics.damping(speed_m_s * axis)[:3]) for axis in np.eye(6)[:3]])
         force = drag + abs(dynamics.weight - dynamics.buoyancy)
-        size = float(np.hypot(force, SMALL_FORCE * max(1.0, dynamics.weight)))
+        size = np.hypot(force, SMALL_FORCE * max(1.0, dynamics.weight))
         return WaterHold(dynamics.righting_moment, size, dynamics, speed_m_s)
 
     def weights(self, up: Vector) -> Matrix:
         """W (6,6) [1, m^2]: how readily each force and torque gives way; W^-1 is the price of a change.
 
-        W = diag(I, (r'z / 2 F)^2 (I - z z')). Torques about the vertical z, and all torques of a hull that does not
-        right itself, do not give way: nothing else holds them.
+        W = diag(F^2, (r'z / 2)^2 (I - z z')) / max(F)^2. Torques about the vertical z, and all torques of a hull that
+        does not right itself, do not give way: nothing else holds them.
 
         Args:
             up: z = R' e_z (3,), world up in body axes.
         """
-        W = FORCES_YIELD.copy()
-        lever = MAX_TILT_SINE * max(0.0, float(self.righting @ up)) / self.force
+        W, largest = np.zeros((6, 6)), float(np.max(self.force))
+        W[:3, :3] = np.diag((self.force / largest) ** 2)
+        lever = MAX_TILT_SINE * max(0.0, float(self.righting @ up)) / largest
         W[3:, 3:] = lever**2 * (np.eye(3) - np.outer(up, up))
         return W
 
@@ -81,8 +84,8 @@ class Yielding(NamedTuple):
 def yielding_directions(lost: Matrix, weights: Matrix, length_m: float) -> Yielding | None:
     """Who gives way for each lost combination: its torques where they are the cheaper, else its forces. Never both.
 
-    A share s of a combination falls on forces, the rest on torques: the eigenvalues of (N' W N)^-1 N_f' N_f. Up to a
-    half the torques take all of it, so that no attitude the hull cannot reach costs the path any force.
+    A share s of a combination falls on forces, the rest on torques: the eigenvalues of (N' W N)^-1 N_f' W_f N_f. Up to
+    a half the torques take all of it, so that no attitude the hull cannot reach costs the path any force.
 
     Args:
         lost: N (6,k) the combinations N' w = b of all that can be produced [1, 1/m].
@@ -93,11 +96,12 @@ def yielding_directions(lost: Matrix, weights: Matrix, length_m: float) -> Yield
         None where some combination is neither pointed nor held: the vehicle cannot be steered.
     """
     scaled = np.concatenate([lost[:3], lost[3:] * length_m])
-    size, axes = np.linalg.eigh(lost.T @ weights @ lost)
-    if not size[0] > (RANK_TOLERANCE * float(np.linalg.norm(scaled, 2))) ** 2:
+    firm = lost[:3].T @ lost[:3] + lost[3:].T @ weights[3:, 3:] @ lost[3:]  # a small force is pointed as a large one is
+    if not np.linalg.eigvalsh(firm)[0] > (RANK_TOLERANCE * float(np.linalg.norm(scaled, 2))) ** 2:
         return None
+    size, axes = np.linalg.eigh(lost.T @ weights @ lost)
     unit = lost @ axes / np.sqrt(size)
-    _, share_roots, turn = np.linalg.svd(unit[:3])
+    _, share_roots, turn = np.linalg.svd(np.sqrt(weights[:3, :3]) @ unit[:3])
     shares = np.zeros(len(size))
     shares[: len(share_roots)] = share_roots**2
     forces = shares > 0.5

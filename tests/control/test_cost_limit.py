@@ -88,7 +88,7 @@ def test_by_default_what_is_dear_is_used_where_the_vehicle_does_not_fly_without(
     A[0, :2], A[5, :2] = 1.0, [0.01, -0.01]
     A[1, 2], A[2, 3] = 1.0, 1.0
     whole = np.hstack([A, np.vstack([np.zeros((3, 2)), np.eye(3)[:, :2]])])  # pitch and roll for the lever arm
-    hold = WaterHold(np.array([0.0, 0.0, 50.0]), 10.0)
+    hold = WaterHold(np.array([0.0, 0.0, 50.0]), np.full(3, 10.0))
     with_yaw = capability(A, whole=whole, hold=hold)
     assert with_yaw.authority is Authority.TRIM
     assert capability(A, whole=whole, hold=hold, cost_limit=20.0).authority is Authority.SAFE

@@ -17,7 +17,7 @@ def draw(rng):
     up = random_rotation(rng)[2]
     while up[2] < 0.5:
         up = random_rotation(rng)[2]
-    hold = WaterHold(np.append(rng.normal(0.0, 1.0, 2), rng.uniform(5.0, 20.0)), rng.uniform(5.0, 50.0))
+    hold = WaterHold(np.append(rng.normal(0.0, 1.0, 2), rng.uniform(5.0, 20.0)), rng.uniform(5.0, 50.0, 3))
     return hold.weights(up), rng.normal(size=(6, rng.integers(1, 4)))
 
 
@@ -64,36 +64,37 @@ def test_what_nothing_holds_never_gives_way():
     rng = np.random.default_rng(13)
     for _ in range(30):
         up, lost, wrench = random_rotation(rng)[2], rng.normal(size=(6, 2)), rng.normal(0.0, 20.0, 6)
-        found = yielding_directions(lost, WaterHold(10.0 * UP, 20.0).weights(up), 0.3)
+        found = yielding_directions(lost, WaterHold(10.0 * UP, np.full(3, 20.0)).weights(up), 0.3)
         assert found is not None
         asked = projected(wrench, lost, found.directions, np.zeros(2))
         assert up @ asked[3:] == pytest.approx(up @ wrench[3:], abs=1e-9)
         if up[2] <= 0.0:
             np.testing.assert_allclose(asked[3:], wrench[3:], atol=1e-9)
-    np.testing.assert_array_equal(WaterHold(-10.0 * UP, 20.0).weights(UP)[3:], 0.0)
+    np.testing.assert_array_equal(WaterHold(-10.0 * UP, np.full(3, 20.0)).weights(UP)[3:], 0.0)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_single_combination_comes_out_of_what_is_cheaper(seed):
-    """Its share of force is |n_f|^2 / (|n_f|^2 + (r / 2 F)^2 |n_t|^2), n_t its level torque: TRIM below half."""
+    """Its share of force is |F n_f|^2 / (|F n_f|^2 + (r / 2)^2 |n_t|^2), n_t its level torque: TRIM below half."""
     rng = np.random.default_rng(seed)
     n = np.append(rng.normal(size=3), [*rng.normal(0.0, 3.0, 2), 0.0])
     A = np.linalg.svd(n[None])[2][1:].T  # five thrusters that make all the rest
-    force, arm = 20.0, np.linalg.norm(n[:3]) / np.linalg.norm(n[3:])
+    force = rng.uniform(5.0, 50.0, 3)
+    torque = np.linalg.norm(force * n[:3]) / np.linalg.norm(n[3:])
     for share, authority in ((0.51, Authority.PLANE), (0.49, Authority.TRIM)):
-        lever = arm * np.sqrt((1.0 - share) / share)
-        left = capability(A, cost_limit=1e3, hold=WaterHold(lever * 2.0 * force * UP, force))
+        righting = 2.0 * torque * np.sqrt((1.0 - share) / share)
+        left = capability(A, cost_limit=1e3, hold=WaterHold(righting * UP, force))
         assert left.authority is authority
         gone = n - left.project_onto_range(n)
-        yielded = n[:3] if authority is Authority.PLANE else n[3:]
         part = slice(0, 3) if authority is Authority.PLANE else slice(3, 6)
-        np.testing.assert_allclose(gone[part], (n @ n) / (yielded @ yielded) * yielded, atol=1e-9)
+        yielded = n[part] * (force**2 if authority is Authority.PLANE else 1.0)
+        np.testing.assert_allclose(gone[part], (n @ n) / (yielded @ n[part]) * yielded, atol=1e-9)
         assert np.linalg.norm(gone) == pytest.approx(np.linalg.norm(gone[part]))
 
 
 def test_a_vehicle_that_can_be_neither_pointed_nor_held_is_told():
     yaw = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]).T
-    assert yielding_directions(yaw, WaterHold(10.0 * UP, 20.0).weights(UP), 0.3) is None
+    assert yielding_directions(yaw, WaterHold(10.0 * UP, np.full(3, 20.0)).weights(UP), 0.3) is None
 
 
 def test_without_a_righting_moment_roll_and_pitch_have_to_be_made():
@@ -105,11 +106,20 @@ def test_without_a_righting_moment_roll_and_pitch_have_to_be_made():
     assert capability(A).authority is Authority.SAFE
 
 
-def test_the_force_of_a_mission_is_the_drag_of_its_broadest_side_and_what_the_lift_leaves():
+def test_a_lever_counts_by_the_force_that_comes_with_it():
+    """A propeller turns the hull a little; that its broad side would meet ten times the drag is not to the point."""
+    forces = np.array([[8.0, 8.0, 8.0], [8.0, 80.0, 80.0]])
+    lever = np.array([[0.025, 0.0, 0.0, 0.0, 1.0, 0.0]]).T
+    found = [yielding_directions(lever, WaterHold(UP, force).weights(UP), 0.3) for force in forces]
+    assert [yielding is not None and yielding.pointed for yielding in found] == [0, 0]
+
+
+def test_the_force_of_a_mission_is_the_drag_along_each_axis_and_what_the_lift_leaves():
     rng = np.random.default_rng(13)
     hull, speed = random_hull(rng), 0.7
     linear, quadratic = hull.linear_damping, hull.quadratic_damping
     drags = [np.linalg.norm((linear[:3, i] + quadratic[:3, i] * speed) * speed) for i in range(3)]
     hold = WaterHold.of(hull, speed)
-    assert hold.force == pytest.approx(np.hypot(max(drags) + 1.0, SMALL_FORCE * 10.0))  # 10 N in water, 11 N of lift
+    # 10 N in water, 11 N of lift
+    np.testing.assert_allclose(hold.force, np.hypot(np.array(drags) + 1.0, SMALL_FORCE * 10.0), rtol=1e-6)
     np.testing.assert_array_equal(hold.righting, hull.righting_moment)
