@@ -129,6 +129,14 @@ def turned_to_world(R_WB, a_B):
 
 
 @compiled
+def angle_of_turn(p, q):
+    """Angle [rad] of the rotation between two attitudes, quaternions (4,) wxyz, 0 to pi."""
+    back, there = (p[0], -p[1], -p[2], -p[3]), (q[0], q[1], q[2], q[3])
+    w, x, y, z = quaternion_times(back, there)
+    return 2.0 * atan2(sqrt(x * x + y * y + z * z), abs(w))
+
+
+@compiled
 def solve_positive(S, b):
     """The 3-tuple x with S x = b, for a symmetric positive definite (3,3) S and a 3-tuple b, by S = L D L'.
 

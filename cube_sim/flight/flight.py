@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from hashlib import sha256
+from itertools import zip_longest
 from pickle import PicklingError
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -19,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from cube_sim.allocation import Status
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action, action_of
-from cube_sim.flight.compiled import BEGIN, JUDGED, Flown, fly_ticks
+from cube_sim.flight.compiled import BEGIN, ESTIMATED, JUDGED, Flown, fly_ticks
 from cube_sim.flight.observation import Observation
 from cube_sim.flight.rows import rows_for, write_power
 from cube_sim.flight.snapshot import Snapshot
@@ -29,6 +30,7 @@ from cube_sim.mission import Mission, prepare
 from cube_sim.mission.copying import integration_state, packed, set_integration_state, unpacked
 from cube_sim.mission.divergence import divergence
 from cube_sim.mission.fault_response import record_actuation, respond_to_faults
+from cube_sim.mission.navigation import estimated as estimated_state
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.surface_watch import SurfaceWatch
@@ -45,6 +47,19 @@ _CHANGING = "controller", "supply", "events", "fault_finding", "drop_weight", "e
 """What of a mission changes in a flight, beside MuJoCo's data, its model's numbers and the allocation."""
 
 
+class Begun(NamedTuple):
+    """How far a tick has come in the compiled loop.
+
+    Attributes:
+        reached: as `cube_sim.flight.compiled.loop` names it.
+        known: the estimated state, once there is one.
+    """
+
+    reached: int
+    known: State | None = None
+
+
+NOT_BEGUN = Begun(BEGIN)
 PYTHON_TICKS = 10
 """So many ticks are flown in Python before compiled code is tried again."""
 
@@ -215,34 +230,35 @@ class Flight:
             warnings: where MuJoCo's arrive; they are moved to the log.
             ticks: at most.
         """
-        reached = self._fly_compiled(ticks)
-        if reached is not None:
-            self.control(warnings, reached=reached)
+        begun = self._fly_compiled(ticks)
+        if begun is not None:
+            self.control(warnings, begun=begun)
             self.advance()
 
-    def _fly_compiled(self, ticks: int) -> int | None:
+    def _fly_compiled(self, ticks: int) -> Begun | None:
         """Fly what compiled code can; how far the next tick has come, None where it has all been flown."""
         mission, tick, period = self.mission, self.tick, self._period
         ticks = min(ticks, ticks_left_of_second(tick, period), mission.events.ticks_before(tick, period))
         if tick < self._python_until or ticks <= 0 or not self._surface.under_water:
-            return BEGIN
+            return NOT_BEGUN
         flown = fly_ticks(mission, tick, ticks, self._applied, self._surface.boxes)
         if flown is None or flown.ticks == 0:
             self._python_until = tick + PYTHON_TICKS
-            return BEGIN if flown is None else flown.reached
-        self._note(flown)
-        return None if flown.reached == BEGIN else flown.reached
+        if flown is None:
+            return NOT_BEGUN
+        begun = self._note(flown)
+        return begun if flown.reached != BEGIN or flown.ticks == 0 else None
 
-    def control(self, warnings: list[str], action: Action = OWN, reached: int = BEGIN) -> None:
+    def control(self, warnings: list[str], action: Action = OWN, begun: Begun = NOT_BEGUN) -> None:
         """All of a tick but the physics; `ended` says whether it went well.
 
         Args:
             warnings: where MuJoCo's arrive; they are moved to the log.
             action: in place of the loop's own answer.
-            reached: how far the tick has come in the compiled loop.
+            begun: how far the tick has come in the compiled loop.
         """
         mission, store, t = self.mission, self._store, self.time_s
-        if reached == BEGIN:
+        if begun.reached == BEGIN:
             for message in mission.events.apply_due(t):
                 store.log(t, "WARNING", message)
             mujoco.mj_forward(mission.model, mission.data)
@@ -252,14 +268,15 @@ class Flight:
         if self.ended:
             return
         self._surface.note(t, mission.data)
-        judged = reached == JUDGED
+        judged = begun.reached >= JUDGED
         other_voltage = not judged and self._feed_thrusters(t)
         supply = mission.supply
         write_power(self._rows, 0, t, supply.power, supply.energy, supply.voltage, supply.charge)
         try:
             if respond_to_faults(mission, store, t, judged) or other_voltage or self.tick == 0:
                 record_actuation(mission, store, t)
-            decision, allocation, self._known = tick(mission, self._rows, store, t, self._applied, action)
+            given = t, self._applied, action, begun.known
+            decision, allocation, self._known = tick(mission, self._rows, store, *given)
         except (NotANumberError, OwnCodeError) as error:
             store.extend(t, t, [("power", self._rows.power)])
             self.ended = str(error)
@@ -342,17 +359,32 @@ class Flight:
             self._store.log(t, "WARNING", "the battery is empty: the thrusters stand still")
         return supply.force_ratio != before
 
-    def _note(self, flown: Flown) -> None:
-        """Take in what the compiled loop has done: its rows into the record, what is to be said into the log."""
-        first = self.tick
+    def _note(self, flown: Flown) -> Begun:
+        """Take in what the compiled loop has done: its rows into the record, what is to be said into the log.
+
+        Returns:
+            How far the next tick has come.
+        """
+        first, store = self.tick, self._store
         self.tick += flown.ticks
-        self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.state
-        times = [k * self._period for k in range(first, self.tick)]
-        self._surface.note_under_water(times[-1])
-        for t, status, pace in zip(times, flown.rows.allocation[:, 3].tolist(), flown.pace.tolist(), strict=True):
-            self._unattainable.note(t, Status(int(status)))
-            self._pace.note(t, pace)
-        self._store.extend(times[0], times[-1], flown.rows.named())
+        estimation, sensing, estimated = self.mission.estimation, flown.sensing, flown.reached == ESTIMATED
+        times = [k * self._period for k in range(first, self.tick + estimated)]
+        judged = zip(flown.rows.allocation[:, 3].tolist(), flown.pace.tolist(), strict=True)
+        for k, (t, answer) in enumerate(zip_longest(times, judged)):
+            if estimation is not None:
+                estimation.note(sensing.arrived[k, : sensing.counts[k]], store, t)
+            if answer is not None:
+                self._unattainable.note(t, Status(int(answer[0])))
+                self._pace.note(t, answer[1])
+        if flown.ticks:
+            self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.known
+            self._surface.note_under_water(times[flown.ticks - 1])
+            store.extend(times[0], times[flown.ticks - 1], flown.rows.named())
+        if estimation is None or not times:
+            return Begun(flown.reached)
+        n = len(times)
+        estimation.record(store, np.array(times), sensing.answers[:n], sensing.errors[:n], sensing.inertial[:n])
+        return Begun(flown.reached, estimated_state(sensing.answers[n - 1]) if estimated else None)
 
     def _log_given_up(self, t: float, reason: str) -> None:
         """Log that the path is given up, and why, or followed again; drop the ballast where that is asked."""

@@ -16,7 +16,8 @@ from cube_sim.guidance.view_record import record_of
 from cube_sim.mission import Mission
 from cube_sim.mission.supply import allocate_at
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.spatial import State, Vector, angle_between
+from cube_sim.spatial import State, Vector
+from cube_sim.tuples import angle_of_turn
 from cube_sim.vehicle.current import water_velocity
 from cube_sim.vehicle.state import read_state
 
@@ -39,7 +40,15 @@ class Tick(NamedTuple):
     known: State
 
 
-def tick(mission: Mission, rows: Rows, store: SignalStore, t: float, applied: Vector, action: Action) -> Tick:
+def tick(
+    mission: Mission,
+    rows: Rows,
+    store: SignalStore,
+    t: float,
+    applied: Vector,
+    action: Action,
+    known: State | None = None,
+) -> Tick:
     """One control period up to the thruster commands.
 
     Args:
@@ -49,12 +58,16 @@ def tick(mission: Mission, rows: Rows, store: SignalStore, t: float, applied: Ve
         t: simulated time [s].
         applied: (6,) wrench commanded over the tick before.
         action: in place of the loop's own answer.
+        known: the state the controller is to see; None where it has not been estimated yet.
 
     Raises:
         NotANumberError: the controller's answer is not finite.
     """
     state = read_state(mission.vehicle, mission.data)
-    known = state if mission.estimation is None else mission.estimation.estimate(state, mission.data, store, t)
+    if mission.estimation is None:
+        known = state
+    elif known is None:
+        known = mission.estimation.estimate(state, mission.data, store, t)
     decision = mission.controller.decide(known, applied, mission.scenario.control_period_s, mission.supply.force_ratio)
     if action.wrench is not None:
         decision = decision._replace(wrench=action.wrench, secondary=np.zeros(6))
@@ -73,7 +86,7 @@ def tick(mission: Mission, rows: Rows, store: SignalStore, t: float, applied: Ve
         commands = thrusters.command(force)
     mission.data.ctrl[thrusters.actuators] = commands
     # The errors recorded are those of the true state, not of the estimate.
-    attitude_error = decision.attitude_error if known is state else angle_between(decision.quaternion, state.quaternion)
+    attitude_error = decision.attitude_error if known is state else angle_of_turn(decision.quaternion, state.quaternion)
     _write(mission, rows, t, state, decision, attitude_error, allocation, commands)
     store.extend(t, t, rows.named())
     return Tick(decision, allocation, known)

@@ -12,6 +12,7 @@ from cube_sim.guidance.path import Path
 from cube_sim.navigation.aid import Aid
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
+from cube_sim.navigation.estimating import NavigationMemory, NavigationParameters
 from cube_sim.navigation.heading import LEAST_LEVEL_PART, Heading
 from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion, Truth, felt
@@ -26,7 +27,7 @@ from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Scenario
 from cube_sim.scenario import navigation_blocks as blocks
 from cube_sim.scenario.attitude_blocks import AlongPathBlock, AnyAttitude, FixedAttitudeBlock
-from cube_sim.spatial import State, Vector, quaternion_from_euler, rotation_from_quaternion
+from cube_sim.spatial import Matrix, Record, State, Vector, quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.vehicle import Vehicle
 
 STATIONS = 501
@@ -79,14 +80,40 @@ class StateEstimation:
         if self._navigator is None:
             self._navigator = self._start(truth.motion, recorder, t)
         navigator = self._navigator
-        arrived = navigator.update(truth)
-        ((position, quaternion, rotation, velocity, rates, *believed),) = navigator.answer.tolist()
-        recorder.append("navigation", t, position, quaternion, velocity, rates, *believed)
-        recorder.append("navigation_error", t, *navigator.error.tolist()[0])
-        recorder.append("sensor_imu", t, navigator.inertial[:3], navigator.inertial[3:])
-        for reading in arrived.tolist():
-            self._record_reading(navigator.aids[reading[0]], reading, recorder, t)
-        return State(position, quaternion, rotation, velocity, rates)
+        self.note(navigator.update(truth), recorder, t)
+        answer = navigator.answer
+        self.record(recorder, np.array([t]), answer, navigator.error, navigator.inertial[None])
+        return estimated(answer[0])
+
+    def stage(self, ticks: int) -> tuple[NavigationParameters, NavigationMemory] | None:
+        """The first arguments of `cube_sim.navigation.estimating.estimate` for so many ticks; None before the first."""
+        return None if self._navigator is None else self._navigator.stage(ticks)
+
+    def record(self, recorder: SignalStore, t: Vector, answers: Record, errors: Record, inertial: Matrix) -> None:
+        """Record the estimates of n ticks of one simulated second, but for the readings.
+
+        Args:
+            recorder: gets them.
+            t: (n,) simulated time [s].
+            answers: (n,) of `cube_sim.navigation.estimating.ESTIMATE`.
+            errors: (n,) of `ERROR`.
+            inertial: (n,6) readings of the inertial unit.
+        """
+        tables = _columns(t, answers), _columns(t, errors), np.column_stack([t, inertial])
+        names = "navigation", "navigation_error", "sensor_imu"
+        recorder.extend(float(t[0]), float(t[-1]), zip(names, tables, strict=True))
+
+    def note(self, arrived: Record, recorder: SignalStore, t: float) -> None:
+        """Record the readings that have arrived at one tick.
+
+        Args:
+            arrived: (c,) of `cube_sim.navigation.reading.READING`.
+            recorder: gets them.
+            t: simulated time [s].
+        """
+        if self._navigator is not None:
+            for reading in arrived.tolist():
+                self._record_reading(self._navigator.aids[reading[0]], reading, recorder, t)
 
     def _start(self, truth: Motion, recorder: SignalStore, t: float) -> Navigator:
         block = self._block
@@ -113,6 +140,17 @@ class StateEstimation:
         elif outcome == ReadingOutcome.FUSED and name in self._in_doubt:
             self._in_doubt.remove(name)
             recorder.log(t, "INFO", f"navigation: {name} and the estimate agree again")
+
+
+def estimated(answer: np.void) -> State:
+    """The state in an element of `cube_sim.navigation.estimating.ESTIMATE`."""
+    return State(*(answer[name] for name in State._fields))
+
+
+def _columns(t: Vector, numbers: Record) -> Matrix:
+    """A table of the times (n,) and of the fields of (n,) records, the rotation apart, which is told by another."""
+    fields = (numbers[name].reshape(len(t), -1) for name in numbers.dtype.names or () if name != "rotation")
+    return np.column_stack([t, *fields])
 
 
 def channels_of(block: blocks.NavigationBlock | None) -> tuple[Channel, ...]:

@@ -58,7 +58,7 @@ class SignalStore:
         """Record rows of one simulated second.
 
         Args:
-            first: the earliest time in them [s]; never less than that of any row before.
+            first: the earliest time in them [s]; never in a second before that of what is recorded already.
             last: the latest time in them [s].
             rows: (n, 1+width) of each channel by name, column 0 the time.
 
@@ -67,11 +67,11 @@ class SignalStore:
         """
         if first > self._time:
             self._advance(first)
-        if not last >= self._time or batch_number(last) != batch_number(first):
+        if not first <= last or {batch_number(first), batch_number(last)} != {self._batch_end - 1}:
             raise RecordingError(f"rows from t = {first} s to {last} s after t = {self._time} s")
         for channel, table in rows:
             self._buffer(channel).extend(table)
-        self._time = last
+        self._time = max(self._time, last)
 
     def log(self, t: float, level: str, text: str) -> None:
         """Record a sentence.

@@ -12,7 +12,7 @@ from cube_sim.scenario import load
 CHECKS = [{"kind": "allowed_forces"}]
 COMPILED = {"bluerov2_gust", "bluerov2_vectored_helix", "bluerov2_vectored_hover", "bluerov2_vectored_line"}
 COMPILED |= {"cube_helix", "cube_hover", "cube_lose_one", "cube_survival", "cube_track", "jack_exact", "rov6_helix"}
-COMPILED |= {"torpedo_helix", "torpedo_line"}
+COMPILED |= {"cube_navigated", "torpedo_helix", "torpedo_line"}
 """Scenarios whose ticks are nearly all of them flown by compiled code."""
 
 
@@ -73,6 +73,21 @@ def test_both_loops_fly_the_same(path, monkeypatch):
 )
 def test_both_loops_go_through_the_same_trouble(settings, monkeypatch):
     assert_same_flight(HELIX, {"duration_s": 12.0, "checks": CHECKS, **settings}, monkeypatch)
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"seed": 3, "events": [{"kind": "thrusters", "at_s": 3.0, "thrusters": ["T2"], "state": "dead"}]},
+        {"control.safe_mode.distance_limit_m": 0.4, "control.safe_mode.patience_s": 0.5, "guidance.speed_m_s": 3.0},
+        {"navigation.initial.position_m": 1.5, "navigation.position.delay_s": 2.0},
+    ],
+    ids=["fault", "lost", "late_and_wrong"],
+)
+def test_both_loops_navigate_the_same(settings, monkeypatch):
+    scenario = SCENARIOS / "cube_navigated.yaml"
+    assert assert_same_flight(scenario, {"duration_s": 12.0, "checks": CHECKS, **settings}, monkeypatch) > 0.3
 
 
 @pytest.mark.flight

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -13,20 +14,25 @@ from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.following import FOLLOWED
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.flight.compiled.loop import fly
-from cube_sim.flight.compiled.parts import Answering, Course, Engine, Evidence, Feed, Hull, Notes
+from cube_sim.flight.compiled.parts import Answering, Course, Engine, Evidence, Feed, Hull, Notes, Sensing
 from cube_sim.flight.rows import Rows, rows_for
 from cube_sim.guidance.target_record import RunningParts
 from cube_sim.guidance.view_record import VIEW
 from cube_sim.mission import Mission
 from cube_sim.mission.surface_watch import Boxes
 from cube_sim.native.compiled import address_of
+from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters, estimate
+from cube_sim.navigation.imu import ImuErrors
+from cube_sim.navigation.motion import Motion
+from cube_sim.navigation.navigator import InitialErrors, Navigator
+from cube_sim.navigation.reading import READING
 from cube_sim.spatial import State, Vector
 from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.motor_lag import activation_addresses
 from cube_sim.vehicle.plugin import structs
 
 NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
-_LAW: list[int] = []
+_ADDRESSES: dict[str, int] = {}
 NOTHING_WATCHED = Diagnosis(1.0, 1.0, 1.0, np.zeros(1))
 
 
@@ -40,7 +46,8 @@ class Flown(NamedTuple):
         pace: (ticks,) share of the speed along the path.
         applied: (6,) wrench allocated over the last one [N, N m].
         wanted: (4,) the attitude wanted at it; zero where none was flown.
-        state: of the vehicle at it.
+        known: the state the controller saw at it.
+        sensing: what was estimated; also at the next tick, once its state is.
     """
 
     ticks: int
@@ -49,7 +56,8 @@ class Flown(NamedTuple):
     pace: Vector
     applied: Vector
     wanted: Vector
-    state: State
+    known: State
+    sensing: Sensing
 
 
 def fly_ticks(mission: Mission, tick: int, count: int, applied: Vector, boxes: Boxes) -> Flown | None:
@@ -66,7 +74,7 @@ def fly_ticks(mission: Mission, tick: int, count: int, applied: Vector, boxes: B
         None where a part of it is of a kind that only Python flies.
     """
     controller, supply = mission.controller, mission.supply
-    if type(controller) is not PathFollower or mission.estimation is not None or supply.sags:
+    if type(controller) is not PathFollower or supply.sags:
         return None
     parts, target = controller.ready, controller.target
     running: RunningParts | None = getattr(target, "parts", None)
@@ -74,7 +82,8 @@ def fly_ticks(mission: Mission, tick: int, count: int, applied: Vector, boxes: B
         return None
     path, evidence = getattr(target.path, "parts", None), _evidence(mission)
     searched = mission.allocator.searched(controller.attitude_yields)
-    if path is None or evidence is None or searched is None:
+    sensing = _sensing(mission, count)
+    if path is None or evidence is None or searched is None or sensing is None:
         return None
     allocator, thrusters = searched
     arc_length, feed = np.array([target.arc_length]), _feed(mission)
@@ -86,8 +95,9 @@ def fly_ticks(mission: Mission, tick: int, count: int, applied: Vector, boxes: B
         np.zeros((count, allocator.answer_size)), np.zeros((count, 6)), np.zeros(count), np.zeros(2, np.int64)
     )
     law = parts.arguments(controller)
+    codes = _law_address(law), search_address(), _estimating_address(sensing) if sensing.navigated else 0
     ticks, reached = fly(
-        (_law_address(law), search_address()), count, tick, _engine(mission), _hull(mission, boxes), feed, evidence,
+        codes, count, tick, _engine(mission), _hull(mission, boxes), feed, evidence, sensing,
         course, law, answering, thrusters, rows, notes,
     )  # fmt: skip
     target.arc_length = float(arc_length[0])
@@ -107,16 +117,53 @@ def fly_ticks(mission: Mission, tick: int, count: int, applied: Vector, boxes: B
         answering.applied,
         answering.quaternion,
         State(state[:3], state[3:7], state[7:16].reshape(3, 3), state[16:19], state[19:]),
+        sensing,
     )
 
 
 def _law_address(law: LawParts) -> int:
     """Where the code of the law lies, which is large."""
-    if not _LAW:
+    if "law" not in _ADDRESSES:
         records = (np.zeros(1, kind) for kind in (VIEW, DESIRED, FOLLOWED))
         motion = np.eye(3), np.zeros(4), np.zeros(3), np.zeros(3)
-        _LAW.append(address_of(answer, law, *records, *motion, np.zeros(6), 1.0, 1.0))
-    return _LAW[0]
+        _ADDRESSES["law"] = address_of(answer, law, *records, *motion, np.zeros(6), 1.0, 1.0)
+    return _ADDRESSES["law"]
+
+
+def _estimating_address(sensing: Sensing) -> int:
+    """Where the code of the navigation lies; it is compiled only for those who navigate."""
+    if "estimate" not in _ADDRESSES:
+        truth = np.zeros(3), np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3)
+        into = sensing.answers[:1], sensing.errors[:1], sensing.arrived[0]
+        _ADDRESSES["estimate"] = address_of(estimate, sensing.parameters, sensing.memory, *truth, *into)
+    return _ADDRESSES["estimate"]
+
+
+@cache
+def _nothing_sensed() -> tuple[NavigationParameters, NavigationMemory]:
+    """Arguments of the right types for a flight whose controller sees the true state."""
+    still = Motion(np.zeros(3), np.zeros(3), np.eye(3), np.zeros(3))
+    known = InitialErrors(0.0, 0.0, 0.0, 0.0)
+    return Navigator(ImuErrors(*np.zeros(6).tolist()), (), known, still, 0, np.zeros(3), 1.0).stage(1)
+
+
+def _sensing(mission: Mission, count: int) -> Sensing | None:
+    """What the state is estimated by; None before its first estimate."""
+    estimation = mission.estimation
+    stage = _nothing_sensed() if estimation is None else estimation.stage(count)
+    if stage is None:
+        return None
+    k = len(stage[0].aids)
+    return Sensing(
+        estimation is not None,
+        *stage,
+        mission.vehicle.gravity,
+        np.zeros(count, ESTIMATE),
+        np.zeros(count, ERROR),
+        np.zeros((count, 6)),
+        np.zeros((count, k), READING),
+        np.zeros(count, np.int64),
+    )
 
 
 def _engine(mission: Mission) -> Engine:

@@ -23,31 +23,58 @@ from cube_sim.guidance.target_record import advanced, see_from_target
 from cube_sim.guidance.view_record import VIEW
 from cube_sim.mission.divergence import DIVERGED, all_below
 from cube_sim.mission.surface_watch import EMERGED_M, top_of
-from cube_sim.native.compiled import call_at, unlocked
-from cube_sim.tuples import turned_to_world
+from cube_sim.native.compiled import call_at, compiled, unlocked
+from cube_sim.navigation.motion import felt
+from cube_sim.tuples import angle_of_turn, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces, work
 from cube_sim.vehicle.plugin.engine import forward, step
 from cube_sim.vehicle.plugin.memory import double
 from cube_sim.vehicle.state import hull_state
 
-BEGIN, FORWARDED, JUDGED = 0, 1, 2
+BEGIN, FORWARDED, JUDGED, ESTIMATED = range(4)
 """How far the tick has come that Python goes on with: not begun; accelerations are up to date; the thrusters are fed
-too, and the evidence of faults is in."""
+too, and the evidence of faults is in; and the state is estimated."""
+
+
+@compiled
+def sense(code, sensing, k, state, acceleration, known):
+    """Estimate the state at one tick.
+
+    Args:
+        code: address of that of `estimate`.
+        sensing: `Sensing`, moved on; its k-th rows are filled.
+        k: which tick it is.
+        state: (22,) the true one, of `hull_state`.
+        acceleration: of the body origin (3,) [m/s^2], world axes.
+        known: (22,) out: the estimate.
+    """
+    s, R = sensing, state[7:16].reshape(3, 3)
+    velocity, force = felt(R, state[16:19], acceleration, s.gravity)
+    truth = state[:3], velocity, R, state[19:], force
+    into = s.answers[k : k + 1], s.errors[k : k + 1], s.arrived[k]
+    s.counts[k] = call_at(np.int64, code, (s.parameters, s.memory, *truth, *into))
+    s.inertial[k] = s.memory.imu[0].reading
+    answer = s.answers[k]
+    known[:3], known[3:7], known[16:19], known[19:] = answer.position, answer.quaternion, answer.velocity, answer.rates
+    for i in range(3):
+        for j in range(3):
+            known[7 + 3 * i + j] = answer.rotation[i, j]
 
 
 @unlocked
-def fly(codes, count, tick, engine, hull, feed, evidence, course, law, answering, thrusters, rows, notes):
+def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, answering, thrusters, rows, notes):
     """Fly up to so many ticks.
 
     Args:
-        codes: addresses of the code of `answer` and of `solve_each`.
+        codes: addresses of the code of `answer`, of `solve_each`, and of `estimate` where the state is estimated.
         count: how many.
         tick: number of the first.
         engine: `Engine`.
         hull: `Hull`.
         feed: `Feed`.
         evidence: `Evidence`.
+        sensing: `Sensing`.
         course: `Course`.
         law: `cube_sim.control.answering.LawParts`.
         answering: `Answering`.
@@ -88,26 +115,31 @@ def fly(codes, count, tick, engine, hull, feed, evidence, course, law, answering
                 return k, JUDGED
         state = hull_state(e.qpos, e.qvel, e.xmat, e.xquat, e.hull[0], e.hull[1], body)
         R = state[7:16].reshape(3, 3)
-        velocity_W = turned_to_world(R, state[16:19])
+        known = state
+        if sensing.navigated:
+            known = np.empty(22)
+            sense(codes[2], sensing, k, state, e.qacc[e.hull[1] : e.hull[1] + 3], known)
+            R = known[7:16].reshape(3, 3)
+        velocity_W = turned_to_world(R, known[16:19])
         s = course.arc_length[0]
         planned, slope, place = 0.0, 0.0, s
         if course.target[0].clocked:
             planned, slope = speed_at(*course.plan, s)
             place = min(s, course.target[0].last)
         row = path_row(*course.path, place)
-        see_from_target(view, course.target, row, planned, s, state[:3], velocity_W)
+        see_from_target(view, course.target, row, planned, s, known[:3], velocity_W)
         loss = course.loss.copy()
         if loses_target(loss, view[0].error, dt):
-            return k, JUDGED
+            return k, ESTIMATED
         course.loss[0].was_near, course.loss[0].since = loss[0].was_near, loss[0].since
         course.loss[0].nearest, course.loss[0].distance = loss[0].nearest, loss[0].distance
         desired[0].quaternion[:] = 0.0
         desired[0].rates[:] = 0.0
-        motion = R, state[3:7], state[16:19], state[19:]
+        motion = R, known[3:7], known[16:19], known[19:]
         call_at(answer, codes[0], (law, view, desired, followed, *motion, answering.applied, dt, feed.force_ratio))
         out, wanted = followed[0], desired[0].quaternion
         if not isfinite((out.wrench**2).sum() + (wanted**2).sum() + (view[0].error ** 2).sum()):
-            return k, JUDGED
+            return k, ESTIMATED
         if answering.yields:
             yield_attitude(answering.coupling, out.wrench, secondary)
         asked, residual, cost, status, nodes, doubts = allocate_responsive(
@@ -131,13 +163,14 @@ def fly(codes, count, tick, engine, hull, feed, evidence, course, law, answering
             for i in range(3):
                 water[i] += there[i]
         current = law.current if law.settings[0].current_time > 0.0 else no_current
-        write_motion(rows, k, t, state, view, followed, wanted, out.attitude_error, disturbance, current, water)
+        off = angle_of_turn(wanted, state[3:7]) if sensing.navigated else out.attitude_error
+        write_motion(rows, k, t, state, view, followed, wanted, off, disturbance, current, water)
         write_actuation(
             rows, k, t, answering.applied, force, commands, given, thrusters.subset, residual, cost, status,
             feed.efficiency, thrusters.efficiency, answering.authority,
         )  # fmt: skip
         answering.quaternion[:] = wanted
-        answering.state[:] = state
+        answering.state[:] = known
         course.arc_length[0] = advanced(course.target, slope, s, view[0].speed, dt)
         pressed = course.shortage[0].pressed
         if law.settings[0].budgeted:

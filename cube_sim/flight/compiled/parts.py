@@ -11,6 +11,7 @@ from cube_sim.control.diagnosis import Window
 from cube_sim.control.probing import ProbeMemory
 from cube_sim.guidance.path_record import Parts as PathParts
 from cube_sim.guidance.speed import Parts as SpeedParts
+from cube_sim.navigation.estimating import NavigationMemory, NavigationParameters
 from cube_sim.spatial import Matrix, Record, Vector
 
 Indices = NDArray[np.int_]
@@ -138,6 +139,32 @@ class Evidence(NamedTuple):
     telemetry_gain: Vector
 
 
+class Sensing(NamedTuple):
+    """What the controller's state is estimated by.
+
+    Attributes:
+        navigated: whether it is.
+        parameters: of `cube_sim.navigation.estimating.estimate`, like the next.
+        memory: of it, moved on.
+        gravity: (3,) [m/s^2], world axes.
+        answers: (n,) of `ESTIMATE`, filled, like all that follow.
+        errors: (n,) of `ERROR`.
+        inertial: (n,6) readings of the inertial unit.
+        arrived: (n,k) of `cube_sim.navigation.reading.READING`.
+        counts: (n,) how many of these there are.
+    """
+
+    navigated: bool
+    parameters: NavigationParameters
+    memory: NavigationMemory
+    gravity: Vector
+    answers: Record
+    errors: Record
+    inertial: Matrix
+    arrived: Record
+    counts: NDArray[np.int64]
+
+
 class Course(NamedTuple):
     """The target on its path.
 
@@ -169,7 +196,7 @@ class Answering(NamedTuple):
         authority: code of how the vehicle flies.
         applied: (6,) wrench allocated over the tick before [N, N m]; moved on.
         quaternion: (4,) the attitude wanted at the last tick, out.
-        state: (22,) of the last tick, out.
+        state: (22,) known at the last tick, out.
     """
 
     coupling: Matrix
