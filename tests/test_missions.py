@@ -13,6 +13,7 @@ from flights.paths import PATHS, drawn_path
 from flights.plan import INGREDIENTS, KINDS, drawn_plan
 from flights.sweep import verdicts
 from flights.workers import in_processes
+from scipy.spatial.transform import Rotation
 from support.places import MODELS
 
 from cube_sim.mission.path import path_of
@@ -107,7 +108,18 @@ def test_the_forecast_is_the_analysis_and_knows_weak_and_stuck_thrusters(tmp_pat
     assert not asked(model, stuck={"T1": 51.0, "T2": 51.0})
 
 
-def flight(error_m=0.0, *, to_s=100.0, from_s=60.0, speed=0.5, believed=1.0, authority=0, **scenario):
+def flight(
+    error_m=0.0,
+    *,
+    to_s=100.0,
+    from_s=60.0,
+    speed=0.5,
+    believed=1.0,
+    authority=0,
+    planar=None,
+    lateral=(0, 0),
+    **scenario,
+):
     """Signals of a flight of two thrusters whose cross-track error is a function of the time."""
     t = np.arange(0.0, to_s + 1e-9, 0.1)[:, None]
     n = len(t)
@@ -125,7 +137,10 @@ def flight(error_m=0.0, *, to_s=100.0, from_s=60.0, speed=0.5, believed=1.0, aut
         "allocation.status": np.zeros((n, 1)),
     }
     asked_for = {"duration_s": 100.0, "path": {"type": "line"}, "guidance": {"speed_m_s": 0.5}} | scenario
-    return judged({name: np.hstack([t, rows]) for name, rows in columns.items()}, asked_for, from_s)
+    if planar is not None:
+        columns |= {"target.quaternion": np.tile(planar, (n, 1)), "path_error.lateral": np.tile(lateral, (n, 1))}
+    signals = {name: np.hstack([t, rows]) for name, rows in columns.items()}
+    return judged(signals, asked_for, from_s, planar is not None)
 
 
 @pytest.mark.parametrize(
@@ -157,6 +172,21 @@ def test_the_figures_are_those_of_the_window():
     assert found["worst_m"] == 3.0
     assert found["worst_late_m"] == pytest.approx(0.04)
     assert found["advance"] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.7, 2.0])
+def test_a_vehicle_for_the_plane_is_judged_in_it(turned):
+    """0.3 m off its depth, or aside; the normals of its path are turned about the tangent, and that by a heading."""
+    frame = Rotation.from_euler("ZX", [0.9, turned])
+
+    def across(aside, up):
+        level = Rotation.from_euler("z", 0.9).apply([0.0, aside, up])
+        return flight(0.3, planar=frame.as_quat()[[3, 0, 1, 2]], lateral=frame.inv().apply(level)[1:])
+
+    assert across(0.0, 0.3)["rms_m"] == pytest.approx(0.0, abs=1e-12)
+    assert across(0.0, 0.3)["passes"]
+    assert across(-0.3, 0.0)["rms_m"] == pytest.approx(0.3)
+    assert across(0.2, 0.3)["cause"] == "standing error"
 
 
 def test_a_process_that_hangs_or_dies_costs_its_own_call_only():

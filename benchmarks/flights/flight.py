@@ -59,7 +59,7 @@ def fly(mission: Mission, folder: Path, *, flown_anyway: bool, keep: bool) -> Ro
     run_folder = folder / "run"
     shutil.rmtree(run_folder, ignore_errors=True)
     run = cube_sim.run(folder / "mission.yaml", out=run_folder)
-    row |= judged(run.signals, mission.scenario, mission.from_s)
+    row |= judged(run.signals, mission.scenario, mission.from_s, mission.planar)
     log = read_recording(run_folder / "run.mcap").log
     row["log"] = [f"{line.t:.2f} {line.level} {line.text}" for line in log if line.level != "INFO"][:12]
     if not keep:

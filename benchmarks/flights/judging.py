@@ -25,19 +25,25 @@ LAP_M = 1.0
 Signals = Mapping[str, np.ndarray]
 
 
-def judged(signals: Signals, scenario: Mapping[str, Any], from_s: float) -> dict[str, Any]:
+def judged(signals: Signals, scenario: Mapping[str, Any], from_s: float, planar: bool = False) -> dict[str, Any]:
     """Figures of a flight, whether it passes, and a cause when it does not.
+
+    A vehicle for the plane is judged in its plane. It has no thrust up or down, and a hull that floats a degree off
+    level, or is tilted by its thrusters, leaves its depth by centimetres a second whatever the law. The analysis, too,
+    is asked about the plane, of a vehicle that is kept at its depth by other means. How far it leaves it is a figure of
+    its own, `depth_m`.
 
     Args:
         signals: "channel.field" -> rows, column 0 the time [s].
         scenario: the mission's.
         from_s: start of the window [s].
+        planar: whether the vehicle is one for the plane at its depth.
     """
     end_s = float(signals["pose.position"][-1, 0])
     period = scenario.get("control_period_s", 0.02)
     complete = end_s >= scenario["duration_s"] - 1.5 * period
     point = scenario["path"]["type"] == "point"
-    error = np.abs(signals["path_error.cross_track"][:, 1:])
+    error = np.abs(_level_error(signals) if planar else signals["path_error.cross_track"][:, 1:])
     if point:
         error = np.hypot(error, signals["path_error.along"][:, 1:])
     t, error = signals["path_error.cross_track"][:, 0], error[:, 0]
@@ -54,6 +60,8 @@ def judged(signals: Signals, scenario: Mapping[str, Any], from_s: float) -> dict
         sigma = signals["navigation.position_sigma"]
         own = np.sqrt(np.mean(np.sum(sigma[sigma[:, 0] >= from_s, 1:] ** 2, axis=1)))
         figures["limit_m"] = max(LIMIT_M, SIGMAS * float(own))
+    if planar:
+        figures["depth_m"] = float(np.ptp(signals["pose.position"][:, 3]))
     figures["advance"] = 1.0 if point else _advance(signals, scenario, from_s)
     figures["authority"] = [int(code) for code in np.unique(signals["health.authority"][late, 1])]
     status = signals["allocation.status"][late, 1]
@@ -62,6 +70,15 @@ def judged(signals: Signals, scenario: Mapping[str, Any], from_s: float) -> dict
     figures["highest_m"] = float(signals["pose.position"][:, 3].max())
     cause = _cause(figures, late_error, t[late], complete)
     return figures | {"passes": cause == "", "cause": cause}
+
+
+def _level_error(signals: Signals) -> np.ndarray:
+    """(n,1) the distance [m] across the path in the horizontal plane."""
+    y1, z1 = signals["path_error.lateral"][:, 1:].T
+    w, x, y, z = signals["target.quaternion"][:, 1:].T
+    along_x = 2.0 * (x * y - w * z) * y1 + 2.0 * (x * z + w * y) * z1
+    along_y = (1.0 - 2.0 * (x * x + z * z)) * y1 + 2.0 * (y * z - w * x) * z1
+    return np.hypot(along_x, along_y)[:, None]
 
 
 def false_alarms(signals: Signals, scenario: Mapping[str, Any]) -> int:

@@ -13,8 +13,8 @@ Row = dict[str, Any]
 
 COLUMNS = (
     "seed", "vehicle", "kind", "path", "ingredients", "faults", "speed_m_s", "through_water_m_s", "from_s", "forecast",
-    "flown", "passes", "rms_m", "limit_m", "worst_m", "worst_late_m", "final_m", "advance", "not_exact", "attitude_rad",
-    "false_alarms", "cause", "forecast_reason",
+    "flown", "passes", "rms_m", "limit_m", "depth_m", "worst_m", "worst_late_m", "final_m", "advance", "not_exact",
+    "attitude_rad", "false_alarms", "cause", "forecast_reason",
 )  # fmt: skip
 
 
