@@ -100,6 +100,17 @@ def contradicts(expected, measured, first, n, efficiency, stuck, gain, threshold
     """
     k, m = expected.shape
     result = np.zeros(m, np.bool_)
+    if noise == 0.0:
+        squares = np.zeros(m)
+        for j in range(n):
+            row = (first + j) % k
+            for i in range(m):
+                believed = efficiency[i] * expected[row, i] if np.isnan(stuck[i]) else stuck[i]
+                r = measured[row, i] / gain[i] - believed
+                squares[i] += r * r
+        for i in range(m):
+            result[i] = sqrt(squares[i]) > sqrt(n) * threshold
+        return result
     for i in range(m):
         total = sum_x = sum_r = sum_xx = sum_xr = 0.0
         for j in range(n):
@@ -112,9 +123,6 @@ def contradicts(expected, measured, first, n, efficiency, stuck, gain, threshold
             sum_r += r
             sum_xx += x * x
             sum_xr += x * r
-        if noise == 0.0:
-            result[i] = sqrt(total) > sqrt(n) * threshold
-            continue
         noise2 = (noise / gain[i]) ** 2
         swing, along = sum_xx - sum_x * sum_x / n, sum_xr - sum_x * sum_r / n
         shaped = sum_r * sum_r / n + (along * along / swing if swing > 1e-9 else 0.0)

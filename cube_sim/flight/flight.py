@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from hashlib import sha256
-from itertools import zip_longest
 from pickle import PicklingError
 from typing import Any, NamedTuple
 
@@ -369,13 +368,14 @@ class Flight:
         self.tick += flown.ticks
         estimation, sensing, estimated = self.mission.estimation, flown.sensing, flown.reached == ESTIMATED
         times = [k * self._period for k in range(first, self.tick + estimated)]
-        judged = zip(flown.rows.allocation[:, 3].tolist(), flown.pace.tolist(), strict=True)
-        for k, (t, answer) in enumerate(zip_longest(times, judged)):
+        statuses, paces, last = flown.rows.allocation[:, 3], flown.pace, flown.ticks - 1
+        quiet = self._unattainable.quiet(statuses) and self._pace.quiet(paces)
+        for k, t in enumerate(times):
             if estimation is not None:
                 estimation.note(sensing.arrived[k, : sensing.counts[k]], store, t)
-            if answer is not None:
-                self._unattainable.note(t, Status(int(answer[0])))
-                self._pace.note(t, answer[1])
+            if k == last or (k < last and not quiet):
+                self._unattainable.note(t, Status(int(statuses[k])))
+                self._pace.note(t, float(paces[k]))
         if flown.ticks:
             self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.known
             self._surface.note_under_water(times[flown.ticks - 1])

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cube_sim.recording.signal_store import SignalStore
 
 PATIENCE_S = 2.0
@@ -22,10 +25,14 @@ class PaceLog:
         self._recorder, self._speed = recorder, speed_m_s
         self._logged, self._since = False, 0.0
 
+    def quiet(self, paces: NDArray[np.float64]) -> bool:
+        """Whether ticks of these shares (n,) of the speed are no news."""
+        return bool(((paces < SLOWER) == self._logged).all())
+
     def note(self, t: float, pace: float) -> None:
         """Take in the share of the speed of one tick, at t [s]."""
         slower = pace < SLOWER
-        if slower is self._logged:
+        if slower == self._logged:
             self._since = t
         elif t - self._since >= PATIENCE_S:
             self._logged = slower

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cube_sim.allocation import Status
 from cube_sim.recording.signal_store import SignalStore
 
@@ -15,6 +18,10 @@ class UnattainableLog:
     def __init__(self, recorder: SignalStore) -> None:
         self._recorder = recorder
         self._logged, self._since = Status.EXACT, 0.0
+
+    def quiet(self, statuses: NDArray[np.float64]) -> bool:
+        """Whether ticks of these statuses (n,) are no news."""
+        return bool((statuses == self._logged).all())
 
     def note(self, t: float, status: Status) -> None:
         """Take in the status of one tick, at t [s]."""
