@@ -11,12 +11,25 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cube_sim.flight import Flight, Observation, Snapshot
+    from cube_sim.many_flights import FlightOutcome, fly_many
     from cube_sim.simulation import Run, fly, run
     from cube_sim.vehicle.loading import load_model
     from cube_sim.vehicle.plugin.hook import install
     from cube_sim.vehicle.vehicle import Vehicle
 
-__all__ = ["Flight", "Observation", "Run", "Snapshot", "Vehicle", "fly", "install", "load_model", "run"]
+__all__ = [
+    "Flight",
+    "FlightOutcome",
+    "Observation",
+    "Run",
+    "Snapshot",
+    "Vehicle",
+    "fly",
+    "fly_many",
+    "install",
+    "load_model",
+    "run",
+]
 
 _HOME = {
     "Flight": "cube_sim.flight",
@@ -24,7 +37,9 @@ _HOME = {
     "Snapshot": "cube_sim.flight",
     "Run": "cube_sim.simulation",
     "Vehicle": "cube_sim.vehicle.vehicle",
+    "FlightOutcome": "cube_sim.many_flights",
     "fly": "cube_sim.simulation",
+    "fly_many": "cube_sim.many_flights",
     "install": "cube_sim.vehicle.plugin.hook",
     "load_model": "cube_sim.vehicle.loading",
     "run": "cube_sim.simulation",

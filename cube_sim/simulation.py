@@ -158,13 +158,6 @@ def _run_ticks(
         When and why the run ended before its time; None if it did not.
     """
     scenario = mission.scenario
-    flight, told = Flight.recorded(loaded, mission, recorder), -1.0
-    while not flight.over:
-        flight.fly(warnings, scenario.ticks - flight.tick)
-        if progress is not None and flight.time_s >= told + 1.0:
-            told = flight.time_s
-            progress(told, scenario.duration_s)
-    if not flight.ended:
-        flight.control(warnings)  # the last row is the state at the end
-    flight.finish()
+    flight = Flight.recorded(loaded, mission, recorder)
+    flight.fly_to_its_end(warnings, None if progress is None else lambda t: progress(t, scenario.duration_s))
     return EarlyEnd(flight.time_s, flight.ended) if flight.ended else None

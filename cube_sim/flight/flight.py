@@ -6,8 +6,9 @@ thruster forces (allocation) -> thruster commands -> one row per channel (record
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from hashlib import sha256
 from pickle import PicklingError
 from typing import Any, NamedTuple
@@ -34,7 +35,6 @@ from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.surface_watch import SurfaceWatch
 from cube_sim.mission.unattainable_log import UnattainableLog
-from cube_sim.recording.batch import ticks_left_of_second
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
@@ -116,8 +116,6 @@ class Flight:
 
     def _begin(self, loaded: Loaded, mission: Mission, store: SignalStore) -> None:
         self.mission, self.ended, self.tick = mission, "", 0
-        sources = [code.source for code in mission.codes.values()]
-        self._digest = sha256("\0".join([loaded.resolved_yaml(), *sources]).encode()).hexdigest()
         self._loaded, self._store = loaded, store
         self._applied: NDArray[np.float64] = np.zeros(6)
         self._given_up = ""
@@ -128,6 +126,12 @@ class Flight:
         self._surface = SurfaceWatch(store, mission.model, mission.vehicle)
         self._period = mission.scenario.control_period_s
         self._rows, self._python_until = rows_for(mission.channels, 1), 1
+
+    @cached_property
+    def _digest(self) -> str:
+        """Of the scenario, and of the code it names."""
+        sources = [code.source for code in self.mission.codes.values()]
+        return sha256("\0".join([self._loaded.resolved_yaml(), *sources]).encode()).hexdigest()
 
     @property
     def time_s(self) -> float:
@@ -221,7 +225,7 @@ class Flight:
         )
 
     def fly(self, warnings: list[str], ticks: int) -> None:
-        """Fly up to so many control periods, as far as compiled code goes or to the end of the simulated second.
+        """Fly up to so many control periods, as far as compiled code goes, or a recording takes them at once.
 
         One at least is flown, unless the flight ends.
 
@@ -234,10 +238,28 @@ class Flight:
             self.control(warnings, begun=begun)
             self.advance()
 
+    def fly_to_its_end(self, warnings: list[str], told: Callable[[float], None] | None = None) -> None:
+        """Fly as long as the scenario says; the last row is the state at its end.
+
+        Args:
+            warnings: where MuJoCo's arrive; they are moved to the log.
+            told: called about once per simulated second with the simulated time [s].
+        """
+        last = -1.0
+        while not self.over:
+            self.fly(warnings, self.mission.scenario.ticks - self.tick)
+            if told is not None and self.time_s >= last + 1.0:
+                last = self.time_s
+                told(last)
+        if not self.ended:
+            self.control(warnings)
+        self.finish()
+
     def _fly_compiled(self, ticks: int) -> Begun | None:
         """Fly what compiled code can; how far the next tick has come, None where it has all been flown."""
         mission, tick, period = self.mission, self.tick, self._period
-        ticks = min(ticks, ticks_left_of_second(tick, period), mission.events.ticks_before(tick, period))
+        most = self._store.ticks_at_once(tick, period), mission.events.ticks_before(tick, period)
+        ticks = min(ticks, mission.scenario.ticks - tick, *most)
         if tick < self._python_until or ticks <= 0 or not self._surface.under_water:
             return NOT_BEGUN
         flown = fly_ticks(mission, tick, ticks, self._applied, self._surface.boxes)

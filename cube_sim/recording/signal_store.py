@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Batch, Rows, Sink, batch_number, signals
+from cube_sim.recording.batch import Batch, Rows, Sink, batch_number, signals, ticks_left_of_second
 from cube_sim.recording.buffer import ChannelBuffer
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.mcap.schemas import LOG_LEVELS
 from cube_sim.run_log import WEIGHTY, LogLine
+
+TICKS_IN_MEMORY = 500
+"""Of so many ticks rows may be handed over at once where no file waits for each second."""
 
 
 class SignalStore:
@@ -54,8 +57,17 @@ class SignalStore:
             self._advance(t)
         self._buffer(channel).append(t, values)
 
+    def ticks_at_once(self, tick: int, period: float) -> int:
+        """Of how many ticks, from this one on, rows may be handed over at once.
+
+        Args:
+            tick: its number.
+            period: of the ticks [s].
+        """
+        return ticks_left_of_second(tick, period) if self._sinks else TICKS_IN_MEMORY
+
     def extend(self, first: float, last: float, rows: Iterable[tuple[str, Rows]]) -> None:
-        """Record rows of one simulated second.
+        """Record rows of `ticks_at_once`.
 
         Args:
             first: the earliest time in them [s]; never in a second before that of what is recorded already.
@@ -67,7 +79,7 @@ class SignalStore:
         """
         if first > self._time:
             self._advance(first)
-        if not first <= last or {batch_number(first), batch_number(last)} != {self._batch_end - 1}:
+        if not first <= last or (self._sinks and {batch_number(first), batch_number(last)} != {self._batch_end - 1}):
             raise RecordingError(f"rows from t = {first} s to {last} s after t = {self._time} s")
         for channel, table in rows:
             self._buffer(channel).extend(table)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ruamel.yaml import YAML
@@ -70,9 +71,8 @@ class Document:
 
 def parse(text: str) -> Document:
     """Parse one YAML 1.2 document; never raises on bad text."""
-    yaml = YAML(typ="safe", pure=True)
     try:
-        root = yaml.compose(text)
+        yaml, root = _composed(text)
     except RecursionError:
         return Document(None, (Mistake(Position(1, 1), (), "nested too deeply"),))
     except YAMLError as error:
@@ -82,6 +82,13 @@ def parse(text: str) -> Document:
     builder = _Builder(yaml)
     data = builder.build(root, ())
     return Document(data, tuple(builder.mistakes), builder.keys, builder.values)
+
+
+@lru_cache(maxsize=8)  # a file is often read again, with other overrides; builders only read its nodes
+def _composed(text: str) -> tuple[YAML, Node | None]:
+    """The tree of nodes of a text, and what made it."""
+    yaml = YAML(typ="safe", pure=True)
+    return yaml, yaml.compose(text)
 
 
 def parse_value(text: str) -> Any:

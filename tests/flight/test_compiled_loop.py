@@ -99,7 +99,7 @@ def test_both_loops_end_alike_when_the_simulation_fails(monkeypatch):
         if not compiled:
             monkeypatch.setattr(flight, "fly_ticks", lambda *_: None)
         while not one.over:
-            if one.tick == 50:
+            if one.tick == 51:
                 one.mission.data.qvel[:] = np.nan
             one.fly([], 10)
         one.finish()

@@ -36,6 +36,7 @@ def offsets(struct: str, fields: tuple[str, ...]) -> dict[str, int]:
     return {path: int(layout.fields[path.replace(".", "_")][1]) for path in fields}  # type: ignore[index]
 
 
+@cache
 def record(struct: str, fields: tuple[str, ...]) -> np.dtype:
     """The named fields of a MuJoCo struct at their byte offsets; pointers appear as int64 addresses.
 
@@ -79,6 +80,7 @@ def verify(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 raise ModelError(f"{name}.{field}", f"lies elsewhere in MuJoCo {mujoco.__version__} than it describes")
 
 
+@cache
 def _layout(name: str) -> type[ctypes.Structure]:
     declared = structs.STRUCTS[name]
     return _structure(name, declared.fields)

@@ -1,0 +1,98 @@
+"""Many flights at once: each is the one that would be flown alone, to the bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.places import HELIX, SCENARIOS
+
+import cube_sim
+from cube_sim.errors import ScenarioError
+from cube_sim.flight import Flight
+from cube_sim.many_flights import statistics_of
+
+CHECKS = [{"kind": "allowed_forces"}]
+LOST = {"kind": "thrusters", "at_s": 2.0, "thrusters": ["T3"], "state": "dead"}
+STUCK = {"kind": "thrusters", "at_s": 1.0, "thrusters": ["T1"], "state": "stuck", "force_N": -20.0}
+SIGNALS = ["pose.position", "thrusters.force", "health.believed", "allocation.status"]
+VARIATIONS = [
+    {"duration_s": 6.0},
+    {"duration_s": 5.0, "current_m_s": [0.0, 0.3, 0.1]},
+    {"duration_s": 6.0, "events": [LOST]},
+    {"duration_s": 6.0, "events": [STUCK, LOST]},
+    {"duration_s": 4.0, "initial.position_m": [0.0, 0.0, -0.2]},
+    {"duration_s": 4.0, "control.attitude": {"mode": "look_at", "point_m": [3.0, 0.0, -4.0]}},
+]
+
+
+def alone(scenario, variation):
+    """The flight of one variation, nobody else in the air."""
+    flight = Flight(scenario, {"checks": CHECKS, **variation})
+    flight.fly_to_its_end([])
+    return flight
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_each_flight_is_the_one_flown_alone(threads):
+    varied = [{"checks": CHECKS, **variation} for variation in VARIATIONS]
+    flown = cube_sim.fly_many(HELIX, varied, threads=threads, signals=SIGNALS)
+    assert [outcome.variation for outcome in flown] == varied
+    for outcome, variation in zip(flown, VARIATIONS, strict=True):
+        single = alone(HELIX, variation)
+        for name in SIGNALS:
+            assert outcome.signals[name].tobytes() == single.signals[name].tobytes(), (variation, name)
+        assert outcome.log == tuple(line for line in single.log if line.level == "WARNING")
+        assert outcome.verdict == "PASS"
+        assert outcome.simulated_s == variation["duration_s"]
+        assert outcome.statistics == statistics_of(single.signals)
+    assert [outcome.statistics["thrusters_lost"] for outcome in flown] == [0.0, 0.0, 1.0, 2.0, 0.0, 0.0]
+
+
+@pytest.mark.flight
+def test_seeds_navigate_their_own_ways():
+    scenario = SCENARIOS / "cube_navigated.yaml"
+    varied = [{"seed": seed, "duration_s": 3.0, "checks": CHECKS} for seed in (1, 2, 1)]
+    one, two, again = cube_sim.fly_many(scenario, varied, threads=2, signals=["navigation.position"])
+    first = one.signals["navigation.position"]
+    assert first.tobytes() == again.signals["navigation.position"].tobytes()
+    assert not np.allclose(first, two.signals["navigation.position"], atol=1e-6)
+    assert first.tobytes() == alone(scenario, varied[0]).signals["navigation.position"].tobytes()
+
+
+@pytest.mark.flight
+def test_proxqp_confirms_on_request_and_changes_nothing():
+    varied = [{"duration_s": 1.0, "checks": CHECKS}]
+    (bare,), (confirmed,) = (
+        cube_sim.fly_many(HELIX, varied, signals=["thrusters.command"], confirm=confirm) for confirm in (False, True)
+    )
+    command = bare.signals["thrusters.command"]
+    assert command.tobytes() == confirmed.signals["thrusters.command"].tobytes()
+
+
+@pytest.mark.flight
+def test_statistics_are_those_of_the_signals():
+    flight = alone(HELIX, {"duration_s": 5.0})
+    signals = flight.signals
+    numbers = statistics_of(signals)
+    distance = np.hypot(*signals["path_error.lateral"][:, 1:].T)
+    assert numbers["cross_track_max_m"] == pytest.approx(distance.max(), rel=1e-12)
+    assert numbers["cross_track_rms_m"] == pytest.approx(np.sqrt(np.mean(distance**2)), rel=1e-12)
+    assert numbers["energy_J"] == signals["power.energy"][-1, 1] > 0.0
+    assert numbers["travelled_m"] == pytest.approx(np.ptp(signals["target.arc_length"][:, 1]))
+    assert numbers["thrusters_lost"] == 0.0
+
+
+def test_who_cannot_fly_is_named_before_anybody_does():
+    with pytest.raises(ScenarioError) as refused:
+        cube_sim.fly_many(HELIX, [{"seed": 1}, {"guidance.speed_m_s": -1.0}])
+    assert "variation 1" in str(refused.value)
+    assert "guidance.speed_m_s" in str(refused.value)
+    with pytest.raises(ValueError, match="threads is 0"):
+        cube_sim.fly_many(HELIX, [{}], threads=0)
+    with pytest.raises(ValueError, match=r"no signal 'pose\.place'"):
+        cube_sim.fly_many(HELIX, [{"duration_s": 0.1, "checks": CHECKS}], signals=["pose.place"])
+
+
+def test_none_are_none():
+    assert cube_sim.fly_many(HELIX, []) == []
