@@ -43,7 +43,7 @@ OUT_OF_PLANE = np.array([False, False, True, True, True, False])
 DEAR = 10.0
 """A direction that costs more than this many times the cheapest one's is left alone where the vehicle flies without."""
 FASTEST_JUDGED_M_S = 0.3
-"""A vehicle with components missing is asked for courses at its mission's speed, but at no higher one than this."""
+"""A vehicle with components missing is asked for courses at this speed, or at its mission's own."""
 LEAST_SHARE = 0.1
 """A thruster that gives less than this share of a whole one's largest force is no way of moving."""
 
@@ -208,9 +208,13 @@ def remaining_capability(
         return left
     if left.authority not in (Authority.TRIM, Authority.PLANE, Authority.LINE):
         return left
-    # Slower than asked is slower, not lost: the analysis is asked at a speed that any vehicle should keep.
-    verdict = judge(found, hold.hull, allowed, PathRequirements(speed_m_s=min(hold.speed, FASTEST_JUDGED_M_S)))
+    # Slower than asked is slower, not lost: the analysis is asked at a speed that any vehicle should keep. But a hull
+    # that is poorly steered there, where its level attitude is about to become unstable, may be well at its own speed.
+    slow = min(hold.speed, FASTEST_JUDGED_M_S)
+    verdict = judge(found, hold.hull, allowed, PathRequirements(speed_m_s=slow))
     if verdict.follows:
+        return left
+    if hold.speed > slow and judge(found, hold.hull, allowed, PathRequirements(speed_m_s=hold.speed)).follows:
         return left
     return replace(left, authority=Authority.SAFE, reason=f"{verdict.reason}: the path cannot be followed")
 

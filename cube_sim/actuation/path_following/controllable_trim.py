@@ -29,6 +29,9 @@ _QUICKEST = 4.0
 
 _HELD = 1.0 - 1e-9
 
+_SAME = 1e-4
+"""Attitudes that differ by less [rad] are one."""
+
 
 @dataclass(frozen=True)
 class ControllableTrim:
@@ -77,24 +80,34 @@ def controllable_trim(
         limits, its share is the largest of all attitudes.
     """
     found: list[ControllableTrim] = []
-    for attempt in _attempts(hull, actuation, attainable, required, inclination_rad):
-        for condition in attempt:
-            share = float("inf") if attainable is None else float(attainable.share(condition.wrench[None, :])[0])
-            found.append(ControllableTrim(condition, share, (), 0.0))
-        if any(candidate.within_limits for candidate in found):
-            break
-    held = [candidate for candidate in found if candidate.within_limits]
-    if not held:
-        return max(found, key=lambda candidate: candidate.share, default=None)
-    held.sort(key=lambda candidate: (round(np.degrees(candidate.condition.tilt_rad)), -candidate.share))
     best: ControllableTrim | None = None
-    for candidate in held:
-        assessed = _assessed(candidate, hull, actuation, allowed, required, best)
-        if best is None or _merit(assessed) > _merit(best):
-            best = assessed
-        if not best.uncontrolled_modes and best.side_step_m >= FURTHEST * required.side_step_m:
+    for attempt in _attempts(hull, actuation, attainable, required, inclination_rad):
+        more = [c for c in attempt if not any(_is_same(c, other.condition) for other in found)]
+        shares = [float("inf") if attainable is None else float(attainable.share(c.wrench[None, :])[0]) for c in more]
+        new = [ControllableTrim(c, share, (), 0.0) for c, share in zip(more, shares, strict=True)]
+        found += new
+        held = [candidate for candidate in new if candidate.within_limits]
+        held.sort(key=lambda candidate: (round(np.degrees(candidate.condition.tilt_rad)), -candidate.share))
+        for candidate in held:
+            assessed = _assessed(candidate, hull, actuation, allowed, required, best)
+            if best is None or _merit(assessed) > _merit(best):
+                best = assessed
+            if _is_steered(best, FURTHEST * required.side_step_m):
+                break
+        if best is not None and _is_steered(best, required.side_step_m):
             break
-    return best
+    return max(found, key=lambda candidate: candidate.share, default=None) if best is None else best
+
+
+def _is_steered(trim: ControllableTrim, far_m: float) -> bool:
+    """Whether all modes are controlled and errors of so much are made good."""
+    return not trim.uncontrolled_modes and trim.side_step_m >= far_m
+
+
+def _is_same(one: TrimCondition, other: TrimCondition) -> bool:
+    """Whether two attempts have led to one attitude."""
+    off = np.concatenate([(one.velocity - other.velocity) / np.linalg.norm(other.velocity), one.up - other.up])
+    return bool(np.max(np.abs(off)) < _SAME)
 
 
 def _attempts(
@@ -104,7 +117,11 @@ def _attempts(
     required: PathRequirements,
     inclination_rad: float,
 ) -> Iterator[tuple[TrimCondition, ...]]:
-    """Attitudes to try: near level, deck along the course, one thruster not needed; last the best of all."""
+    """Attitudes to try: near level, deck along the course, one thruster not needed; last the best of all.
+
+    The next are tried where none so far is held and steered well enough. Where the Munk moment outgrows the righting
+    one, level is still a trim, but a poor one, and the hull flies nose up or nose down.
+    """
     yield trim_conditions(hull, actuation, required.speed_m_s, inclination_rad)
     if inclination_rad != 0.0:
         yield trim_conditions(hull, actuation, required.speed_m_s, inclination_rad, inclined=True)
