@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from math import inf
 from typing import Any, get_args
 
@@ -61,6 +62,12 @@ class Effort:
         """Count what searches have cost."""
         self.nodes += nodes
         self.unproven += unproven
+
+
+@cache
+def _beside() -> ThreadPoolExecutor:
+    """The thread on which answers are confirmed while flights go on."""
+    return ThreadPoolExecutor(1, "confirming")
 
 
 class Allocator:
@@ -163,7 +170,8 @@ class Allocator:
                 f"forces of {np.max(np.abs(targets)):g} N are preferred; beyond {FARTHEST_TARGET:g} times the largest "
                 f"limit, {largest:g} N, nothing is seen beside them"
             )
-        self.effort = Effort()
+        self._effort = Effort()
+        self._confirming: Future[None] | None = None
         preferred = {"target": target, "reactivity": reactivity}
         self._preferred = {name: None if value is None else np.array(value) for name, value in preferred.items()}
         self._problem = make_problem(
@@ -203,14 +211,21 @@ class Allocator:
         """Go on from a copy's previous answer (6, m) and effort."""
         self.recall(state)
 
+    @property
+    def effort(self) -> Effort:
+        """What allocating has cost so far."""
+        self._settle()
+        return self._effort
+
     def memory(self) -> tuple[NDArray[np.float64], Effort]:
         """The previous answer (6, m) and the effort so far, for `recall`."""
         return self._previous.copy(), replace(self.effort)
 
     def recall(self, memory: tuple[NDArray[np.float64], Effort]) -> None:
         """Go on from a memory of this allocator's, or of one of the same arguments."""
+        self._settle()
         self._previous[:], effort = memory
-        self.effort = replace(effort)
+        self._effort = replace(effort)
 
     def _pack(self) -> None:
         """Prepare what answers demands; the previous answer lies in it."""
@@ -280,7 +295,7 @@ class Allocator:
     def searched(self, two_parts: bool) -> NDArray[np.float64] | None:
         """What `solve_each` answers demands by, one at a time; None where the method is another than the search alone.
 
-        The previous answer lies in it. Answers are to be confirmed by `confirm`, what they cost goes to `effort`.
+        The previous answer lies in it. Answers are to be confirmed by `confirm_later`, what they cost goes to `effort`.
 
         Args:
             two_parts: whether demands have a part that gives way.
@@ -291,13 +306,34 @@ class Allocator:
             self._prepare_for_parts()
         return self._packed
 
-    def confirm(self, row: NDArray[np.float64], demand: NDArray[np.float64]) -> None:
+    def confirm_later(self, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
+        """Let ProxQP solve the subsets of N answers, where the method says so, while the caller goes on.
+
+        Args:
+            rows: (N, `answer_size`) answers, see `answer_of`; not to be changed any more.
+            demands: (N, n) that they answer, likewise.
+        """
+        if self._confirmer is not None and len(rows):
+            self._settle()
+            self._confirming = _beside().submit(self._confirm_all, rows, demands)
+
+    def _settle(self) -> None:
+        """Wait for what is being confirmed."""
+        if self._confirming is not None:
+            self._confirming.result()
+            self._confirming = None
+
+    def _confirm_all(self, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
+        for answer, demand in zip(rows, demands, strict=True):
+            self._confirm(answer, demand)
+
+    def _confirm(self, row: NDArray[np.float64], demand: NDArray[np.float64]) -> None:
         """Let ProxQP solve the subset of one answer (see `answer_of`) to a demand (n,), where the method says so."""
         if self._confirmer is None:
             return
-        self.effort.qps += 1
+        self._effort.qps += 1
         if not self._confirmer.confirms(row, demand):
-            self.effort.disagreements += 1
+            self._effort.disagreements += 1
 
     def _prepare_for_parts(self) -> None:
         """Make ready for demands of two parts."""
@@ -328,7 +364,7 @@ class Allocator:
             effort.add(nodes, doubts)
         else:
             residual, cost, status = self._enumerate(demands, row, subset)
-        self.confirm(row, demand)
+        self._confirm(row, demand)
         force, status = row[:m], _STATUS[int(status)]
         # A named tuple's own constructor takes longer than the arrays it is given.
         return tuple.__new__(Allocation, (force, row[m:a], row[a:b], residual, cost, subset, status))

@@ -9,6 +9,7 @@ from types import TracebackType
 import mujoco
 
 from cube_sim.errors import RecordingError
+from cube_sim.recording.beside import SinkBeside
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
 from cube_sim.recording.header import RunHeader
@@ -58,7 +59,7 @@ class Recorder(SignalStore):
             # Only a run that wants the view pays for its import.
             from cube_sim.recording.rerun.sink import rerun_sink
 
-            self._sinks.append(rerun_sink(self.rrd, header, self._channels, model, vehicle))
+            self._sinks.append(SinkBeside(rerun_sink(self.rrd, header, self._channels, model, vehicle)))
 
     def close(self) -> None:
         """Send the last rows to the files and finish them."""

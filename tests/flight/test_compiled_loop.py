@@ -90,8 +90,17 @@ def test_both_loops_navigate_the_same(settings, monkeypatch):
     assert assert_same_flight(scenario, {"duration_s": 12.0, "checks": CHECKS, **settings}, monkeypatch) > 0.3
 
 
+def without_a_state(mission):
+    mission.data.qvel[:] = np.nan
+
+
+def without_an_answer(mission):
+    mission.controller.observer.memory["estimate"] = np.nan
+
+
 @pytest.mark.flight
-def test_both_loops_end_alike_when_the_simulation_fails(monkeypatch):
+@pytest.mark.parametrize("broken", [without_a_state, without_an_answer])
+def test_both_loops_end_alike_when_something_is_no_number(broken, monkeypatch):
     settings = {"duration_s": 3.0, "checks": CHECKS}
     ended = []
     for compiled in (True, False):
@@ -100,9 +109,9 @@ def test_both_loops_end_alike_when_the_simulation_fails(monkeypatch):
             monkeypatch.setattr(flight, "fly_ticks", lambda *_: None)
         while not one.over:
             if one.tick == 51:
-                one.mission.data.qvel[:] = np.nan
+                broken(one.mission)
             one.fly([], 10)
         one.finish()
-        ended.append((one.tick, one.ended, one.log))
+        ended.append((one.tick, one.ended, one.log, {name: rows.tobytes() for name, rows in one.signals.items()}))
     assert ended[0] == ended[1]
     assert "not a number" in ended[0][1]

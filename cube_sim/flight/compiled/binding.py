@@ -106,8 +106,7 @@ def fly_ticks(mission: Mission, tick: int, count: int, applied: Vector, boxes: B
     supply.power, (supply.energy, supply.counted_to) = feed.power, feed.counted.tolist()
     mission.allocator.take_over(thrusters)
     allocator.effort.add(*notes.effort.tolist())
-    for row, demand in zip(notes.answers[:ticks], notes.demands[:ticks], strict=True):
-        allocator.confirm(row, demand)
+    allocator.confirm_later(notes.answers[:ticks], notes.demands[:ticks])
     state = answering.state
     return Flown(
         ticks,

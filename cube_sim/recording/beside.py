@@ -1,0 +1,38 @@
+"""A sink that writes on a thread of its own while the flight goes on."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, ThreadPoolExecutor
+
+from cube_sim.recording.batch import Batch, Sink
+
+
+class SinkBeside:
+    """Hands batches on in their order, one at a time; what goes wrong is raised at the next call.
+
+    For views, which are made of the record again whenever they are wanted. The record itself waits for nobody: what
+    is on its way to a thread is lost with the process.
+    """
+
+    def __init__(self, sink: Sink) -> None:
+        self._sink = sink
+        self._thread = ThreadPoolExecutor(1, "recording")
+        self._writing: Future[None] | None = None
+
+    def write(self, batch: Batch) -> None:
+        """Hand a batch on once the one before it is written."""
+        self._wait()
+        self._writing = self._thread.submit(self._sink.write, batch)
+
+    def close(self) -> None:
+        """Finish the sink once everything is written."""
+        try:
+            self._wait()
+        finally:
+            self._thread.shutdown()
+            self._sink.close()
+
+    def _wait(self) -> None:
+        writing, self._writing = self._writing, None
+        if writing is not None:
+            writing.result()

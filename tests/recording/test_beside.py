@@ -1,0 +1,64 @@
+"""A sink on a thread of its own: nothing is lost, nothing is out of order, nothing goes wrong in silence."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from cube_sim.recording.batch import Batch
+from cube_sim.recording.beside import SinkBeside
+from cube_sim.run_log import LogLine
+
+
+class Slow:
+    """Takes its time, and remembers; fails at one batch."""
+
+    def __init__(self, fails_at: float = -1.0) -> None:
+        self.taken, self.closed, self.fails_at, self.go_on = [], False, fails_at, threading.Event()
+
+    def write(self, batch: Batch) -> None:
+        assert self.go_on.wait(10.0)
+        self.taken.append(batch.log[0].t)
+        if self.taken[-1] == self.fails_at:
+            raise OSError("no room")
+
+    def close(self) -> None:
+        self.closed = True
+
+
+def batch(t):
+    return Batch({}, [LogLine(t, "INFO", "")])
+
+
+def test_the_writer_goes_on_while_the_sink_writes_and_order_is_kept():
+    slow = Slow()
+    beside = SinkBeside(slow)
+    beside.write(batch(0.0))  # returns though the sink waits
+    assert slow.taken == []
+    slow.go_on.set()
+    for k in range(1, 50):
+        beside.write(batch(float(k)))
+    beside.close()
+    assert slow.taken == [float(k) for k in range(50)]
+    assert slow.closed
+
+
+def test_what_goes_wrong_is_raised_at_the_next_call_and_the_sink_is_closed():
+    slow = Slow(fails_at=1.0)
+    slow.go_on.set()
+    beside = SinkBeside(slow)
+    beside.write(batch(0.0))
+    beside.write(batch(1.0))
+    with pytest.raises(OSError, match="no room"):
+        beside.write(batch(2.0))
+    beside.write(batch(3.0))
+    beside.close()
+    assert slow.taken == [0.0, 1.0, 3.0]
+    assert slow.closed
+    last = SinkBeside(failing := Slow(fails_at=0.0))
+    failing.go_on.set()
+    last.write(batch(0.0))
+    with pytest.raises(OSError, match="no room"):
+        last.close()
+    assert failing.closed
