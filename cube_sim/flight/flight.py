@@ -125,7 +125,7 @@ class Flight:
         self._pace = PaceLog(store, mission.scenario.guidance.speed_m_s)
         self._surface = SurfaceWatch(store, mission.model, mission.vehicle)
         self._period = mission.scenario.control_period_s
-        self._rows, self._python_until = rows_for(mission.channels, 1), 1
+        self._rows, self._python_until = rows_for(mission.channels, 1), 0
 
     @cached_property
     def _digest(self) -> str:
@@ -251,23 +251,29 @@ class Flight:
             if told is not None and self.time_s >= last + 1.0:
                 last = self.time_s
                 told(last)
-        if not self.ended:
-            self.control(warnings)
+        if not self.ended and (begun := self._fly_compiled(1, moving=False)) is not None:
+            self.control(warnings, begun=begun)
         self.finish()
 
-    def _fly_compiled(self, ticks: int) -> Begun | None:
-        """Fly what compiled code can; how far the next tick has come, None where it has all been flown."""
+    def _fly_compiled(self, ticks: int, moving: bool = True) -> Begun | None:
+        """Fly what compiled code can; how far the next tick has come, None where it has all been flown.
+
+        Args:
+            ticks: at most.
+            moving: whether the physics goes on after a tick; if not, there is one tick, and time stands still.
+        """
         mission, tick, period = self.mission, self.tick, self._period
         most = self._store.ticks_at_once(tick, period), mission.events.ticks_before(tick, period)
-        ticks = min(ticks, mission.scenario.ticks - tick, *most)
+        ticks = min(ticks, mission.scenario.ticks - tick + (not moving), *most)
         if tick < self._python_until or ticks <= 0 or not self._surface.under_water:
             return NOT_BEGUN
-        flown = fly_ticks(mission, tick, ticks, self._applied, self._surface.boxes)
+        flown = fly_ticks(mission, tick, ticks, self._applied, self._surface.boxes, moving)
         if flown is None or flown.ticks == 0:
             self._python_until = tick + PYTHON_TICKS
         if flown is None:
             return NOT_BEGUN
         begun = self._note(flown)
+        self.tick += flown.ticks if moving else 0
         return begun if flown.reached != BEGIN or flown.ticks == 0 else None
 
     def control(self, warnings: list[str], action: Action = OWN, begun: Begun = NOT_BEGUN) -> None:
@@ -353,7 +359,7 @@ class Flight:
         if snapshot.digest != self._digest:
             raise FlightError("the snapshot belongs to another scenario")
         loop, logs, allocation, physics, numbers, parts = unpacked(snapshot.content, self._fixed)
-        self._python_until = max(1, loop[0])
+        self._python_until = loop[0]
         if loop[0] < self.tick:
             self._store.clear()  # rows are recorded in the order of time
         self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted = loop
@@ -387,9 +393,10 @@ class Flight:
             How far the next tick has come.
         """
         first, store = self.tick, self._store
-        self.tick += flown.ticks
         estimation, sensing, estimated = self.mission.estimation, flown.sensing, flown.reached == ESTIMATED
-        times = [k * self._period for k in range(first, self.tick + estimated)]
+        times = [k * self._period for k in range(first, first + flown.ticks + estimated)]
+        if first == 0 and flown.ticks:
+            record_actuation(self.mission, store, 0.0)
         statuses, paces, last = flown.rows.allocation[:, 3], flown.pace, flown.ticks - 1
         quiet = self._unattainable.quiet(statuses) and self._pace.quiet(paces)
         for k, t in enumerate(times):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
 from cube_sim.recording.batch import Batch, Sink
@@ -14,15 +15,20 @@ class SinkBeside:
     is on its way to a thread is lost with the process.
     """
 
-    def __init__(self, sink: Sink) -> None:
-        self._sink = sink
+    def __init__(self, make: Callable[[], Sink]) -> None:
+        """Begin to make the sink, which may have much to load.
+
+        Args:
+            make: called once, on the thread.
+        """
         self._thread = ThreadPoolExecutor(1, "recording")
+        self._made = self._thread.submit(make)
         self._writing: Future[None] | None = None
 
     def write(self, batch: Batch) -> None:
         """Hand a batch on once the one before it is written."""
         self._wait()
-        self._writing = self._thread.submit(self._sink.write, batch)
+        self._writing = self._thread.submit(lambda: self._made.result().write(batch))
 
     def close(self) -> None:
         """Finish the sink once everything is written."""
@@ -30,7 +36,7 @@ class SinkBeside:
             self._wait()
         finally:
             self._thread.shutdown()
-            self._sink.close()
+            self._made.result().close()
 
     def _wait(self) -> None:
         writing, self._writing = self._writing, None

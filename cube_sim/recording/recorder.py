@@ -9,6 +9,7 @@ from types import TracebackType
 import mujoco
 
 from cube_sim.errors import RecordingError
+from cube_sim.recording.batch import Sink
 from cube_sim.recording.beside import SinkBeside
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
@@ -54,12 +55,15 @@ class Recorder(SignalStore):
         self._closed = False
         self.mcap = directory / MCAP_NAME
         self.rrd = directory / RRD_NAME
-        self._sinks = [McapSink(self.mcap, header, self._channels, vehicle or vehicle_name(model))]
+        self._sinks: list[Sink] = [McapSink(self.mcap, header, self._channels, vehicle or vehicle_name(model))]
         if view:
-            # Only a run that wants the view pays for its import.
-            from cube_sim.recording.rerun.sink import rerun_sink
+            self._sinks.append(SinkBeside(lambda: self._view(header, model, vehicle)))
 
-            self._sinks.append(SinkBeside(rerun_sink(self.rrd, header, self._channels, model, vehicle)))
+    def _view(self, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> Sink:
+        # Only a run that wants the view pays for its import.
+        from cube_sim.recording.rerun.sink import rerun_sink
+
+        return rerun_sink(self.rrd, header, self._channels, model, vehicle)
 
     def close(self) -> None:
         """Send the last rows to the files and finish them."""

@@ -33,7 +33,7 @@ def batch(t):
 
 def test_the_writer_goes_on_while_the_sink_writes_and_order_is_kept():
     slow = Slow()
-    beside = SinkBeside(slow)
+    beside = SinkBeside(lambda: slow)
     beside.write(batch(0.0))  # returns though the sink waits
     assert slow.taken == []
     slow.go_on.set()
@@ -47,7 +47,7 @@ def test_the_writer_goes_on_while_the_sink_writes_and_order_is_kept():
 def test_what_goes_wrong_is_raised_at_the_next_call_and_the_sink_is_closed():
     slow = Slow(fails_at=1.0)
     slow.go_on.set()
-    beside = SinkBeside(slow)
+    beside = SinkBeside(lambda: slow)
     beside.write(batch(0.0))
     beside.write(batch(1.0))
     with pytest.raises(OSError, match="no room"):
@@ -56,9 +56,20 @@ def test_what_goes_wrong_is_raised_at_the_next_call_and_the_sink_is_closed():
     beside.close()
     assert slow.taken == [0.0, 1.0, 3.0]
     assert slow.closed
-    last = SinkBeside(failing := Slow(fails_at=0.0))
+    failing = Slow(fails_at=0.0)
+    last = SinkBeside(lambda: failing)
     failing.go_on.set()
     last.write(batch(0.0))
     with pytest.raises(OSError, match="no room"):
         last.close()
     assert failing.closed
+
+
+def test_what_cannot_be_made_is_said():
+    def make():
+        raise OSError("no place")
+
+    beside = SinkBeside(make)
+    beside.write(batch(0.0))
+    with pytest.raises(OSError, match="no place"):
+        beside.close()

@@ -60,15 +60,18 @@ class Flown(NamedTuple):
     sensing: Sensing
 
 
-def fly_ticks(mission: Mission, tick: int, count: int, applied: Vector, boxes: Boxes) -> Flown | None:
+def fly_ticks(
+    mission: Mission, tick: int, count: int, applied: Vector, boxes: Boxes, moving: bool = True
+) -> Flown | None:
     """Fly up to so many ticks, none of which has an event.
 
     Args:
         mission: whose parts are moved on.
-        tick: number of the first one, 1 at least.
+        tick: number of the first one.
         count: how many.
         applied: (6,) wrench allocated over the tick before [N, N m].
         boxes: of the hull, which is under water.
+        moving: whether the physics goes on after each.
 
     Returns:
         None where a part of it is of a kind that only Python flies.
@@ -97,7 +100,7 @@ def fly_ticks(mission: Mission, tick: int, count: int, applied: Vector, boxes: B
     law = parts.arguments(controller)
     codes = _law_address(law), search_address(), _estimating_address(sensing) if sensing.navigated else 0
     ticks, reached = fly(
-        codes, count, tick, _engine(mission), _hull(mission, boxes), feed, evidence, sensing,
+        codes, count, tick, _engine(mission, moving), _hull(mission, boxes), feed, evidence, sensing,
         course, law, answering, thrusters, rows, notes,
     )  # fmt: skip
     target.arc_length = float(arc_length[0])
@@ -165,12 +168,12 @@ def _sensing(mission: Mission, count: int) -> Sensing | None:
     )
 
 
-def _engine(mission: Mission) -> Engine:
+def _engine(mission: Mission, moving: bool) -> Engine:
     data, vehicle = mission.data, mission.vehicle
     return Engine(
         model=mission.model._address,
         data=data._address,
-        time=data._address + structs.offsets("mjData", ("time",))["time"],
+        time=structs.number(data, "time"),
         warnings=data.warning.number,
         qpos=data.qpos,
         qvel=data.qvel,
@@ -184,7 +187,7 @@ def _engine(mission: Mission) -> Engine:
         act=data.act,
         actuator_force=data.actuator_force,
         hull=np.array([vehicle.qpos_address, vehicle.dof_address, vehicle.body]),
-        steps=mission.scenario.steps_per_tick,
+        steps=mission.scenario.steps_per_tick if moving else 0,
         period=mission.scenario.control_period_s,
     )
 

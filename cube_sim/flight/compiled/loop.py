@@ -29,7 +29,6 @@ from cube_sim.tuples import angle_of_turn, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces, work
 from cube_sim.vehicle.plugin.engine import forward, step
-from cube_sim.vehicle.plugin.memory import double
 from cube_sim.vehicle.state import hull_state
 
 BEGIN, FORWARDED, JUDGED, ESTIMATED = range(4)
@@ -100,7 +99,7 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
         for i in range(m):
             given[i], activation[i] = e.actuator_force[feed.actuators[i]], e.act[feed.activations[i]]
         power = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
-        now = double(e.time, 0)
+        now = e.time[0]
         if not np.isnan(feed.counted[1]):
             feed.counted[0] += work(feed.power, power, now - feed.counted[1])
         feed.power[:] = power

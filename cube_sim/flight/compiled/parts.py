@@ -23,7 +23,7 @@ class Engine(NamedTuple):
     Attributes:
         model: address of the mjModel.
         data: address of the mjData.
-        time: address of its time [s].
+        time: (1,) of it [s].
         warnings: (w,) how often it has warned of each kind.
         qpos: MuJoCo's, like all that follow but the last three.
         qvel: of it.
@@ -43,7 +43,7 @@ class Engine(NamedTuple):
 
     model: int
     data: int
-    time: int
+    time: Vector
     warnings: NDArray[np.int32]
     qpos: Vector
     qvel: Vector

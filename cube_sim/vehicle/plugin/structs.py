@@ -57,6 +57,12 @@ def record(struct: str, fields: tuple[str, ...]) -> np.dtype:
     return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": ctypes.sizeof(layout)})
 
 
+def number(data: mujoco.MjData, field: str) -> np.ndarray:
+    """A view (1,) of a number in mjData, to be read as long as the data live."""
+    place = ctypes.c_double.from_address(data._address + offsets("mjData", (field,))[field])
+    return np.ctypeslib.as_array(ctypes.pointer(place), (1,))
+
+
 def verify(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Check the layout against live objects: every pointer equals the address of the array Python sees.
 
