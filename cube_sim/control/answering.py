@@ -19,6 +19,7 @@ from cube_sim.control.oscillation_centre import begin_centre, see_centre, watch_
 from cube_sim.guidance.approach import approach_motion
 from cube_sim.guidance.pursuit import pursuit_motion
 from cube_sim.guidance.speed import speed_at
+from cube_sim.guidance.view_record import see_level
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Record, Vector
 
@@ -30,6 +31,7 @@ SETTINGS = np.dtype(
         ("dragged", np.bool_),
         ("budgeted", np.bool_),
         ("waits", np.bool_),
+        ("level", np.bool_),
         ("disturbance_time", np.float64),
         ("current_time", np.float64),
         ("current_damping", np.float64),
@@ -41,8 +43,9 @@ SETTINGS = np.dtype(
 """How a `PathFollower` is put together.
 
 It pursues its target, or approaches the path; it holds one attitude, or the path's; the attitude is balanced; turning
-drags the hull along; the thrusters' budget is known; the target waits. Then the times of the observers [s], 0 for none,
-the damping of the current's, the levelling time [s], the force that is asked for again [N], the attitude that is held.
+drags the hull along; the thrusters' budget is known; the target waits; it moves in a level plane only. Then the times
+of the observers [s], 0 for none, the damping of the current's, the levelling time [s], the force that is asked for
+again [N], the attitude that is held.
 """
 
 
@@ -117,9 +120,12 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio)
     """
     p, s, hull, current = parts, parts.settings[0], parts.hull, parts.current
     seen, time = view, p.loops[0].velocity_time
+    if s.dragged or s.level:
+        seen = view.copy()
+    if s.level:
+        see_level(seen)
     if s.dragged:
         watch_centre(p.left, p.centre, R, w, view, dt, time)
-        seen = view.copy()
         see_centre(seen, p.centre)
     speed, slope = speed_at(p.profile, p.nodes, p.square, view[0].arc_length)
     if s.pursuit:

@@ -114,7 +114,7 @@ def compiled_parts(
     settings["pursuit"] = isinstance(approach, Pursuit)
     settings["dragged"], settings["budgeted"] = dragged, follower.capability.budget is not None
     settings["waits"] = follower.waits and isinstance(approach, Approach)
-    settings["most_rest"] = follower.most_rest
+    settings["most_rest"], settings["level"] = follower.most_rest, follower.capability.level
     if observer is not None:
         settings["disturbance_time"] = observer.time
         if flow is not None:

@@ -25,7 +25,7 @@ from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGo
 from cube_sim.control.shortage import SHORTAGE, watch_shortage
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
-from cube_sim.guidance.view_record import record_of, view_of
+from cube_sim.guidance.view_record import record_of, see_level, view_of
 from cube_sim.spatial import Record, State, Vector, quaternion_from_rotation, rotation_from_quaternion
 from cube_sim.tuples import turned_to_world
 
@@ -210,6 +210,10 @@ class PathFollower:
 
     def _motion(self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float) -> DesiredMotion:
         """The desired motion of the hull, or of its centre of oscillation where turning pushes it."""
+        if goal is None and self.capability.level:
+            level = record_of(view)
+            see_level(level)
+            view = view_of(level)
         if not self.dragged:
             return self._approach.motion(view) if goal is None else goal.motion(state.position)
         time = self._loops.velocity_time

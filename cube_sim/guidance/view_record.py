@@ -49,6 +49,19 @@ def see(view, row, arc_length, remaining, position, velocity_W):
 
 
 @compiled
+def see_level(view):
+    """Take height out of a vehicle's view: one that moves in a level plane only can do nothing about it.
+
+    Left in, a hull that has left its depth would head for it, and slow down along its path for that.
+    """
+    w = view[0]
+    for change in (w.error, w.velocity):
+        up = w.frame[2, 0] * change[0] + w.frame[2, 1] * change[1] + w.frame[2, 2] * change[2]
+        for i in range(3):
+            change[i] -= up * w.frame[2, i]
+
+
+@compiled
 def path_turning(view):
     """How fast the path frame turns with the target, a 3-tuple [rad/s], world axes: s' [0, -k2, k1] about its axes."""
     w = view[0]

@@ -6,10 +6,13 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from support.places import SCENARIOS
-from support.vehicles import vehicle
+from support.catalogue.wrong import buoyancy_moved
+from support.flights import FORCES_ONLY
+from support.places import MODELS, SCENARIOS
+from support.vehicles import random_rotation, vehicle
 
 import cube_sim
+from cube_sim.control import path_follower
 from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.authority import Authority, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
@@ -18,6 +21,7 @@ from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.planar.follower import PlanarFollower
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.line import Line
+from cube_sim.guidance.view_record import VIEW, see_level
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.mission import prepare
 from cube_sim.scenario import load
@@ -120,3 +124,39 @@ def test_contraction_oscillates_and_misses_compensation_and_the_exact_allocation
     assert exact[1] < 1e-9
     assert compensation[1] < 1e-9
     assert contraction[1] > 5.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_height_is_taken_out_of_a_view_and_nothing_else(seed):
+    rng = np.random.default_rng(seed)
+    R, view = random_rotation(rng), np.zeros(1, VIEW)
+    view["frame"], view["error"], view["velocity"] = R, *rng.normal(size=(2, 3))
+    before = view.copy()
+    see_level(view)
+    for name in ("error", "velocity"):
+        level = R @ before[name][0] * (1.0, 1.0, 0.0)
+        np.testing.assert_allclose(R @ view[name][0], level, atol=1e-12)
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_hull_that_leaves_its_depth_keeps_its_speed_and_its_path_in_the_plane(whole, tmp_path, monkeypatch):
+    """Its buoyancy is 1 cm too far astern: it floats 18 degrees nose down, and sinks."""
+    if not whole:
+        monkeypatch.setattr(path_follower, "compiled_parts", lambda *_: None)
+    (tmp_path / "model.xml").write_text(buoyancy_moved((MODELS / "jack.xml").read_text(), (-0.01, 0.0, 0.0)))
+    settings = {
+        "model": tmp_path / "model.xml",
+        "path": {"type": "line", "start_m": [0.0, 0.0, -20.0], "end_m": [40.0, 0.0, -20.0]},
+        "initial": {"position_m": [0.0, 0.2, -20.0], "attitude_deg": [0.0, 0.0, 0.0]},
+        "guidance.speed_m_s": 0.3,
+        "current_m_s": [0.0, 0.0, 0.0],
+        "duration_s": 60.0,
+        "checks": FORCES_ONLY,
+    }
+    signals = cube_sim.run(JACK, settings, out=tmp_path / "run").signals
+    position, t = signals["pose.position"][:, 1:], signals["pose.position"][:, 0]
+    late = t >= 30.0
+    assert position[-1, 2] < -22.0
+    assert np.ptp(position[late, 0]) > 0.88 * 0.3 * 30.0  # the square of the tilt's cosine is 0.90
+    assert np.abs(position[late, 1]).max() < 0.01
