@@ -129,7 +129,7 @@ def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progres
         except KeyboardInterrupt:
             raise RunInterrupted(directory, recorder.warnings) from None
         elapsed_s = time.perf_counter() - started
-        signals = recorder.signals
+    signals = recorder.signals
 
     scenario = mission.scenario
     simulated_s = ended_early.time_s if ended_early else scenario.ticks * scenario.control_period_s

@@ -144,7 +144,7 @@ class Flight:
         return bool(self.ended) or self.tick >= self.mission.scenario.ticks
 
     @property
-    def signals(self) -> dict[str, NDArray[np.float64]]:
+    def signals(self) -> Mapping[str, NDArray[np.float64]]:
         """Everything recorded since the start: "channel.field" -> (n, 1 + width), column 0 the time [s]."""
         return self._store.signals
 

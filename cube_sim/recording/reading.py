@@ -21,7 +21,7 @@ from cube_sim.recording.batch import Rows, signals
 from cube_sim.recording.channels import Channel, Field
 from cube_sim.recording.header import RecordedCode, RunHeader
 from cube_sim.recording.mcap.fixed_width import Layout, channel_layout
-from cube_sim.recording.mcap.reader import McapContents, read_contents
+from cube_sim.recording.mcap.reader import McapContents, chunks_of, read_channels, read_contents
 from cube_sim.recording.mcap.schemas import LOG, LOG_LEVELS, log_schema
 from cube_sim.recording.mcap.sink import (
     ASSETS,
@@ -118,6 +118,28 @@ def read_recording(path: str | Path) -> Recording:
         log=tuple(lines),
         complete=contents.complete,
     )
+
+
+def read_channel(path: Path, channel: Channel) -> Rows:
+    """The rows of one channel, (n, 1+width), column 0 the time [s]; little more than these is ever in memory.
+
+    Args:
+        path: the MCAP file.
+        channel: as it was recorded.
+
+    Raises:
+        RecordingError: the file cannot be read, or it is damaged.
+    """
+    layout, parts = channel_layout(channel), [np.empty((0, 1 + channel.width))]
+    numbers: set[int] = set()
+    for chunk in chunks_of(path):
+        declared: dict[int, McapChannel] = {}
+        read_channels(chunk, declared)
+        ours = (c for c in declared.values() if CHANNEL_METADATA in c.metadata)
+        numbers |= {c.id for c in ours if _channel(c).name == channel.name}
+        runs = (messages for number, messages in _message_runs(chunk) if number in numbers)
+        parts += [_decode(path, channel, layout, messages) for messages in runs]
+    return np.concatenate(parts)
 
 
 def _header(contents: McapContents) -> tuple[RunHeader, str]:

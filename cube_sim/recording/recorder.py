@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
 import mujoco
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Sink
+from cube_sim.recording.batch import Batch, Rows, Sink
 from cube_sim.recording.beside import SinkBeside
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
 from cube_sim.recording.header import RunHeader
+from cube_sim.recording.long_run import RecordedSignals
 from cube_sim.recording.mcap.sink import McapSink
 from cube_sim.recording.signal_store import SignalStore
 
@@ -21,11 +22,18 @@ MCAP_NAME = "run.mcap"
 RRD_NAME = "run.rrd"
 
 
+MOST_KEPT_BYTES = 64_000_000
+"""Twenty minutes of an eight-thruster vehicle at 50 Hz."""
+
+
 class Recorder(SignalStore):
     """Records a run into a directory.
 
     Rows are copied into memory at once and go to the files when their simulated second is over, so a killed
     process loses less than a simulated second.
+
+    Rows are kept in memory too, for the checks, until they are `MOST_KEPT_BYTES`; from then on `signals` are read from
+    the record.
 
     Attributes:
         mcap: path of the record.
@@ -52,7 +60,7 @@ class Recorder(SignalStore):
             vehicle: the body whose pose is recorded; None for the first that swims.
         """
         super().__init__(channels)
-        self._closed = False
+        self._closed, self._kept_bytes = False, 0
         self.mcap = directory / MCAP_NAME
         self.rrd = directory / RRD_NAME
         self._sinks: list[Sink] = [McapSink(self.mcap, header, self._channels, vehicle or vehicle_name(model))]
@@ -75,6 +83,26 @@ class Recorder(SignalStore):
         finally:
             for sink in self._sinks:
                 sink.close()
+
+    @property
+    def signals(self) -> Mapping[str, Rows]:
+        """Everything recorded: "channel.field" -> (n, 1+width), column 0 the time [s].
+
+        Raises:
+            RecordingError: they have to be read from the record, and it is not closed.
+        """
+        if self._kept_bytes <= MOST_KEPT_BYTES:
+            return super().signals
+        if not self._closed:
+            raise RecordingError(f"the recording {self.mcap} is too long to be kept in memory: close it first")
+        return RecordedSignals(self.mcap, self._channels)
+
+    def _keep(self, batch: Batch) -> None:
+        self._kept_bytes += sum(rows.nbytes for rows in batch.rows.values())
+        if self._kept_bytes <= MOST_KEPT_BYTES:
+            super()._keep(batch)
+        else:
+            self._written = {name: [] for name in self._written}
 
     def _advance(self, t: float) -> None:
         if self._closed:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -115,7 +115,7 @@ class SignalStore:
         return tuple(line for line in self._lines if line.level in WEIGHTY)
 
     @property
-    def signals(self) -> dict[str, Rows]:
+    def signals(self) -> Mapping[str, Rows]:
         """Everything recorded: "channel.field" -> (n, 1+width), column 0 the time [s]."""
         rows = {name: np.concatenate([*self._written[name], buffer.rows]) for name, buffer in self._buffers.items()}
         return signals(self._channels, rows)
@@ -135,13 +135,16 @@ class SignalStore:
             self._batch_end = batch_number(t) + 1
         self._time = t
 
+    def _keep(self, batch: Batch) -> None:
+        for name, taken in batch.rows.items():
+            self._written[name].append(taken)
+
     def _flush(self) -> None:
         rows = {name: buffer.take() for name, buffer in self._buffers.items()}
         batch = Batch({name: taken for name, taken in rows.items() if len(taken)}, self._log)
         if not batch.rows and not batch.log:
             return
         self._log = []
-        for name, taken in batch.rows.items():
-            self._written[name].append(taken)
+        self._keep(batch)
         for sink in self._sinks:
             sink.write(batch)

@@ -71,7 +71,7 @@ def read_contents(path: Path) -> McapContents:
         elif opcode == Opcode.CHUNK:
             chunk = _uncompressed(path, Chunk.read(stream))
             contents.chunks.append(chunk)
-            _read_channels(chunk, contents.channels)
+            read_channels(chunk, contents.channels)
         elif opcode == Opcode.DATA_END:
             checksum = DataEnd.read(stream).data_section_crc
             if checksum and checksum != zlib.crc32(data[:position]):
@@ -80,6 +80,36 @@ def read_contents(path: Path) -> McapContents:
             contents.complete = data.endswith(MCAP0_MAGIC)
             break
     return contents
+
+
+def chunks_of(path: Path) -> Iterator[bytes]:
+    """The uncompressed records of each chunk of an MCAP file, one chunk in memory at a time.
+
+    Checksums of chunks are checked, that of the whole file is not.
+
+    Args:
+        path: the file.
+
+    Raises:
+        RecordingError: no such file, or a checksum that does not fit.
+    """
+    try:
+        file = path.open("rb")
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
+    with file:
+        file.seek(len(MCAP0_MAGIC))
+        while len(head := file.read(_PREFIX)) == _PREFIX:
+            opcode, length = head[0], int.from_bytes(head[1:], "little")
+            if opcode == Opcode.DATA_END:
+                return
+            if opcode == Opcode.CHUNK:
+                body = file.read(length)
+                if len(body) < length:
+                    return
+                yield _uncompressed(path, Chunk.read(ReadDataStream(BytesIO(body))))
+            else:
+                file.seek(length, 1)
 
 
 def _check_summary(path: Path, data: bytes, start: int) -> None:
@@ -111,7 +141,7 @@ def _uncompressed(path: Path, chunk: Chunk) -> bytes:
     return stream.read(length)
 
 
-def _read_channels(chunk: bytes, channels: dict[int, Channel]) -> None:
+def read_channels(chunk: bytes, channels: dict[int, Channel]) -> None:
     """Collect the channels a chunk declares; they come before its first message of that channel."""
     for _, opcode, body in _records(chunk, 0):
         if opcode == Opcode.CHANNEL:

@@ -1,0 +1,32 @@
+"""A run too long for the memory: judged and read from its record, the same to the bit."""
+
+from __future__ import annotations
+
+import pytest
+from support.places import HELIX
+
+import cube_sim
+from cube_sim.errors import RecordingError
+from cube_sim.recording import long_run, recorder
+from cube_sim.recording.long_run import RecordedSignals
+
+
+@pytest.mark.flight
+def test_signals_read_from_the_record_are_those_kept_in_memory(tmp_path, monkeypatch):
+    short = {"duration_s": 6.0, "checks": [{"kind": "allowed_forces"}, {"kind": "exact_wrench"}]}
+    kept = cube_sim.run(HELIX, short, tmp_path / "kept")
+    monkeypatch.setattr(recorder, "MOST_KEPT_BYTES", 100_000)
+    spilt = cube_sim.run(HELIX, short, tmp_path / "spilt")
+    assert isinstance(kept.signals, dict)
+    assert isinstance(spilt.signals, RecordedSignals)
+    assert list(spilt.signals) == list(kept.signals)
+    for name, rows in kept.signals.items():
+        assert spilt.signals[name].tobytes() == rows.tobytes(), name
+    assert spilt.checks == kept.checks
+    assert (tmp_path / "kept" / "run.mcap").read_bytes() == (tmp_path / "spilt" / "run.mcap").read_bytes()
+    assert len(spilt.signals._kept) == long_run.CHANNELS_KEPT
+    with pytest.raises(KeyError):
+        spilt.signals["pose.place"]
+    (tmp_path / "spilt" / "run.mcap").unlink()
+    with pytest.raises(RecordingError, match="cannot be read"):
+        _ = spilt.signals["pose.position"]
