@@ -1,9 +1,10 @@
-"""What a flight costs: microseconds of processor time per control period, as ratios within one run.
+"""What a flight costs: microseconds per control period, as ratios within one run.
 
     python benchmarks/loop.py [--vehicles NAME ...] [--seconds S] [--rounds N] [--enumeration]
                               [--json FILE] [--plot FILE]
 
-Variants of one scenario per vehicle, in turn, round by round, so that a busy machine slows them all alike:
+Variants of one scenario per vehicle, in turn, round by round. Processor time is that of all threads together; ratios
+and real-time factors are those of the clock, as ProxQP and the view have threads of their own: let the machine be idle.
 
     bare MuJoCo          the same model stepped alone, its commands constant: the floor
     plain Python         the foil: a PID to the next point of the path and a clipped pseudo-inverse, in plain numpy
@@ -131,11 +132,11 @@ def plain_python(scenario: Path) -> Ticks:
     return ticks
 
 
-def timed(ticks: Ticks, count: int) -> float:
-    """Microseconds of processor time per tick."""
-    started = time.process_time()
+def timed(ticks: Ticks, count: int) -> tuple[float, float]:
+    """Microseconds per tick: of processor time, of all threads together; and of the clock."""
+    processor, clock = time.process_time(), time.perf_counter()
     ticks(count)
-    return (time.process_time() - started) / count * 1e6
+    return (time.process_time() - processor) / count * 1e6, (time.perf_counter() - clock) / count * 1e6
 
 
 def by_stage(scenario: Path, count: int) -> dict[str, float]:
@@ -212,19 +213,22 @@ def measured(name: str, seconds: float, rounds: int, enumeration: bool, folder: 
     }
     for ticks in variants.values():
         ticks(WARM_TICKS)
-    times: dict[str, list[float]] = {variant: [] for variant in variants}
+    times: dict[str, list[tuple[float, float]]] = {variant: [] for variant in variants}
     for _ in range(rounds):
         for variant, ticks in variants.items():
             times[variant].append(timed(ticks, count))
-    microseconds = {variant: median(values) for variant, values in times.items()}
     if enumeration:
-        microseconds["enumeration"] = timed(loop(scenario, "enumerate"), ENUMERATED_TICKS)
+        times["enumeration"] = [timed(loop(scenario, "enumerate"), ENUMERATED_TICKS)]
+    processor, clock = (
+        {variant: median(pair[k] for pair in pairs) for variant, pairs in times.items()} for k in (0, 1)
+    )
     return {
         "scenario": scenario.stem,
         "period_us": period * 1e6,
-        "tick_us": microseconds,
-        "of_bare": {variant: microseconds["bare MuJoCo"] / value for variant, value in microseconds.items()},
-        "real_time_factor": {variant: period * 1e6 / value for variant, value in microseconds.items()},
+        "tick_us": processor,
+        "clock_us": clock,
+        "of_bare": {variant: clock["bare MuJoCo"] / value for variant, value in clock.items()},
+        "real_time_factor": {variant: period * 1e6 / value for variant, value in clock.items()},
         "stages_us": by_stage(scenario, count),
     }
 
@@ -233,10 +237,11 @@ def report(results: dict[str, dict[str, Any]]) -> None:
     """Print the tables."""
     for name, result in results.items():
         print(f"\n{name} ({result['scenario']})")
-        print(f"{'':24s}{'us a tick':>12s}{'of bare MuJoCo':>16s}{'x real time':>14s}")
+        print(f"{'':24s}{'us a tick':>12s}{'by the clock':>14s}{'of bare MuJoCo':>16s}{'x real time':>14s}")
         for variant, value in result["tick_us"].items():
-            share, factor = result["of_bare"][variant], result["real_time_factor"][variant]
-            print(f"{variant:24s}{value:12.1f}{share:16.3f}{factor:14.0f}")
+            clock, share = result["clock_us"][variant], result["of_bare"][variant]
+            factor = result["real_time_factor"][variant]
+            print(f"{variant:24s}{value:12.1f}{clock:14.1f}{share:16.3f}{factor:14.0f}")
         print("  a tick in Python by stage:")
         for label, value in sorted(result["stages_us"].items(), key=lambda pair: -pair[1]):
             print(f"  {label:24s}{value:10.1f}")

@@ -29,6 +29,23 @@ def test_allocators_are_compared_on_the_vehicle_of_the_scenario(monkeypatch, tmp
     assert plot.stat().st_size > 10_000
 
 
+@pytest.mark.flight
+def test_many_flights_are_compared_with_single_ones(monkeypatch, capsys):
+    arguments = "--flights 3 --seconds 1 --threads 2 --rounds 1"
+    monkeypatch.setattr(sys, "argv", ["", *arguments.split()])
+    script("many_flights").main()
+    title, head, *rows, last = capsys.readouterr().out.splitlines()
+    assert title == "3 flights of 1 s of cube_helix"
+    assert "x real time" in head
+    assert [row[:24].strip() for row in rows] == [
+        "ticks in Python",
+        "one by one",
+        "fly_many, 1 thread",
+        "fly_many, 2 threads",
+    ]
+    assert last.startswith("2 threads against one: ")
+
+
 @pytest.mark.parametrize(
     ("name", "arguments", "message"),
     [
@@ -42,6 +59,7 @@ def test_allocators_are_compared_on_the_vehicle_of_the_scenario(monkeypatch, tmp
         ("margins", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
         ("loop", "--rounds 0", "--seconds must be positive, --rounds 1 at least"),
         ("loop", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
+        ("many_flights", "--flights 0", "--flights, --threads and --rounds must be 1 at least"),
         ("allocation", "--dead-zone 2", "--dead-zone 2: must lie in 0 to 1"),
     ],
 )
