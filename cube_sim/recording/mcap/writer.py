@@ -117,7 +117,7 @@ class McapWriter:
         self._declared = RecordBuilder()
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
-        self._chunks: list[ChunkIndex] = []
+        self._chunks: list[bytes] = []  # encoded at once: a long run has many
         self._counts: dict[int, int] = {}
         self._times: tuple[int, int] | None = None
         self._write(MCAP0_MAGIC)
@@ -201,16 +201,18 @@ class McapWriter:
             self._counts[batch.channel_id] = self._counts.get(batch.channel_id, 0) + len(batch.log_times)
             offset += len(batch.data)
         self._chunks.append(
-            ChunkIndex(
-                message_start_time=start,
-                message_end_time=end,
-                chunk_start_offset=chunk_start,
-                chunk_length=chunk_length,
-                message_index_offsets=index_offsets,
-                message_index_length=self._position - chunk_start - chunk_length,
-                compression="zstd",
-                compressed_size=len(compressed),
-                uncompressed_size=len(data),
+            _encoded(
+                ChunkIndex(
+                    message_start_time=start,
+                    message_end_time=end,
+                    chunk_start_offset=chunk_start,
+                    chunk_length=chunk_length,
+                    message_index_offsets=index_offsets,
+                    message_index_length=self._position - chunk_start - chunk_length,
+                    compression="zstd",
+                    compressed_size=len(compressed),
+                    uncompressed_size=len(data),
+                )
             )
         )
         first, last = self._times or (start, end)
@@ -223,24 +225,19 @@ class McapWriter:
             return
         self._write_record(DataEnd(data_section_crc=self._crc))
         summary_start = self._position
-        summary, offsets = RecordBuilder(), []
+        summary, offsets = b"", []
         for opcode, records in self._summary():
-            start = summary.count
-            for record in records:
-                record.write(summary)
-            if summary.count > start:
-                offsets.append(SummaryOffset(opcode, summary_start + start, summary.count - start))
-        offset_start = summary_start + summary.count
-        for offset in offsets:
-            offset.write(summary)
-        footer = RecordBuilder()
-        Footer(summary_start=summary_start, summary_offset_start=offset_start, summary_crc=0).write(footer)
+            start, summary = len(summary), summary + b"".join(records)
+            if len(summary) > start:
+                offsets.append(SummaryOffset(opcode, summary_start + start, len(summary) - start))
+        offset_start = summary_start + len(summary)
+        footer = _encoded(Footer(summary_start=summary_start, summary_offset_start=offset_start, summary_crc=0))
         # The checksum covers the summary and the footer up to the checksum itself.
-        closing = summary.end() + footer.end()[:-4]
+        closing = summary + b"".join(_encoded(offset) for offset in offsets) + footer[:-4]
         self._write(closing + zlib.crc32(closing).to_bytes(4, "little") + MCAP0_MAGIC)
         self._file.close()
 
-    def _summary(self) -> list[tuple[Opcode, list[McapRecord]]]:
+    def _summary(self) -> list[tuple[Opcode, list[bytes]]]:
         start, end = self._times or (0, 0)
         statistics = Statistics(
             message_count=sum(self._counts.values()),
@@ -254,18 +251,16 @@ class McapWriter:
             channel_message_counts=dict(sorted(self._counts.items())),
         )
         return [
-            (Opcode.SCHEMA, [*self._schemas]),
-            (Opcode.CHANNEL, [*self._channels]),
-            (Opcode.STATISTICS, [statistics]),
-            (Opcode.CHUNK_INDEX, [*self._chunks]),
-            (Opcode.ATTACHMENT_INDEX, [*self._attachments]),
-            (Opcode.METADATA_INDEX, [*self._metadata]),
+            (Opcode.SCHEMA, [_encoded(schema) for schema in self._schemas]),
+            (Opcode.CHANNEL, [_encoded(channel) for channel in self._channels]),
+            (Opcode.STATISTICS, [_encoded(statistics)]),
+            (Opcode.CHUNK_INDEX, self._chunks),
+            (Opcode.ATTACHMENT_INDEX, [_encoded(attachment) for attachment in self._attachments]),
+            (Opcode.METADATA_INDEX, [_encoded(metadata) for metadata in self._metadata]),
         ]
 
     def _write_record(self, record: McapRecord) -> None:
-        builder = RecordBuilder()
-        record.write(builder)
-        self._write(builder.end())
+        self._write(_encoded(record))
 
     def _write(self, data: bytes) -> None:
         self._file.write(data)
@@ -281,6 +276,12 @@ class McapWriter:
     ) -> None:
         """Finish the file, whatever happened."""
         self.close()
+
+
+def _encoded(record: McapRecord) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    return builder.end()
 
 
 def _message_index(batch: MessageBatch, base: int) -> bytes:
