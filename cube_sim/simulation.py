@@ -25,6 +25,7 @@ from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 
 Progress = Callable[[float, float], None]
+COMPILES = "compiling for this machine, once after an installation or an update: about a minute"
 
 
 @dataclass(frozen=True)

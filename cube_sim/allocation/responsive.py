@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.asked_forces import asked_forces
 from cube_sim.allocation.exact.solve import solve_each
+from cube_sim.native.apart import finish
 from cube_sim.native.compiled import address_of, call_at, compiled
 
 
@@ -43,9 +44,19 @@ class ResponsiveThrusters(NamedTuple):
     push: NDArray[np.float64]
 
 
+SEARCH = f"{__name__}:search_code"
+"""What compiles the search, for `cube_sim.native.apart`."""
+
+
+def search_code() -> None:
+    """Have the code of `solve_each` on disk."""
+    search_address()
+
+
 @cache
 def search_address() -> int:
     """Where the code of `solve_each` lies, which is large."""
+    finish(SEARCH)
     numbers = np.zeros(1)
     return address_of(solve_each, numbers, numbers, numbers, np.zeros(1, np.int8))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -59,7 +60,10 @@ def _fly(scenario: Path, settings: list[str] | None, out: Path | None, *, hidden
             # Before anything slow is imported; the run looks again.
             require_writable(out)
         from cube_sim import simulation
+        from cube_sim.flight.compiled import compile_beside
 
+        if compile_beside() and not hidden and sys.stderr.isatty():
+            print(simulation.COMPILES, file=sys.stderr, flush=True)
         name, duration_s = loaded.scenario.name, loaded.scenario.duration_s
         with flight_progress(name, duration_s, hidden=hidden) as show:
 

@@ -120,6 +120,12 @@ def address_of(function: Any, *arguments: Any) -> int:
     return int(overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name))
 
 
+def on_disk(function: Any) -> bool:
+    """Whether machine code of a compiled function is kept on disk, made from what stands there now."""
+    file = getattr(getattr(function, "_cache", None), "_cache_file", None)
+    return file is not None and bool(file._load_index())
+
+
 def compiled(function: Callable[..., Any]) -> Any:
     """Compile `function` at its first call; the uncompiled one stays reachable as `.py_func`, the reference in tests.
 
