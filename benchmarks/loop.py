@@ -147,7 +147,7 @@ def by_stage(scenario: Path, count: int) -> dict[str, float]:
     clocked = [
         (flight, "divergence", "is it a state"),
         (flown, "_feed_thrusters", "supply"),
-        (flown._surface, "note", "surface"),
+        (flown._watches.surface, "note", "surface"),
         (flight, "respond_to_faults", "fault finding"),
         (tick, "read_state", "state"),
         (mission.controller, "decide", "guidance and control"),

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.control.probing import ProbeMemory, Probes
-from cube_sim.control.telemetry_gain import Gains, TelemetryGain, learn_gains
+from cube_sim.control.telemetry_gain import TelemetryGain, TelemetryGains, learn_gains
 from cube_sim.control.window_reading import Evidence, WindowReading, contradicts, read_window
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Vector
@@ -67,7 +67,7 @@ class Window(NamedTuple):
     stuck: Vector
     threshold: float
     noise: float
-    gains: Gains
+    gains: TelemetryGains
 
 
 class Diagnosis:

@@ -21,7 +21,7 @@ from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector
 
 
-class Gains(NamedTuple):
+class TelemetryGains(NamedTuple):
     """What is known of m gains.
 
     Attributes:
@@ -57,7 +57,7 @@ class TelemetryGain:
 
     def __init__(self, m: int, tolerance: float, unknown: float) -> None:
         least, most = np.full(m, 1.0 - tolerance), np.full(m, 1.0 + tolerance)
-        self.gains = Gains(np.zeros(m), np.zeros(m), np.ones(m), least, most, float(tolerance), float(unknown))
+        self.gains = TelemetryGains(np.zeros(m), np.zeros(m), np.ones(m), least, most, float(tolerance), float(unknown))
 
     def learn(self, expected: Vector, measured: Vector, whole: np.ndarray, noise: float) -> None:
         """Take one more pair of forces into account.

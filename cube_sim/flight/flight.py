@@ -11,30 +11,26 @@ from dataclasses import replace
 from functools import cached_property
 from hashlib import sha256
 from pickle import PicklingError
-from typing import Any, NamedTuple
+from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cube_sim.allocation import Status
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action, action_of
-from cube_sim.flight.compiled import BEGIN, ESTIMATED, JUDGED, Flown, fly_ticks
+from cube_sim.flight.compiled import BEGIN, JUDGED, fly_ticks
 from cube_sim.flight.observation import Observation
 from cube_sim.flight.rows import rows_for, write_power
 from cube_sim.flight.snapshot import Snapshot
 from cube_sim.flight.start import described, foreseen_attitude, placed
+from cube_sim.flight.taken_over import NOT_BEGUN, Begun, Watches, take_over
 from cube_sim.flight.tick import NotANumberError, tick
 from cube_sim.mission import Mission, prepare
 from cube_sim.mission.copying import integration_state, packed, set_integration_state, unpacked
 from cube_sim.mission.divergence import divergence
 from cube_sim.mission.fault_response import record_actuation, respond_to_faults
-from cube_sim.mission.navigation import estimated as estimated_state
 from cube_sim.mission.own.given import AnyScenario, loaded_with
-from cube_sim.mission.pace_log import PaceLog
-from cube_sim.mission.surface_watch import SurfaceWatch
-from cube_sim.mission.unattainable_log import UnattainableLog
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
@@ -46,19 +42,6 @@ _CHANGING = "controller", "supply", "events", "fault_finding", "drop_weight", "e
 """What of a mission changes in a flight, beside MuJoCo's data, its model's numbers and the allocation."""
 
 
-class Begun(NamedTuple):
-    """How far a tick has come in the compiled loop.
-
-    Attributes:
-        reached: as `cube_sim.flight.compiled.loop` names it.
-        known: the estimated state, once there is one.
-    """
-
-    reached: int
-    known: State | None = None
-
-
-NOT_BEGUN = Begun(BEGIN)
 PYTHON_TICKS = 10
 """So many ticks are flown in Python before compiled code is tried again."""
 
@@ -121,9 +104,7 @@ class Flight:
         self._given_up = ""
         self._known: State | None = None
         self._wanted: Vector | None = None
-        self._unattainable = UnattainableLog(store)
-        self._pace = PaceLog(store, mission.scenario.guidance.speed_m_s)
-        self._surface = SurfaceWatch(store, mission.model, mission.vehicle)
+        self._watches = Watches.of(mission, store)
         self._period = mission.scenario.control_period_s
         self._rows, self._python_until = rows_for(mission.channels, 1), 0
 
@@ -265,15 +246,19 @@ class Flight:
         mission, tick, period = self.mission, self.tick, self._period
         most = self._store.ticks_at_once(tick, period), mission.events.ticks_before(tick, period)
         ticks = min(ticks, mission.scenario.ticks - tick + (not moving), *most)
-        if tick < self._python_until or ticks <= 0 or not self._surface.under_water:
+        if tick < self._python_until or ticks <= 0 or not self._watches.surface.under_water:
             return NOT_BEGUN
-        flown = fly_ticks(mission, tick, ticks, self._applied, self._surface.boxes, moving)
+        flown = fly_ticks(mission, tick, ticks, self._applied, self._watches.surface.boxes, moving)
         if flown is None or flown.ticks == 0:
             self._python_until = tick + PYTHON_TICKS
         if flown is None:
             return NOT_BEGUN
-        begun = self._note(flown)
-        self.tick += flown.ticks if moving else 0
+        if tick == 0 and flown.ticks:
+            record_actuation(mission, self._store, 0.0)
+        begun = take_over(flown, tick, mission, self._watches, self._store)
+        if flown.ticks:
+            self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.known
+            self.tick += flown.ticks if moving else 0
         return begun if flown.reached != BEGIN or flown.ticks == 0 else None
 
     def control(self, warnings: list[str], action: Action = OWN, begun: Begun = NOT_BEGUN) -> None:
@@ -294,7 +279,7 @@ class Flight:
         self.ended = divergence(mission.model, mission.data) or ""
         if self.ended:
             return
-        self._surface.note(t, mission.data)
+        self._watches.surface.note(t, mission.data)
         judged = begun.reached >= JUDGED
         other_voltage = not judged and self._feed_thrusters(t)
         supply = mission.supply
@@ -309,8 +294,7 @@ class Flight:
             self.ended = str(error)
             return
         self._applied, self._wanted = allocation.wrench, decision.quaternion
-        self._unattainable.note(t, allocation.status)
-        self._pace.note(t, decision.pace)
+        self._watches.note(t, allocation.status, decision.pace)
         if decision.given_up != self._given_up:
             self._log_given_up(t, decision.given_up)
         mission.drop_weight.lift(mission.data)
@@ -324,7 +308,7 @@ class Flight:
 
     def finish(self) -> None:
         """Say at the end what there is to say of the whole flight."""
-        self._surface.finish(self.time_s)
+        self._watches.surface.finish(self.time_s)
         if self.ended:
             self._store.log(self.time_s, "ERROR", f"{self.ended}: the run ends here")
 
@@ -338,7 +322,7 @@ class Flight:
         try:
             changing = (
                 (self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted),
-                (self._unattainable, self._pace, self._surface),
+                self._watches,
                 mission.allocator.memory(),
                 integration_state(mission.model, mission.data),
                 (mission.model.numeric_data.copy(), mission.model.opt.wind.copy()),
@@ -358,12 +342,12 @@ class Flight:
         """
         if snapshot.digest != self._digest:
             raise FlightError("the snapshot belongs to another scenario")
-        loop, logs, allocation, physics, numbers, parts = unpacked(snapshot.content, self._fixed)
+        loop, watches, allocation, physics, numbers, parts = unpacked(snapshot.content, self._fixed)
         self._python_until = loop[0]
         if loop[0] < self.tick:
             self._store.clear()  # rows are recorded in the order of time
         self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted = loop
-        self._unattainable, self._pace, self._surface = logs
+        self._watches = watches
         mission = self.mission
         mission.model.numeric_data[:], mission.model.opt.wind[:] = numbers
         set_integration_state(mission.model, mission.data, physics)
@@ -385,35 +369,6 @@ class Flight:
         if supply.update(self.mission.data):
             self._store.log(t, "WARNING", "the battery is empty: the thrusters stand still")
         return supply.force_ratio != before
-
-    def _note(self, flown: Flown) -> Begun:
-        """Take in what the compiled loop has done: its rows into the record, what is to be said into the log.
-
-        Returns:
-            How far the next tick has come.
-        """
-        first, store = self.tick, self._store
-        estimation, sensing, estimated = self.mission.estimation, flown.sensing, flown.reached == ESTIMATED
-        times = [k * self._period for k in range(first, first + flown.ticks + estimated)]
-        if first == 0 and flown.ticks:
-            record_actuation(self.mission, store, 0.0)
-        statuses, paces, last = flown.rows.allocation[:, 3], flown.pace, flown.ticks - 1
-        quiet = self._unattainable.quiet(statuses) and self._pace.quiet(paces)
-        for k, t in enumerate(times):
-            if estimation is not None:
-                estimation.note(sensing.arrived[k, : sensing.counts[k]], store, t)
-            if k == last or (k < last and not quiet):
-                self._unattainable.note(t, Status(int(statuses[k])))
-                self._pace.note(t, float(paces[k]))
-        if flown.ticks:
-            self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.known
-            self._surface.note_under_water(times[flown.ticks - 1])
-            store.extend(times[0], times[flown.ticks - 1], flown.rows.named())
-        if estimation is None or not times:
-            return Begun(flown.reached)
-        n = len(times)
-        estimation.record(store, np.array(times), sensing.answers[:n], sensing.errors[:n], sensing.inertial[:n])
-        return Begun(flown.reached, estimated_state(sensing.answers[n - 1]) if estimated else None)
 
     def _log_given_up(self, t: float, reason: str) -> None:
         """Log that the path is given up, and why, or followed again; drop the ballast where that is asked."""

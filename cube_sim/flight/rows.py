@@ -16,8 +16,8 @@ from cube_sim.tuples import quaternion_from_matrix
 Table = NDArray[np.float64]
 
 
-class Rows(NamedTuple):
-    """Rows of the channels that get one at every tick: (n, 1 + width) each, column 0 the time [s]."""
+class TickRows(NamedTuple):
+    """TickRows of the channels that get one at every tick: (n, 1 + width) each, column 0 the time [s]."""
 
     pose: Table
     velocity: Table
@@ -35,15 +35,15 @@ class Rows(NamedTuple):
         """Channel and rows, for `SignalStore.extend`."""
         return zip(self._fields, self, strict=True)
 
-    def first(self, count: int) -> Rows:
+    def first(self, count: int) -> TickRows:
         """The first of them."""
-        return Rows(*(table[:count] for table in self))
+        return TickRows(*(table[:count] for table in self))
 
 
-def rows_for(channels: tuple[Channel, ...], count: int) -> Rows:
+def rows_for(channels: tuple[Channel, ...], count: int) -> TickRows:
     """So many rows, to be written."""
     widths = {channel.name: 1 + channel.width for channel in channels}
-    return Rows(*(np.empty((count, widths[name])) for name in Rows._fields))
+    return TickRows(*(np.empty((count, widths[name])) for name in TickRows._fields))
 
 
 @compiled
@@ -51,7 +51,7 @@ def write_power(rows, k, t, power, energy, voltage, charge):
     """The row of the supply.
 
     Args:
-        rows: `Rows`.
+        rows: `TickRows`.
         k: which of them.
         t: simulated time [s].
         power: (m,) [W].
@@ -70,7 +70,7 @@ def write_motion(rows, k, t, state, seen, followed, quaternion, attitude_error, 
     """The rows of what the vehicle does and is to do.
 
     Args:
-        rows: `Rows`.
+        rows: `TickRows`.
         k: which of them.
         t: simulated time [s].
         state: (22,) the true one, of `hull_state`.
@@ -111,7 +111,7 @@ def write_actuation(
     """The rows of what the thrusters are told and do.
 
     Args:
-        rows: `Rows`.
+        rows: `TickRows`.
         k: which of them.
         t: simulated time [s].
         wrench: (6,) allocated [N, N m].

@@ -11,7 +11,7 @@ from cube_sim.allocation import Allocation
 from cube_sim.control.controller import Decision
 from cube_sim.control.following import FOLLOWED
 from cube_sim.flight.action import Action
-from cube_sim.flight.rows import Rows, write_actuation, write_motion
+from cube_sim.flight.rows import TickRows, write_actuation, write_motion
 from cube_sim.guidance.view_record import record_of
 from cube_sim.mission import Mission
 from cube_sim.mission.supply import allocate_at
@@ -42,7 +42,7 @@ class Tick(NamedTuple):
 
 def tick(
     mission: Mission,
-    rows: Rows,
+    rows: TickRows,
     store: SignalStore,
     t: float,
     applied: Vector,
@@ -94,7 +94,7 @@ def tick(
 
 def _write(
     mission: Mission,
-    rows: Rows,
+    rows: TickRows,
     t: float,
     state: State,
     decision: Decision,

@@ -88,6 +88,26 @@ def test_both_loops_navigate_the_same(settings, monkeypatch):
     assert assert_same_flight(scenario, {"duration_s": 12.0, "checks": CHECKS, **settings}, monkeypatch) > 0.3
 
 
+@pytest.mark.flight
+@pytest.mark.parametrize("name", ["cube_lose_one", "cube_navigated", "torpedo_helix"])
+def test_a_snapshot_between_compiled_stretches_is_taken_up_to_the_bit(name):
+    settings = {"duration_s": 5.0, "checks": CHECKS, "events": []}
+    if name == "cube_lose_one":
+        settings["events"] = [{"kind": "thrusters", "at_s": 1.5, "thrusters": ["T1"], "state": "dead"}]
+    one, other = (Flight(SCENARIOS / f"{name}.yaml", settings) for _ in range(2))
+    while one.time_s < 3.0:
+        one.fly([], 37)
+    middle, since = one.snapshot(), one.time_s - 1e-9
+    one.fly_to_its_end([])
+    other.restore(middle)
+    other.fly_to_its_end([])
+    for name, rows in one.signals.items():
+        late, again = rows[rows[:, 0] > since], other.signals[name]
+        if name.startswith("path.") or name.startswith("actuation."):
+            continue  # told at the beginning
+        assert late.tobytes() == again[again[:, 0] > since].tobytes(), name
+
+
 def without_a_state(mission):
     mission.data.qvel[:] = np.nan
 

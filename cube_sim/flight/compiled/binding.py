@@ -14,8 +14,8 @@ from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.following import FOLLOWED
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.flight.compiled.loop import fly
-from cube_sim.flight.compiled.parts import Answering, Course, Engine, Evidence, Feed, Hull, Notes, Sensing
-from cube_sim.flight.rows import Rows, rows_for
+from cube_sim.flight.compiled.parts import Answering, Course, Engine, FaultWatch, Feed, Hull, Notes, Sensing
+from cube_sim.flight.rows import TickRows, rows_for
 from cube_sim.guidance.target_record import RunningParts
 from cube_sim.guidance.view_record import VIEW
 from cube_sim.mission import Mission
@@ -36,7 +36,7 @@ _ADDRESSES: dict[str, int] = {}
 NOTHING_WATCHED = Diagnosis(1.0, 1.0, 1.0, np.zeros(1))
 
 
-class Flown(NamedTuple):
+class FlownTicks(NamedTuple):
     """What the compiled loop has done.
 
     Attributes:
@@ -52,7 +52,7 @@ class Flown(NamedTuple):
 
     ticks: int
     reached: int
-    rows: Rows
+    rows: TickRows
     pace: Vector
     applied: Vector
     wanted: Vector
@@ -62,7 +62,7 @@ class Flown(NamedTuple):
 
 def fly_ticks(
     mission: Mission, tick: int, count: int, applied: Vector, boxes: Boxes, moving: bool = True
-) -> Flown | None:
+) -> FlownTicks | None:
     """Fly up to so many ticks, none of which has an event.
 
     Args:
@@ -111,7 +111,7 @@ def fly_ticks(
     allocator.effort.add(*notes.effort.tolist())
     allocator.confirm_later(notes.answers[:ticks], notes.demands[:ticks])
     state = answering.state
-    return Flown(
+    return FlownTicks(
         ticks,
         reached,
         rows.first(ticks),
@@ -213,10 +213,10 @@ def _feed(mission: Mission) -> Feed:
     )
 
 
-def _evidence(mission: Mission) -> Evidence | None:
+def _evidence(mission: Mission) -> FaultWatch | None:
     """What faults are found by; None where that takes Python at every tick."""
     found = mission.fault_finding
     if found is None:
         assert NOTHING_WATCHED.window is not None
-        return Evidence(False, NOTHING_WATCHED.window, NOTHING_WATCHED.probes, np.zeros(1))
-    return None if found.evidence is None else Evidence(True, *found.evidence)
+        return FaultWatch(False, NOTHING_WATCHED.window, NOTHING_WATCHED.probes, np.zeros(1))
+    return None if found.evidence is None else FaultWatch(True, *found.evidence)

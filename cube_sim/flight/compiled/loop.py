@@ -72,13 +72,13 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
         engine: `Engine`.
         hull: `Hull`.
         feed: `Feed`.
-        evidence: `Evidence`.
+        evidence: `FaultWatch`.
         sensing: `Sensing`.
         course: `Course`.
         law: `cube_sim.control.answering.LawParts`.
         answering: `Answering`.
         thrusters: `cube_sim.allocation.responsive.ResponsiveThrusters`.
-        rows: `cube_sim.flight.rows.Rows`, so many; filled.
+        rows: `cube_sim.flight.rows.TickRows`, so many; filled.
         notes: `Notes`, so many; filled.
 
     Returns:

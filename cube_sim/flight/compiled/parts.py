@@ -123,7 +123,7 @@ class Feed(NamedTuple):
     efficiency: Vector
 
 
-class Evidence(NamedTuple):
+class FaultWatch(NamedTuple):
     """What thruster faults are found by.
 
     Attributes:

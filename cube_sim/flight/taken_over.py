@@ -1,0 +1,94 @@
+"""What the compiled loop has flown, taken over into the record and the log of a flight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from cube_sim.allocation import Status
+from cube_sim.flight.compiled import BEGIN, ESTIMATED, FlownTicks
+from cube_sim.mission import Mission
+from cube_sim.mission.navigation import estimated
+from cube_sim.mission.pace_log import PaceLog
+from cube_sim.mission.surface_watch import SurfaceWatch
+from cube_sim.mission.unattainable_log import UnattainableLog
+from cube_sim.recording.signal_store import SignalStore
+from cube_sim.spatial import State
+
+
+class Begun(NamedTuple):
+    """How far a tick has come in the compiled loop.
+
+    Attributes:
+        reached: as `cube_sim.flight.compiled.loop` names it.
+        known: the estimated state, once there is one.
+    """
+
+    reached: int
+    known: State | None = None
+
+
+NOT_BEGUN = Begun(BEGIN)
+
+
+@dataclass
+class Watches:
+    """Those that say something of a flight now and then.
+
+    Attributes:
+        unattainable: of demands that stay out of reach.
+        pace: of a path followed more slowly than asked.
+        surface: of a hull out of the water.
+    """
+
+    unattainable: UnattainableLog
+    pace: PaceLog
+    surface: SurfaceWatch
+
+    @staticmethod
+    def of(mission: Mission, store: SignalStore) -> Watches:
+        """At the beginning of a mission."""
+        return Watches(
+            UnattainableLog(store),
+            PaceLog(store, mission.scenario.guidance.speed_m_s),
+            SurfaceWatch(store, mission.model, mission.vehicle),
+        )
+
+    def note(self, t: float, status: Status, pace: float) -> None:
+        """Take in one tick, at t [s]: the status of its allocation, its share of the speed along the path."""
+        self.unattainable.note(t, status)
+        self.pace.note(t, pace)
+
+
+def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches, store: SignalStore) -> Begun:
+    """Put the rows of ticks into the record, and what there is to say of them into the log.
+
+    Args:
+        flown: the ticks.
+        first: number of the first.
+        mission: that was flown.
+        watches: over it.
+        store: record and log.
+
+    Returns:
+        How far the next tick has come.
+    """
+    estimation, sensing, period = mission.estimation, flown.sensing, mission.scenario.control_period_s
+    times = [k * period for k in range(first, first + flown.ticks + (flown.reached == ESTIMATED))]
+    statuses, paces, last = flown.rows.allocation[:, 3], flown.pace, flown.ticks - 1
+    quiet = watches.unattainable.quiet(statuses) and watches.pace.quiet(paces)
+    for k, t in enumerate(times):
+        if estimation is not None:
+            estimation.note(sensing.arrived[k, : sensing.counts[k]], store, t)
+        if k == last or (k < last and not quiet):
+            watches.note(t, Status(int(statuses[k])), float(paces[k]))
+    if flown.ticks:
+        watches.surface.note_under_water(times[last])
+        store.extend(times[0], times[last], flown.rows.named())
+    if estimation is None or not times:
+        return Begun(flown.reached)
+    n = len(times)
+    estimation.record(store, np.array(times), sensing.answers[:n], sensing.errors[:n], sensing.inertial[:n])
+    return Begun(flown.reached, estimated(sensing.answers[n - 1]) if n > flown.ticks else None)
