@@ -31,6 +31,24 @@ def sextuple(a):
 
 
 @compiled
+def put(into, a):
+    """into[i] = a[i] of an array (n,) and n numbers.
+
+    `into[:] = a` would compile sentences about shapes that do not fit, for seconds.
+    """
+    for i in range(len(into)):
+        into[i] = a[i]
+
+
+@compiled
+def put_matrix(into, M):
+    """into[i, j] = M[i, j] of two matrices of one shape; see `put`."""
+    for i in range(into.shape[0]):
+        for j in range(into.shape[1]):
+            into[i, j] = M[i, j]
+
+
+@compiled
 def plus(a, b):
     """a + b of two 3-tuples."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])

@@ -15,6 +15,8 @@ from cube_sim.control.balancing import balance
 from cube_sim.control.current import observe_current
 from cube_sim.control.disturbance import observe_disturbance
 from cube_sim.control.following import follow
+from cube_sim.control.free_attitude import least_effort
+from cube_sim.control.look_at import look_at
 from cube_sim.control.oscillation_centre import begin_centre, see_centre, watch_centre
 from cube_sim.guidance.approach import approach_motion
 from cube_sim.guidance.pursuit import pursuit_motion
@@ -22,11 +24,15 @@ from cube_sim.guidance.speed import speed_at
 from cube_sim.guidance.view_record import see_level
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Record, Vector
+from cube_sim.tuples import put, triple
+
+ALONG_PATH, FIXED, LOOK_AT, FREE = range(4)
+"""Which attitude is asked for: that of `AlongPath`, `FixedAttitude`, `LookAt` or `FreeAttitude`."""
 
 SETTINGS = np.dtype(
     [
         ("pursuit", np.bool_),
-        ("fixed", np.bool_),
+        ("kind", np.int64),
         ("balanced", np.bool_),
         ("dragged", np.bool_),
         ("budgeted", np.bool_),
@@ -42,10 +48,10 @@ SETTINGS = np.dtype(
 )
 """How a `PathFollower` is put together.
 
-It pursues its target, or approaches the path; it holds one attitude, or the path's; the attitude is balanced; turning
-drags the hull along; the thrusters' budget is known; the target waits; it moves in a level plane only. Then the times
-of the observers [s], 0 for none, the damping of the current's, the levelling time [s], the force that is asked for
-again [N], the attitude that is held.
+It pursues its target, or approaches the path; which attitude it asks for; the attitude is balanced; turning drags the
+hull along; the thrusters' budget is known; the target waits; it moves in a level plane only. Then the times of the
+observers [s], 0 for none, the damping of the current's, the levelling time [s], the force that is asked for again [N],
+the attitude that is held.
 """
 
 
@@ -69,9 +75,13 @@ class LawParts(NamedTuple):
         balanced_normals: of the budget that the balanced attitude looks at, like the next two.
         balanced_bounds: of it.
         balanced_shares: of it.
+        looking: record of `cube_sim.control.look_at.LOOK`; read where it looks at a point.
+        effort: record of `cube_sim.control.free_attitude.EFFORT`; read where the attitude is free.
+        side: memory of `nose_along`, moved on where that is asked for, as are the next two.
+        sight: of `look_at`.
+        rest: of `least_effort`.
         disturbance: memory of `observe_disturbance`, moved on.
         current: (3,) of `observe_current`, moved on.
-        side: memory of `nose_along`, moved on.
         balanced: memory of `balance`, moved on.
         centre: memory of `watch_centre`, moved on.
         memory: of `follow`, moved on.
@@ -93,9 +103,13 @@ class LawParts(NamedTuple):
     balanced_normals: Matrix
     balanced_bounds: Vector
     balanced_shares: Vector
+    looking: Record
+    effort: Record
+    side: Record
+    sight: Record
+    rest: Record
     disturbance: Record
     current: Vector
-    side: Record
     balanced: Record
     centre: Record
     memory: Record
@@ -137,11 +151,16 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio)
     unknown = np.zeros(6)
     if s.disturbance_time > 0.0:
         observe_disturbance(hull, s.disturbance_time, p.disturbance, R, v, w, applied, current, dt)
-        unknown[:] = p.disturbance[0].estimate
+        put(unknown, p.disturbance[0].estimate)
         if s.current_time > 0.0:
             observe_current(hull, s.current_damping, dt / s.current_time, current, R, v, w, unknown)
-    if s.fixed:
-        desired[0].quaternion[:] = s.attitude
+    if s.kind == FIXED:
+        put(desired[0].quaternion, s.attitude)
+    elif s.kind == LOOK_AT:
+        look_at(p.looking, p.sight, desired, view, R, dt)
+    elif s.kind == FREE:
+        force = triple(p.memory[0].force)
+        least_effort(hull, p.effort, p.rest, desired, view, R, force, triple(current), dt)
     else:
         nose_along(s.levelling_time, p.side, desired, view, dt)
     if s.dragged:

@@ -6,19 +6,19 @@ from math import acos, sqrt
 
 import numpy as np
 
+from cube_sim.control.damped_inverse import damped_inverse
 from cube_sim.control.pace import facet_excess
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import (
-    cross_tuples,
     dot,
     length,
     minus,
     plus,
     plus6,
+    put_matrix,
     quaternion_from_matrix,
     quaternion_times,
     rotated,
-    solve_positive,
     stacked,
     times,
     to_body,
@@ -26,7 +26,7 @@ from cube_sim.tuples import (
     triple,
     turn_between,
 )
-from cube_sim.vehicle.laws.hull_motion import restoring_slope, steady_wrench, steady_wrench_slope
+from cube_sim.vehicle.laws.hull_motion import steady_wrench, steady_wrench_slope, turning_slope
 
 SOFTNESS_N = 0.6
 """Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
@@ -119,7 +119,7 @@ def balance(
         _begin(m, R_now, out.quaternion)
     _average(m, flow_W, minus(triple(before.force), steady), triple(before.torque), dt, p.time)
     if _held_elsewhere(m, _angle_between(m.rotation, R_now), min(1.0, dt / (WATCHED * p.time))):
-        m.rotation[:] = R_now
+        put_matrix(m.rotation, R_now)
     R = m.rotation
     rates = _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio)
     speed = length(rates)
@@ -130,7 +130,7 @@ def balance(
     for i in range(3):
         out.quaternion[1 + i], out.rates[i] = q[1 + i], turning[i]
     if speed > 0.0:
-        m.rotation[:] = rotated(R, times(1.0 / speed, rates), speed * dt)
+        put_matrix(m.rotation, rotated(R, times(1.0 / speed, rates), speed * dt))
 
 
 @compiled
@@ -142,7 +142,7 @@ def _begin(m, R_now, wish):
     turn = turn_between(quaternion_from_matrix(R_now), (wish[0], wish[1], wish[2], wish[3]))
     angle = length(turn)
     if angle > FARTHEST_RAD:
-        m.rotation[:] = rotated(R_now, times(1.0 / angle, turn), angle)
+        put_matrix(m.rotation, rotated(R_now, times(1.0 / angle, turn), angle))
 
 
 @compiled
@@ -183,7 +183,7 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
     flow, force, flow_change, force_change = _led(m, R)
     nu = np.array((flow[0], flow[1], flow[2], 0.0, 0.0, 0.0))
     by_velocity = steady_wrench_slope(hull, nu, np.zeros(6))
-    turning = _by_turning(hull, by_velocity, flow, force, z)
+    turning = turning_slope(hull, by_velocity, flow, force, z)
     torque_change = triple(m.torque_change)
     torque = minus(times(2.0, triple(m.torque)), triple(m.torque_twice))
     wrench = plus6(steady_wrench(hull, flow, z), stacked(force, torque))
@@ -219,7 +219,9 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
             about = J[k, 0] * z[0] + J[k, 1] * z[1] + J[k, 2] * z[2]
             J[k, 0], J[k, 1], J[k, 2] = about * z[0], about * z[1], about * z[2]
     second = _towards(m, R, desired, p.wish_time)
-    rates = minus(second, _damped_inverse(J, imbalance, rows, second))
+    for k in range(rows):
+        imbalance[k] = imbalance[k] + J[k, 0] * second[0] + J[k, 1] * second[1] + J[k, 2] * second[2]
+    rates = minus(second, damped_inverse(J, imbalance, rows, SOFTNESS_N * SOFTNESS_N))
     return times(dot(z, rates), z) if p.level else rates
 
 
@@ -229,24 +231,6 @@ def _led(m, R):
     flow = minus(times(2.0, triple(m.led[0])), triple(m.twice[0]))
     force = minus(times(2.0, triple(m.led[1])), triple(m.twice[1]))
     return to_body(R, flow), to_body(R, force), to_body(R, triple(m.change[0])), to_body(R, triple(m.change[1]))
-
-
-@compiled
-def _by_turning(hull, by_velocity, flow, force, z):
-    """(6,3) derivative of W by a small rotation in body axes, in which U and F_W turn as a' = a x theta."""
-    turning = restoring_slope(hull, z)
-    for i in range(6):
-        row = cross_tuples((by_velocity[i, 0], by_velocity[i, 1], by_velocity[i, 2]), flow)
-        for j in range(3):
-            turning[i, j] = row[j] - turning[i, j]
-    x, y, z = force
-    turning[0, 1] -= z
-    turning[0, 2] += y
-    turning[1, 0] += z
-    turning[1, 2] -= x
-    turning[2, 0] -= y
-    turning[2, 1] += x
-    return turning
 
 
 @compiled
@@ -282,31 +266,6 @@ def _towards(m, R, desired, wish_time):
         error = (-error[0], -error[1], -error[2], -error[3])
     m.off = 2.0 * length(error[1:])
     return plus(to_body(R, triple(desired[0].rates)), times(1.0 / wish_time, tilt_and_heading(error)))
-
-
-@compiled
-def _damped_inverse(J, imbalance, rows, second):
-    """(J' J + s^2 I)^-1 J' (imbalance + J second), a 3-tuple, with so many rows of J; the same as J' (J J' + s^2 I)^-1.
-
-    Written with the (3,3) matrix, which is never larger than that of the rows.
-    """
-    square = np.zeros((3, 3))
-    x = y = z = 0.0
-    for k in range(rows):
-        a, b, c = J[k, 0], J[k, 1], J[k, 2]
-        wanted = imbalance[k] + a * second[0] + b * second[1] + c * second[2]
-        x += a * wanted
-        y += b * wanted
-        z += c * wanted
-        square[0, 0] += a * a
-        square[1, 0] += b * a
-        square[1, 1] += b * b
-        square[2, 0] += c * a
-        square[2, 1] += c * b
-        square[2, 2] += c * c
-    for i in range(3):
-        square[i, i] += SOFTNESS_N * SOFTNESS_N
-    return solve_positive(square, (x, y, z))
 
 
 @compiled

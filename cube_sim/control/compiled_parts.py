@@ -9,12 +9,16 @@ import numpy as np
 
 from cube_sim.control.along_path import MEMORY as SIDE
 from cube_sim.control.along_path import AlongPath
-from cube_sim.control.answering import SETTINGS, LawParts, answer
+from cube_sim.control.answering import ALONG_PATH, FIXED, FREE, LOOK_AT, SETTINGS, LawParts, answer
 from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.balancing import BALANCE
 from cube_sim.control.balancing import MEMORY as BALANCED
 from cube_sim.control.disturbance import MEMORY as DISTURBANCE
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.free_attitude import EFFORT, FreeAttitude
+from cube_sim.control.free_attitude import MEMORY as REST
+from cube_sim.control.look_at import LOOK, LookAt
+from cube_sim.control.look_at import MEMORY as SIGHT
 from cube_sim.control.pace import NO_BUDGET, Facets
 from cube_sim.guidance.approach import APPROACH, Approach
 from cube_sim.guidance.law import MotionLaw
@@ -36,7 +40,7 @@ class CompiledParts:
         speed: of the profile.
         approach: record `APPROACH`.
         pursuit: record `PURSUIT`.
-        side: memory of the attitude along the path.
+        mode: numbers of the attitudes that `LookAt` and `FreeAttitude` ask for; memories of those and of `AlongPath`.
         disturbance: memory of the observer.
         current: (3,) the estimate.
     """
@@ -46,7 +50,7 @@ class CompiledParts:
     speed: Parts
     approach: Record
     pursuit: Record
-    side: Record
+    mode: tuple[Record, Record, Record, Record, Record]
     disturbance: Record
     current: Vector
 
@@ -78,15 +82,16 @@ class CompiledParts:
             self.pursuit,
             NOT_BALANCED if balanced is None else balanced.parameters,
             *(NO_BUDGET if balanced is None else balanced.budget),
+            *self.mode,
             self.disturbance,
             self.current,
-            self.side,
             NEVER_BALANCED if balanced is None else balanced.memory,
             follower.centre,
             follower.memory,
         )
 
 
+KINDS: dict[type, int] = {AlongPath: ALONG_PATH, FixedAttitude: FIXED, LookAt: LOOK_AT, FreeAttitude: FREE}
 NOT_BALANCED, NEVER_BALANCED = np.zeros(1, BALANCE), np.zeros(1, BALANCED)
 
 
@@ -104,8 +109,13 @@ def compiled_parts(
         dragged: whether turning drags the hull along.
     """
     mode = follower.attitude
-    if type(mode) not in (AlongPath, FixedAttitude) or type(approach) not in (Approach, Pursuit):
+    kind = KINDS.get(type(mode))
+    if kind is None or type(approach) not in (Approach, Pursuit):
         return None
+    if isinstance(mode, FreeAttitude):
+        if mode.dynamics is not follower.loops.dynamics:
+            return None
+        mode.reckon_with(follower.capability.effort)
     speed: Parts | None = approach.speed_parts  # type: ignore[attr-defined]
     if speed is None:
         return None
@@ -119,8 +129,9 @@ def compiled_parts(
         settings["disturbance_time"] = observer.time
         if flow is not None:
             settings["current_time"], settings["current_damping"] = flow.time, flow.damping
+    settings["kind"] = kind
     if isinstance(mode, FixedAttitude):
-        settings["fixed"], settings["attitude"] = True, mode.quaternion
+        settings["attitude"] = mode.quaternion
     elif isinstance(mode, AlongPath):
         settings["levelling_time"] = mode.levelling_time
     return CompiledParts(
@@ -129,7 +140,13 @@ def compiled_parts(
         speed=speed,
         approach=approach.record if isinstance(approach, Approach) else np.zeros(1, APPROACH),
         pursuit=approach.record if isinstance(approach, Pursuit) else np.zeros(1, PURSUIT),
-        side=mode.memory if isinstance(mode, AlongPath) else np.zeros(1, SIDE),
+        mode=(
+            mode.parameters if isinstance(mode, LookAt) else np.zeros(1, LOOK),
+            mode.parameters if isinstance(mode, FreeAttitude) else np.zeros(1, EFFORT),
+            mode.memory if isinstance(mode, AlongPath) else np.zeros(1, SIDE),
+            mode.memory if isinstance(mode, LookAt) else np.zeros(1, SIGHT),
+            mode.memory if isinstance(mode, FreeAttitude) else np.zeros(1, REST),
+        ),
         disturbance=np.zeros(1, DISTURBANCE) if observer is None else observer.memory,
         current=np.zeros(3) if flow is None else flow.estimate,
     )

@@ -4,9 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.attitude_mode import DesiredAttitude, Situation
-from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation, rotation_about
+from cube_sim.control.attitude_mode import DESIRED, DesiredAttitude, Situation
+from cube_sim.control.damped_inverse import damped_inverse
+from cube_sim.guidance.view_record import record_of
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Matrix, Record
+from cube_sim.tuples import (
+    cross_tuples,
+    dot,
+    length,
+    minus,
+    plus,
+    plus6,
+    put_matrix,
+    quaternion_from_matrix,
+    rotated,
+    stacked,
+    times,
+    to_body,
+    to_world,
+    triple,
+)
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.laws.hull_motion import steady_wrench, steady_wrench_slope, turning_slope
 
 MAX_RATE = 0.5
 """Bound on the turning of the desired attitude [rad/s]."""
@@ -14,11 +34,28 @@ SOFTNESS_N = 1.0
 """Efforts of this size and less hardly turn the vehicle."""
 DAMPING = 0.2
 """Share of the effort that is added to its curvature."""
-STEP = 1e-6
-"""Of the differences [rad]."""
 
-_TURNS = np.array([rotation_about(axis, STEP) for axis in np.eye(3)])
-_UNIT, _REST = np.eye(3), np.zeros(6)
+EFFORT = np.dtype(
+    [
+        ("time", np.float64),
+        ("root", np.float64, (6, 6)),
+        ("righting", np.float64, 3),
+        ("lift", np.float64),
+        ("lift_root", np.float64),
+    ]
+)
+"""Numbers of `FreeAttitude`: T [s]; a matrix whose transpose times itself is Q; the righting moment r [N m] at a right
+angle; its size; the root of what a torque costs, the mean over all directions [1/m]."""
+MEMORY = np.dtype(
+    [
+        ("rotation", np.float64, (3, 3)),
+        ("force", np.float64, 3),
+        ("velocity", np.float64, 3),
+        ("started", np.bool_),
+    ]
+)
+"""The desired attitude R_WD; the averages of the force demanded [N] and of the velocity over ground [m/s], world axes;
+whether there are any yet."""
 
 
 class FreeAttitude:
@@ -39,75 +76,126 @@ class FreeAttitude:
     """
 
     def __init__(self, dynamics: Dynamics, time: float) -> None:
-        self._dynamics, self._time = dynamics, time
+        self.dynamics = dynamics
         self._effort: Matrix | None = None
-        self._righting = dynamics.righting_moment
-        self._lift = float(np.linalg.norm(self._righting))
-        self._rotation: Matrix | None = None
-        self._force, self._velocity = np.zeros(3), np.zeros(3)
+        self.parameters: Record = np.zeros(1, EFFORT)
+        self.parameters["time"], self.parameters["righting"] = time, dynamics.righting_moment
+        self.parameters["lift"] = np.linalg.norm(dynamics.righting_moment)
+        self.memory: Record = np.zeros(1, MEMORY)
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """The desired attitude, from the vehicle's own at the first call on, and how it turns."""
-        velocity = situation.view.point.rotation @ situation.view.velocity
-        if self._rotation is None:
-            self._rotation, self._force, self._velocity = situation.rotation, situation.force, velocity
-        if situation.effort is not self._effort:
-            self._set_effort(situation.effort)
-        share = min(1.0, dt / self._time)
-        self._force = self._force + share * (situation.force - self._force)
-        self._velocity = self._velocity + share * (velocity - self._velocity)
-        R = self._rotation
-        rates = self._descent(R, situation) + self._righting_rate(R[2])
-        speed = float(np.linalg.norm(rates))
-        if speed > MAX_RATE:
-            rates, speed = rates * (MAX_RATE / speed), MAX_RATE
-        if speed > 0.0:
-            self._rotation = R @ rotation_about(rates / speed, speed * dt)
-        return DesiredAttitude(quaternion_from_rotation(R), R @ rates)
+        self.reckon_with(situation.effort)
+        desired = np.zeros(1, DESIRED)
+        least_effort(
+            self.dynamics.record,
+            self.parameters,
+            self.memory,
+            desired,
+            record_of(situation.view),
+            situation.rotation,
+            triple(situation.force),
+            triple(situation.current),
+            dt,
+        )
+        return DesiredAttitude(*desired[0])
 
-    def _set_effort(self, effort: Matrix) -> None:
+    def reckon_with(self, effort: Matrix) -> None:
         """Take Q (6,6) of the thrusters that work from now on."""
+        if effort is self._effort:
+            return
         self._effort = effort
         sizes, axes = np.linalg.eigh(effort)
-        self._root = (axes * np.sqrt(np.maximum(sizes, 0.0))).T  # root' root = Q
-        self._lift_root = float(np.sqrt(np.trace(effort[3:, 3:]) / 3.0))
+        self.parameters["root"] = (axes * np.sqrt(np.maximum(sizes, 0.0))).T  # root' root = Q
+        self.parameters["lift_root"] = np.sqrt(np.trace(effort[3:, 3:]) / 3.0)
 
-    def _descent(self, R: Matrix, situation: Situation) -> Vector:
-        """Turning rate (3,) [rad/s], body axes."""
-        current = situation.current
-        known = self._steady_wrench(situation.rotation, current)
-        rest = self._force - situation.rotation @ known[:3]
-        y = self._efforts(R, current, rest)
-        slopes = np.array([(self._efforts(R @ turn, current, rest) - y) / STEP for turn in _TURNS])  # J'
-        damping = DAMPING * float(y @ y) + SOFTNESS_N**2
-        step = np.linalg.solve(slopes @ slopes.T + damping * _UNIT, slopes @ y)
-        return np.asarray(-step / self._time, dtype=np.float64)
 
-    def _efforts(self, R: Matrix, current: Vector, rest: Vector) -> Vector:
-        """y (7,) [N], whose square is E and the share of the potential energy."""
-        wrench = self._steady_wrench(R, current)
-        wrench[:3] += rest @ R
-        y = np.empty(7)
-        y[:6] = self._root @ wrench
-        y[6] = self._lift_root * (self._lift - float(self._righting @ R[2]))
-        return y
+@compiled
+def least_effort(hull, parameters, memory, answer, view, R_now, force_W, current_W, dt):
+    """One tick of the law.
 
-    def _steady_wrench(self, R: Matrix, current: Vector) -> Vector:
-        """The wrench (6,) that keeps the hull going as it goes, without turning, body axes."""
-        nu = np.zeros(6)
-        nu[:3] = self._velocity @ R
-        return self._dynamics.wrench(R, nu, _REST, current)
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        parameters: record `EFFORT`.
+        memory: record `MEMORY`, moved on.
+        answer: record of `cube_sim.control.attitude_mode.DESIRED`, filled.
+        view: record of `cube_sim.guidance.view_record.VIEW`.
+        R_now: R_WB (3,3) of the hull, where the desired attitude begins.
+        force_W: demanded at the tick before, a 3-tuple [N], world axes.
+        current_W: estimate, a 3-tuple [m/s], world axes.
+        dt: [s].
+    """
+    p, m, out = parameters[0], memory[0], answer[0]
+    velocity_W = to_world(view[0].frame, triple(view[0].velocity))
+    if not m.started:
+        m.started = True
+        put_matrix(m.rotation, R_now)
+        for i in range(3):
+            m.force[i], m.velocity[i] = force_W[i], velocity_W[i]
+    share = min(1.0, dt / p.time)
+    for i in range(3):
+        m.force[i] += share * (force_W[i] - m.force[i])
+        m.velocity[i] += share * (velocity_W[i] - m.velocity[i])
+    R, flow_W = m.rotation, minus(triple(m.velocity), current_W)
+    steady = steady_wrench(hull, to_body(R_now, flow_W), (R_now[2, 0], R_now[2, 1], R_now[2, 2]))
+    rest_W = minus(triple(m.force), to_world(R_now, steady[:3]))
+    z = (R[2, 0], R[2, 1], R[2, 2])
+    rates = plus(_descent(hull, p, to_body(R, flow_W), to_body(R, rest_W), z), _righting_rate(p, z))
+    speed = length(rates)
+    if speed > MAX_RATE:
+        rates, speed = times(MAX_RATE / speed, rates), MAX_RATE
+    q, turning = quaternion_from_matrix(R), to_world(R, rates)
+    out.quaternion[0] = q[0]
+    for i in range(3):
+        out.quaternion[1 + i], out.rates[i] = q[1 + i], turning[i]
+    if speed > 0.0:
+        put_matrix(m.rotation, rotated(R, times(1.0 / speed, rates), speed * dt))
 
-    def _righting_rate(self, z: Vector) -> Vector:
-        """The rate that turns a hull back which lies beyond a right angle (3,) [rad/s], body axes."""
-        if not self._lift > 0.0:
-            return np.zeros(3)
-        upright = self._righting / self._lift
-        if upright @ z >= 0.0:
-            return np.zeros(3)
-        normal = cross(upright, z)
-        sine = float(np.linalg.norm(normal))
-        if not sine > 1e-6:
-            normal = cross(upright, np.roll(upright, 1) + np.array([0.0, 1.0, 0.0]))  # any one will do
-            return normal / float(np.linalg.norm(normal)) / self._time
-        return normal * ((1.0 - sine) / (sine * self._time))
+
+@compiled
+def _descent(hull, p, flow, rest, z):
+    """Turning rate -(J' J + d I)^-1 J' y / T, a 3-tuple [rad/s]; all in body axes.
+
+    y (7,) [N] is what is squared: E, and the share of the potential energy. J is its derivative by a small rotation.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        p: of `EFFORT`.
+        flow: velocity relative to the water, a 3-tuple [m/s].
+        rest: the force demanded beside drag, weight and lift, a 3-tuple [N].
+        z: world up.
+    """
+    wrench = plus6(steady_wrench(hull, flow, z), stacked(rest, (0.0, 0.0, 0.0)))
+    by_velocity = steady_wrench_slope(hull, np.array(stacked(flow, (0.0, 0.0, 0.0))), np.zeros(6))
+    by_turning = turning_slope(hull, by_velocity, flow, rest, z)
+    y, J, squared = np.zeros(7), np.zeros((7, 3)), 0.0
+    for k in range(6):
+        for i in range(6):
+            y[k] += p.root[k, i] * wrench[i]
+            for j in range(3):
+                J[k, j] += p.root[k, i] * by_turning[i, j]
+    righting = triple(p.righting)
+    sinking = cross_tuples(z, righting)  # of -r z, as z' = z x theta
+    y[6] = p.lift_root * (p.lift - dot(righting, z))
+    for j in range(3):
+        J[6, j] = p.lift_root * sinking[j]
+    for k in range(7):
+        squared += y[k] * y[k]
+    step = damped_inverse(J, y, 7, DAMPING * squared + SOFTNESS_N * SOFTNESS_N)
+    return times(-1.0 / p.time, step)
+
+
+@compiled
+def _righting_rate(p, z):
+    """The rate that turns a hull back which lies beyond a right angle, a 3-tuple [rad/s], body axes."""
+    if not p.lift > 0.0:
+        return (0.0, 0.0, 0.0)
+    upright = times(1.0 / p.lift, triple(p.righting))
+    if dot(upright, z) >= 0.0:
+        return (0.0, 0.0, 0.0)
+    normal = cross_tuples(upright, z)
+    sine = length(normal)
+    if not sine > 1e-6:
+        normal = cross_tuples(upright, (upright[2], upright[0] + 1.0, upright[1]))  # any one will do
+        return times(1.0 / (length(normal) * p.time), normal)
+    return times((1.0 - sine) / (sine * p.time), normal)

@@ -2,16 +2,46 @@
 
 from __future__ import annotations
 
-from math import atan2
+from math import atan2, pi
 
 import numpy as np
 
-from cube_sim.control.attitude_mode import DesiredAttitude, Situation
+from cube_sim.control.attitude_mode import DESIRED, DesiredAttitude, Situation
 from cube_sim.control.levelling import levelling_spin
-from cube_sim.spatial import Matrix, Vector, cross, quaternion_from_rotation, rotation_about
+from cube_sim.guidance.view_record import record_of
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record, Vector, cross
+from cube_sim.tuples import (
+    cross_tuples,
+    dot,
+    length,
+    minus,
+    plus,
+    put_matrix,
+    quaternion_from_matrix,
+    rotated,
+    times,
+    to_body,
+    to_world,
+    triple,
+)
 
 MAX_RATE = 1.0
 """Bound on each of the two turns of the desired attitude [rad/s]."""
+
+LOOK = np.dtype(
+    [
+        ("point", np.float64, 3),
+        ("axis", np.float64, 3),
+        ("side", np.float64, 3),
+        ("near", np.float64),
+        ("time", np.float64),
+        ("levelling_time", np.float64),
+    ]
+)
+"""Numbers of `LookAt`, whose arguments these are; side is the body axis (3,) that is to be level."""
+MEMORY = np.dtype([("rotation", np.float64, (3, 3)), ("started", np.bool_)])
+"""The desired attitude R_WD, and whether there is one yet."""
 
 
 class LookAt:
@@ -34,46 +64,79 @@ class LookAt:
     """
 
     def __init__(self, point: Vector, axis: Vector, near: float, time: float, levelling_time: float = 2.0) -> None:
-        self._point, self._axis, self._near = point, axis, near
-        self._time, self._levelling_time = time, levelling_time
         side = cross(np.array([0.0, 0.0, 1.0]), axis)  # level and to the left of someone who looks along the axis
         size = float(np.linalg.norm(side))
-        self._side = side / size if size > 1e-6 else np.array([0.0, 1.0, 0.0])
-        self._rotation: Matrix | None = None
+        self.parameters: Record = np.zeros(1, LOOK)
+        self.parameters["point"], self.parameters["axis"] = point, axis
+        self.parameters["side"] = side / size if size > 1e-6 else (0.0, 1.0, 0.0)
+        self.parameters["near"], self.parameters["time"] = near, time
+        self.parameters["levelling_time"] = levelling_time
+        self.memory: Record = np.zeros(1, MEMORY)
 
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """The desired attitude, from the vehicle's own at the first call on, and how it turns."""
-        R = situation.rotation if self._rotation is None else self._rotation
-        u, side = R @ self._axis, R @ self._side
-        first = self._towards_the_point(u, side, situation)
-        spin = levelling_spin(u, cross(first, u), side, self._levelling_time)
-        spin = min(max(spin, -MAX_RATE), MAX_RATE)
-        size = float(np.linalg.norm(first))
-        rolled = rotation_about(u, spin * dt) @ R  # first, as it leaves u where it is: the tasks do not mix in a tick
-        self._rotation = rotation_about(first / size, size * dt) @ rolled if size > 0.0 else rolled
-        return DesiredAttitude(quaternion_from_rotation(R), first + spin * u)
-
-    def _towards_the_point(self, u: Vector, side: Vector, situation: Situation) -> Vector:
-        """w_1 (3,) [rad/s], bounded."""
-        view = situation.view
-        sight = self._point - view.point.position - view.point.rotation @ view.error
-        velocity = view.point.rotation @ view.velocity
-        distance = float(np.linalg.norm(sight))
-        if not distance > 1e-6 * self._near:
-            return np.zeros(3)
-        line = sight / distance
-        turning = cross(velocity, line) / distance  # l x l' with l' = -(v - l l' v) / distance
-        w = turning + shortest_turn(u, line, side) / self._time
-        near = min(1.0, distance / self._near)
-        w = near**2 * (3.0 - 2.0 * near) * (w - u * (u @ w))
-        size = float(np.linalg.norm(w))
-        return w if size <= MAX_RATE else w * (MAX_RATE / size)
+        desired = np.zeros(1, DESIRED)
+        look_at(self.parameters, self.memory, desired, record_of(situation.view), situation.rotation, dt)
+        return DesiredAttitude(*desired[0])
 
 
-def shortest_turn(a: Vector, b: Vector, axis_if_opposite: Vector) -> Vector:
-    """Rotation vector (3,) [rad] that takes one unit vector to another."""
-    normal = cross(a, b)
-    sine, cosine = float(np.linalg.norm(normal)), float(a @ b)
+@compiled
+def look_at(parameters, memory, answer, view, R_now, dt):
+    """One tick of the law.
+
+    Args:
+        parameters: record `LOOK`.
+        memory: record `MEMORY`, moved on.
+        answer: record of `cube_sim.control.attitude_mode.DESIRED`, filled.
+        view: record of `cube_sim.guidance.view_record.VIEW`.
+        R_now: R_WB (3,3) of the hull, where the desired attitude begins.
+        dt: [s].
+    """
+    p, m, out = parameters[0], memory[0], answer[0]
+    if not m.started:
+        m.started = True
+        put_matrix(m.rotation, R_now)
+    R, axis = m.rotation, triple(p.axis)
+    u, side = to_world(R, axis), to_world(R, triple(p.side))
+    first = _towards_the_point(p, u, side, view)
+    spin = levelling_spin(u, cross_tuples(first, u), side, p.levelling_time)
+    spin = min(max(spin, -MAX_RATE), MAX_RATE)
+    q, rates = quaternion_from_matrix(R), plus(first, times(spin, u))
+    out.quaternion[0] = q[0]
+    for i in range(3):
+        out.quaternion[1 + i], out.rates[i] = q[1 + i], rates[i]
+    rolled = rotated(R, axis, spin * dt)  # first, as it leaves u where it is: the tasks do not mix in a tick
+    size = length(first)
+    if size > 0.0:
+        put_matrix(m.rotation, rotated(rolled, to_body(rolled, times(1.0 / size, first)), size * dt))
+    else:
+        put_matrix(m.rotation, rolled)
+
+
+@compiled
+def _towards_the_point(p, u, side, view):
+    """w_1, a 3-tuple [rad/s], world axes, bounded."""
+    seen = view[0]
+    here = plus((seen.row[0], seen.row[1], seen.row[2]), to_world(seen.frame, triple(seen.error)))
+    sight = minus(triple(p.point), here)
+    velocity = to_world(seen.frame, triple(seen.velocity))
+    distance = length(sight)
+    if not distance > 1e-6 * p.near:
+        return (0.0, 0.0, 0.0)
+    line = times(1.0 / distance, sight)
+    turning = times(1.0 / distance, cross_tuples(velocity, line))  # l x l' with l' = -(v - l l' v) / distance
+    w = plus(turning, times(1.0 / p.time, shortest_turn(u, line, side)))
+    near = min(1.0, distance / p.near)
+    w = times(near * near * (3.0 - 2.0 * near), minus(w, times(dot(u, w), u)))
+    size = length(w)
+    return w if size <= MAX_RATE else times(MAX_RATE / size, w)
+
+
+@compiled
+def shortest_turn(a, b, axis_if_opposite):
+    """Rotation vector, a 3-tuple [rad], that takes one unit vector to another; all 3-tuples."""
+    normal = cross_tuples(a, b)
+    sine, cosine = length(normal), dot(a, b)
     if sine > 1e-9:
-        return normal * (atan2(sine, cosine) / sine)
-    return np.pi * axis_if_opposite if cosine < 0.0 else np.zeros(3)
+        return times(atan2(sine, cosine) / sine, normal)
+    return times(pi if cosine < 0.0 else 0.0, axis_if_opposite)

@@ -9,14 +9,24 @@ from support.places import HELIX, SCENARIOS
 from support.plain_callbacks import plain
 from support.vehicles import random_hull, random_rotation
 
-from cube_sim.control import along_path, balancing, current, disturbance, following, oscillation_centre, path_follower
+from cube_sim.control import (
+    along_path,
+    balancing,
+    current,
+    disturbance,
+    following,
+    free_attitude,
+    look_at,
+    oscillation_centre,
+    path_follower,
+)
 from cube_sim.control.asked import MEMORY as ASKED
 from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.authority import CAPABILITY
 from cube_sim.control.loops import LOOPS
 from cube_sim.flight import Flight
 from cube_sim.guidance.view_record import VIEW
-from cube_sim.spatial import quaternion_from_rotation
+from cube_sim.spatial import quaternion_from_rotation, rotation_about
 
 FACETS = 9
 
@@ -159,6 +169,53 @@ def test_the_nose_along_the_path(rng, started):
     same("nose_along", along_path.nose_along, arguments, [memory, np.zeros(1, DESIRED)])
 
 
+@pytest.mark.parametrize("place", ["far", "near", "at the point", "opposite"])
+@pytest.mark.parametrize("started", [False, True])
+def test_looking_at_a_point(rng, started, place):
+    R, parameters, view = random_rotation(rng), filled(rng, look_at.LOOK), seen(rng)
+    parameters["axis"], parameters["side"] = np.eye(3)[:2]
+    parameters["near"], parameters["time"], parameters["levelling_time"] = 0.3, 1.0, 2.0
+    memory = filled(rng, look_at.MEMORY)
+    memory["rotation"], memory["started"] = random_rotation(rng), started
+    here = view["row"][0, :3] + view["frame"][0] @ view["error"][0]
+    held = memory["rotation"][0] if started else R
+    away = {
+        "far": [3.0, 1.0, -2.0],
+        "near": [0.1, 0.0, 0.1],
+        "at the point": np.zeros(3),
+        "opposite": -2.0 * held[:, 0],
+    }
+    parameters["point"] = here + away[place]
+
+    def arguments(memory, answer):
+        return parameters, memory, answer, view, R, 0.02
+
+    same("look_at", look_at.look_at, arguments, [memory, np.zeros(1, DESIRED)])
+
+
+@pytest.mark.parametrize("tilt", [0.0, 2.0, np.pi])
+@pytest.mark.parametrize("started", [False, True])
+def test_the_attitude_of_least_effort(rng, hull, started, tilt):
+    R, parameters, view = random_rotation(rng), filled(rng, free_attitude.EFFORT), seen(rng)
+    parameters["time"], parameters["lift"], parameters["righting"] = 1.5, 3.0, (0.0, 0.0, 3.0)
+    memory = filled(rng, free_attitude.MEMORY)
+    memory["rotation"], memory["started"] = rotation_about(np.eye(3)[0], tilt), started
+    force, flow = tuple(rng.normal(size=3).tolist()), tuple(rng.normal(size=3).tolist())
+
+    def arguments(memory, answer):
+        return hull, parameters, memory, answer, view, R, force, flow, 0.02
+
+    same("least_effort", free_attitude.least_effort, arguments, [memory, np.zeros(1, DESIRED)])
+
+
+LOOKING = {"control.attitude": {"mode": "look_at", "point_m": [1.0, -0.5, -4.0]}}
+FREE = {"control.attitude": {"mode": "free"}}
+LOST = {
+    "control.faults": "told",
+    "events": [thruster_event(1.0, ["T6", "T2", "T3"])],
+    "guidance.speed_m_s": 1.5,
+    "current_m_s": [0.3, 0.2, 0.0],
+}
 WHOLE = {
     "along the path": (HELIX, {}),
     "attitude pointed": (SCENARIOS / "torpedo_helix.yaml", {}),
@@ -166,20 +223,18 @@ WHOLE = {
     "at a point": (SCENARIOS / "cube_hover.yaml", {}),
     "by the clock": (SCENARIOS / "cube_track.yaml", {}),
     "one attitude": (HELIX, {"control.attitude": {"mode": "fixed", "attitude_deg": [10.0, 20.0, 30.0]}}),
+    "looking at a point": (HELIX, LOOKING),
+    "of least effort": (SCENARIOS / "bluerov2_free.yaml", {}),
+    "looking at trim": (SCENARIOS / "bluerov2_vectored_helix.yaml", LOOKING),
+    "of least effort at trim": (SCENARIOS / "bluerov2_vectored_helix.yaml", FREE),
+    "looking, lost and too fast": (SCENARIOS / "cube_lose_one.yaml", LOST | LOOKING),
+    "of least effort, lost and too fast": (SCENARIOS / "cube_lose_one.yaml", LOST | FREE),
     "no estimates": (HELIX, {"control.disturbance_time_s": None}),
     "stuck": (
         SCENARIOS / "cube_lose_one.yaml",
         {"control.faults": "told", "events": [thruster_event(1.0, ["T6"], "stuck", force_N=51.0)], "duration_s": 15.0},
     ),
-    "lost and too fast": (
-        SCENARIOS / "cube_lose_one.yaml",
-        {
-            "control.faults": "told",
-            "events": [thruster_event(1.0, ["T6", "T2", "T3"])],
-            "guidance.speed_m_s": 1.5,
-            "current_m_s": [0.3, 0.2, 0.0],
-        },
-    ),
+    "lost and too fast": (SCENARIOS / "cube_lose_one.yaml", LOST),
     "too fast": (HELIX, {"guidance.speed_m_s": 1.5}),
 }
 

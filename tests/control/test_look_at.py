@@ -55,7 +55,8 @@ def test_the_angle_to_the_point_falls_to_nothing_the_short_way_from_any_attitude
         angles = []
         for k, (R, _) in enumerate(flown(LookAt(point, axis, 0.3, 1.0), course, rotation)):
             sight = point - course(k * DT)[0]
-            angles.append(np.linalg.norm(shortest_turn(R @ axis, sight / np.linalg.norm(sight), Y)))
+            line = sight / np.linalg.norm(sight)
+            angles.append(np.linalg.norm(shortest_turn(tuple(R @ axis), tuple(line), tuple(Y))))
         angles = np.array(angles)
         assert np.all(np.diff(angles) <= 1e-4)
         assert angles[-1] < 1e-3
@@ -167,7 +168,7 @@ def test_the_shortest_turn_takes_one_vector_to_the_other():
     rng = np.random.default_rng(5)
     pairs = [(a / np.linalg.norm(a), b / np.linalg.norm(b)) for a, b in rng.normal(size=(50, 2, 3))]
     for a, b in [*pairs, (X, X), (X, -X), (Z, Z), (Y, -Y)]:
-        turn = shortest_turn(a, b, Z)
+        turn = np.array(shortest_turn(tuple(a), tuple(b), tuple(Z)))
         angle = float(np.linalg.norm(turn))
         assert angle <= np.pi + 1e-12
         R = rotation_about(turn / angle, angle) if angle > 0.0 else np.eye(3)

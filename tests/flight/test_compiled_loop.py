@@ -12,7 +12,7 @@ from cube_sim.scenario import load
 CHECKS = [{"kind": "allowed_forces"}]
 COMPILED = {"bluerov2_gust", "bluerov2_vectored_helix", "bluerov2_vectored_hover", "bluerov2_vectored_line"}
 COMPILED |= {"cube_helix", "cube_hover", "cube_lose_one", "cube_survival", "cube_track", "jack_exact", "rov6_helix"}
-COMPILED |= {"cube_navigated", "torpedo_helix", "torpedo_line"}
+COMPILED |= {"cube_navigated", "torpedo_helix", "torpedo_line", "cube_look_at", "cube_free", "bluerov2_free"}
 """Scenarios whose ticks are nearly all of them flown by compiled code."""
 
 

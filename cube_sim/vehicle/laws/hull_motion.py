@@ -184,3 +184,31 @@ def restoring_slope(hull, up):
         row = cross_tuples((H[i, 0], H[i, 1], H[i, 2]), up)
         slope[i, 0], slope[i, 1], slope[i, 2] = row
     return slope
+
+
+@compiled
+def turning_slope(hull, by_velocity, v, force, up):
+    """(6,3) [N/rad, N m/rad] derivative of a steady wrench by a small rotation theta in body axes.
+
+    Of `steady_wrench` and a force beside it. What stands still in the world turns as a' = a x theta in body axes.
+
+    Args:
+        hull: record `HULL`.
+        by_velocity: (6,6) of `steady_wrench_slope`.
+        v: relative to the water, a 3-tuple [m/s], body axes.
+        force: a 3-tuple [N], body axes.
+        up: world up in body axes, a 3-tuple.
+    """
+    slope = restoring_slope(hull, up)
+    for i in range(6):
+        row = cross_tuples((by_velocity[i, 0], by_velocity[i, 1], by_velocity[i, 2]), v)
+        for j in range(3):
+            slope[i, j] = row[j] - slope[i, j]
+    x, y, z = force
+    slope[0, 1] -= z
+    slope[0, 2] += y
+    slope[1, 0] += z
+    slope[1, 2] -= x
+    slope[2, 0] -= y
+    slope[2, 1] += x
+    return slope
