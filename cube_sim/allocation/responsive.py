@@ -109,7 +109,7 @@ def allocate_responsive(search, thrusters, demand, secondary, force_ratio, parts
             t.push[i] = t.subset[i]
     asked = asked_forces(t.force, t.efficiency, t.responds, t.limits, t.rounding)
     if scaled:
-        residual, cost = residual * force_ratio, cost * force_ratio**2
+        residual, cost = residual * force_ratio, cost * (force_ratio * force_ratio)
         for a in range(n):
             wrench[a] *= force_ratio
     return asked, residual, cost, status, nodes, doubts

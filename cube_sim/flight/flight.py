@@ -253,8 +253,6 @@ class Flight:
             self._python_until = tick + PYTHON_TICKS
         if flown is None:
             return NOT_BEGUN
-        if tick == 0 and flown.ticks:
-            record_actuation(mission, self._store, 0.0)
         begun = take_over(flown, tick, mission, self._watches, self._store)
         if flown.ticks:
             self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.known
@@ -281,12 +279,12 @@ class Flight:
             return
         self._watches.surface.note(t, mission.data)
         judged = begun.reached >= JUDGED
-        other_voltage = not judged and self._feed_thrusters(t)
+        other_voltage = begun.other_voltage if judged else self._feed_thrusters(t)
         supply = mission.supply
         write_power(self._rows, 0, t, supply.power, supply.energy, supply.voltage, supply.charge)
         try:
             if respond_to_faults(mission, store, t, judged) or other_voltage or self.tick == 0:
-                record_actuation(mission, store, t)
+                record_actuation(mission, store, t, mission.supply.force_ratio)
             given = t, self._applied, action, begun.known
             decision, allocation, self._known = tick(mission, self._rows, store, *given)
         except (NotANumberError, OwnCodeError) as error:

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cube_sim.allocation import Status
-from cube_sim.flight.compiled import BEGIN, ESTIMATED, FlownTicks
+from cube_sim.flight.compiled import BEGIN, ESTIMATED, JUDGED, FlownTicks
 from cube_sim.mission import Mission
+from cube_sim.mission.fault_response import record_actuation
 from cube_sim.mission.navigation import estimated
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.surface_watch import SurfaceWatch
@@ -24,10 +25,12 @@ class Begun(NamedTuple):
     Attributes:
         reached: as `cube_sim.flight.compiled.loop` names it.
         known: the estimated state, once there is one.
+        other_voltage: whether the supply's voltage has changed, once the thrusters are fed.
     """
 
     reached: int
     known: State | None = None
+    other_voltage: bool = False
 
 
 NOT_BEGUN = Begun(BEGIN)
@@ -84,11 +87,16 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
             estimation.note(sensing.arrived[k, : sensing.counts[k]], store, t)
         if k == last or (k < last and not quiet):
             watches.note(t, Status(int(statuses[k])), float(paces[k]))
+    ratios = np.concatenate([[flown.force_ratio_before], flown.force_ratio])
+    changed = np.diff(ratios) != 0.0
     if flown.ticks:
+        changed[0] |= first == 0
+        told = np.flatnonzero(changed)
+        record_actuation(mission, store, np.array(times)[told], flown.force_ratio[told])
         watches.surface.note_under_water(times[last])
         store.extend(times[0], times[last], flown.rows.named())
-    if estimation is None or not times:
-        return Begun(flown.reached)
-    n = len(times)
-    estimation.record(store, np.array(times), sensing.answers[:n], sensing.errors[:n], sensing.inertial[:n])
-    return Begun(flown.reached, estimated(sensing.answers[n - 1]) if n > flown.ticks else None)
+    known, n = None, len(times)
+    if estimation is not None and n:
+        estimation.record(store, np.array(times), sensing.answers[:n], sensing.errors[:n], sensing.inertial[:n])
+        known = estimated(sensing.answers[n - 1]) if n > flown.ticks else None
+    return Begun(flown.reached, known, flown.reached >= JUDGED and mission.supply.force_ratio != ratios[-1])

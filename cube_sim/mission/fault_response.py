@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cube_sim.mission.prepare import Mission
 from cube_sim.recording.signal_store import SignalStore
@@ -41,14 +42,24 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
     return True
 
 
-def record_actuation(mission: Mission, recorder: SignalStore, t: float) -> None:
+def record_actuation(mission: Mission, recorder: SignalStore, times: ArrayLike, force_ratios: ArrayLike) -> None:
     """Record A and the limits as the controller believes them.
 
     A weak thruster has narrower limits; those of a dead or stuck one are all the one force it gives.
+
+    Args:
+        mission: whose allocation it is.
+        recorder: gets the rows.
+        times: one or (n,) simulated times [s], of `SignalStore.ticks_at_once`; none for no row.
+        force_ratios: the share of their force that the supply leaves the thrusters at each.
     """
+    t = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    if not len(t):
+        return
     vehicle, health = mission.vehicle, mission.allocator.health
     limits = vehicle.thrusters.limits * health.efficiency[:, None]
     stuck = ~np.isnan(health.stuck)
     limits[stuck] = health.stuck[stuck, None]
-    limits *= mission.supply.force_ratio
-    recorder.append("actuation", t, mission.allocator.A.ravel(), limits.ravel())
+    matrix = np.broadcast_to(mission.allocator.A.ravel(), (len(t), mission.allocator.A.size))
+    rows = np.column_stack([t, matrix, limits.ravel() * np.atleast_1d(force_ratios)[:, None]])
+    recorder.extend(float(t[0]), float(t[-1]), [("actuation", rows)])

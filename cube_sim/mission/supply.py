@@ -59,6 +59,6 @@ def allocate_at(
         wrench=part.wrench * force_ratio,
         wrench_error=part.wrench_error * force_ratio,
         residual=part.residual * force_ratio,
-        cost=part.cost * force_ratio**2,
+        cost=part.cost * (force_ratio * force_ratio),
     )
     return scaled, allocator.force_if_whole(part.force)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
+
+from cube_sim.vehicle.laws.supply_law import drain_of_cells, open_voltage_at, sagging_voltage
 
 
 @dataclass(frozen=True)
@@ -24,8 +26,12 @@ class Battery:
 
     def open_voltage_at(self, charge: float) -> float:
         """E [V] at a charge between 0, empty, and 1, full."""
-        empty = self.open_voltage if self.empty_voltage is None else self.empty_voltage
-        return empty + charge * (self.open_voltage - empty)
+        return open_voltage_at(self.open_voltage, self.lowest_voltage, charge)
+
+    @property
+    def lowest_voltage(self) -> float:
+        """E [V] when empty."""
+        return self.open_voltage if self.empty_voltage is None else self.empty_voltage
 
     def voltage(self, propellers: float, charge: float = 1.0) -> float:
         """Terminal voltage V [V] while propellers draw the current I = k V^2.
@@ -37,8 +43,7 @@ class Battery:
             propellers: k [A/V^2].
             charge: of the battery, 0 empty, 1 full.
         """
-        E = self.open_voltage_at(charge)
-        return 2.0 * E / (1.0 + sqrt(1.0 + 4.0 * self.resistance * propellers * E))
+        return sagging_voltage(self.open_voltage_at(charge), self.resistance, propellers)
 
     def drain(self, power: float, voltage: float) -> float:
         """Power [W] that the cells lose: P + R I^2, I = P / V.
@@ -47,4 +52,4 @@ class Battery:
             power: P delivered [W].
             voltage: V at the terminals [V].
         """
-        return power + self.resistance * (power / voltage) ** 2 if power > 0.0 else 0.0
+        return drain_of_cells(self.resistance, power, voltage)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from math import isnan, nan
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.spatial import Record
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.battery import Battery
-from cube_sim.vehicle.laws.curve_table import drawn_power, work
+from cube_sim.vehicle.laws.curve_table import drawn_power
+from cube_sim.vehicle.laws.supply_law import SUPPLY, charge_left, count, feed_at, sag
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.thrusters import Thrusters
 
@@ -31,7 +31,8 @@ class PowerSupply:
         force_ratio: (V / V_n)^2, the share of the characteristics' forces that the thrusters give.
         power: (m,) electrical power of each thruster [W].
         energy: drawn by the thrusters since the first update [J].
-        counted_to: time of the last update [s]; NaN before the first.
+        record: all of it but the power, of `cube_sim.vehicle.laws.supply_law.SUPPLY`.
+        supply_at: (m,) where in the model's own numbers the shares of force are.
         charge: of the battery, 1 full, 0 empty; 1 without one.
     """
 
@@ -51,21 +52,23 @@ class PowerSupply:
             ModelError: a battery for thrusters that do not say the voltage or the power of their characteristic, or
                 that say different voltages.
         """
-        self._model, self._thrusters, self._battery = model, thrusters, battery
+        self._model, self._thrusters = model, thrusters
         nominal = np.unique(thrusters.voltage)
         self._nominal = float(nominal[0]) if nominal.size == 1 and np.isfinite(nominal[0]) else 0.0
         if battery is not None:
             _require_known(thrusters, self._nominal)
-        self.voltage, self.force_ratio, self.charge = self._nominal, 1.0, 1.0
-        if battery is not None:
-            self.charge = charge
-            self._switch_to(battery.open_voltage_at(charge))
         starts = np.array([faults.curve_start(model, name) for name in thrusters.names], dtype=np.int64)
         self._efficiency_at, self._stuck_at = starts + layout.EFFICIENCY, starts + layout.STUCK
+        self.supply_at = starts + layout.SUPPLY
         self.power: NDArray[np.float64] = np.zeros(len(thrusters.names))
-        self.energy = 0.0
-        self.counted_to = nan
-        self._drain = 0.0
+        self.record: Record = np.zeros(1, SUPPLY)
+        r = self.record
+        r["nominal"] = r["voltage"] = self._nominal
+        r["force_ratio"], r["charge"], r["counted_to"] = 1.0, 1.0, np.nan
+        if battery is not None:
+            r["battery"], r["full"], r["lowest"] = True, battery.open_voltage, battery.lowest_voltage
+            r["resistance"], r["capacity"], r["charge"] = battery.resistance, battery.capacity, charge
+            self._feed_at(battery.open_voltage_at(charge))
 
     def update(self, data: mujoco.MjData) -> bool:
         """Feed the thrusters according to what they draw now, and count it.
@@ -77,17 +80,50 @@ class PowerSupply:
             Whether the battery has just run empty.
         """
         emptied = False
-        if self._battery is not None:
-            self._discharge(self._battery, data.time)
+        if self.sags:
+            self.record["charge"] = charge_left(self.record, data.time)
             emptied = self.charge == 0.0 and self.force_ratio > 0.0
-            self._feed(self._battery, data)
+            if emptied:
+                self._feed_at(0.0)
+            elif self.force_ratio > 0.0:
+                sag(self.record, self.drawing[0], self.supply_at, self._power(data))
+            if emptied or self.force_ratio > 0.0:
+                mujoco.mj_forward(self._model, data)
         power = self._power(data)
-        if not isnan(self.counted_to):
-            self.energy += work(self.power, power, data.time - self.counted_to)
-        self.power, self.counted_to = power, data.time
-        if self._battery is not None and self.force_ratio > 0.0:
-            self._drain = self._battery.drain(float(power.sum()), self.voltage)
+        count(self.record, self.power, power, data.time)
+        self.power = power
         return emptied
+
+    @property
+    def voltage(self) -> float:
+        """V [V]."""
+        return float(self.record["voltage"][0])
+
+    @property
+    def force_ratio(self) -> float:
+        """(V / V_n)^2."""
+        return float(self.record["force_ratio"][0])
+
+    @property
+    def charge(self) -> float:
+        """Of the battery."""
+        return float(self.record["charge"][0])
+
+    @property
+    def energy(self) -> float:
+        """Drawn so far [J]."""
+        return float(self.record["energy"][0])
+
+    @property
+    def sags(self) -> bool:
+        """Whether its voltage depends on what is drawn."""
+        return bool(self.record["battery"][0])
+
+    @property
+    def drawing(self) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+        """The arguments of `drawn_power` before the forces."""
+        packed = packing.packed_parameters(self._model)
+        return packed, self._efficiency_at, self._stuck_at, self._thrusters.power_coefficients
 
     def _power(self, data: mujoco.MjData) -> NDArray[np.float64]:
         """(m,) electrical power [W] of thrusters whose propellers may be damaged.
@@ -96,38 +132,8 @@ class PowerSupply:
         """
         return drawn_power(*self.drawing, data.actuator_force[self._thrusters.actuators])
 
-    @property
-    def drawing(self) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-        """The arguments of `drawn_power` before the forces."""
-        packed = packing.packed_parameters(self._model)
-        return packed, self._efficiency_at, self._stuck_at, self._thrusters.power_coefficients
-
-    @property
-    def sags(self) -> bool:
-        """Whether its voltage depends on what is drawn."""
-        return self._battery is not None
-
-    def _discharge(self, battery: Battery, time: float) -> None:
-        """Take from the charge what the cells have lost since the last update, at that update's rate."""
-        if not isnan(self.counted_to):
-            self.charge = max(0.0, self.charge - self._drain * (time - self.counted_to) / battery.capacity)
-
-    def _feed(self, battery: Battery, data: mujoco.MjData) -> None:
-        """Set the voltage at which the battery and the propellers agree, each at its present speed per volt."""
-        if self.force_ratio == 0.0:
-            return
-        if self.charge == 0.0:
-            self._switch_to(0.0)
-        else:
-            power = float(self._power(data).sum())
-            at_nominal = power / self.force_ratio**1.5
-            self._switch_to(battery.voltage(at_nominal / self._nominal**3, self.charge))
-        mujoco.mj_forward(self._model, data)
-
-    def _switch_to(self, voltage: float) -> None:
-        self.voltage, self.force_ratio = voltage, (voltage / self._nominal) ** 2
-        for name in self._thrusters.names:
-            faults.set_supply(self._model, name, voltage / self._nominal)
+    def _feed_at(self, voltage: float) -> None:
+        feed_at(self.record, self.drawing[0], self.supply_at, voltage)
 
 
 def _require_known(thrusters: Thrusters, nominal: float) -> None:

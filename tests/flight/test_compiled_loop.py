@@ -10,9 +10,10 @@ from cube_sim.flight import Flight, flight
 from cube_sim.scenario import load
 
 CHECKS = [{"kind": "allowed_forces"}]
-COMPILED = {"bluerov2_gust", "bluerov2_vectored_helix", "bluerov2_vectored_hover", "bluerov2_vectored_line"}
-COMPILED |= {"cube_helix", "cube_hover", "cube_lose_one", "cube_survival", "cube_track", "jack_exact", "rov6_helix"}
-COMPILED |= {"cube_navigated", "torpedo_helix", "torpedo_line", "cube_look_at", "cube_free", "bluerov2_free"}
+COMPILED = {"bluerov2_battery", "bluerov2_free", "bluerov2_gust", "bluerov2_vectored_helix", "bluerov2_vectored_hover"}
+COMPILED |= {"bluerov2_vectored_line", "cube_free", "cube_helix", "cube_hover", "cube_look_at", "cube_lose_one"}
+COMPILED |= {"cube_navigated", "cube_survival", "cube_track", "jack_exact", "rov6_helix", "torpedo_helix"}
+COMPILED |= {"torpedo_line"}
 """Scenarios whose ticks are nearly all of them flown by compiled code."""
 
 
@@ -71,6 +72,20 @@ def test_both_loops_fly_the_same(path, monkeypatch):
 )
 def test_both_loops_go_through_the_same_trouble(settings, monkeypatch):
     assert_same_flight(HELIX, {"duration_s": 12.0, "checks": CHECKS, **settings}, monkeypatch)
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"battery.charge": 0.2, "battery.capacity_Wh": 1.0},
+        {"events": [{"kind": "thrusters", "at_s": 3.0, "thrusters": ["T2"], "state": "dead"}]},
+    ],
+    ids=["empty", "fault"],
+)
+def test_both_loops_run_on_a_battery_the_same(settings, monkeypatch):
+    scenario = SCENARIOS / "bluerov2_battery.yaml"
+    assert assert_same_flight(scenario, {"duration_s": 10.0, "checks": CHECKS, **settings}, monkeypatch) > 0.1
 
 
 @pytest.mark.flight

@@ -44,6 +44,8 @@ class FlownTicks(NamedTuple):
         reached: how far the next one has come, as `cube_sim.flight.compiled.loop` names it.
         rows: of the ticks flown.
         pace: (ticks,) share of the speed along the path.
+        force_ratio_before: share of their force that the thrusters gave at the tick before.
+        force_ratio: (ticks,) that share at each tick.
         applied: (6,) wrench allocated over the last one [N, N m].
         wanted: (4,) the attitude wanted at it; zero where none was flown.
         known: the state the controller saw at it.
@@ -54,6 +56,8 @@ class FlownTicks(NamedTuple):
     reached: int
     rows: TickRows
     pace: Vector
+    force_ratio_before: float
+    force_ratio: Vector
     applied: Vector
     wanted: Vector
     known: State
@@ -77,7 +81,7 @@ def fly_ticks(
         None where a part of it is of a kind that only Python flies.
     """
     controller, supply = mission.controller, mission.supply
-    if type(controller) is not PathFollower or supply.sags:
+    if type(controller) is not PathFollower or supply.force_ratio == 0.0:
         return None
     parts, target = controller.ready, controller.target
     running: RunningParts | None = getattr(target, "parts", None)
@@ -88,14 +92,18 @@ def fly_ticks(
     sensing = _sensing(mission, count)
     if path is None or evidence is None or searched is None or sensing is None:
         return None
-    allocator, thrusters = searched
+    (allocator, thrusters), before = searched, supply.force_ratio
     arc_length, feed = np.array([target.arc_length]), _feed(mission)
     left, yields = controller.capability, controller.attitude_yields
     course = Course(path, *running, controller.monitor.memory, controller.shortage, left.steers_by_attitude, arc_length)
     answering = Answering(controller.coupling, yields, float(left.authority), applied.copy(), np.zeros(4), np.zeros(22))
     rows = rows_for(mission.channels, count)
     notes = Notes(
-        np.zeros((count, allocator.answer_size)), np.zeros((count, 6)), np.zeros(count), np.zeros(2, np.int64)
+        answers=np.zeros((count, allocator.answer_size)),
+        demands=np.zeros((count, 6)),
+        pace=np.zeros(count),
+        force_ratio=np.zeros(count),
+        effort=np.zeros(2, np.int64),
     )
     law = parts.arguments(controller)
     codes = _law_address(law), search_address(), _estimating_address(sensing) if sensing.navigated else 0
@@ -106,7 +114,7 @@ def fly_ticks(
     target.arc_length = float(arc_length[0])
     if ticks:
         controller.desired = answering.quaternion
-    supply.power, (supply.energy, supply.counted_to) = feed.power, feed.counted.tolist()
+    supply.power = feed.power
     mission.allocator.take_over(thrusters)
     allocator.effort.add(*notes.effort.tolist())
     allocator.confirm_later(notes.answers[:ticks], notes.demands[:ticks])
@@ -116,6 +124,8 @@ def fly_ticks(
         reached,
         rows.first(ticks),
         notes.pace[:ticks],
+        before,
+        notes.force_ratio[:ticks],
         answering.applied,
         answering.quaternion,
         State(state[:3], state[3:7], state[7:16].reshape(3, 3), state[16:19], state[19:]),
@@ -205,10 +215,8 @@ def _feed(mission: Mission) -> Feed:
         *thrusters.curve_table,
         *supply.drawing,
         supply.power.copy(),
-        np.array([supply.energy, supply.counted_to]),
-        supply.voltage,
-        supply.charge,
-        supply.force_ratio,
+        supply.record,
+        supply.supply_at,
         mission.events.health.efficiency,
     )
 

@@ -27,7 +27,9 @@ from cube_sim.native.compiled import call_at, compiled, unlocked
 from cube_sim.navigation.motion import felt
 from cube_sim.tuples import angle_of_turn, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
-from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces, work
+from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
+from cube_sim.vehicle.laws.supply_law import charge_left, sag
+from cube_sim.vehicle.laws.supply_law import count as count_drawn
 from cube_sim.vehicle.plugin.engine import forward, step
 from cube_sim.vehicle.state import hull_state
 
@@ -98,17 +100,26 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
             return k, FORWARDED
         for i in range(m):
             given[i], activation[i] = e.actuator_force[feed.actuators[i]], e.act[feed.activations[i]]
+        now, supply = e.time[0], feed.supply[0]
+        if supply.battery:
+            charge = charge_left(feed.supply, now)
+            if charge == 0.0:
+                return k, FORWARDED
+            supply.charge = charge
+            drawn = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
+            sag(feed.supply, feed.packed, feed.supply_at, drawn)
+            forward(e.model, e.data)
+            for i in range(m):
+                given[i] = e.actuator_force[feed.actuators[i]]
         power = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
-        now = e.time[0]
-        if not np.isnan(feed.counted[1]):
-            feed.counted[0] += work(feed.power, power, now - feed.counted[1])
+        count_drawn(feed.supply, feed.power, power, now)
         feed.power[:] = power
-        feed.counted[1] = now
-        write_power(rows, k, t, power, feed.counted[0], feed.voltage, feed.charge)
+        force_ratio = supply.force_ratio
+        write_power(rows, k, t, power, supply.energy, supply.voltage, supply.charge)
         if evidence.watched:
             w = evidence.window
             whole = steady_forces(feed.curves, feed.starts, activation)
-            enter_pair(w, whole, evidence.telemetry_gain * given, feed.force_ratio)
+            enter_pair(w, whole, evidence.telemetry_gain * given, force_ratio)
             against = w.efficiency, w.stuck, w.gains.gain, w.threshold, 0.0
             if w.ring[1] == period and contradicts(w.expected, w.measured, w.ring[0], period, *against).any():
                 return k, JUDGED
@@ -135,14 +146,14 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
         desired[0].quaternion[:] = 0.0
         desired[0].rates[:] = 0.0
         motion = R, known[3:7], known[16:19], known[19:]
-        call_at(answer, codes[0], (law, view, desired, followed, *motion, answering.applied, dt, feed.force_ratio))
+        call_at(answer, codes[0], (law, view, desired, followed, *motion, answering.applied, dt, force_ratio))
         out, wanted = followed[0], desired[0].quaternion
         if not isfinite((out.wrench**2).sum() + (wanted**2).sum() + (view[0].error ** 2).sum()):
             return k, ESTIMATED
         if answering.yields:
             yield_attitude(answering.coupling, out.wrench, secondary)
         asked, residual, cost, status, nodes, doubts = allocate_responsive(
-            codes[1], thrusters, out.wrench, secondary, feed.force_ratio, parts,
+            codes[1], thrusters, out.wrench, secondary, force_ratio, parts,
             notes.demands[k], notes.answers[k], sides, answering.applied,
         )  # fmt: skip
         if evidence.watched:
@@ -150,10 +161,10 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
             put_probe(evidence.probes, w.efficiency, w.stuck, nobody, asked)
         commands = commands_of_forces(feed.curves, feed.starts, asked)
         for i in range(m):
-            e.ctrl[feed.actuators[i]], force[i] = commands[i], thrusters.force[i] * feed.force_ratio
+            e.ctrl[feed.actuators[i]], force[i] = commands[i], thrusters.force[i] * force_ratio
         notes.effort[0] += nodes
         notes.effort[1] += doubts
-        notes.pace[k] = out.pace
+        notes.pace[k], notes.force_ratio[k] = out.pace, force_ratio
         if law.settings[0].disturbance_time > 0.0:
             disturbance[:] = law.disturbance[0].estimate
         water[:] = hull.wind

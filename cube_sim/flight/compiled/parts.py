@@ -100,10 +100,8 @@ class Feed(NamedTuple):
         stuck_at: of it.
         coefficients: of it.
         power: (m,) [W] at the tick before; moved on.
-        counted: (2,) energy [J] and the time [s] up to which it is counted, NaN at first; moved on.
-        voltage: [V].
-        charge: share of the battery's that is left.
-        force_ratio: share of their force that the thrusters give at that voltage.
+        supply: record of `cube_sim.vehicle.laws.supply_law.SUPPLY`, moved on.
+        supply_at: (m,) of `feed_at`.
         efficiency: (m,) true share of its force that each gives.
     """
 
@@ -116,10 +114,8 @@ class Feed(NamedTuple):
     stuck_at: NDArray[np.int64]
     coefficients: Matrix
     power: Vector
-    counted: Vector
-    voltage: float
-    charge: float
-    force_ratio: float
+    supply: Record
+    supply_at: NDArray[np.int64]
     efficiency: Vector
 
 
@@ -214,10 +210,12 @@ class Notes(NamedTuple):
         answers: of `answer_of`.
         demands: (n,6) that the search was asked for.
         pace: (n,) share of the speed along the path.
+        force_ratio: (n,) share of their force that the thrusters gave.
         effort: (2,) nodes looked at and answers not proven, counted on.
     """
 
     answers: Matrix
     demands: Matrix
     pace: Vector
+    force_ratio: Vector
     effort: NDArray[np.int64]

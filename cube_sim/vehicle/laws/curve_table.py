@@ -79,12 +79,3 @@ def drawn_power(packed, efficiency_at, stuck_at, coefficients, forces):
         k = coefficients[i, 0] if force < 0.0 else coefficients[i, 1]
         power[i] = k * abs(force) ** 1.5
     return power
-
-
-@compiled
-def work(before, now, seconds):
-    """Electrical energy [J] of thrusters between two powers (m,) [W], by the trapezoidal rule."""
-    total = 0.0
-    for i in range(len(now)):
-        total += before[i] + now[i]
-    return 0.5 * total * seconds
