@@ -1,6 +1,7 @@
 """Fly every loss of one, two and three thrusters and compare with what the actuation analysis predicted.
 
     python benchmarks/survival.py --out logs/survival
+    python benchmarks/survival.py --set current_m_s=[0,0.4,0] --set model=../models/bluerov2_heavy.xml
 
 Each loss flies scenarios/cube_survival.yaml with its thrusters dying at 20 s; the figure is the cross-track RMS from
 45 s on. The analysis is asked beforehand, from the actuation matrix and the limits alone. Writes survival.csv, and
@@ -12,12 +13,10 @@ from __future__ import annotations
 import argparse
 import csv
 import os
-from concurrent.futures import ProcessPoolExecutor, as_completed
+import sys
 from itertools import combinations
-from multiprocessing import get_context
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 SCENARIO = Path(__file__).parents[1] / "scenarios" / "cube_survival.yaml"
 FAILURE_S, JUDGED_FROM_S, LIMIT_M = 20.0, 45.0, 0.5
@@ -48,38 +47,32 @@ class Flight(NamedTuple):
         return self.rms_m is not None and self.rms_m <= LIMIT_M
 
 
-def fly(lost: tuple[str, ...]) -> tuple[str, float | None, float | None]:
-    """Authority at the end, RMS and worst cross-track error [m] of one loss; runs in a process of its own."""
+def fly(losses: list[tuple[str, ...]], settings: dict[str, Any], threads: int) -> list[Flight]:
+    """Fly each loss, beside what the analysis expects of it."""
     import cube_sim
     from cube_sim.control.authority import Authority
 
-    overrides = {
-        "events": [{"kind": "thrusters", "at_s": FAILURE_S, "thrusters": list(lost), "state": "dead"}],
-        "checks": [
-            {
-                "kind": "signal",
-                "signal": "path_error.cross_track",
-                "statistic": s,
-                "from_s": JUDGED_FROM_S,
-                "at_most": 9e9,
-            }
-            for s in ("rms", "max")
-        ],
-    }
-    with TemporaryDirectory() as folder:
-        run = cube_sim.run(SCENARIO, overrides, Path(folder) / "run")
-    rms, worst = (check.value for check in run.checks)
-    return Authority(int(run.signals["health.authority"][-1, 1])).name, rms, worst
+    judged = {"kind": "signal", "signal": "path_error.cross_track", "from_s": JUDGED_FROM_S, "at_most": 9e9}
+    checks = [judged | {"statistic": statistic} for statistic in ("rms", "max")]
+    failures = [[{"kind": "thrusters", "at_s": FAILURE_S, "thrusters": [*lost], "state": "dead"}] for lost in losses]
+    varied = [settings | {"events": events, "checks": checks} for events in failures]
+    expected, flights = predictions(settings), []
+    flown = cube_sim.fly_many(SCENARIO, varied, threads=threads, signals=["health.authority"])
+    for lost, outcome in zip(losses, flown, strict=True):
+        rms, worst = (check.value for check in outcome.checks)
+        authority = Authority(int(outcome.signals["health.authority"][-1, 1])).name
+        flights.append(Flight(lost, authority, rms, worst, *expected[lost]))
+    return flights
 
 
-def predictions() -> dict[tuple[str, ...], tuple[bool, str]]:
+def predictions(settings: dict[str, Any]) -> dict[tuple[str, ...], tuple[bool, str]]:
     """Lost thrusters -> what the analysis expects of the vehicle, at the mission's own speed and limits."""
     from cube_sim.actuation import PathRequirements, survivability
     from cube_sim.scenario import load
     from cube_sim.vehicle.loading import load_model
     from cube_sim.vehicle.vehicle import Vehicle
 
-    scenario = load(SCENARIO).scenario
+    scenario = load(SCENARIO, settings).scenario
     zone = scenario.thrusters.dead_zone_N
     vehicle = Vehicle.from_model(load_model(scenario.model))
     limits = vehicle.thrusters.limits.copy()
@@ -96,28 +89,28 @@ def predictions() -> dict[tuple[str, ...], tuple[bool, str]]:
 
 
 def main() -> None:
-    """Fly all losses in several processes and write the table and the picture."""
+    """Fly all losses and write the table and the picture."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--out", type=Path, default=Path("logs/survival"), help="folder for the table and the picture")
     parser.add_argument("--losses", type=int, nargs="+", default=[1, 2, 3], choices=[1, 2, 3], help="how many at once")
-    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1, help="flights at a time")
+    parser.add_argument("--threads", type=int, default=os.cpu_count() or 1, help="flights at a time")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="a value of the scenario: current_m_s=[0,0.4,0]"
+    )
     arguments = parser.parse_args()
+    if arguments.threads < 1:
+        parser.error("--threads must be 1 at least")
 
-    from rich.progress import Progress
+    from cube_sim.commands.settings import overrides
+    from cube_sim.errors import CubeSimError
 
-    expected = predictions()
-    names = sorted({name for lost in expected for name in lost})
-    losses = [lost for n in arguments.losses for lost in combinations(names, n)]
-    flights: dict[tuple[str, ...], Flight] = {}
-    pool = ProcessPoolExecutor(arguments.processes, mp_context=get_context("spawn"))
-    with pool, Progress() as bar:
-        task = bar.add_task("flying", total=len(losses))
-        running = {pool.submit(fly, lost): lost for lost in losses}
-        for future in as_completed(running):
-            lost = running[future]
-            flights[lost] = Flight(lost, *future.result(), *expected[lost])
-            bar.advance(task)
-    ordered = [flights[lost] for lost in losses]
+    try:
+        settings = overrides(arguments.set)
+        names = sorted({name for lost in predictions(settings) for name in lost})
+        losses = [lost for n in arguments.losses for lost in combinations(names, n)]
+        ordered = fly(losses, settings, arguments.threads)
+    except CubeSimError as error:
+        sys.exit(str(error))
     arguments.out.mkdir(parents=True, exist_ok=True)
     write_table(ordered, arguments.out / "survival.csv")
     draw(ordered, names, arguments.out / "survival.png")
