@@ -28,7 +28,7 @@ class Flight(NamedTuple):
     Attributes:
         lost: names of the dead thrusters.
         authority: how the vehicle flew at the end.
-        rms_m: cross-track RMS after recovery [m], None when the run could not be judged.
+        rms_m: cross-track RMS after recovery [mm], None when the run could not be judged.
         worst_m: largest cross-track error after recovery [m].
         predicted: whether the analysis expected it to follow the path.
         reason: of the prediction.
@@ -153,7 +153,7 @@ def draw(flights: list[Flight], names: list[str], path: Path) -> None:
     from matplotlib import pyplot as plt
     from matplotlib.colors import LogNorm
 
-    rms = {f.lost: np.nan if f.rms_m is None else f.rms_m for f in flights}
+    rms = {f.lost: np.nan if f.rms_m is None else 1e3 * f.rms_m for f in flights}
     matrix = np.full((len(names), len(names)), np.nan)
     for lost, value in rms.items():
         if len(lost) <= 2:
@@ -161,23 +161,23 @@ def draw(flights: list[Flight], names: list[str], path: Path) -> None:
             matrix[i, j] = matrix[j, i] = value
     triples = sorted((f for f in flights if len(f.lost) == 3), key=lambda f: rms[f.lost])
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5.6), width_ratios=(1.0, 1.25), layout="constrained")
-    image = left.imshow(matrix, cmap="viridis", norm=LogNorm(0.01, 1.0))
+    image = left.imshow(matrix, cmap="viridis", norm=LogNorm(0.1, 1000.0))
     left.set_xticks(range(len(names)), names)
     left.set_yticks(range(len(names)), names)
     for (i, j), value in np.ndenumerate(matrix):
         if np.isfinite(value):
-            left.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=8, color="w" if value < 0.2 else "k")
+            left.text(j, i, f"{value:.2g}", ha="center", va="center", fontsize=8, color="w" if value < 30.0 else "k")
     left.set_title("one lost (diagonal) and two lost")
-    figure.colorbar(image, ax=left, label="cross-track RMS after recovery [m]", shrink=0.85)
+    figure.colorbar(image, ax=left, label="cross-track RMS after recovery [mm]", shrink=0.85)
     if triples:
         colours = ["#0072b2" if f.predicted else "#d55e00" for f in triples]
         right.bar(range(len(triples)), [rms[f.lost] for f in triples], color=colours)
         right.set_xticks(
             range(len(triples)), ["".join(f.lost).replace("T", "") for f in triples], rotation=90, fontsize=7
         )
-        right.axhline(LIMIT_M, color="k", lw=0.8, ls="--")
+        right.axhline(1e3 * LIMIT_M, color="k", lw=0.8, ls="--")
         right.set_yscale("log")
-        right.set_ylabel("cross-track RMS after recovery [m]")
+        right.set_ylabel("cross-track RMS after recovery [mm]")
         right.set_title("three lost: blue predicted to follow, orange predicted not to")
     figure.savefig(path, dpi=140)
 
