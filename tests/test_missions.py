@@ -89,6 +89,18 @@ def test_abilities_of_vehicles_that_are_known(tmp_path):
     assert not no_heave.stands
     assert ability_of(MODELS / "jack.xml", (), True).stands
     assert not ability_of(MODELS / "infante.xml", (), True).stands
+    assert cube.converges_s == 0.0
+    assert ability_of(MODELS / "torpedo.xml", ("rudder",), False).converges_s == 0.0
+    assert 40.0 < ability_of(MODELS / "torpedo.xml", (), False).converges_s < 60.0
+
+
+def test_a_long_hull_that_steers_by_its_heading_is_judged_once_it_can_be_there(tmp_path):
+    """The same mission as if it were judged earlier, but for its end."""
+    mission = written(drawn_plan(828), tmp_path)
+    assert mission.plan.vehicle == "torpedo_fins"
+    able = ability_of(tmp_path / "model.xml", (), False)
+    assert mission.from_s == able.converges_s > 50.0
+    assert mission.scenario["duration_s"] == pytest.approx(mission.from_s + JUDGED_S, abs=0.5)
 
 
 def asked(model, **changes):

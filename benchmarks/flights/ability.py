@@ -9,6 +9,12 @@ import numpy as np
 
 USED = 0.6
 """Share of its force that a vehicle may need for its top speed here: the rest is for steering."""
+LOOPS_APART = 6.0
+"""How many times slower than its heading a hull that steers by it can be brought onto a path: two loops around it."""
+NO_TORQUE_NM = 1e-6
+"""What rounding leaves of a torque counts as none."""
+CONVERGED = 4.5
+"""Time constants after which 1 % is left of an error."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +29,8 @@ class Ability:
         any_way_m_s: the same in the slowest direction of the body, or 0.4 of that ahead where one cannot be made.
         stands: whether forces along all axes and a torque about the vertical are its own: it can stay at a point.
         full: whether all components are its own, none much dearer than others.
+        converges_s: what a hull that steers by its heading needs to be on its path: to turn half round from rest by the
+            torque it has, and then to remove its error across. 0 where all components are its own.
     """
 
     names: tuple[str, ...]
@@ -32,6 +40,7 @@ class Ability:
     any_way_m_s: float
     stands: bool
     full: bool
+    converges_s: float
 
 
 def ability_of(model: Path, lost: tuple[str, ...], planar: bool) -> Ability:
@@ -54,15 +63,25 @@ def ability_of(model: Path, lost: tuple[str, ...], planar: bool) -> Ability:
     slowest = (
         float(able.min()) if len(able) == len(sideways) else min(0.4 * float(speeds[0]), float(able.min(initial=9e9)))
     )
+    stands, full = _independent(A[rows]), _independent(A[[0, 1, 5]] if planar else A)
     return Ability(
         names=names,
         limits=limits,
         length_m=2.0 * float(compiled.geom_size.max()),
         top_m_s=float(speeds[0]),
         any_way_m_s=slowest,
-        stands=_independent(A[rows]),
-        full=_independent(A[[0, 1, 5]] if planar else A),
+        stands=stands,
+        full=full,
+        converges_s=0.0 if full and stands else _converges(_reach(A[5], limits[keep]), hull.total_mass[5, 5]),
     )
+
+
+def _converges(torque: float, inertia: float) -> float:
+    """See `Ability.converges_s`; the heading's loop asks for 0.8 rad at most of what the torque gives [N m, kg m^2]."""
+    if torque <= NO_TORQUE_NM:
+        return 0.0
+    slow = float(np.sqrt(inertia / torque))
+    return slow * (2.0 * np.sqrt(np.pi) + CONVERGED * LOOPS_APART * np.sqrt(0.8))
 
 
 def _reach(row: np.ndarray, limits: np.ndarray) -> float:

@@ -93,6 +93,9 @@ def written(plan: Plan, folder: Path) -> Mission:
         draft.scenario["control"]["faults"] = "told"
     if draft.last_event_s > 0.0:
         from_s = max(from_s, draft.last_event_s + RECOVERY_S)
+    # The mission is drawn as if it converged sooner, and judged later: a long hull that starts stern first is swept
+    # metres off while it turns, and has its time to come back.
+    from_s = max(from_s, able.converges_s)
     draft.scenario["duration_s"] = float(round(from_s + JUDGED_S))
     through_water = (0.05 if path == "point" else speed) + draft.current
     (folder / "model.xml").write_text(draft.text)
