@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector
+from cube_sim.tuples import put
 from cube_sim.wrench.health import Health
 
 
@@ -116,8 +117,8 @@ def put_probe(memory, efficiency, stuck, doubtful, force):
     if p.running[1] == 0 and due >= 0:
         p.running[0], p.running[1], p.wait[due] = due, p.length, p.period
         p.asked[0] = 0.0 if abs(force[due]) > 0.5 * abs(p.force[due]) else p.force[due]
-        p.efficiency[:] = efficiency
-        p.stuck[:] = stuck
+        put(p.efficiency, efficiency)
+        put(p.stuck, stuck)
     if p.running[1] > 0:
         p.running[1] -= 1
         force[p.running[0]] = p.asked[0]

@@ -61,7 +61,8 @@ def write_power(rows, k, t, power, energy, voltage, charge):
     """
     row, m = rows.power[k], len(power)
     row[0] = t
-    row[1 : 1 + m] = power
+    for i in range(m):
+        row[1 + i] = power[i]
     row[1 + m], row[2 + m], row[3 + m] = energy, voltage, charge
 
 

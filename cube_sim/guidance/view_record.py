@@ -8,7 +8,7 @@ from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import point_of_row
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record
-from cube_sim.tuples import minus, times
+from cube_sim.tuples import minus, put, times
 
 VIEW = np.dtype(
     [
@@ -39,7 +39,7 @@ def see(view, row, arc_length, remaining, position, velocity_W):
     """
     w = view[0]
     w.arc_length, w.remaining = arc_length, remaining
-    w.row[:] = row
+    put(w.row, row)
     for j in range(3):
         w.error[j] = w.velocity[j] = 0.0
         for i in range(3):

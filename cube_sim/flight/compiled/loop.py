@@ -25,7 +25,7 @@ from cube_sim.mission.divergence import DIVERGED, all_below
 from cube_sim.mission.surface_watch import EMERGED_M, top_of
 from cube_sim.native.compiled import call_at, compiled, unlocked
 from cube_sim.navigation.motion import felt
-from cube_sim.tuples import angle_of_turn, turned_to_world
+from cube_sim.tuples import angle_of_turn, put, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
 from cube_sim.vehicle.laws.supply_law import charge_left, sag
@@ -55,10 +55,11 @@ def sense(code, sensing, k, state, acceleration, known):
     truth = state[:3], velocity, R, state[19:], force
     into = s.answers[k : k + 1], s.errors[k : k + 1], s.arrived[k]
     s.counts[k] = call_at(np.int64, code, (s.parameters, s.memory, *truth, *into))
-    s.inertial[k] = s.memory.imu[0].reading
+    put(s.inertial[k], s.memory.imu[0].reading)
     answer = s.answers[k]
-    known[:3], known[3:7], known[16:19], known[19:] = answer.position, answer.quaternion, answer.velocity, answer.rates
+    put(known[3:7], answer.quaternion)
     for i in range(3):
+        known[i], known[16 + i], known[19 + i] = answer.position[i], answer.velocity[i], answer.rates[i]
         for j in range(3):
             known[7 + 3 * i + j] = answer.rotation[i, j]
 
@@ -113,7 +114,7 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
                 given[i] = e.actuator_force[feed.actuators[i]]
         power = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
         count_drawn(feed.supply, feed.power, power, now)
-        feed.power[:] = power
+        put(feed.power, power)
         force_ratio = supply.force_ratio
         write_power(rows, k, t, power, supply.energy, supply.voltage, supply.charge)
         if evidence.watched:
@@ -166,8 +167,8 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
         notes.effort[1] += doubts
         notes.pace[k], notes.force_ratio[k] = out.pace, force_ratio
         if law.settings[0].disturbance_time > 0.0:
-            disturbance[:] = law.disturbance[0].estimate
-        water[:] = hull.wind
+            put(disturbance, law.disturbance[0].estimate)
+        put(water, hull.wind)
         if hull.sheared:
             there = velocity_at(t, state[2], hull.times, hull.heights, hull.velocities)
             for i in range(3):
@@ -179,8 +180,8 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
             rows, k, t, answering.applied, force, commands, given, thrusters.subset, residual, cost, status,
             feed.efficiency, thrusters.efficiency, answering.authority,
         )  # fmt: skip
-        answering.quaternion[:] = wanted
-        answering.state[:] = known
+        put(answering.quaternion, wanted)
+        put(answering.state, known)
         course.arc_length[0] = advanced(course.target, slope, s, view[0].speed, dt)
         pressed = course.shortage[0].pressed
         if law.settings[0].budgeted:
