@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -65,9 +66,12 @@ class Effort:
 
 
 @cache
-def _beside() -> ThreadPoolExecutor:
-    """The thread on which answers are confirmed while flights go on."""
-    return ThreadPoolExecutor(1, "confirming")
+def _beside(process: int) -> ThreadPoolExecutor:
+    """The thread of a process, by its number, on which answers are confirmed while flights go on.
+
+    One that has been forked off has its parent's memory, and none of its threads.
+    """
+    return ThreadPoolExecutor(1, f"confirming {process}")
 
 
 class Allocator:
@@ -171,7 +175,7 @@ class Allocator:
                 f"limit, {largest:g} N, nothing is seen beside them"
             )
         self._effort = Effort()
-        self._confirming: Future[None] | None = None
+        self._confirming: tuple[int, Future[None]] | None = None
         preferred = {"target": target, "reactivity": reactivity}
         self._preferred = {name: None if value is None else np.array(value) for name, value in preferred.items()}
         self._problem = make_problem(
@@ -315,13 +319,14 @@ class Allocator:
         """
         if self._confirmer is not None and len(rows):
             self._settle()
-            self._confirming = _beside().submit(self._confirm_all, rows, demands)
+            process = os.getpid()
+            self._confirming = process, _beside(process).submit(self._confirm_all, rows, demands)
 
     def _settle(self) -> None:
         """Wait for what is being confirmed."""
-        if self._confirming is not None:
-            self._confirming.result()
-            self._confirming = None
+        confirming, self._confirming = self._confirming, None
+        if confirming is not None and confirming[0] == os.getpid():
+            confirming[1].result()
 
     def _confirm_all(self, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
         for answer, demand in zip(rows, demands, strict=True):
