@@ -9,6 +9,7 @@ from math import cos, floor, sin, sqrt
 
 import numpy as np
 
+from cube_sim.guidance.bisection import count_up_to
 from cube_sim.guidance.path import Path
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Record, Vector
@@ -59,7 +60,7 @@ def look_up(edges, position, angle, frame, s, cos_lap, sin_lap):
     """
     out = np.empty(16)
     s = min(max(s, edges[0]), edges[-1])
-    i = min(max(np.searchsorted(edges, s, side="right") - 1, 0), len(edges) - 2)
+    i = min(max(count_up_to(edges, s) - 1, 0), len(edges) - 2)
     half = 0.5 * (edges[i + 1] - edges[i])
     x = (s - edges[i]) / half - 1.0
     T, dT, ddT = np.zeros(3), np.zeros(3), np.zeros(3)

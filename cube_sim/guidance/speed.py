@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.guidance.bisection import count_up_to
 from cube_sim.guidance.path import Path
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record
@@ -161,7 +162,7 @@ def speed_at(profile, nodes, square, s):
     if not p.closed and not nodes[0] <= x <= nodes[-1]:
         value, slope = sqrt(square[0] if x < nodes[0] else square[-1]), 0.0
     else:
-        i = min(np.searchsorted(nodes, x, side="right"), len(nodes) - 1) - 1
+        i = min(count_up_to(nodes, x), len(nodes) - 1) - 1
         rise = (square[i + 1] - square[i]) / (nodes[i + 1] - nodes[i])
         value = sqrt(square[i] + rise * (x - nodes[i]))
         slope = rise / (2.0 * value)
