@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from math import nan
 from typing import Any
@@ -20,6 +21,7 @@ from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
+from cube_sim.vehicle.plugin.hook import install
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, EarlyEnd, Verdict, overall
 
@@ -83,17 +85,24 @@ def fly_many(
     """
     if threads is not None and threads < 1:
         raise ValueError(f"threads is {threads}; at least one flies")
-    varied = [dict(variation) for variation in variations]
+    if isinstance(signals, str):
+        raise ValueError(f"signals takes a list of names, not {signals!r}")
+    varied = [_checked(index, variation) for index, variation in enumerate(variations)]
     loaded = [_loaded(scenario, index, variation, confirm) for index, variation in enumerate(varied)]
+    install()
+    stop = threading.Event()
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        asked = [
-            pool.submit(_outcome, index, *pair, signals) for index, pair in enumerate(zip(loaded, varied, strict=True))
-        ]
+        pairs = enumerate(zip(loaded, varied, strict=True))
+        asked = [pool.submit(_outcome, index, *pair, signals, stop) for index, pair in pairs]
         try:
+            wait(asked, return_when=FIRST_EXCEPTION)
+            for each in asked:
+                if each.done() and (failure := each.exception()) is not None:
+                    raise failure
             return [each.result() for each in asked]
-        except BaseException:
+        finally:
+            stop.set()  # whoever is in the air when one fails, or on Ctrl-C, lands within a simulated second or ten
             pool.shutdown(wait=False, cancel_futures=True)
-            raise
 
 
 def statistics_of(signals: Signals) -> dict[str, float]:
@@ -143,6 +152,16 @@ _STATISTICS = (
 )
 
 
+class _StoppedError(Exception):
+    """Another flight has failed, or nobody waits for this one any more."""
+
+
+def _checked(index: int, variation: Mapping[str, Any]) -> dict[str, Any]:
+    if not isinstance(variation, Mapping):
+        raise ValueError(f"variation {index} is {variation!r}; give a mapping of dotted paths to values")
+    return dict(variation)
+
+
 def _rms(values: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
@@ -160,21 +179,29 @@ def _loaded(scenario: AnyScenario, index: int, variation: dict[str, Any], confir
     return replace(loaded, scenario=loaded.scenario.model_copy(update={"allocation": unconfirmed}))
 
 
-def _outcome(index: int, loaded: Loaded, variation: dict[str, Any], wanted: Sequence[str]) -> FlightOutcome:
+def _outcome(
+    index: int, loaded: Loaded, variation: dict[str, Any], wanted: Sequence[str], stop: threading.Event
+) -> FlightOutcome:
     """Fly one."""
+
+    def told(_: float) -> None:
+        if stop.is_set():
+            raise _StoppedError
+
     try:
         mission = prepare(loaded)
     except ScenarioError as error:
         raise _named(index, error) from None
+    known = [f"{channel.name}.{field.name}" for channel in mission.channels for field in channel.fields]
+    unknown = [name for name in wanted if name not in known]
+    if unknown:
+        raise ValueError(f"no signal {unknown[0]!r}; there are {', '.join(known)}")
     scenario, store = mission.scenario, SignalStore(mission.channels)
     flight = Flight.recorded(loaded, mission, store)
     with collect_warnings() as warnings:
-        flight.fly_to_its_end(warnings)
+        flight.fly_to_its_end(warnings, told)
     ended_early = EarlyEnd(flight.time_s, flight.ended) if flight.ended else None
     recorded = store.signals
-    unknown = [name for name in wanted if name not in recorded]
-    if unknown:
-        raise ValueError(f"no signal {unknown[0]!r}; there are {', '.join(recorded)}")
     results = evaluate(scenario.checks, recorded, duration_s=scenario.duration_s)
     return FlightOutcome(
         variation=variation,

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
+import time
+
 import numpy as np
 import pytest
 from support.places import HELIX, SCENARIOS
@@ -92,6 +97,40 @@ def test_who_cannot_fly_is_named_before_anybody_does():
         cube_sim.fly_many(HELIX, [{}], threads=0)
     with pytest.raises(ValueError, match=r"no signal 'pose\.place'"):
         cube_sim.fly_many(HELIX, [{"duration_s": 0.1, "checks": CHECKS}], signals=["pose.place"])
+
+    with pytest.raises(ValueError, match="a list of names"):
+        cube_sim.fly_many(HELIX, [{}], signals="pose.position")
+    with pytest.raises(ValueError, match="variation 1 is 3"):
+        cube_sim.fly_many(HELIX, [{}, 3])
+
+
+FIRST = """
+import cube_sim, sys
+checks = [{"kind": "allowed_forces"}]
+flown = cube_sim.fly_many(sys.argv[1], [{"duration_s": 0.5, "seed": k, "checks": checks} for k in range(4)], threads=2)
+print(*[outcome.verdict for outcome in flown])
+"""
+
+
+@pytest.mark.flight
+def test_it_may_be_the_first_thing_a_process_does():
+    done = subprocess.run([sys.executable, "-c", FIRST, str(HELIX)], capture_output=True, text=True, timeout=300)
+    assert done.stderr == ""
+    assert done.stdout.split() == ["PASS"] * 4
+
+
+@pytest.mark.flight
+def test_one_that_fails_brings_the_others_down():
+    """Within a simulated second or ten, though they would fly for hours."""
+    hours = {"duration_s": 36000.0, "checks": CHECKS}
+    with pytest.raises(ValueError, match="no signal"):
+        cube_sim.fly_many(HELIX, [hours, {"duration_s": 0.1, "checks": CHECKS}], threads=2, signals=["a.b"])
+    started = time.monotonic()
+    signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.alarm(2)
+    with pytest.raises(KeyboardInterrupt):
+        cube_sim.fly_many(HELIX, [hours, hours], threads=2)
+    assert time.monotonic() - started < 60.0
 
 
 def test_none_are_none():

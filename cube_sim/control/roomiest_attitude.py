@@ -51,7 +51,7 @@ def has_enough(hull: Record, facets: Facets, force_ratio: float, flow_W: Vector,
 
 
 def _spare(facets: Facets) -> float:
-    return -TO_SPARE * float(np.mean(facets[1]))
+    return -TO_SPARE * float(np.mean(facets[1])) if len(facets[1]) else 0.0
 
 
 @compiled

@@ -35,6 +35,7 @@ from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
 from cube_sim.spatial import State, Vector
+from cube_sim.uninterrupted import uninterrupted
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.vehicle.state import read_state
 
@@ -179,8 +180,7 @@ class Flight:
         Raises:
             FlightError: the flight is over, or an argument makes no sense.
         """
-        if self.over:
-            raise FlightError(f"the flight is over{f': {self.ended}' if self.ended else ''}; reset it")
+        self._require_going_on()
         action = action_of(len(self.mission.vehicle.thrusters.names), wrench, forces, commands)
         with collect_warnings() as warnings:
             self.control(warnings, action)
@@ -213,8 +213,12 @@ class Flight:
         Args:
             warnings: where MuJoCo's arrive; they are moved to the log.
             ticks: at most.
+
+        Raises:
+            FlightError: the flight is over.
         """
-        begun = self._fly_compiled(ticks)
+        self._require_going_on()
+        begun = self._fly_compiled(warnings, ticks)
         if begun is not None:
             self.control(warnings, begun=begun)
             self.advance()
@@ -225,39 +229,49 @@ class Flight:
         Args:
             warnings: where MuJoCo's arrive; they are moved to the log.
             told: called about once per simulated second with the simulated time [s].
+
+        Raises:
+            FlightError: the flight is over.
         """
+        self._require_going_on()
         last = -1.0
         while not self.over:
             self.fly(warnings, self.mission.scenario.ticks - self.tick)
             if told is not None and self.time_s >= last + 1.0:
                 last = self.time_s
                 told(last)
-        if not self.ended and (begun := self._fly_compiled(1, moving=False)) is not None:
+        if not self.ended and (begun := self._fly_compiled(warnings, 1, moving=False)) is not None:
             self.control(warnings, begun=begun)
         self.finish()
 
-    def _fly_compiled(self, ticks: int, moving: bool = True) -> Begun | None:
+    def _fly_compiled(self, warnings: list[str], ticks: int, moving: bool = True) -> Begun | None:
         """Fly what compiled code can; how far the next tick has come, None where it has all been flown.
 
         Args:
+            warnings: of MuJoCo, which Python moves to the log first.
             ticks: at most.
             moving: whether the physics goes on after a tick; if not, there is one tick, and time stands still.
         """
         mission, tick, period = self.mission, self.tick, self._period
         most = self._store.ticks_at_once(tick, period), mission.events.ticks_before(tick, period)
         ticks = min(ticks, mission.scenario.ticks - tick + (not moving), *most)
-        if tick < self._python_until or ticks <= 0 or not self._watches.surface.under_water:
+        if warnings or tick < self._python_until or ticks <= 0 or not self._watches.surface.under_water:
             return NOT_BEGUN
-        flown = fly_ticks(mission, tick, ticks, self._applied, self._watches.surface.boxes, moving)
-        if flown is None or flown.ticks == 0:
-            self._python_until = tick + PYTHON_TICKS
-        if flown is None:
-            return NOT_BEGUN
-        begun = take_over(flown, tick, mission, self._watches, self._store)
-        if flown.ticks:
-            self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.known
-            self.tick += flown.ticks if moving else 0
+        with uninterrupted():  # the parts of a mission go on together, with their rows
+            flown = fly_ticks(mission, tick, ticks, self._applied, self._watches.surface.boxes, moving)
+            if flown is None or flown.ticks == 0:
+                self._python_until = tick + PYTHON_TICKS
+            if flown is None:
+                return NOT_BEGUN
+            begun = take_over(flown, tick, mission, self._watches, self._store)
+            if flown.ticks:
+                self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.known
+                self.tick += flown.ticks if moving else 0
         return begun if flown.reached != BEGIN or flown.ticks == 0 else None
+
+    def _require_going_on(self) -> None:
+        if self.over:
+            raise FlightError(f"the flight is over{f': {self.ended}' if self.ended else ''}; reset it")
 
     def control(self, warnings: list[str], action: Action = OWN, begun: Begun = NOT_BEGUN) -> None:
         """All of a tick but the physics; `ended` says whether it went well.

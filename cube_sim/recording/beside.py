@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
+from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Batch, Sink
 
 
@@ -40,5 +41,9 @@ class SinkBeside:
 
     def _wait(self) -> None:
         writing, self._writing = self._writing, None
-        if writing is not None:
+        if writing is None:
+            return
+        try:
             writing.result()
+        except RuntimeError as error:  # what Rerun says of a full disk
+            raise RecordingError(f"the view cannot be written: {error}") from error

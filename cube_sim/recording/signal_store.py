@@ -13,6 +13,7 @@ from cube_sim.recording.buffer import ChannelBuffer
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.mcap.schemas import LOG_LEVELS
 from cube_sim.run_log import WEIGHTY, LogLine
+from cube_sim.uninterrupted import uninterrupted
 
 TICKS_IN_MEMORY = 500
 """Of so many ticks rows may be handed over at once where no file waits for each second."""
@@ -81,9 +82,10 @@ class SignalStore:
             self._advance(first)
         if not first <= last or (self._sinks and {batch_number(first), batch_number(last)} != {self._batch_end - 1}):
             raise RecordingError(f"rows from t = {first} s to {last} s after t = {self._time} s")
-        for channel, table in rows:
-            self._buffer(channel).extend(table)
-        self._time = max(self._time, last)
+        with uninterrupted():  # all channels or none
+            for channel, table in rows:
+                self._buffer(channel).extend(table)
+            self._time = max(self._time, last)
 
     def log(self, t: float, level: str, text: str) -> None:
         """Record a sentence.
@@ -140,6 +142,10 @@ class SignalStore:
             self._written[name].append(taken)
 
     def _flush(self) -> None:
+        with uninterrupted():
+            self._hand_on()
+
+    def _hand_on(self) -> None:
         rows = {name: buffer.take() for name, buffer in self._buffers.items()}
         batch = Batch({name: taken for name, taken in rows.items() if len(taken)}, self._log)
         if not batch.rows and not batch.log:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+import signal
+import threading
 
 import numpy as np
 import pytest
@@ -188,3 +190,38 @@ def test_a_scenario_need_not_be_a_file():
         Flight({"schema_version": 1, "guidance": {"speed_m_s": -1.0}})
     with pytest.raises(ScenarioError, match="cannot be written out"):
         Flight({"schema_version": 1, "name": object()})
+
+
+@pytest.mark.flight
+def test_nothing_is_flown_beyond_the_end():
+    flight = Flight(HELIX, {**SHORT, "duration_s": 0.5})
+    flight.fly_to_its_end([])
+    rows = len(flight.signals["pose.position"])
+    for go_on in (lambda: flight.fly([], 5), lambda: flight.fly_to_its_end([]), flight.step):
+        with pytest.raises(FlightError, match="over"):
+            go_on()
+    assert len(flight.signals["pose.position"]) == rows == 26
+
+
+@pytest.mark.flight
+def test_an_interrupt_leaves_a_flight_that_goes_on_to_the_bit():
+    whole, cut = Flight(HELIX, {**SHORT, "duration_s": 60.0}), Flight(HELIX, {**SHORT, "duration_s": 60.0})
+    whole.fly_to_its_end([])
+    times = 0
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        while not cut.over:
+            timer = threading.Timer(0.03, signal.raise_signal, [signal.SIGINT])
+            timer.start()
+            try:
+                while not cut.over:
+                    cut.fly([], 10**9)
+            except KeyboardInterrupt:
+                times += 1
+            timer.join()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert times >= 1
+    assert_same({name: rows[rows[:, 0] < 59.99] for name, rows in whole.signals.items()}, cut.signals)

@@ -6,6 +6,7 @@ import threading
 
 import pytest
 
+from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Batch
 from cube_sim.recording.beside import SinkBeside
 from cube_sim.run_log import LogLine
@@ -73,3 +74,13 @@ def test_what_cannot_be_made_is_said():
     beside.write(batch(0.0))
     with pytest.raises(OSError, match="no place"):
         beside.close()
+
+
+def test_what_the_viewers_library_says_of_a_full_disk_is_a_recording_error():
+    slow = Slow()
+    slow.write = lambda _: (_ for _ in ()).throw(RuntimeError("No space left"))
+    beside = SinkBeside(lambda: slow)
+    beside.write(batch(0.0))
+    with pytest.raises(RecordingError, match="No space left"):
+        beside.close()
+    assert slow.closed

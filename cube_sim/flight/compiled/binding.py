@@ -32,6 +32,8 @@ from cube_sim.vehicle.motor_lag import activation_addresses
 from cube_sim.vehicle.plugin import structs
 
 NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
+LEAST_ARENA_BYTES = 1_000_000
+"""With less, contacts may need more memory than there is; MuJoCo ends the process then, but for calls from Python."""
 _ADDRESSES: dict[str, int] = {}
 NOTHING_WATCHED = Diagnosis(1.0, 1.0, 1.0, np.zeros(1))
 
@@ -81,7 +83,7 @@ def fly_ticks(
         None where a part of it is of a kind that only Python flies.
     """
     controller, supply = mission.controller, mission.supply
-    if type(controller) is not PathFollower or supply.force_ratio == 0.0:
+    if type(controller) is not PathFollower or supply.force_ratio == 0.0 or mission.model.narena < LEAST_ARENA_BYTES:
         return None
     parts, target = controller.ready, controller.target
     running: RunningParts | None = getattr(target, "parts", None)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
+import threading
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -36,6 +37,14 @@ def install() -> None:
     Raises:
         ModelError: another passive or actuator-bias callback is installed; MuJoCo has room for one of each.
     """
+    with _installing:
+        _install()
+
+
+_installing = threading.Lock()
+
+
+def _install() -> None:
     functions = _callbacks()
     for name, role, setter, getter in (
         ("mjcb_passive", "passive", mujoco.set_mjcb_passive, mujoco.get_mjcb_passive),
