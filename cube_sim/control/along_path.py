@@ -6,10 +6,11 @@ import numpy as np
 
 from cube_sim.control.attitude_mode import DESIRED, DesiredAttitude, Situation
 from cube_sim.control.levelling import levelling_spin
+from cube_sim.control.turning_on import tell_attitude
 from cube_sim.guidance.view_record import path_turning, record_of
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record
-from cube_sim.tuples import cross_tuples, dot, length, minus, plus, quaternion_from_matrix, times, triple
+from cube_sim.tuples import cross_tuples, dot, length, minus, plus, times, triple
 
 MEMORY = np.dtype([("side", np.float64, 3), ("started", np.bool_)])
 """The side axis, world axes, and whether there is one yet."""
@@ -49,7 +50,7 @@ def nose_along(levelling_time, memory, answer, view, dt):
         view: record of `cube_sim.guidance.view_record.VIEW`.
         dt: [s].
     """
-    m, out, frame = memory[0], answer[0], view[0].frame
+    m, frame = memory[0], view[0].frame
     T, N1 = (frame[0, 0], frame[1, 0], frame[2, 0]), (frame[0, 1], frame[1, 1], frame[2, 1])
     turning = path_turning(view)
     if not m.started:
@@ -67,8 +68,6 @@ def nose_along(levelling_time, memory, answer, view, dt):
     turned = times(1.0 / length(turned), turned)
     R = np.empty((3, 3))
     for i in range(3):
-        m.side[i], out.rates[i] = turned[i], rates[i]
+        m.side[i] = turned[i]
         R[i, 0], R[i, 1], R[i, 2] = T[i], side[i], top[i]
-    q = quaternion_from_matrix(R)
-    for i in range(4):
-        out.quaternion[i] = q[i]
+    tell_attitude(answer, R, rates)

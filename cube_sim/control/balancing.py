@@ -8,6 +8,7 @@ import numpy as np
 
 from cube_sim.control.damped_inverse import damped_inverse
 from cube_sim.control.pace import facet_excess
+from cube_sim.control.turning_on import turn_on
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import (
     dot,
@@ -122,15 +123,7 @@ def balance(
         put_matrix(m.rotation, R_now)
     R = m.rotation
     rates = _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio)
-    speed = length(rates)
-    if speed > p.most_rate:
-        rates, speed = times(p.most_rate / speed, rates), p.most_rate
-    q, turning = quaternion_from_matrix(R), to_world(R, rates)
-    out.quaternion[0] = q[0]
-    for i in range(3):
-        out.quaternion[1 + i], out.rates[i] = q[1 + i], turning[i]
-    if speed > 0.0:
-        put_matrix(m.rotation, rotated(R, times(1.0 / speed, rates), speed * dt))
+    turn_on(R, desired, rates, p.most_rate, dt)
 
 
 @compiled

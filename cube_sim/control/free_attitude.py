@@ -6,6 +6,7 @@ import numpy as np
 
 from cube_sim.control.attitude_mode import DESIRED, DesiredAttitude, Situation
 from cube_sim.control.damped_inverse import damped_inverse
+from cube_sim.control.turning_on import turn_on
 from cube_sim.guidance.view_record import record_of
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Record
@@ -17,8 +18,6 @@ from cube_sim.tuples import (
     plus,
     plus6,
     put_matrix,
-    quaternion_from_matrix,
-    rotated,
     stacked,
     times,
     to_body,
@@ -125,7 +124,7 @@ def least_effort(hull, parameters, memory, answer, view, R_now, force_W, current
         current_W: estimate, a 3-tuple [m/s], world axes.
         dt: [s].
     """
-    p, m, out = parameters[0], memory[0], answer[0]
+    p, m = parameters[0], memory[0]
     velocity_W = to_world(view[0].frame, triple(view[0].velocity))
     if not m.started:
         m.started = True
@@ -141,15 +140,7 @@ def least_effort(hull, parameters, memory, answer, view, R_now, force_W, current
     rest_W = minus(triple(m.force), to_world(R_now, steady[:3]))
     z = (R[2, 0], R[2, 1], R[2, 2])
     rates = plus(_descent(hull, p, to_body(R, flow_W), to_body(R, rest_W), z), _righting_rate(p, z))
-    speed = length(rates)
-    if speed > MAX_RATE:
-        rates, speed = times(MAX_RATE / speed, rates), MAX_RATE
-    q, turning = quaternion_from_matrix(R), to_world(R, rates)
-    out.quaternion[0] = q[0]
-    for i in range(3):
-        out.quaternion[1 + i], out.rates[i] = q[1 + i], turning[i]
-    if speed > 0.0:
-        put_matrix(m.rotation, rotated(R, times(1.0 / speed, rates), speed * dt))
+    turn_on(R, answer, rates, MAX_RATE, dt)
 
 
 @compiled

@@ -8,6 +8,7 @@ import numpy as np
 
 from cube_sim.control.attitude_mode import DESIRED, DesiredAttitude, Situation
 from cube_sim.control.levelling import levelling_spin
+from cube_sim.control.turning_on import tell_attitude
 from cube_sim.guidance.view_record import record_of
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record, Vector, cross
@@ -18,7 +19,6 @@ from cube_sim.tuples import (
     minus,
     plus,
     put_matrix,
-    quaternion_from_matrix,
     rotated,
     times,
     to_body,
@@ -92,7 +92,7 @@ def look_at(parameters, memory, answer, view, R_now, dt):
         R_now: R_WB (3,3) of the hull, where the desired attitude begins.
         dt: [s].
     """
-    p, m, out = parameters[0], memory[0], answer[0]
+    p, m = parameters[0], memory[0]
     if not m.started:
         m.started = True
         put_matrix(m.rotation, R_now)
@@ -101,10 +101,7 @@ def look_at(parameters, memory, answer, view, R_now, dt):
     first = _towards_the_point(p, u, side, view)
     spin = levelling_spin(u, cross_tuples(first, u), side, p.levelling_time)
     spin = min(max(spin, -MAX_RATE), MAX_RATE)
-    q, rates = quaternion_from_matrix(R), plus(first, times(spin, u))
-    out.quaternion[0] = q[0]
-    for i in range(3):
-        out.quaternion[1 + i], out.rates[i] = q[1 + i], rates[i]
+    tell_attitude(answer, R, plus(first, times(spin, u)))
     rolled = rotated(R, axis, spin * dt)  # first, as it leaves u where it is: the tasks do not mix in a tick
     size = length(first)
     if size > 0.0:
