@@ -13,7 +13,6 @@ from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.telemetry import Telemetry
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Vector
-from cube_sim.vehicle.motor_lag import activation_addresses
 from cube_sim.wrench.health import Health
 
 PROBE_S = 0.3
@@ -30,14 +29,10 @@ class FaultFinding:
     Args:
         flown: the hull.
         scenario: the mission.
-
-    Attributes:
-        activation_at: (m,) where MuJoCo keeps the lagged commands.
     """
 
     def __init__(self, flown: CompiledHull, scenario: Scenario) -> None:
         self._thrusters = flown.vehicle.thrusters
-        self.activation_at = activation_addresses(flown.model, self._thrusters)
         self._telemetry = Telemetry(scenario.telemetry, len(self._thrusters.names), scenario.seed)
         self._diagnosis = _diagnosis(self._thrusters.limits, scenario)
 
@@ -55,7 +50,7 @@ class FaultFinding:
         measured = self._telemetry.read(data.actuator_force[self._thrusters.actuators])
         if force_ratio == 0.0:
             return self._diagnosis.health
-        expected = self._thrusters.force(data.act[self.activation_at])
+        expected = self._thrusters.force(data.act[self._thrusters.activations])
         return self._diagnosis.update(expected, measured, force_ratio)
 
     def conclude(self, force_ratio: float) -> Health:

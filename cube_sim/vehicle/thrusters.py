@@ -22,6 +22,9 @@ class Thrusters:
     Attributes:
         names: (m,) actuator names.
         actuators: (m,) indices into ctrl and actuator_force.
+        activations: (m,) indices into act, of the lagged commands whose force the characteristics give. They follow
+            from the commands alone, as MuJoCo integrates them (delay, lag, steps of its integrator): whatever fails in
+            a thruster, fails behind them.
         characteristics: (m,) steady command-to-force curves.
         lag_s: (m,) time constants of the motors [s].
         power_coefficients: (m,2) k_P-, k_P+ of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 where not known.
@@ -31,6 +34,7 @@ class Thrusters:
 
     names: tuple[str, ...]
     actuators: NDArray[np.int_]
+    activations: NDArray[np.int_]
     characteristics: tuple[Characteristic, ...]
     lag_s: NDArray[np.float64]
     power_coefficients: NDArray[np.float64]
@@ -54,6 +58,9 @@ class Thrusters:
         return Thrusters(
             names=tuple(model.actuator(i).name for i in actuators),
             actuators=np.array(actuators, dtype=int),
+            activations=np.array(
+                [model.actuator_actadr[i] + model.actuator_actnum[i] - 1 for i in actuators], dtype=int
+            ),
             characteristics=tuple(_characteristic(curve) for curve in curves),
             power_coefficients=np.array([curve[layout.POWER :][:2] for curve in curves]).reshape(-1, 2),
             lag_s=np.array([model.actuator_dynprm[i, 0] for i in actuators]),

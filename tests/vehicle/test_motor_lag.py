@@ -9,7 +9,6 @@ from support.edited_cube import edited
 
 import cube_sim
 from cube_sim.vehicle.faults import set_efficiency, set_stuck
-from cube_sim.vehicle.motor_lag import activation_addresses
 
 DELAYS = [
     "",
@@ -68,7 +67,7 @@ def test_activations_follow_from_the_commands_whatever_fails(integrator, dyntype
         mujoco.mj_step(motors, alone, nstep=steps)
         mujoco.mj_forward(model, data)
         mujoco.mj_step(model, data, nstep=steps)
-        np.testing.assert_array_equal(alone.act, data.act[activation_addresses(model, thrusters)])
+        np.testing.assert_array_equal(alone.act, data.act[thrusters.activations])
     assert np.abs(data.act).max() > 0.1
 
 
@@ -78,4 +77,4 @@ def test_the_motors_of_one_hull_among_others():
     arm = '<body pos="2 0 0"><joint name="arm"/><geom size=".1"/></body></worldbody>'
     model = cube_sim.load_model(edited(("<actuator>", f"<actuator>{reaction}"), ("</worldbody>", arm)))
     thrusters = cube_sim.Vehicle.from_model(model).thrusters
-    np.testing.assert_array_equal(activation_addresses(model, thrusters), np.arange(1, 9))
+    np.testing.assert_array_equal(thrusters.activations, np.arange(1, 9))

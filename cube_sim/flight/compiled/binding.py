@@ -28,7 +28,6 @@ from cube_sim.navigation.navigator import InitialErrors, Navigator
 from cube_sim.navigation.reading import READING
 from cube_sim.spatial import State, Vector
 from cube_sim.vehicle.current import current_table
-from cube_sim.vehicle.motor_lag import activation_addresses
 from cube_sim.vehicle.plugin import structs
 
 NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
@@ -213,7 +212,7 @@ def _feed(mission: Mission) -> Feed:
     supply, thrusters = mission.supply, mission.vehicle.thrusters
     return Feed(
         thrusters.actuators,
-        activation_addresses(mission.model, thrusters),
+        thrusters.activations,
         *thrusters.curve_table,
         *supply.drawing,
         supply.power.copy(),
