@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from cube_sim.native.compiled import compiled
-from cube_sim.spatial import Matrix, Vector
-
-
-class Split(NamedTuple):
-    """A wrench in two parts, body axes [N, N m].
-
-    Attributes:
-        primary: (6,) what gives the body origin its linear acceleration and no torque at all.
-        secondary: (6,) the rest; any share of it changes the angular acceleration alone.
-    """
-
-    primary: Vector
-    secondary: Vector
+from cube_sim.spatial import Matrix
 
 
 def force_with_torque(mass: Matrix) -> Matrix:
     """M12 M22^-1 (3,3) [1/m]: the force that comes with a torque which is not to move the body origin.
+
+    A wrench is a primary task of three rows and a secondary one in its null space (Nakamura 1987). The path needs the
+    linear acceleration v', three rows of nu' = M^-1 tau + ...; J = [I 0] M^-1. The wrenches with J tau = 0 are
+    [M12 M22^-1; I] t for any torque t: mass couples the rows, so a torque that is not to move the origin brings a force
+    along. The secondary part is that of the demanded torque, and what is left is a pure force.
 
     Args:
         mass: M (6,6), rigid body and added mass.
@@ -43,19 +34,3 @@ def yield_attitude(coupling, wrench, secondary):
     for i in range(3):
         secondary[i] = coupling[i, 0] * wrench[3] + coupling[i, 1] * wrench[4] + coupling[i, 2] * wrench[5]
         secondary[3 + i] = wrench[3 + i]
-
-
-def split_path_first(wrench: Vector, mass: Matrix) -> Split:
-    """Split a wrench into a primary task of three rows and a secondary one in its null space (Nakamura 1987).
-
-    The path needs the linear acceleration v', three rows of nu' = M^-1 tau + ...; J = [I 0] M^-1. The wrenches with
-    J tau = 0 are [M12 M22^-1; I] t for any torque t: mass couples the rows, so a torque that is not to move the origin
-    brings a force along. The secondary part is that of the demanded torque, and what is left is a pure force.
-
-    Args:
-        wrench: tau (6,) demanded [N, N m], body axes.
-        mass: M (6,6), rigid body and added mass.
-    """
-    secondary = np.empty(6)
-    yield_attitude(force_with_torque(mass), wrench, secondary)
-    return Split(wrench - secondary, secondary)

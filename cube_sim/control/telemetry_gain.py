@@ -59,21 +59,18 @@ class TelemetryGain:
         least, most = np.full(m, 1.0 - tolerance), np.full(m, 1.0 + tolerance)
         self.gains = TelemetryGains(np.zeros(m), np.zeros(m), np.ones(m), least, most, float(tolerance), float(unknown))
 
-    def learn(self, expected: Vector, measured: Vector, whole: np.ndarray, noise: float) -> None:
-        """Take one more pair of forces into account.
-
-        Args:
-            expected: (m,) [N].
-            measured: (m,) [N].
-            whole: (m,) bool, whose pair this is good for.
-            noise: standard deviation of a measured force [N].
-        """
-        learn_gains(self.gains, expected, measured, whole, float(noise))
-
 
 @compiled
 def learn_gains(gains, expected, measured, whole, noise):
-    """Take one more pair of forces of each thruster into account, as `TelemetryGain.learn` says; w is the weight."""
+    """Take one more pair of forces of each thruster into account; w is the weight.
+
+    Args:
+        gains: `TelemetryGains`, moved on.
+        expected: (m,) [N].
+        measured: (m,) [N].
+        whole: (m,) bool, whose pair this is good for.
+        noise: standard deviation of a measured force [N].
+    """
     g = gains
     if g.tolerance == 0.0:
         return
