@@ -200,15 +200,14 @@ def _outcome(
     flight = Flight.recorded(loaded, mission, store)
     with collect_warnings() as warnings:
         flight.fly_to_its_end(warnings, told)
-    ended_early = EarlyEnd(flight.time_s, flight.ended) if flight.ended else None
     recorded = store.signals
     results = evaluate(scenario.checks, recorded, duration_s=scenario.duration_s)
     return FlightOutcome(
         variation=variation,
-        verdict=overall(results, complete=ended_early is None),
+        verdict=overall(results, complete=not flight.ended),
         checks=results,
-        simulated_s=ended_early.time_s if ended_early else scenario.ticks * scenario.control_period_s,
-        ended_early=ended_early,
+        simulated_s=flight.time_s,
+        ended_early=flight.ended_early,
         log=store.warnings,
         statistics=statistics_of(recorded),
         signals={name: recorded[name] for name in wanted},

@@ -25,7 +25,6 @@ from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 
 Progress = Callable[[float, float], None]
-COMPILES = "compiling for this machine, once after an installation or an update: about a minute"
 
 
 @dataclass(frozen=True)
@@ -126,14 +125,15 @@ def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progres
     ):
         started = time.perf_counter()
         try:
-            ended_early = _run_ticks(loaded, mission, recorder, warnings, progress)
+            flight = Flight.recorded(loaded, mission, recorder)
+            whole_s = mission.scenario.duration_s
+            flight.fly_to_its_end(warnings, None if progress is None else lambda t: progress(t, whole_s))
         except KeyboardInterrupt:
             raise RunInterrupted(directory, recorder.warnings) from None
         elapsed_s = time.perf_counter() - started
     signals = recorder.signals
 
-    scenario = mission.scenario
-    simulated_s = ended_early.time_s if ended_early else scenario.ticks * scenario.control_period_s
+    scenario, simulated_s, ended_early = mission.scenario, flight.time_s, flight.ended_early
     flown = Flown(simulated_s, ended_early, recorder.warnings)
     results = evaluate(scenario.checks, signals, duration_s=scenario.duration_s)
     verdict = overall(results, complete=ended_early is None)
@@ -141,24 +141,3 @@ def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progres
     text = to_json(verdict, results, factor, versions(), flown)
     (directory / "verdict.json").write_text(text, encoding="utf-8")
     return Run(verdict, results, signals, directory, factor, versions(), simulated_s, ended_early, flown.log)
-
-
-def _run_ticks(
-    loaded: Loaded, mission: Mission, recorder: Recorder, warnings: list[str], progress: Progress | None
-) -> EarlyEnd | None:
-    """All ticks of a run; the last row is the state at its end.
-
-    Args:
-        loaded: what is flown.
-        mission: at time 0.
-        recorder: gets rows and sentences.
-        warnings: where MuJoCo's arrive; they are moved to the log.
-        progress: see `run`.
-
-    Returns:
-        When and why the run ended before its time; None if it did not.
-    """
-    scenario = mission.scenario
-    flight = Flight.recorded(loaded, mission, recorder)
-    flight.fly_to_its_end(warnings, None if progress is None else lambda t: progress(t, scenario.duration_s))
-    return EarlyEnd(flight.time_s, flight.ended) if flight.ended else None

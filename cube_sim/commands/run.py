@@ -19,6 +19,7 @@ from cube_sim.errors import CubeSimError, DirectoryError, ModelError, RunInterru
 if TYPE_CHECKING:
     from cube_sim.simulation import Run
 
+COMPILES = "compiling for this machine, once after an installation or an update: about a minute"
 EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
 EPILOG = (
     "Exit code: 0 PASS, every check was shown to hold; 1 FAIL, one was shown not to, whatever else could not be "
@@ -63,7 +64,7 @@ def _fly(scenario: Path, settings: list[str] | None, out: Path | None, *, hidden
         from cube_sim.flight.compiled import compile_beside
 
         if compile_beside() and not hidden and sys.stderr.isatty():
-            print(simulation.COMPILES, file=sys.stderr, flush=True)
+            print(COMPILES, file=sys.stderr, flush=True)
         name, duration_s = loaded.scenario.name, loaded.scenario.duration_s
         with flight_progress(name, duration_s, hidden=hidden) as show:
 

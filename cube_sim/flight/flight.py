@@ -38,6 +38,7 @@ from cube_sim.spatial import State, Vector
 from cube_sim.uninterrupted import uninterrupted
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.vehicle.state import read_state
+from cube_sim.verdict import EarlyEnd
 
 _CHANGING = "controller", "supply", "events", "fault_finding", "drop_weight", "estimation"
 """What of a mission changes in a flight, beside MuJoCo's data, its model's numbers and the allocation."""
@@ -124,6 +125,11 @@ class Flight:
     def over(self) -> bool:
         """Whether nothing can be stepped any more."""
         return bool(self.ended) or self.tick >= self.mission.scenario.ticks
+
+    @property
+    def ended_early(self) -> EarlyEnd | None:
+        """When and why the flight has ended before its time; None while it has not."""
+        return EarlyEnd(self.time_s, self.ended) if self.ended else None
 
     @property
     def signals(self) -> Mapping[str, NDArray[np.float64]]:

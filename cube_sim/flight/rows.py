@@ -17,7 +17,7 @@ Table = NDArray[np.float64]
 
 
 class TickRows(NamedTuple):
-    """TickRows of the channels that get one at every tick: (n, 1 + width) each, column 0 the time [s]."""
+    """Rows of the channels that get one at every tick: (n, 1 + width) each, column 0 the time [s]."""
 
     pose: Table
     velocity: Table
