@@ -76,6 +76,11 @@ def own_path(text):
     passed(text, "max of path_error.cross_track", 0.1)
 
 
+def own_range(text):
+    without, held = (float(number) for number in re.findall(r"off by (\S+) m RMS", text))
+    assert held < 0.1 < 0.5 < without
+
+
 def train_a_law(text):
     earned = [float(number) for number in re.findall(r"^generation +\d+: best +\S+, mean +(\S+) of 20", text, re.M)]
     assert len(earned) == 2
@@ -97,6 +102,7 @@ PROMISED = {
         own_lqr,
         own_allocator,
         own_path,
+        own_range,
         train_a_law,
     )
 }

@@ -18,10 +18,11 @@ from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion, Truth, felt
 from cube_sim.navigation.navigator import InitialErrors, Navigator
 from cube_sim.navigation.observability import what_drifts
+from cube_sim.navigation.own_aid import OwnAid
 from cube_sim.navigation.position import PositionFix
 from cube_sim.navigation.reading import ReadingOutcome
 from cube_sim.navigation.sampling import Sampling
-from cube_sim.recording.channels import Channel
+from cube_sim.recording.channels import Channel, Field
 from cube_sim.recording.navigation_channels import navigation_channels
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Scenario
@@ -43,24 +44,36 @@ class StateEstimation:
         seed: root of their random streams.
         period_s: the control period.
         drifts: what of the estimate is held by what, in words.
+        own: sensors of the user's own.
+
+    Attributes:
+        own: the same.
     """
 
     def __init__(
-        self, block: blocks.NavigationBlock, vehicle: Vehicle, seed: int, period_s: float, drifts: str
+        self,
+        block: blocks.NavigationBlock,
+        vehicle: Vehicle,
+        seed: int,
+        period_s: float,
+        drifts: str,
+        own: tuple[OwnAid, ...] = (),
     ) -> None:
-        self._block, self._vehicle, self._seed, self._period = block, vehicle, seed, period_s
+        self._block, self._vehicle, self._seed, self._period, self.own = block, vehicle, seed, period_s, own
         self._drifts = drifts
         self._navigator: Navigator | None = None
         self._in_doubt: set[str] = set()
 
     @classmethod
-    def of(cls, scenario: Scenario, vehicle: Vehicle, path: Path) -> StateEstimation | None:
-        """As the scenario says; None when its controller sees the true state."""
+    def of(
+        cls, scenario: Scenario, vehicle: Vehicle, path: Path, own: tuple[OwnAid, ...] = ()
+    ) -> StateEstimation | None:
+        """As the scenario says, with its sensors of the user's own; None when its controller sees the true state."""
         block = scenario.navigation
         if block is None:
             return None
         drifts = what_drifts(block.aids, nose_level_share(scenario.control.attitude, path), moves_level(path))
-        return cls(block, vehicle, scenario.seed, scenario.control_period_s, drifts)
+        return cls(block, vehicle, scenario.seed, scenario.control_period_s, drifts, own)
 
     def reseed(self, seed: int) -> None:
         """Start all sensors and the estimate anew."""
@@ -75,19 +88,29 @@ class StateEstimation:
             data: MuJoCo's, up to date at t, accelerations too.
             recorder: gets the estimate, its error and the readings that have arrived.
             t: simulated time [s].
+
+        Raises:
+            OwnCodeError: a sensor of the user's own has no answer.
         """
         truth = read_truth(true, data, self._vehicle)
         if self._navigator is None:
             self._navigator = self._start(truth.motion, recorder, t)
         navigator = self._navigator
-        self.note(navigator.update(truth), recorder, t)
+        arrived = navigator.update(truth)
+        for sensor in self.own:
+            if sensor.failures:
+                raise sensor.failures.pop()
+        self.note(arrived, recorder, t)
         answer = navigator.answer
         self.record(recorder, np.array([t]), answer, navigator.error, navigator.inertial[None])
         return estimated(answer[0])
 
     def stage(self, ticks: int) -> tuple[NavigationParameters, NavigationMemory] | None:
-        """The first arguments of `cube_sim.navigation.estimating.estimate` for so many ticks; None before the first."""
-        return None if self._navigator is None else self._navigator.stage(ticks)
+        """The first arguments of `cube_sim.navigation.estimating.estimate` for so many ticks.
+
+        None before the first, and with a sensor of the user's own: what that raises is looked for after each tick.
+        """
+        return None if self._navigator is None or self.own else self._navigator.stage(ticks)
 
     def record(self, recorder: SignalStore, t: Vector, answers: Record, errors: Record, inertial: Matrix) -> None:
         """Record the estimates of n ticks of one simulated second, but for the readings.
@@ -120,7 +143,7 @@ class StateEstimation:
         recorder.log(t, "INFO", f"navigation: {self._drifts}")
         return Navigator(
             imu=_imu(block.imu),
-            aids=[_aid(aid) for aid in block.aids.values()],
+            aids=[*(_aid(aid) for aid in block.aids.values() if not isinstance(aid, blocks.OwnSensorBlock)), *self.own],
             initial=_initial(block.initial),
             truth=truth,
             seed=self._seed,
@@ -155,7 +178,11 @@ def _columns(t: Vector, numbers: Record) -> Matrix:
 
 def channels_of(block: blocks.NavigationBlock | None) -> tuple[Channel, ...]:
     """What navigation will record; nothing without it."""
-    return () if block is None else navigation_channels({name: aid.rate_hz for name, aid in block.aids.items()})
+    if block is None:
+        return ()
+    read = "what it reads; see the code in the recording"
+    own = {sensor.name: Field("reading", sensor.components, sensor.unit, read) for sensor in block.own}
+    return navigation_channels({name: aid.rate_hz for name, aid in block.aids.items()}, own)
 
 
 def nose_level_share(attitude: AnyAttitude, path: Path) -> float | None:

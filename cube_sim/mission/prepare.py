@@ -21,8 +21,9 @@ from cube_sim.mission.events import Events
 from cube_sim.mission.fault_finding import FaultFinding
 from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
 from cube_sim.mission.knowledge import believed_dynamics
-from cube_sim.mission.navigation import StateEstimation
+from cube_sim.mission.navigation import StateEstimation, read_truth
 from cube_sim.mission.own.code import Codes, codes_of, refused
+from cube_sim.mission.own.sensor import own_sensors
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
 from cube_sim.mission.supply import supply_of
@@ -75,6 +76,8 @@ class Mission:
     def fixed(self) -> dict[str, Any]:
         """What parts of it refer to and that never changes, by name."""
         fixed = {name: getattr(self, name) for name in ("scenario", "model", "data", "vehicle", "path", "ability")}
+        sensors = self.estimation.own if self.estimation is not None else ()
+        fixed |= {f"sensor {sensor.name}": sensor for sensor in sensors}
         return fixed | {f"code {key}": code for key, code in self.codes.items()}
 
 
@@ -97,10 +100,13 @@ def prepare(loaded: Loaded) -> Mission:
     allocator = allocator_of(loaded, believed.vehicle, codes)
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
     ability = Ability.of(allocator, dynamics, scenario)
+    data = initial_state(model, vehicle, scenario)
+    mujoco.mj_kinematics(model, data)
+    start = read_truth(read_state(vehicle, data), data, vehicle).motion
     mission = Mission(
         scenario=scenario,
         model=model,
-        data=initial_state(model, vehicle, scenario),
+        data=data,
         vehicle=vehicle,
         path=path,
         ability=ability,
@@ -110,7 +116,7 @@ def prepare(loaded: Loaded) -> Mission:
         events=Events(scenario.events, model, vehicle),
         fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle, scenario.control_period_s),
-        estimation=StateEstimation.of(scenario, vehicle, path),
+        estimation=StateEstimation.of(scenario, vehicle, path, own_sensors(loaded, codes, start)),
         channels=channels,
         codes=codes,
     )

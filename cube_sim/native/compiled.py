@@ -23,6 +23,7 @@ from types import CodeType
 from typing import Any
 
 import numba
+from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.extending import _Intrinsic
 from numba.extending import intrinsic
@@ -110,6 +111,28 @@ def call_at(typingctx: Any, function: Any, address: Any, arguments: Any) -> Any:
         return answer
 
     return result(function, types.int64, arguments), codegen
+
+
+@intrinsic
+def call_in_c(typingctx: Any, address: Any, given: Any, answer: Any) -> Any:
+    """What a function int64 f(const double *, double *) of C's answers; it may be Python behind ctypes.
+
+    Args:
+        typingctx: numba's, not given by the caller.
+        address: of its code.
+        given: (n,) float64, read by it.
+        answer: (m,) float64, filled by it.
+    """
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        pointers = [
+            make_array(kind)(context, builder, array).data
+            for kind, array in zip(signature.args[1:], args[1:], strict=True)
+        ]
+        kind = ir.FunctionType(ir.IntType(64), [pointer.type for pointer in pointers])
+        return builder.call(builder.inttoptr(args[0], kind.as_pointer()), pointers)
+
+    return types.int64(types.int64, given, answer), codegen
 
 
 def address_of(function: Any, *arguments: Any) -> int:

@@ -12,7 +12,7 @@ from cube_sim.navigation.sampling import Sampling
 from cube_sim.navigation.strapdown import CONSTANTS
 from cube_sim.spatial import Record, Vector
 
-DVL, DEPTH, HEADING, POSITION = range(4)
+DVL, DEPTH, HEADING, POSITION, OWN = range(5)
 """Kinds of sensors; `cube_sim.navigation.expectation` says what each reads."""
 MOST_COMPONENTS, MOST_CONSTANTS = 3, 4
 """Numbers in a reading, and constant errors of a sensor, at most: what the compiled laws have room for."""
@@ -28,13 +28,15 @@ AID = np.dtype(
         ("noise", np.float64),
         ("gate", np.float64),
         ("site", np.float64, 3),
+        ("law", np.int64),
+        ("angle", np.bool_),
     ]
 )
 """One sensor, the same type for all kinds.
 
 Its kind; the numbers n in a reading and c of its constant errors; where those begin in the filter's error; the ticks a
 reading is under way; its rate [Hz]; the standard deviation of its noise; the NIS beyond which a reading is rejected;
-its site [m]. See `Aid`.
+its site [m]; of a law of one's own the address, and whether it reads an angle. See `Aid`.
 """
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from math import pi
 
 from cube_sim.native.compiled import compiled
-from cube_sim.navigation.aid import DEPTH, DVL, HEADING, POSITION
+from cube_sim.navigation.aid import DEPTH, DVL, HEADING, OWN, POSITION
 from cube_sim.navigation.depth import depth_reading
 from cube_sim.navigation.dvl import dvl_reading
 from cube_sim.navigation.heading import heading_reading
+from cube_sim.navigation.own_aid import own_reading
 from cube_sim.navigation.position import position_reading
 
 
@@ -44,6 +45,8 @@ def expect(aid, constants, position, velocity, R, rates, value, H_motion, H_cons
         return heading_reading(constants, R, value, H_motion, H_constants)
     elif aid.kind == POSITION:
         position_reading(position, value, H_motion)
+    elif aid.kind == OWN:
+        return own_reading(aid, constants, position, velocity, R, rates, value, H_motion, H_constants)
     else:
         return False
     return True
@@ -52,6 +55,6 @@ def expect(aid, constants, position, velocity, R, rates, value, H_motion, H_cons
 @compiled
 def difference(aid, reading, expected):
     """One component of the innovation, in its unit: a reading less the expected one, an angle the short way round."""
-    if aid.kind == HEADING:
+    if aid.kind == HEADING or aid.angle:
         return (reading - expected + pi) % (2.0 * pi) - pi
     return reading - expected

@@ -13,6 +13,7 @@ from cube_sim.navigation.filter import Filter
 from cube_sim.navigation.imu import IMU_MEMORY, ImuErrors
 from cube_sim.navigation.motion import Motion, Truth
 from cube_sim.navigation.normals import DrawnAhead
+from cube_sim.navigation.own_aid import tell_laws
 from cube_sim.navigation.reading import READING
 from cube_sim.navigation.sensing import SENSOR
 from cube_sim.navigation.strapdown import ATTITUDE, POSITION, VELOCITY, turned
@@ -111,6 +112,7 @@ class Navigator:
     def stage(self, ticks: int) -> tuple[NavigationParameters, NavigationMemory]:
         """The first arguments of `estimate`, for so many ticks."""
         self._drawn.reserve(ticks)
+        tell_laws(self.filter.aids, self.aids)
         return self._parameters, NavigationMemory(self._imu, self._sensors, self._drawn.normals, self.filter.memory)
 
     def update(self, truth: Truth) -> Record:

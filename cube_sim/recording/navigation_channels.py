@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 from cube_sim.recording.channels import WXYZ, XYZ, Channel, Field
@@ -33,11 +34,17 @@ READINGS = {
 """What each sensor beside the inertial unit reads, by its name."""
 
 
-def navigation_channels(rates_hz: Mapping[str, float]) -> tuple[Channel, ...]:
+NONE_OF_ONES_OWN: Mapping[str, Field] = MappingProxyType({})
+
+
+def navigation_channels(
+    rates_hz: Mapping[str, float], own: Mapping[str, Field] = NONE_OF_ONES_OWN
+) -> tuple[Channel, ...]:
     """Declare what navigation records beside the channels of every run.
 
     Args:
         rates_hz: rate of each sensor beside the inertial unit, by name.
+        own: what sensors of the user's own read, by name.
     """
     return (
         Channel(
@@ -73,13 +80,12 @@ def navigation_channels(rates_hz: Mapping[str, float]) -> tuple[Channel, ...]:
                 Field("specific_force", 3, "m/s^2", "acceleration less gravity as read, body axes", XYZ),
             ),
         ),
-        *(_sensor(name, rate) for name, rate in rates_hz.items()),
+        *(_sensor(name, rate, own[name] if name in own else READINGS[name].field) for name, rate in rates_hz.items()),
     )
 
 
-def _sensor(name: str, rate_hz: float) -> Channel:
+def _sensor(name: str, rate_hz: float, reading: Field) -> Channel:
     """Rows come when readings arrive."""
-    reading = READINGS[name].field
     return Channel(
         f"sensor_{name}",
         (

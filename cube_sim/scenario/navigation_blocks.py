@@ -7,10 +7,11 @@ own from the scenario's seed, and the estimator knows the standard deviations on
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, StringConstraints, field_validator, model_validator
 
+from cube_sim.scenario.python_block import PythonBlock
 from cube_sim.scenario.values import Block, Vector3, refuse
 
 LONGEST_DELAY_S = 10.0
@@ -101,6 +102,23 @@ class PositionFixBlock(AidBlock):
     delay_s: float = _delay(0.5)
 
 
+class OwnSensorBlock(PythonBlock, AidBlock):
+    """A sensor of one's own. What it makes is asked for the reading without errors; see docs/extending.md."""
+
+    name: Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)] = Field(
+        description="One word; the channel of its readings is `sensor_NAME`."
+    )
+    rate_hz: float = _rate(1.0)
+    components: int = Field(default=1, ge=1, le=3, description="Numbers in a reading.")
+    unit: str = Field(default="1", min_length=1, max_length=20, description="Unit of a reading, for the record.")
+    noise: float = Field(gt=0, description="Standard deviation of each number of a reading, in its unit.")
+    bias: float = Field(default=0.0, ge=0, description="Standard deviation of the bias of each number, in its unit.")
+    angle: bool = Field(
+        default=False, description="Whether the reading is an angle [rad]: differences go the short way round."
+    )
+    delay_s: float = _delay(0.0)
+
+
 class InitialEstimateBlock(Block):
     """How well the state is known at time 0; the first estimate is off by a drawn error of this size."""
 
@@ -120,12 +138,16 @@ class NavigationBlock(Block):
     position: PositionFixBlock | None = Field(
         default=None, description="Acoustic position fix. Default: none, position is dead-reckoned."
     )
+    own: tuple[OwnSensorBlock, ...] = Field(
+        default=(), strict=False, description="Sensors of one's own, in Python. Default: none."
+    )
     initial: InitialEstimateBlock = Field(default=InitialEstimateBlock(), description="What is known at time 0.")
 
     @property
     def aids(self) -> dict[str, AidBlock]:
         """The sensors beside the inertial unit, by name, in the order of their keys."""
-        return {name: block for name, block in self if isinstance(block, AidBlock)}
+        named = {name: block for name, block in self if isinstance(block, AidBlock)}
+        return named | {sensor.name: sensor for sensor in self.own}
 
     @field_validator("imu", mode="before")
     @classmethod
@@ -136,19 +158,25 @@ class NavigationBlock(Block):
 
     @model_validator(mode="after")
     def _velocity_is_seen(self) -> Self:
-        if self.dvl is None and self.position is None:
+        taken = set(type(self).model_fields)
+        for index, sensor in enumerate(self.own):
+            if sensor.name in taken:
+                refuse(f"there is a sensor {sensor.name} already", "own", index, "name")
+            taken.add(sensor.name)
+        if self.dvl is None and self.position is None and not self.own:
             refuse("nothing sees the velocity, so the position is lost within a minute: give dvl or position", "dvl")
         return self
 
 
 def require_slower_than(navigation: NavigationBlock, control_period_s: float) -> None:
     """Refuse a sensor that reads more often than the loop looks."""
+    own = {sensor.name: ("own", index) for index, sensor in enumerate(navigation.own)}
     for name, aid in navigation.aids.items():
         if aid.rate_hz * control_period_s > 1.0 + 1e-9:
             refuse(
                 f"must be at most one reading per control period: {aid.rate_hz:g} Hz against"
                 f" {1.0 / control_period_s:g} Hz",
-                name,
+                *own.get(name, (name,)),
                 "rate_hz",
                 because=("control_period_s",),
             )

@@ -41,3 +41,7 @@ def python_blocks(block: Block, path: str = "") -> Iterator[tuple[str, PythonBlo
             yield here, value
         elif isinstance(value, Block):
             yield from python_blocks(value, here)
+        elif isinstance(value, tuple):
+            for index, item in enumerate(value):
+                if isinstance(item, PythonBlock):
+                    yield f"{here}.{index}", item

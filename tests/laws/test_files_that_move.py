@@ -23,6 +23,8 @@ SAMPLES = {
 }
 """A file of every kind, as the scenario below names it."""
 
+REQUIRED = {"name": "mine", "noise": 0.1}
+
 SCENARIO = """\
 schema_version: 1
 name: carried
@@ -40,9 +42,15 @@ import numpy as np
 from cube_sim.guidance.line import Line
 
 
+class Making(Line):
+    # a path, and a sensor: both are made of nothing
+    def reading(self, motion):
+        return motion.position[2]
+
+
 def make(setup=None):
     if setup is None:
-        return Line([0, 0, -5], [4, 0, -5])
+        return Making([0, 0, -5], [4, 0, -5])
     return {
         "LawSetup": lambda aim: 20.0 * aim.velocity_error,
         "AllocationSetup": lambda wrench: np.linalg.pinv(setup.A) @ wrench,
@@ -67,6 +75,13 @@ def tags(block):
     return {name: get_args(field.annotation)[0] for name, field in fields if get_origin(field.annotation) is Literal}
 
 
+def required(block):
+    """The keys that a block of code cannot be without, where it stands in a list."""
+    return {
+        name: REQUIRED[name] for name, field in block.model_fields.items() if field.is_required() and name in REQUIRED
+    }
+
+
 def naming_files(block=Scenario):
     """(dotted path, values) for every key below a block that names a file: the least that has to be written for it."""
     for name, field in block.model_fields.items():
@@ -74,8 +89,8 @@ def naming_files(block=Scenario):
             yield name, {name: SAMPLES[kind]}
         for inner, listed in blocks(field.annotation):
             for path, values in naming_files(inner):
-                if inner.model_fields.keys() & {"type", "kind", "mode"}:
-                    value = {**tags(inner), **values}
+                if listed or inner.model_fields.keys() & {"type", "kind", "mode"}:
+                    value = {**tags(inner), **required(inner), **values}
                     yield f"{name}.{path}", {name: [value] if listed else value}
                 else:
                     yield f"{name}.{path}", {f"{name}.{key}": value for key, value in values.items()}
@@ -110,6 +125,7 @@ def test_the_keys_known_to_name_files_are_found():
         "control.attitude.python",
         "guidance.law.python",
         "allocation.method.python",
+        "navigation.own.python",
     } <= set(KEYS)
 
 

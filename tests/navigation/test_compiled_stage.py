@@ -15,6 +15,7 @@ from cube_sim.navigation.heading import Heading
 from cube_sim.navigation.motion import Motion, Truth
 from cube_sim.navigation.navigator import InitialErrors, Navigator
 from cube_sim.navigation.normals import DrawnAhead
+from cube_sim.navigation.own_aid import OwnAid
 from cube_sim.navigation.position import PositionFix
 from cube_sim.navigation.reading import READING, ReadingOutcome
 from cube_sim.navigation.sampling import Sampling
@@ -25,7 +26,9 @@ DVL = Dvl(Sampling(12.5, 0.04), 0.01, 0.002, 0.005, (0.1, 0.0, -0.2))
 DEPTH = Depth(Sampling(12.5, 0.06), 0.01, 0.05)
 HEADING = Heading(Sampling(10.0, 0.1), 0.5 * DEG, 2.0 * DEG)
 FIX = PositionFix(Sampling(5.0, 0.18), 0.5)
-SETS = {"none": (), "all": (DVL, DEPTH, HEADING, FIX), **{aid.name: (aid,) for aid in (DVL, DEPTH, HEADING, FIX)}}
+OWN = OwnAid("own", Sampling(5.0, 0.08), 2, 0.1, 0.2, False, lambda motion: motion.position[:2] * motion.velocity[:2])
+EACH = DVL, DEPTH, HEADING, FIX, OWN
+SETS = {"none": (), "all": EACH, **{aid.name: (aid,) for aid in EACH}}
 
 
 def readable(memory):

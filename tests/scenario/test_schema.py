@@ -40,6 +40,9 @@ WITHOUT_UNIT = {
     "at_most",
     "at_least",
     "component",
+    "components",
+    "noise",  # of a sensor of one's own, with the unit it says
+    "bias",
     "parameters",  # numerics of the MJCF, each with its own unit
 }
 

@@ -58,6 +58,12 @@ def _call_force(address, time, position, rotation, nu, nu_r):
     return tuple(at_rest[2].tolist())
 
 
+def _call_in_c(address, given, answer):
+    doubles = ctypes.POINTER(ctypes.c_double)
+    law = ctypes.CFUNCTYPE(ctypes.c_int64, doubles, doubles)(int(address))
+    return law(given.ctypes.data_as(doubles), answer.ctypes.data_as(doubles))
+
+
 _MEMORY = SimpleNamespace(
     double=lambda address, i: ctypes.c_double.from_address(address + 8 * i).value,
     integer=lambda address, i: ctypes.c_int32.from_address(address + 4 * i).value,
@@ -109,7 +115,7 @@ class _Plain:
     def __init__(self) -> None:
         self._modules: dict[str, object] = {
             "numba": _NUMBA,
-            "cube_sim.native.compiled": SimpleNamespace(compiled=_as_it_is, inlined=_as_it_is),
+            "cube_sim.native.compiled": SimpleNamespace(compiled=_as_it_is, inlined=_as_it_is, call_in_c=_call_in_c),
             "cube_sim.vehicle.plugin.memory": _MEMORY,
         }
 

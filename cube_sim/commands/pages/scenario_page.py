@@ -60,8 +60,8 @@ class _Keys:
         return list(self._definitions.values())
 
     def block(self, value: Schema) -> Schema | None:
-        """The block a value is; None when it is none."""
-        value, _ = without_null(value)
+        """The block a value, or each entry of a list, is; None when it is none."""
+        value, _ = without_null(value.get("items", value))
         return self._at(value["$ref"]) if "$ref" in value else None
 
     def kinds(self, value: Schema) -> tuple[str, list[_Kind]] | None:
@@ -157,8 +157,8 @@ def _row(keys: _Keys, where: str, name: str, value: Schema, required: bool) -> t
     description = value.get("description") or (below or {}).get("description", "")
     unit, meaning = unit_and_meaning(_text(description))
     if below is not None:
-        null = " or `null`" if without_null(value)[1] else ""
-        allow, standard = link("block", _title(where)) + null, _block_default(keys, value, below, required)
+        null, what = " or `null`" if without_null(value)[1] else "", "list of blocks" if "items" in value else "block"
+        allow, standard = link(what, _title(where)) + null, _block_default(keys, value, below, required)
     elif (both := keys.named_or_own(value)) is not None:
         allow = f"{allowed(both[0])}, or a {link('block', _OWN)} that names your own"
         standard = default(value, required)
