@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -12,18 +12,16 @@ from typing import Any
 import numpy as np
 from google.protobuf import descriptor_pool, message_factory
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
-from mcap.opcode import Opcode
 from mcap.records import Channel as McapChannel
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows, signals
 from cube_sim.recording.channels import Channel, Field
 from cube_sim.recording.header import RecordedCode, RunHeader
-from cube_sim.recording.mcap.fixed_width import Layout, channel_layout
-from cube_sim.recording.mcap.reader import McapContents, chunks_of, read_channels, read_contents
-from cube_sim.recording.mcap.schemas import LOG, LOG_LEVELS, log_schema
-from cube_sim.recording.mcap.sink import (
+from cube_sim.recording.mcap.fixed_width import MESSAGE_HEADER, channel_layout
+from cube_sim.recording.mcap.names import (
     ASSETS,
     CHANNEL_METADATA,
     CODE,
@@ -36,10 +34,11 @@ from cube_sim.recording.mcap.sink import (
     SCENARIO,
     VERSIONS_METADATA,
 )
-from cube_sim.recording.mcap.writer import MESSAGE_HEADER
+from cube_sim.recording.mcap.reader import McapContents, chunks_of, places_of, read_contents
+from cube_sim.recording.mcap.schemas import LOG, LOG_LEVELS, log_schema
 from cube_sim.run_log import LogLine
 
-_SAME = 11  # bytes of opcode, length and channel id: messages alike in these can be read as one array
+_DECODED_AT_ONCE = 4096  # messages
 
 
 @dataclass(frozen=True)
@@ -94,28 +93,19 @@ def read_recording(path: str | Path) -> Recording:
             as far as it goes and marked incomplete.
     """
     path = Path(path)
-    contents = read_contents(path)
+    messages = _Messages(path)
+    contents = read_contents(path, messages.take)
     try:
         header, vehicle = _header(contents)
     except KeyError as missing:
         raise RecordingError(f"{path} is no recording of cube_sim: it has no {missing}") from None
-    channels = {c.id: _channel(c) for c in contents.channels.values() if CHANNEL_METADATA in c.metadata}
-    logs = {c.id for c in contents.channels.values() if c.topic == LOG_TOPIC}
-    rows: dict[int, list[Rows]] = {number: [] for number in channels}
-    lines: list[LogLine] = []
-    layouts = {number: channel_layout(channel) for number, channel in channels.items()}
-    for chunk in contents.chunks:
-        for number, messages in _message_runs(chunk):
-            if number in layouts:
-                rows[number].append(_decode(path, channels[number], layouts[number], messages))
-            elif number in logs:
-                lines += [_log_line(message) for message in messages]
+    columns = messages.columns.values()
     return Recording(
         header=header,
         vehicle=vehicle,
-        channels=tuple(channels.values()),
-        rows={channels[number].name: np.concatenate(parts) for number, parts in rows.items() if parts},
-        log=tuple(lines),
+        channels=tuple(each.channel for each in columns),
+        rows={each.channel.name: each.rows() for each in columns if each.some},
+        log=tuple(messages.lines),
         complete=contents.complete,
     )
 
@@ -130,16 +120,100 @@ def read_channel(path: Path, channel: Channel) -> Rows:
     Raises:
         RecordingError: the file cannot be read, or it is damaged.
     """
-    layout, parts = channel_layout(channel), [np.empty((0, 1 + channel.width))]
-    numbers: set[int] = set()
+    messages = _Messages(path, channel.name)
     for chunk in chunks_of(path):
-        declared: dict[int, McapChannel] = {}
-        read_channels(chunk, declared)
-        ours = (c for c in declared.values() if CHANNEL_METADATA in c.metadata)
-        numbers |= {c.id for c in ours if _channel(c).name == channel.name}
-        runs = (messages for number, messages in _message_runs(chunk) if number in numbers)
-        parts += [_decode(path, channel, layout, messages) for messages in runs]
-    return np.concatenate(parts)
+        messages.take(chunk)
+    found = [each.rows() for each in messages.columns.values() if each.some]
+    return found[0] if found else np.empty((0, 1 + channel.width))
+
+
+class _Columns:
+    """The rows of one channel, as they come."""
+
+    def __init__(self, path: Path, channel: Channel) -> None:
+        self.channel, self.some = channel, False
+        self._path, self._layout = path, channel_layout(channel)
+        self._messages: list[NDArray[np.uint8]] = []
+        self._rows: list[Rows] = []
+        self._waiting = 0
+
+    def take(self, messages: NDArray[np.uint8]) -> None:
+        """Keep messages (n, L) that come next."""
+        self.some = True
+        if messages.shape[1] != self._layout.length:
+            raise RecordingError(
+                f"{self._path}: a message of channel {self.channel.name!r} has {messages.shape[1]} bytes, "
+                f"not {self._layout.length}"
+            )
+        self._messages.append(messages)
+        self._waiting += len(messages)
+        if self._waiting >= _DECODED_AT_ONCE:
+            self._decode()
+
+    def rows(self) -> Rows:
+        """All of them, (n, 1+width), column 0 the time [s]."""
+        self._decode()
+        return np.concatenate(self._rows)
+
+    def _decode(self) -> None:
+        if self._messages:
+            try:
+                self._rows.append(self._layout.read(np.concatenate(self._messages), self.channel.width))
+            except RecordingError as error:
+                raise RecordingError(f"{self._path}: channel {self.channel.name!r}: {error}") from None
+        self._messages, self._waiting = [], 0
+
+
+class _Messages:
+    """What the chunks of a recording hold.
+
+    Attributes:
+        columns: by the id of their channel.
+        lines: of the log, in file order.
+    """
+
+    def __init__(self, path: Path, only: str | None = None) -> None:
+        """Begin.
+
+        Args:
+            path: of the file, for what is said of it.
+            only: the channel that is wanted; None for all, and the log.
+        """
+        self.columns: dict[int, _Columns] = {}
+        self.lines: list[LogLine] = []
+        self._path, self._only = path, only
+        self._logs: set[int] = set()
+
+    def take(self, chunk: bytes) -> None:
+        """Take the messages of the next chunk, uncompressed."""
+        places = places_of(chunk)
+        for declared in places.channels:
+            if CHANNEL_METADATA in declared.metadata:
+                channel = _channel(declared)
+                if declared.id not in self.columns and self._only in (None, channel.name):
+                    self.columns[declared.id] = _Columns(self._path, channel)
+            elif declared.topic == LOG_TOPIC and self._only is None:
+                self._logs.add(declared.id)
+        bytes_of = np.frombuffer(chunk, np.uint8)
+        lines: list[int] = []
+        for (number, size), starts in places.messages.items():
+            if number in self.columns:
+                self.columns[number].take(_gathered(bytes_of, starts, size))
+            elif number in self._logs:
+                lines += starts
+        self.lines += [_log_line(_body(chunk, start)) for start in sorted(lines)]
+
+
+def _gathered(chunk: NDArray[np.uint8], starts: list[int], size: int) -> NDArray[np.uint8]:
+    """The messages (n, L) in records of equal size, by where these start."""
+    windows = sliding_window_view(chunk, size - MESSAGE_HEADER.itemsize)
+    return windows[np.array(starts) + MESSAGE_HEADER.itemsize]
+
+
+def _body(chunk: bytes, start: int) -> bytes:
+    """The message in the record that starts there."""
+    length = int.from_bytes(chunk[start + 1 : start + 9], "little")
+    return chunk[start + MESSAGE_HEADER.itemsize : start + 9 + length]
 
 
 def _header(contents: McapContents) -> tuple[RunHeader, str]:
@@ -172,44 +246,6 @@ def _channel(declared: McapChannel) -> Channel:
     return Channel(table["name"], fields, table["rate"])
 
 
-def _message_runs(chunk: bytes) -> Iterator[tuple[int, NDArray[np.uint8]]]:
-    """Find the messages of a chunk.
-
-    The next record with the same channel and length is one record further on as long as the headers agree,
-    so a batch that was written as one array is read as one. Interleaved channels are runs of length one.
-
-    Args:
-        chunk: uncompressed records.
-
-    Yields:
-        The channel, and its consecutive messages of equal length as (n, L) bytes.
-    """
-    data, position = np.frombuffer(chunk, np.uint8), 0
-    while position < len(data):
-        size = 9 + int.from_bytes(chunk[position + 1 : position + 9], "little")
-        if data[position] != Opcode.MESSAGE:
-            position += size
-            continue
-        count = (len(data) - position) // size
-        records = data[position : position + count * size].reshape(count, size)
-        equal = (records[:, :_SAME] == records[0, :_SAME]).all(axis=1)
-        run = count if equal.all() else int(equal.argmin())
-        header = records[0, : MESSAGE_HEADER.itemsize].view(MESSAGE_HEADER)[0]
-        yield int(header["channel_id"]), records[:run, MESSAGE_HEADER.itemsize :]
-        position += run * size
-
-
-def _decode(path: Path, channel: Channel, layout: Layout, messages: NDArray[np.uint8]) -> Rows:
-    if messages.shape[1] != layout.length:
-        raise RecordingError(
-            f"{path}: a message of channel {channel.name!r} has {messages.shape[1]} bytes, not {layout.length}"
-        )
-    try:
-        return layout.read(messages, channel.width)
-    except RecordingError as error:
-        raise RecordingError(f"{path}: channel {channel.name!r}: {error}") from None
-
-
 @cache
 def _log_class() -> Any:
     pool = descriptor_pool.DescriptorPool()
@@ -218,7 +254,7 @@ def _log_class() -> Any:
     return message_factory.GetMessageClass(pool.FindMessageTypeByName(LOG))
 
 
-def _log_line(message: NDArray[np.uint8]) -> LogLine:
-    log = _log_class().FromString(message.tobytes())
+def _log_line(message: bytes) -> LogLine:
+    log = _log_class().FromString(message)
     elapsed_ns = log.timestamp.seconds * 1_000_000_000 + log.timestamp.nanos - EPOCH_NS
     return LogLine(elapsed_ns / 1e9, LOG_LEVELS[log.level], log.message)

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import mcap.reader
+import mcap.writer
 import numpy as np
 import pytest
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
@@ -19,7 +20,7 @@ from support.helix_run import DT, HEADER, THRUSTERS, append_tick, fly, model, ta
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.channels import Channel, Field
-from cube_sim.recording.mcap.sink import EPOCH_NS
+from cube_sim.recording.mcap.names import EPOCH_NS
 from cube_sim.recording.reading import read_recording, read_signals
 from cube_sim.recording.recorder import Recorder
 
@@ -156,6 +157,46 @@ def test_every_summary_number_is_that_of_the_messages(run):
     assert statistics.chunk_count == len(summary.chunk_indexes) == 4
     for channel_id, count in statistics.channel_message_counts.items():
         assert count == sum(message.channel_id == channel_id for message in found)
+
+
+def test_messages_stand_in_the_order_of_time_from_the_first_to_the_last(run):
+    """What `mcap doctor --strict-message-order` asks for; those of one instant in the order of the channels."""
+    records = StreamReader(io.BytesIO(run[0].read_bytes())).records
+    stamps = [(record.log_time, record.channel_id) for record in records if isinstance(record, Message)]
+    assert stamps == sorted(stamps)
+
+
+@pytest.mark.parametrize("order", ["channel after channel", "backwards within an instant", "one chunk"])
+def test_a_file_sorted_by_others_is_read_the_same(run, tmp_path, order):
+    whole = run[0].read_bytes()
+    found = list(mcap.reader.make_reader(io.BytesIO(whole)).iter_messages())
+    summary = mcap.reader.make_reader(io.BytesIO(whole)).get_summary()
+    attachments = list(mcap.reader.make_reader(io.BytesIO(whole)).iter_attachments())
+    metadata = list(mcap.reader.make_reader(io.BytesIO(whole)).iter_metadata())
+    if order == "channel after channel":  # as earlier versions wrote each second
+        found.sort(key=lambda each: (each[2].log_time // 10**9, each[1].id))
+    elif order == "backwards within an instant":
+        found.sort(key=lambda each: (each[2].log_time, -each[1].id))
+    path = tmp_path / "sorted.mcap"
+    with path.open("wb") as file:
+        writer = mcap.writer.Writer(file, chunk_size=10**9 if order == "one chunk" else 50_000)
+        writer.start()
+        for each in attachments:
+            writer.add_attachment(each.create_time, each.log_time, each.name, each.media_type, each.data)
+        for each in metadata:
+            writer.add_metadata(each.name, each.metadata)
+        ids = {}
+        for channel in summary.channels.values():
+            schema = summary.schemas[channel.schema_id]
+            of = writer.register_schema(schema.name, schema.encoding, schema.data)
+            ids[channel.id] = writer.register_channel(channel.topic, "protobuf", of, channel.metadata)
+        for _, channel, message in found:
+            writer.add_message(ids[channel.id], message.log_time, message.data, message.publish_time, message.sequence)
+        writer.finish()
+    back, kept = read_recording(path), read_recording(run[0])
+    assert (back.header, back.log, back.channels, back.complete) == (kept.header, kept.log, kept.channels, True)
+    for name, rows in kept.rows.items():
+        assert back.rows[name].tobytes() == rows.tobytes(), name
 
 
 def test_the_index_leads_to_the_messages_of_a_time_window(run):

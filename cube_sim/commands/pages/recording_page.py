@@ -10,8 +10,7 @@ from cube_sim.commands.pages.markdown import block, code, heading, link, table
 from cube_sim.control.authority import Authority
 from cube_sim.mission.channels import PATH_POINTS
 from cube_sim.recording.channels import ON_CHANGE, TICK_HZ, Channel, Field, channel_table
-from cube_sim.recording.mcap.schemas import FRAME_TRANSFORM, LOG, LOG_LEVELS, channel_schema_name
-from cube_sim.recording.mcap.sink import (
+from cube_sim.recording.mcap.names import (
     ASSETS,
     CHANNEL_METADATA,
     CODE,
@@ -28,6 +27,7 @@ from cube_sim.recording.mcap.sink import (
     VERSIONS_METADATA,
     topic,
 )
+from cube_sim.recording.mcap.schemas import FRAME_TRANSFORM, LOG, LOG_LEVELS, channel_schema_name
 from cube_sim.recording.navigation_channels import READINGS, navigation_channels
 from cube_sim.run_log import ALIKE, LogLine
 from cube_sim.verdict import CheckResult, Flown, to_json
@@ -102,7 +102,8 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
   what was said, as `{LOG}` with the levels {", ".join(LOG_LEVELS[1:])}.
 - **Times**: simulated time starts at {_EPOCH} in every file. There is no wall clock in it.
 - **Chunks**: one simulated second each, compressed with zstd and handed to the operating system when it is over. A
-  killed process loses less than a second. What is whole is read, and the recording is marked incomplete."""
+  killed process loses less than a second. What is whole is read, and the recording is marked incomplete. Messages stand
+  in the order of time, those of one instant in the order of the tables; files in another order are read as well."""
 _VERDICT = f"""\
 `verdict` is PASS when every check was shown to hold, FAIL when one was shown not to, ERROR when none failed but
 something could not be judged. `value` is the worst value, in the unit of what was checked, and `at_s` when it was.

@@ -1,8 +1,8 @@
-"""Protobuf messages of constant length, written and read a batch at a time with numpy.
+"""Protobuf messages of constant length: where their numbers lie.
 
 A channel's message is flat: ``double t = 1`` and then each field as ``double`` or packed ``repeated double``.
-Tags and lengths then never change, so a batch of n messages is an (n, L) array of bytes in which only the
-columns of the numbers differ. Any protobuf reader decodes it; none is needed to write it.
+Tags and lengths then never change, so n messages are an (n, L) array of bytes in which only the columns of the numbers
+differ. Any protobuf reader decodes it; none is needed to write it.
 """
 
 from __future__ import annotations
@@ -10,12 +10,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.channels import Channel
 
 _DOUBLE, _BYTES = 1, 2  # protobuf wire types: 64 bits, length-delimited
+
+MESSAGE_HEADER = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel_id", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
+)
+"""What precedes a message in its MCAP record; `length` counts what follows itself."""
+
+_COUNTED_HEADER = MESSAGE_HEADER.itemsize - 9
 
 
 def varint(value: int) -> bytes:
@@ -62,18 +77,6 @@ class Layout:
         """Bytes per message."""
         return self.template.size
 
-    def write(self, rows: NDArray[np.float64], out: NDArray[np.uint8]) -> None:
-        """Encode rows into bytes.
-
-        Args:
-            rows: (n, 1+width), column 0 the time [s].
-            out: (n, L) uint8, filled.
-        """
-        out[:] = self.template
-        for start, column, count in self.spans:
-            numbers = np.ascontiguousarray(rows[:, column : column + count], dtype="<f8")
-            out[:, start : start + 8 * count] = numbers.view(np.uint8)
-
     def read(self, data: NDArray[np.uint8], width: int) -> NDArray[np.float64]:
         """Decode bytes into rows.
 
@@ -94,6 +97,19 @@ class Layout:
             numbers = np.ascontiguousarray(data[:, start : start + 8 * count])
             rows[:, column : column + count] = numbers.view("<f8")
         return rows
+
+
+def message_record(channel_id: int, message: bytes, sequence: int = 0, stamp_ns: int = 0) -> bytes:
+    """The MCAP record of a message.
+
+    Args:
+        channel_id: the channel.
+        message: its bytes.
+        sequence: its number in the channel.
+        stamp_ns: its time [ns].
+    """
+    header = Opcode.MESSAGE, _COUNTED_HEADER + len(message), channel_id, sequence, stamp_ns, stamp_ns
+    return np.array(header, MESSAGE_HEADER).tobytes() + message
 
 
 def channel_layout(channel: Channel) -> Layout:

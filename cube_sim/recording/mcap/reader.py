@@ -7,7 +7,7 @@ its beginning, checks every checksum, and stops where the last whole record ends
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -21,6 +21,7 @@ from mcap.writer import MCAP0_MAGIC
 from cube_sim.errors import RecordingError
 
 _PREFIX = 9  # opcode and length of a record
+_SAME = 11  # and the channel id of a message
 
 
 @dataclass
@@ -30,23 +31,20 @@ class McapContents:
     Attributes:
         metadata: tables of texts by name.
         attachments: files by name.
-        channels: channels by id.
-        chunks: uncompressed records of each chunk, in file order.
         complete: whether the file has its end.
     """
 
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: dict[str, bytes] = field(default_factory=dict)
-    channels: dict[int, Channel] = field(default_factory=dict)
-    chunks: list[bytes] = field(default_factory=list)
     complete: bool = False
 
 
-def read_contents(path: Path) -> McapContents:
+def read_contents(path: Path, take: Callable[[bytes], None] = lambda chunk: None) -> McapContents:
     """Read an MCAP file up to its end or up to where it was cut off.
 
     Args:
         path: the file.
+        take: called with the uncompressed records of each chunk, in file order.
 
     Raises:
         RecordingError: no such file, not an MCAP, or a checksum that does not fit.
@@ -69,9 +67,7 @@ def read_contents(path: Path) -> McapContents:
                 raise RecordingError(f"{path}: attachment {attachment.name!r} is damaged")
             contents.attachments[attachment.name] = attachment.data
         elif opcode == Opcode.CHUNK:
-            chunk = _uncompressed(path, Chunk.read(stream))
-            contents.chunks.append(chunk)
-            read_channels(chunk, contents.channels)
+            take(_uncompressed(path, Chunk.read(stream)))
         elif opcode == Opcode.DATA_END:
             checksum = DataEnd.read(stream).data_section_crc
             if checksum and checksum != zlib.crc32(data[:position]):
@@ -141,9 +137,39 @@ def _uncompressed(path: Path, chunk: Chunk) -> bytes:
     return stream.read(length)
 
 
-def read_channels(chunk: bytes, channels: dict[int, Channel]) -> None:
-    """Collect the channels a chunk declares; they come before its first message of that channel."""
-    for _, opcode, body in _records(chunk, 0):
-        if opcode == Opcode.CHANNEL:
-            channel = Channel.read(ReadDataStream(BytesIO(body)))
-            channels[channel.id] = channel
+@dataclass(frozen=True)
+class ChunkPlaces:
+    """Where the records of a chunk are.
+
+    Attributes:
+        channels: that it declares.
+        messages: by channel and size of their records, where these start.
+    """
+
+    channels: list[Channel]
+    messages: dict[tuple[int, int], list[int]]
+
+
+def places_of(chunk: bytes) -> ChunkPlaces:
+    """Find the records of a chunk, in whatever order its messages are."""
+    channels: list[Channel] = []
+    messages: dict[tuple[int, int], list[int]] = {}
+    # Opcode, length and channel of a message are all there is to know of it: alike in these is looked at once.
+    known: dict[bytes, tuple[Callable[[int], None], int]] = {}
+    position, end = 0, len(chunk)
+    while position < end:
+        head = chunk[position : position + _SAME]
+        if head not in known:
+            size = _PREFIX + int.from_bytes(head[1:_PREFIX], "little")
+            if head[0] != Opcode.MESSAGE:
+                if head[0] == Opcode.CHANNEL:
+                    body = chunk[position + _PREFIX : position + size]
+                    channels.append(Channel.read(ReadDataStream(BytesIO(body))))
+                position += size
+                continue
+            starts = messages.setdefault((int.from_bytes(head[_PREFIX:], "little"), size), [])
+            known[head] = starts.append, size
+        note, size = known[head]
+        note(position)
+        position += size
+    return ChunkPlaces(channels, messages)

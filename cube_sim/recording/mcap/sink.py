@@ -1,20 +1,39 @@
-"""Blocks of a run to MCAP messages."""
+"""Batches of a run to MCAP messages."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.recording.batch import Batch, Rows
+from cube_sim.recording.batch import Batch
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.header import RunHeader
-from cube_sim.recording.mcap.fixed_width import channel_layout
-from cube_sim.recording.mcap.foxglove import FrameTransformLayout, log_message
+from cube_sim.recording.mcap.encoding import INDEX_ENTRY, INDEX_HEAD, STREAM, ReadyMade, Templates, encode
+from cube_sim.recording.mcap.fixed_width import Layout, channel_layout, message_record
+from cube_sim.recording.mcap.foxglove import frame_transform_layout, log_message
+from cube_sim.recording.mcap.names import (
+    ASSETS,
+    CHANNEL_METADATA,
+    CODE,
+    CODE_DIGESTS,
+    CODE_METADATA,
+    EPOCH_NS,
+    FORMAT,
+    LOG_TOPIC,
+    MODEL,
+    RESOLVED,
+    RUN_METADATA,
+    SCENARIO,
+    TRANSFORM_TOPIC,
+    VERSIONS_METADATA,
+    stamp_ns,
+    topic,
+)
 from cube_sim.recording.mcap.schemas import (
     FRAME_TRANSFORM,
     LOG,
@@ -23,18 +42,11 @@ from cube_sim.recording.mcap.schemas import (
     frame_transform_schema,
     log_schema,
 )
-from cube_sim.recording.mcap.writer import McapWriter, MessageBatch, message_records
+from cube_sim.recording.mcap.writer import McapWriter, Messages
 from cube_sim.run_log import LogLine
 
-# 2000-01-01T00:00:00Z. Simulated time starts here in every recording: a recording has no wall clock.
-EPOCH_NS = 946_684_800 * 1_000_000_000
-
-FORMAT = "1"
-TRANSFORM_TOPIC = "/tf"
-LOG_TOPIC = "/log"
-SCENARIO, RESOLVED, MODEL, ASSETS, CODE = "scenario.yaml", "resolved.yaml", "model.xml", "assets/", "python/"
-RUN_METADATA, VERSIONS_METADATA, CODE_METADATA, CODE_DIGESTS = "cube_sim", "versions", "python", "python_sha256"
-CHANNEL_METADATA = "channel"
+_NOTHING_SAID = ReadyMade(np.empty(0, np.uint8), np.empty(0, np.int64))
+_POSE = "pose"
 
 
 class McapSink:
@@ -44,62 +56,72 @@ class McapSink:
         self._writer = McapWriter(path)
         self._vehicle = vehicle
         self._write_header(header)
-        self._layouts = {channel.name: channel_layout(channel) for channel in channels}
-        self._ids = {
-            channel.name: self._writer.add_channel(
+        layouts = [(channel_layout(channel), -1) for channel in channels]
+        self._ids = [
+            self._writer.add_channel(
                 topic(channel),
                 channel_schema_name(channel),
                 channel_schema(channel),
                 {CHANNEL_METADATA: json.dumps(asdict(channel), sort_keys=True)},
             )
             for channel in channels
-        }
-        self._transform = FrameTransformLayout(vehicle)
-        self._transform_id = self._writer.add_channel(TRANSFORM_TOPIC, FRAME_TRANSFORM, frame_transform_schema())
+        ]
+        self._numbers = {channel.name: k for k, channel in enumerate(channels)}
+        layouts.append(frame_transform_layout(vehicle))
+        self._ids.append(self._writer.add_channel(TRANSFORM_TOPIC, FRAME_TRANSFORM, frame_transform_schema()))
         self._log_id = self._writer.add_channel(LOG_TOPIC, LOG, log_schema())
-        self._sequences = dict.fromkeys(range(1, self._log_id + 1), 0)
+        self._templates, self._streams = _templates(self._ids, layouts)
+        self._sequences = [0] * len(self._ids)
+        self._lines = 0
 
     def write(self, batch: Batch) -> None:
         """Write a batch as one chunk and hand it to the operating system."""
-        self._writer.write_chunk(self._encode(batch))
+        parts, places, which, rows = [], {}, [], 0
+        for name, table in batch.rows.items():
+            number = self._numbers[name]
+            places[number] = rows, *table.shape
+            parts.append(table.reshape(-1))
+            which.append(number)
+            rows += table.size
+        if _POSE in batch.rows:
+            transform = len(self._ids) - 1
+            places[transform] = places[self._numbers[_POSE]]
+            which.append(transform)
+        streams = self._streams[which + [-1] * bool(batch.log)]
+        for stream, number in zip(streams, which, strict=False):
+            stream["row"], stream["count"], stream["width"] = places[number]
+            stream["sequence"] = self._sequences[number]
+            self._sequences[number] += places[number][1]
+        said = _NOTHING_SAID
+        if batch.log:
+            said = self._say(batch.log)
+            parts.append(np.array([line.t for line in batch.log]))
+            streams[-1]["row"], streams[-1]["count"], streams[-1]["width"] = rows, len(batch.log), 1
+        if parts:
+            self._writer.write_chunk(self._encoded(streams, np.concatenate(parts), said))
+
+    def _encoded(self, streams: NDArray[np.void], numbers: NDArray[np.float64], said: ReadyMade) -> Messages:
+        counts, ahead = streams["count"], self._writer.ahead
+        chunk = np.empty(ahead + int(counts @ streams["length"]) + len(said.records), np.uint8)
+        index = np.empty(len(streams) * INDEX_HEAD + INDEX_ENTRY * int(counts.sum()), np.uint8)
+        numbers = np.asarray(numbers, "<f8")
+        start, end = encode(streams, self._templates, numbers, numbers.view(np.uint8), said, ahead, chunk, index)
+        channels = list(zip(streams["channel_id"].tolist(), counts.tolist(), strict=True))
+        return Messages(chunk, index, channels, start, end)
+
+    def _say(self, log: Sequence[LogLine]) -> ReadyMade:
+        records = []
+        for line in log:
+            stamp = stamp_ns(line.t)
+            message = log_message(stamp, line.level, line.text, self._vehicle)
+            records.append(message_record(self._log_id, message, self._lines, stamp))
+            self._lines += 1
+        ends = np.cumsum([len(record) for record in records])
+        return ReadyMade(np.frombuffer(b"".join(records), np.uint8).copy(), ends)
 
     def close(self) -> None:
         """Write the index and close the file."""
         self._writer.close()
-
-    def _encode(self, batch: Batch) -> Iterator[MessageBatch]:
-        for name, rows in batch.rows.items():
-            layout, channel_id = self._layouts[name], self._ids[name]
-            stamps = _stamps(rows)
-            records, messages = message_records(channel_id, stamps, self._count(channel_id, rows), layout.length)
-            layout.write(rows, messages)
-            yield _message_batch(channel_id, stamps, records)
-        if "pose" in batch.rows:
-            rows = batch.rows["pose"]
-            stamps = _stamps(rows)
-            first = self._count(self._transform_id, rows)
-            records, messages = message_records(self._transform_id, stamps, first, self._transform.length)
-            self._transform.write(rows, stamps, messages)
-            yield _message_batch(self._transform_id, stamps, records)
-        if batch.log:
-            yield self._encode_log(batch.log)
-
-    def _encode_log(self, log: Sequence[LogLine]) -> MessageBatch:
-        stamps = np.array([stamp_ns(line.t) for line in log], np.uint64)
-        first, parts = self._count(self._log_id, log), []
-        for i, line in enumerate(log):
-            data = log_message(int(stamps[i]), line.level, line.text, self._vehicle)
-            records, messages = message_records(self._log_id, stamps[i : i + 1], first + i, len(data))
-            messages[0] = np.frombuffer(data, np.uint8)
-            parts.append(records.tobytes())
-        ends = np.cumsum([len(part) for part in parts])
-        return MessageBatch(self._log_id, stamps, b"".join(parts), (ends - ends[0]).astype(np.uint64))
-
-    def _count(self, channel_id: int, new: Rows | Sequence[LogLine]) -> int:
-        """Give the sequence number of the first of the new messages."""
-        first = self._sequences[channel_id]
-        self._sequences[channel_id] = first + len(new)
-        return first
 
     def _write_header(self, header: RunHeader) -> None:
         self._writer.add_metadata(RUN_METADATA, {"format": FORMAT, "seed": str(header.seed), "vehicle": self._vehicle})
@@ -118,20 +140,21 @@ class McapSink:
             self._writer.add_attachment(name, media_type, data, EPOCH_NS)
 
 
-def topic(channel: Channel) -> str:
-    """MCAP topic of a channel."""
-    return f"/{channel.name}"
+def _templates(ids: Sequence[int], layouts: Sequence[tuple[Layout, int]]) -> tuple[Templates, NDArray[np.void]]:
+    """What is the same in every chunk: templates, and a `STREAM` of each channel; the log's is the last.
 
-
-def stamp_ns(t: float) -> int:
-    """Time stamp [ns] of a simulated time t [s]."""
-    return EPOCH_NS + round(t * 1e9)
-
-
-def _stamps(rows: Rows) -> NDArray[np.uint64]:
-    return (np.rint(rows[:, 0] * 1e9).astype(np.int64) + EPOCH_NS).astype(np.uint64)
-
-
-def _message_batch(channel_id: int, stamps: NDArray[np.uint64], records: NDArray[np.uint8]) -> MessageBatch:
-    n, length = records.shape
-    return MessageBatch(channel_id, stamps, records.tobytes(), np.arange(n, dtype=np.uint64) * np.uint64(length))
+    Args:
+        ids: of the channels; the log's is the next one.
+        layouts: of each a layout, and where in a message its stamp's seconds are written, or -1.
+    """
+    streams, records, spans = np.zeros(len(ids) + 1, STREAM), b"", []
+    for stream, channel_id, (layout, seconds) in zip(streams, ids, layouts, strict=False):
+        record = message_record(channel_id, layout.template.tobytes())
+        head = len(record) - layout.length
+        stream["channel_id"], stream["template"], stream["length"] = channel_id, len(records), len(record)
+        stream["span"], stream["span_end"] = len(spans), len(spans) + len(layout.spans)
+        stream["seconds"] = head + seconds if seconds >= 0 else -1
+        records += record
+        spans += [(head + start, column, count) for start, column, count in layout.spans]
+    streams[-1]["channel_id"], streams[-1]["template"] = ids[-1] + 1, -1
+    return Templates(np.frombuffer(records, np.uint8).copy(), np.array(spans, np.int64)), streams

@@ -1,14 +1,15 @@
-"""An MCAP file written a batch at a time.
+"""An MCAP file written a chunk at a time.
 
-The public ``mcap`` writer takes one message per call, which is most of the time a recording costs. Messages
-of constant length need no such call: a batch of them, and its index, are arrays. Everything else in the file
-is written with the ``mcap`` package's own records (format: mcap.dev/spec).
+The public ``mcap`` writer takes one message per call, which is most of the time a recording costs. Here the records of
+a chunk and their index come as bytes (`encoding`). What is written once is written with the ``mcap`` package's own
+records (format: mcap.dev/spec).
 """
 
 from __future__ import annotations
 
+import struct
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -21,8 +22,6 @@ from mcap.records import (
     Attachment,
     AttachmentIndex,
     Channel,
-    Chunk,
-    ChunkIndex,
     DataEnd,
     Footer,
     Header,
@@ -36,67 +35,34 @@ from mcap.records import (
 from mcap.writer import MCAP0_MAGIC
 from numpy.typing import NDArray
 
+from cube_sim.recording.mcap.encoding import INDEX_ENTRY, INDEX_HEAD
+
 # Fixed, so that a file does not depend on the release of a library that had no say in its bytes.
 LIBRARY = "cube_sim"
 COMPRESSION_LEVEL = 1
 
-MESSAGE_HEADER = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel_id", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<u8"),
-        ("publish_time", "<u8"),
-    ]
-)
-_INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
-# Bytes of a message record that its length field counts, besides the message itself.
-_COUNTED_HEADER = MESSAGE_HEADER.itemsize - 9
+_COMPRESSION = b"zstd"
+_CHUNK = struct.Struct(f"<BQQQQII{len(_COMPRESSION)}sQ")
+"""A chunk up to its records: opcode, length, first and last time, size, checksum, compression, compressed size."""
 
 
 @dataclass(frozen=True)
-class MessageBatch:
-    """Messages of one channel, as the bytes of their MCAP records.
+class Messages:
+    """Messages of a chunk in the order of time.
 
     Attributes:
-        channel_id: the channel.
-        log_times: (n,) ns.
-        data: the n records, one after another.
-        offsets: (n,) where each record starts in ``data``.
+        chunk: bytes of their records, behind `McapWriter.ahead` bytes that the writer fills.
+        index: bytes of their message index records, one per channel.
+        channels: id and number of messages of each channel, in the order of the index.
+        start: first time [ns].
+        end: last time [ns].
     """
 
-    channel_id: int
-    log_times: NDArray[np.uint64]
-    data: bytes
-    offsets: NDArray[np.uint64]
-
-
-def message_records(
-    channel_id: int, log_times: NDArray[np.uint64], first_sequence: int, length: int
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Prepare the MCAP records of n messages of equal length.
-
-    Args:
-        channel_id: the channel.
-        log_times: (n,) ns.
-        first_sequence: sequence number of the first.
-        length: bytes per message.
-
-    Returns:
-        The records (n, 31 + length) with their headers filled in, and the view (n, length) of them
-        into which the messages belong.
-    """
-    n = len(log_times)
-    records = np.empty((n, MESSAGE_HEADER.itemsize + length), np.uint8)
-    header = np.empty(n, MESSAGE_HEADER)
-    header["opcode"] = Opcode.MESSAGE
-    header["length"] = _COUNTED_HEADER + length
-    header["channel_id"] = channel_id
-    header["sequence"] = np.arange(first_sequence, first_sequence + n)
-    header["log_time"] = header["publish_time"] = log_times
-    records[:, : MESSAGE_HEADER.itemsize] = header.view(np.uint8).reshape(n, -1)
-    return records, records[:, MESSAGE_HEADER.itemsize :]
+    chunk: NDArray[np.uint8]
+    index: NDArray[np.uint8]
+    channels: Sequence[tuple[int, int]]
+    start: int
+    end: int
 
 
 class McapWriter:
@@ -114,7 +80,7 @@ class McapWriter:
         self._crc = 0
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
-        self._declared = RecordBuilder()
+        self._declared = b""
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
         self._chunks: list[bytes] = []  # encoded at once: a long run has many
@@ -164,57 +130,49 @@ class McapWriter:
                 schema_id=number,
             )
         )
-        self._schemas[-1].write(self._declared)
-        self._channels[-1].write(self._declared)
+        self._declared += _encoded(self._schemas[-1]) + _encoded(self._channels[-1])
         return number
 
-    def write_chunk(self, batches: Iterable[MessageBatch]) -> None:
-        """Write messages as one chunk with its index, and hand them to the operating system.
+    @property
+    def ahead(self) -> int:
+        """Bytes of the next chunk that come before its first message."""
+        return len(self._declared)
 
-        Args:
-            batches: at most one per channel, none of them empty. No chunk is written without messages.
-        """
-        batches = tuple(batches)
-        if not batches:
-            return
-        declared = self._declared.end()
-        data = declared + b"".join(batch.data for batch in batches)
-        start = min(int(batch.log_times.min()) for batch in batches)
-        end = max(int(batch.log_times.max()) for batch in batches)
-        compressed = self._compressor.compress(data)
-        chunk_start = self._position
-        self._write_record(
-            Chunk(
-                compression="zstd",
-                data=compressed,
-                message_start_time=start,
-                message_end_time=end,
-                uncompressed_crc=zlib.crc32(data),
-                uncompressed_size=len(data),
-            )
+    def write_chunk(self, messages: Messages) -> None:
+        """Write messages as one chunk with its index, and hand them to the operating system."""
+        chunk, start, end = messages.chunk, messages.start, messages.end
+        chunk[: self.ahead] = np.frombuffer(self._declared, np.uint8)
+        self._declared = b""
+        compressed = self._compressor.compress(chunk.data)
+        size, packed = len(chunk), len(compressed)
+        length = _CHUNK.size + packed
+        head = _CHUNK.pack(
+            Opcode.CHUNK, length - 9, start, end, size, zlib.crc32(chunk.data), len(_COMPRESSION), _COMPRESSION, packed
         )
-        chunk_length = self._position - chunk_start
-        offset, index_offsets = len(declared), {}
-        for batch in batches:
-            index_offsets[batch.channel_id] = self._position
-            self._write(_message_index(batch, offset))
-            self._counts[batch.channel_id] = self._counts.get(batch.channel_id, 0) + len(batch.log_times)
-            offset += len(batch.data)
+        offsets, at, entries = [], self._position + length, len(messages.index)
+        for channel_id, count in messages.channels:
+            offsets += [channel_id, at]
+            at += INDEX_HEAD + INDEX_ENTRY * count
+            self._counts[channel_id] = self._counts.get(channel_id, 0) + count
         self._chunks.append(
-            _encoded(
-                ChunkIndex(
-                    message_start_time=start,
-                    message_end_time=end,
-                    chunk_start_offset=chunk_start,
-                    chunk_length=chunk_length,
-                    message_index_offsets=index_offsets,
-                    message_index_length=self._position - chunk_start - chunk_length,
-                    compression="zstd",
-                    compressed_size=len(compressed),
-                    uncompressed_size=len(data),
-                )
+            struct.pack(
+                f"<BQQQQQI{'HQ' * len(messages.channels)}QI{len(_COMPRESSION)}sQQ",
+                Opcode.CHUNK_INDEX,
+                64 + len(_COMPRESSION) + 10 * len(messages.channels),
+                start,
+                end,
+                self._position,
+                length,
+                10 * len(messages.channels),
+                *offsets,
+                entries,
+                len(_COMPRESSION),
+                _COMPRESSION,
+                packed,
+                size,
             )
         )
+        self._write(b"".join((head, compressed, messages.index.data)))
         first, last = self._times or (start, end)
         self._times = (min(first, start), max(last, end))
         self._file.flush()
@@ -282,13 +240,3 @@ def _encoded(record: McapRecord) -> bytes:
     builder = RecordBuilder()
     record.write(builder)
     return builder.end()
-
-
-def _message_index(batch: MessageBatch, base: int) -> bytes:
-    """Build the MessageIndex record of a batch that starts at byte ``base`` of its chunk."""
-    entries = np.empty(len(batch.log_times), _INDEX_ENTRY)
-    entries["log_time"] = batch.log_times
-    entries["offset"] = batch.offsets + np.uint64(base)
-    listed = entries.tobytes()
-    body = batch.channel_id.to_bytes(2, "little") + len(listed).to_bytes(4, "little") + listed
-    return bytes([Opcode.MESSAGE_INDEX]) + len(body).to_bytes(8, "little") + body
