@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import hypot
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,42 +11,13 @@ from numpy.typing import NDArray
 from cube_sim.control.planar.attainable_set import PlanarAttainableSet
 from cube_sim.control.planar.model import PlanarModel
 from cube_sim.control.planar.turning import turning_length, turning_speed
+from cube_sim.control.planar.turning_profile import TurningSpeed
 from cube_sim.guidance.path import Path
-from cube_sim.guidance.speed import PlannedSpeed, Speed, SpeedProfile
+from cube_sim.guidance.speed import PlannedSpeed, SpeedProfile
 from cube_sim.scenario.schema import GuidanceBlock
 
 SAMPLES = 16
 """Curvatures looked at between two edges of a path, and kinds of curve told apart on all of it."""
-
-
-class TurningSpeed(NamedTuple):
-    """A profile lowered to what a hull can keep: planned round its curves, or as slow as its slowest curve asks.
-
-    Attributes:
-        wanted: before.
-        planned: nowhere faster than what its curve allows.
-        slowest: a speed that every curve allows [m/s].
-    """
-
-    wanted: SpeedProfile
-    planned: SpeedProfile
-    slowest: float
-
-    @property
-    def least(self) -> float:
-        """The lowest speed anywhere [m/s]."""
-        return max(self.planned.least, min(self.wanted.least, self.slowest))
-
-    @property
-    def most(self) -> float:
-        """The highest speed anywhere [m/s]."""
-        return max(self.planned.most, min(self.wanted.most, self.slowest))
-
-    def at(self, s: float) -> Speed:
-        """The speed at arc length s [m]: the higher one of the two, both of which can be flown."""
-        wanted, planned = self.wanted.at(s), self.planned.at(s)
-        steady = wanted if wanted.value <= self.slowest else Speed(self.slowest, 0.0)
-        return max(planned, steady, key=lambda speed: speed.value)
 
 
 def flyable_speed(

@@ -11,12 +11,12 @@ from math import pi
 import mujoco
 import numpy as np
 import pytest
-from support.planar_flight import GAINS, LAW, SPEED, corrected, derivative, see, step
+from support.planar_flight import GAINS, HULL, RECORD, SPEED, corrected, derivative, see, step
 from support.swimmer import push, swimmer
 
 from cube_sim.control.attitude_mode import DesiredAttitude
 from cube_sim.control.loops import MotionLoops
-from cube_sim.control.planar.dynamic import DesiredSpeed
+from cube_sim.control.planar.dynamic import STILL, DesiredSpeed, kinematics
 from cube_sim.control.planar.model import PlanarMotion
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.arc import circle
@@ -71,7 +71,7 @@ def angle_state(path, q):
     """(e, e') of the planar dynamic law, e = psi - delta."""
     motion = PlanarMotion(*q[3:6])
     view = see(path, q[0], q[1], q[2] + motion.side_slip, q[6])
-    k = LAW.kinematics(motion, view, DesiredSpeed(SPEED))
+    k = kinematics(RECORD, HULL, motion, view, DesiredSpeed(SPEED), STILL)
     return k.error, k.dpsi - k.ddelta, view
 
 

@@ -4,12 +4,25 @@ from math import inf, pi
 
 import numpy as np
 import pytest
-from support.planar_flight import GAINS, INFANTE, LAW, SPEED, corrected, derivative, fly, printed, see, start, step
+from support.planar_flight import (
+    GAINS,
+    HULL,
+    LAW,
+    SPEED,
+    command,
+    corrected,
+    derivative,
+    fly,
+    printed,
+    see,
+    start,
+    step,
+    turned,
+)
 
 from cube_sim.control.planar.approach_angle import ApproachAngle
 from cube_sim.control.planar.dynamic import DesiredSpeed
-from cube_sim.control.planar.kinematic import KinematicLaw
-from cube_sim.control.planar.model import PlanarMotion
+from cube_sim.control.planar.model import PlanarMotion, sway_acceleration
 from cube_sim.control.planar.path_view import wrap
 from cube_sim.guidance.arc import circle
 from cube_sim.guidance.line import Line
@@ -23,7 +36,6 @@ PATHS = {
     "sinusoid": sinusoid([0.0, 0.0, 0.0], 13.0, 60.0, 6.0),
     "varying curvature": spline([[0, 0, 0], [30, 10, 0], [60, -15, 0], [75, 30, 0], [120, 40, 0], [190, 10, 0]]),
 }
-KINEMATIC = KinematicLaw(INFANTE, LAW.approach, GAINS.k1, GAINS.k2)
 
 
 @pytest.fixture(params=PATHS.values(), ids=PATHS.keys())
@@ -43,8 +55,8 @@ def kinematic_rate(path, q):
     x, y, psi_B, u, v, _, s = q
     motion = PlanarMotion(u, v, 0.0)
     view = see(path, x, y, psi_B + motion.side_slip, s)
-    r, ds = KINEMATIC.command(motion, view)
-    dv = INFANTE.sway_acceleration(PlanarMotion(u, v, r))
+    r, ds = turned(motion, view)
+    dv = sway_acceleration(HULL, PlanarMotion(u, v, r))
     return np.array([u * np.cos(psi_B) - v * np.sin(psi_B), u * np.sin(psi_B) + v * np.cos(psi_B), r, 0, dv, 0, ds])
 
 
@@ -174,12 +186,12 @@ def test_far_away_the_approach_angle_neither_overflows_nor_exceeds_psi_a():
 
 
 def test_the_target_keeps_to_its_speed_limit_and_the_vehicle_still_converges():
-    limited = LAW._replace(target_speed_limit=2.0)
+    limited = LAW._replace(target_speed_limit=2.0).record[0]
 
     def law(motion, view):
-        command = limited.command(motion, view, DesiredSpeed(SPEED))
-        assert abs(command.ds) <= 2.0
-        return command
+        asked = command(motion, view, DesiredSpeed(SPEED), law=limited)
+        assert abs(asked.ds) <= 2.0
+        return asked
 
     q = start(PATHS["sinusoid"], 20.0)
     q[6] = 60.0  # the target starts far ahead
@@ -195,7 +207,7 @@ def test_a_speed_that_changes_is_followed_without_lag():
 
     def rate(q):
         moment = q[7]
-        inner, _ = derivative(lambda motion, view: LAW.command(motion, view, wanted(moment)), ring, q[:7])
+        inner, _ = derivative(lambda motion, view: command(motion, view, wanted(moment)), ring, q[:7])
         return np.append(inner, 1.0)
 
     q = np.append(q, t)

@@ -10,7 +10,7 @@ from support.flights import FORCES_ONLY
 from support.places import SCENARIOS
 
 import cube_sim
-from cube_sim.control.planar.attainable_set import PlanarAttainableSet
+from cube_sim.control.planar.attainable_set import PlanarAttainableSet, range_left
 
 CIRCLE = SCENARIOS / "infante_circle.yaml"
 
@@ -48,7 +48,7 @@ def test_a_hull_with_two_like_sides_gives_all_it_has(pairs):
         A, limits = hull(rng, pairs)
         A = np.hstack([A, A * np.array([[1.0], [-1.0], [1.0], [-1.0], [1.0], [-1.0]])])
         attainable = PlanarAttainableSet.of(A, np.vstack([limits, limits]))
-        most = attainable._range(1, 0.0)[1]
+        most = range_left(*attainable, 1, 0.0)[1]
         for demand in rng.normal(size=(20, 2)) * 10.0 ** rng.uniform(2.0, 6.0, (20, 1)):
             cut = np.array(attainable.saturate(*demand.tolist()))
             assert (attainable.normals @ cut >= attainable.sizes * (1.0 - 1e-9)).any() or np.allclose(cut, demand)

@@ -10,18 +10,20 @@ from support.planar_flight import (
     LAW,
     SPEED,
     acceleration,
+    command,
     corrected,
     derivative,
+    flow_of,
     fly,
     in_body,
     see,
     start,
     step,
+    turned,
 )
 
 from cube_sim.control.planar.dynamic import DesiredSpeed, Water
-from cube_sim.control.planar.kinematic import KinematicLaw
-from cube_sim.control.planar.model import PlanarCurrent, PlanarMotion
+from cube_sim.control.planar.model import PlanarCurrent, PlanarMotion, through
 from cube_sim.control.planar.path_view import wrap
 from cube_sim.guidance.arc import circle
 from cube_sim.guidance.line import Line
@@ -32,7 +34,6 @@ PATHS = {
     "circle": circle([0.0, 0.0, 0.0], 12.0),
     "sinusoid": sinusoid([0.0, 0.0, 0.0], 13.0, 60.0, 6.0),
 }
-KINEMATIC = KinematicLaw(INFANTE, LAW.approach, GAINS.k1, GAINS.k2)
 ACROSS = (0.1, 0.3)
 
 
@@ -82,7 +83,7 @@ def test_the_kinematic_law_lets_the_angle_of_the_course_decay_at_k1(path):
     def rate(q, current):
         x, y, psi_B, u, v, _, s = q
         motion, flow = PlanarMotion(u, v, 0.0), in_body(current, psi_B)
-        r, ds = KINEMATIC.command(motion, see(path, x, y, psi_B + motion.side_slip, s), flow)
+        r, ds = turned(motion, see(path, x, y, psi_B + motion.side_slip, s), flow)
         dv = acceleration(PlanarMotion(u, v, r), flow, 0.0, 0.0)[1]
         return np.array([u * np.cos(psi_B) - v * np.sin(psi_B), u * np.sin(psi_B) + v * np.cos(psi_B), r, 0, dv, 0, ds])
 
@@ -128,11 +129,11 @@ def test_in_still_water_nothing_is_changed_by_a_bit():
     rng = np.random.default_rng(4)
     for q, _ in random_states(PATHS["sinusoid"], 6, 50):
         motion, view = PlanarMotion(*q[3:6]), see(PATHS["sinusoid"], q[0], q[1], rng.uniform(-pi, pi), q[6])
-        assert LAW.command(motion, view, DesiredSpeed(SPEED)) == LAW.command(motion, view, DesiredSpeed(SPEED), Water())
+        assert command(motion, view, DesiredSpeed(SPEED)) == command(motion, view, DesiredSpeed(SPEED), Water())
         u, v, r = motion
-        assert LAW.flow(motion) == motion
+        assert flow_of(motion, PlanarCurrent(0.0, 0.0)) == motion
         assert INFANTE.loop_gain(motion) == 1.0 - INFANTE.m_ur / INFANTE.m_v * np.cos(np.arctan2(v, u)) ** 2
-        assert motion.through(PlanarCurrent(0.0, 0.0)) == (u, v, r)
+        assert through(motion, PlanarCurrent(0.0, 0.0)) == (u, v, r)
 
 
 def test_what_the_model_does_not_explain_is_taken_off_what_is_asked():

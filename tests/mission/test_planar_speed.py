@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.places import SCENARIOS
-from support.planar_flight import INFANTE
+from support.planar_flight import HULL, INFANTE
 
 import cube_sim
 from cube_sim.control.planar.attainable_set import PlanarAttainableSet
 from cube_sim.control.planar.follower import PlanarFollower
+from cube_sim.control.planar.model import sway_acceleration
 from cube_sim.control.planar.turning import (
     KEPT_FOR_STEERING,
     steady_turn,
@@ -36,7 +37,7 @@ def test_a_steady_turn_keeps_to_its_circle_without_a_force_from_the_side(curvatu
     turn = steady_turn(INFANTE, 1.2, curvature)
     assert turn is not None
     assert turn.r == pytest.approx(curvature * turn.speed)
-    assert INFANTE.sway_acceleration(turn) == pytest.approx(0.0, abs=1e-9)
+    assert sway_acceleration(HULL, turn) == pytest.approx(0.0, abs=1e-9)
     assert turn.v * curvature < 0.0  # it slips outwards
 
 

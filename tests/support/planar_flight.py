@@ -7,10 +7,22 @@ from math import cos, inf, pi, sin
 import numpy as np
 
 from cube_sim.control.planar.approach_angle import ApproachAngle
-from cube_sim.control.planar.dynamic import STILL, DesiredSpeed, DynamicLaw, Gains, PlanarCommand, Water
-from cube_sim.control.planar.model import PlanarCurrent, PlanarModel, PlanarMotion
-from cube_sim.control.planar.path_view import plane_view
+from cube_sim.control.planar.dynamic import (
+    STILL,
+    DesiredSpeed,
+    DynamicLaw,
+    Gains,
+    PlanarCommand,
+    Water,
+    dynamic_command,
+    flow_over_ground,
+    kinematics,
+)
+from cube_sim.control.planar.kinematic import kinematic_command
+from cube_sim.control.planar.model import STILL_WATER, PlanarCurrent, PlanarModel, PlanarMotion
+from cube_sim.control.planar.path_view import PathView, plane_view
 from cube_sim.guidance.law import TargetView
+from cube_sim.guidance.view_record import record_of
 
 # INFANTE's class: public parameter set, m = 2234.5 kg, Iz = 2000 kg m^2
 INFANTE = PlanarModel(
@@ -30,16 +42,33 @@ SPEED = 1.5
 GAINS = Gains(k1=0.5, k2=0.5, k3=1.0, k4=1.0, k5=0.1)
 LAW = DynamicLaw(INFANTE, ApproachAngle(pi / 4.0, 0.5), GAINS, least_speed=0.1, target_speed_limit=inf)
 
+RECORD, HULL = LAW.record[0], INFANTE.record[0]
+
 
 def see(path, x, y, psi_W, s):
     """The planar view of a point from the target at s."""
     point = path.at(s)
     error = (np.array([x, y, 0.0]) - point.position) @ point.rotation
-    return plane_view(TargetView(s, inf, 0.0, point, error, np.zeros(3)), psi_W)
+    return PathView(*plane_view(record_of(TargetView(s, inf, 0.0, point, error, np.zeros(3))), psi_W))
+
+
+def command(motion, view, speed, water=STILL, law=RECORD):
+    """Equation (6)."""
+    return dynamic_command(law, HULL, motion, view, speed, water)
 
 
 def corrected(motion, view, water=STILL):
-    return LAW.command(motion, view, DesiredSpeed(SPEED), water)
+    return command(motion, view, DesiredSpeed(SPEED), water)
+
+
+def flow_of(motion, current):
+    """The motion over ground for which side-slip is evaluated."""
+    return flow_over_ground(RECORD, motion, current)
+
+
+def turned(motion, view, current=STILL_WATER):
+    """Equation (5): yaw rate and speed of the target."""
+    return kinematic_command(RECORD, HULL, motion, view, current, 0.0)
 
 
 def printed(resistance=-1.0, square=False, loop_solved=False):
@@ -52,7 +81,7 @@ def printed(resistance=-1.0, square=False, loop_solved=False):
     """
 
     def law(motion, view):
-        k = LAW.kinematics(motion, view, DesiredSpeed(SPEED))
+        k = kinematics(RECORD, HULL, motion, view, DesiredSpeed(SPEED), STILL)
         k1, _, k3, _, k5 = GAINS
         alpha_r = (
             k.dddelta
@@ -82,7 +111,7 @@ def acceleration(motion, current, F, Gamma, model=INFANTE):
     return np.array(
         [
             (F - model.d_u(through)) / model.m_u + motion.r * current.v,
-            model.sway_acceleration(through) - motion.r * current.u,
+            -(model.m_ur * through.u * through.r + model.d_v(through.u, through.v)) / model.m_v - motion.r * current.u,
             (Gamma - model.d_r(through)) / model.m_r,
         ]
     )
@@ -95,7 +124,7 @@ def derivative(law, path, q, current=(0.0, 0.0)):
     """
     x, y, psi_B, u, v, r, s = q
     motion, flow = PlanarMotion(u, v, r), in_body(current, psi_B)
-    view = see(path, x, y, psi_B + LAW.flow(motion, flow).side_slip, s)
+    view = see(path, x, y, psi_B + flow_of(motion, flow).side_slip, s)
     command = law(motion, view, Water(flow)) if any(current) else law(motion, view)
     dx, dy = u * cos(psi_B) - v * sin(psi_B), u * sin(psi_B) + v * cos(psi_B)
     return np.array([dx, dy, r, *acceleration(motion, flow, command.F, command.Gamma), command.ds]), view

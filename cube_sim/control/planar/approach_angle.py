@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import tanh
 from typing import NamedTuple
 
+from cube_sim.native.compiled import compiled
+
 
 class Angle(NamedTuple):
     """delta and its derivatives with respect to y1.
@@ -35,6 +37,17 @@ class ApproachAngle(NamedTuple):
 
     def at(self, y1: float) -> Angle:
         """The angle at y1 [m] to the left of the path."""
-        t = tanh(self.k_delta * y1)
-        slope = -self.psi_a * self.k_delta * (1.0 - t * t)
-        return Angle(-self.psi_a * t, slope, -2.0 * self.k_delta * t * slope)
+        return approach_angle.py_func(self, y1)
+
+
+@compiled
+def approach_angle(law, y1):
+    """The `Angle` at y1 [m] to the left of the path.
+
+    Args:
+        law: whose psi_a and k_delta they are, an `ApproachAngle` or the law that has one.
+        y1: [m].
+    """
+    t = tanh(law.k_delta * y1)
+    slope = -law.psi_a * law.k_delta * (1.0 - t * t)
+    return Angle(-law.psi_a * t, slope, -2.0 * law.k_delta * t * slope)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cube_sim.native.compiled import compiled
 
 Array = NDArray[np.float64]
 
@@ -36,33 +39,67 @@ class PlanarAttainableSet(NamedTuple):
 
     def holds(self, F: float, Gamma: float) -> bool:
         """Whether a demand [N, N m] is attainable."""
-        return bool((self.normals @ (F, Gamma) <= self.sizes * (1.0 + 1e-9) + 1e-9).all())
+        return holds(self.normals, self.sizes, F, Gamma)
 
     def saturate(self, F: float, Gamma: float, torque_share: float = 0.5) -> tuple[float, float]:
-        """An attainable demand [N, N m]: itself where it is one, otherwise neither part at the cost of the other.
+        """An attainable demand [N, N m], see `saturate`."""
+        return saturate(self.normals, self.sizes, F, Gamma, torque_share)
 
-        The closest attainable wrench is no use to the planar law. At low speed the law asks for a hundred times the
-        torque of the hull. All thrust would then go into torque, and none would be left to gather the speed at which
-        the law asks for less. So there are three steps:
 
-        1. The torque takes `torque_share` of what it could have alone.
-        2. The force takes what it wants of the rest.
-        3. The torque takes what it wants of what that leaves.
+@compiled
+def holds(normals, sizes, F, Gamma):
+    """Whether a demand is attainable.
 
-        Args:
-            F: force ahead asked for [N].
-            Gamma: torque asked for [N m].
-            torque_share: in [0, 1].
-        """
-        if self.holds(F, Gamma):
-            return F, Gamma
-        low, high = self._range(1, 0.0)
-        F = float(np.clip(F, *self._range(0, float(np.clip(Gamma, torque_share * low, torque_share * high)))))
-        return F, float(np.clip(Gamma, *self._range(1, F)))
+    Args:
+        normals: of `PlanarAttainableSet`, like the next.
+        sizes: of it.
+        F: force ahead [N].
+        Gamma: torque [N m].
+    """
+    inside = True
+    for i in range(len(sizes)):
+        inside = inside and normals[i, 0] * F + normals[i, 1] * Gamma <= sizes[i] * (1.0 + 1e-9) + 1e-9
+    return inside
 
-    def _range(self, axis: int, other: float) -> tuple[float, float]:
-        """Lowest and highest value of one of the two, given the other one."""
-        along = self.normals[:, axis]
-        left = self.sizes - self.normals[:, 1 - axis] * other
-        ahead, behind = along > 1e-12, along < -1e-12
-        return float((left[behind] / along[behind]).max()), float((left[ahead] / along[ahead]).min())
+
+@compiled
+def range_left(normals, sizes, axis, other):
+    """Lowest and highest value of the force (axis 0) or the torque (1), given the other one."""
+    low, high = -inf, inf
+    for i in range(len(sizes)):
+        along = normals[i, axis]
+        left = sizes[i] - normals[i, 1 - axis] * other
+        if along > 1e-12:
+            high = min(high, left / along)
+        elif along < -1e-12:
+            low = max(low, left / along)
+    return low, high
+
+
+@compiled
+def saturate(normals, sizes, F, Gamma, torque_share):
+    """An attainable demand [N, N m]: itself where it is one, otherwise neither part at the cost of the other.
+
+    The closest attainable wrench is no use to the planar law. At low speed the law asks for a hundred times the
+    torque of the hull. All thrust would then go into torque, and none would be left to gather the speed at which
+    the law asks for less. So there are three steps:
+
+    1. The torque takes `torque_share` of what it could have alone.
+    2. The force takes what it wants of the rest.
+    3. The torque takes what it wants of what that leaves.
+
+    Args:
+        normals: of `PlanarAttainableSet`, like the next.
+        sizes: of it.
+        F: force ahead asked for [N].
+        Gamma: torque asked for [N m].
+        torque_share: in [0, 1].
+    """
+    if holds(normals, sizes, F, Gamma):
+        return F, Gamma
+    low, high = range_left(normals, sizes, 1, 0.0)
+    first = min(max(Gamma, torque_share * low), torque_share * high)
+    low, high = range_left(normals, sizes, 0, first)
+    force = min(max(F, low), high)
+    low, high = range_left(normals, sizes, 1, force)
+    return force, min(max(Gamma, low), high)

@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, hypot, sin
 from typing import NamedTuple
 
-from cube_sim.control.planar.approach_angle import ApproachAngle
-from cube_sim.control.planar.model import STILL_WATER, PlanarCurrent, PlanarModel, PlanarMotion
-from cube_sim.control.planar.path_view import PathView, wrap
+import numpy as np
+
+from cube_sim.control.planar.approach_angle import ApproachAngle, approach_angle
+from cube_sim.control.planar.model import (
+    STILL_WATER,
+    PlanarCurrent,
+    PlanarModel,
+    PlanarMotion,
+    loop_gain,
+    surge_resistance,
+    sway_acceleration,
+    sway_resistance_slopes,
+    through,
+    yaw_resistance,
+)
+from cube_sim.control.planar.path_view import wrap
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record
 
 
 class Gains(NamedTuple):
@@ -114,7 +129,7 @@ class DynamicLaw(NamedTuple):
         F  = m_u (u' - r v_c) + d_u(u_r, v_r, r)            Gamma = m_r alpha_r + d_r(u_r, v_r, r)
         v' = -(m_ur u_r r + d_v(u_r, v_r)) / m_v - r u_c    v'' likewise
 
-    Both are affine in r and r' again and solved for them (`PlanarModel.loop_gain`). The hull holds the crab angle at
+    Both are affine in r and r' again and solved for them (`loop_gain`). The hull holds the crab angle at
     which v_r is that of a turn in still water. This is the case of a current that is known of P. Encarnacao, A. Pascoal
     and M. Arcak 2000 (Path following for marine vehicles in the presence of unknown currents, IFAC SYROCO), for the law
     of 2007; `CurrentFilter` estimates one that is not.
@@ -136,67 +151,84 @@ class DynamicLaw(NamedTuple):
     least_speed: float
     target_speed_limit: float
 
-    def command(self, motion: PlanarMotion, path: PathView, speed: DesiredSpeed, water: Water = STILL) -> PlanarCommand:
-        """Force and torque for a vehicle in this motion over ground, seen from the virtual target."""
-        k1, _, k3, _, k5 = self.gains
-        model, c_c, g_c = self.model, path.c_c, path.g_c
-        flow = self.flow(motion, water.current)
-        k = self.kinematics(motion, path, speed, water)
-        alpha_r = (
-            k.dddelta
-            - k.ddbeta_without_dr
-            - (k1 + k3) * (k.dpsi - k.ddelta)
-            - (k5 + k1 * k3) * k.error
-            + c_c * k.dds
-            + g_c * k.ds**2
-        ) / model.loop_gain(flow, water.current)
-        through = motion.through(water.current)
-        du_through = k.du - motion.r * water.current.v
-        return PlanarCommand(
-            F=model.m_u * (du_through - water.du) + model.d_u(through),
-            Gamma=model.m_r * (alpha_r - water.dr) + model.d_r(through),
-            ds=k.ds,
-        )
+    @property
+    def record(self) -> Record:
+        """The numbers beside the model's, as compiled laws read them."""
+        return np.array([(*self.approach, *self.gains, self.least_speed, self.target_speed_limit)], LAW)
 
-    def flow(self, motion: PlanarMotion, current: PlanarCurrent = STILL_WATER) -> PlanarMotion:
-        """The motion over ground for which side-slip is evaluated."""
-        return motion._replace(u=max(motion.u, self.least_speed + max(current.u, 0.0)))
 
-    def kinematics(self, motion: PlanarMotion, path: PathView, speed: DesiredSpeed, water: Water = STILL) -> Kinematics:
-        """What `command` combines."""
-        _, k2, _, k4, _ = self.gains
-        model, (s1, y1, psi, c_c, g_c), current = self.model, path, water.current
-        # surge over ground under its own loop, sway by (2)
-        du = speed.rate - k4 * (motion.u - speed.value)
-        ddu = speed.bend - k4 * (du - speed.rate)
-        flow = self.flow(motion, current)
-        u, v, r = flow
-        v_t = flow.speed
-        through = flow.through(current)
-        du_through, dv_through = du - r * current.v, model.sway_acceleration(through) + water.dv
-        dv = dv_through - r * current.u
-        d_v_u, d_v_v = model.d_v_slopes(through.u, through.v)
-        ddv_through = -(model.m_ur * du_through * r + d_v_u * du_through + d_v_v * dv_through) / model.m_v
-        ddv_without_dr = ddv_through - r * r * current.v
-        dv_t = (u * du + v * dv) / v_t
-        dbeta = (u * dv - v * du) / v_t**2
-        ddbeta_without_dr = (u * ddv_without_dr - v * ddu) / v_t**2 - 2.0 * dbeta * dv_t / v_t
-        # (3) and (4)
-        wanted = v_t * cos(psi) + k2 * s1
-        ds = min(max(wanted, -self.target_speed_limit), self.target_speed_limit)
-        ds1 = v_t * cos(psi) - ds * (1.0 - c_c * y1)
-        dy1 = v_t * sin(psi) - c_c * ds * s1
-        dpsi = r + dbeta - c_c * ds
-        dds = dv_t * cos(psi) - v_t * sin(psi) * dpsi + k2 * ds1 if ds == wanted else 0.0
-        ddy1 = dv_t * sin(psi) + v_t * cos(psi) * dpsi - (g_c * ds**2 + c_c * dds) * s1 - c_c * ds * ds1
-        delta = self.approach.at(y1)
-        return Kinematics(
-            error=wrap(psi - delta.value),
-            du=du,
-            ds=ds,
-            dds=dds,
-            dpsi=dpsi,
-            ddelta=delta.slope * dy1,
-            dddelta=delta.bend * dy1**2 + delta.slope * ddy1,
-            ddbeta_without_dr=ddbeta_without_dr,
-        )
+LAW = np.dtype(
+    [(name, np.float64) for name in (*ApproachAngle._fields, *Gains._fields, "least_speed", "target_speed_limit")]
+)
+"""`DynamicLaw` without its model, its approach and gains name by name."""
+
+
+@compiled
+def flow_over_ground(law, motion, current):
+    """The `PlanarMotion` over ground for which side-slip is evaluated; arguments as in `kinematics`."""
+    return PlanarMotion(max(motion.u, law.least_speed + max(current.u, 0.0)), motion.v, motion.r)
+
+
+@compiled
+def kinematics(law, hull, motion, path, speed, water):
+    """What `dynamic_command` combines.
+
+    Args:
+        law: element of `LAW`.
+        hull: element of `cube_sim.control.planar.model.HULL`.
+        motion: `PlanarMotion` over ground.
+        path: `PathView`, seen from the virtual target.
+        speed: `DesiredSpeed`.
+        water: `Water`.
+
+    Returns:
+        `Kinematics`.
+    """
+    s1, y1, psi, c_c, g_c = path
+    current, k2, k4 = water.current, law.k2, law.k4
+    # surge over ground under its own loop, sway by (2)
+    du = speed.rate - k4 * (motion.u - speed.value)
+    ddu = speed.bend - k4 * (du - speed.rate)
+    flow = flow_over_ground(law, motion, current)
+    u, v, r = flow
+    v_t = hypot(u, v)
+    relative = through(flow, current)
+    du_through, dv_through = du - r * current.v, sway_acceleration(hull, relative) + water.dv
+    dv = dv_through - r * current.u
+    d_v_u, d_v_v = sway_resistance_slopes(hull, relative.u, relative.v)
+    ddv_through = -(hull.m_ur * du_through * r + d_v_u * du_through + d_v_v * dv_through) / hull.m_v
+    ddv_without_dr = ddv_through - r * r * current.v
+    dv_t = (u * du + v * dv) / v_t
+    dbeta = (u * dv - v * du) / v_t**2
+    ddbeta_without_dr = (u * ddv_without_dr - v * ddu) / v_t**2 - 2.0 * dbeta * dv_t / v_t
+    # (3) and (4)
+    wanted = v_t * cos(psi) + k2 * s1
+    ds = min(max(wanted, -law.target_speed_limit), law.target_speed_limit)
+    ds1 = v_t * cos(psi) - ds * (1.0 - c_c * y1)
+    dy1 = v_t * sin(psi) - c_c * ds * s1
+    dpsi = r + dbeta - c_c * ds
+    dds = dv_t * cos(psi) - v_t * sin(psi) * dpsi + k2 * ds1 if ds == wanted else 0.0
+    ddy1 = dv_t * sin(psi) + v_t * cos(psi) * dpsi - (g_c * ds**2 + c_c * dds) * s1 - c_c * ds * ds1
+    delta = approach_angle(law, y1)
+    dddelta = delta.bend * dy1**2 + delta.slope * ddy1
+    return Kinematics(wrap(psi - delta.value), du, ds, dds, dpsi, delta.slope * dy1, dddelta, ddbeta_without_dr)
+
+
+@compiled
+def dynamic_command(law, hull, motion, path, speed, water):
+    """The `PlanarCommand` of `DynamicLaw`; arguments as in `kinematics`."""
+    k1, k3, k5 = law.k1, law.k3, law.k5
+    flow = flow_over_ground(law, motion, water.current)
+    k = kinematics(law, hull, motion, path, speed, water)
+    alpha_r = (
+        k.dddelta
+        - k.ddbeta_without_dr
+        - (k1 + k3) * (k.dpsi - k.ddelta)
+        - (k5 + k1 * k3) * k.error
+        + path.c_c * k.dds
+        + path.g_c * k.ds**2
+    ) / loop_gain(hull, flow, water.current)
+    relative = through(motion, water.current)
+    du_through = k.du - motion.r * water.current.v
+    F = hull.m_u * (du_through - water.du) + surge_resistance(hull, relative)
+    return PlanarCommand(F, hull.m_r * (alpha_r - water.dr) + yaw_resistance(hull, relative), k.ds)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, hypot, sin
 from typing import NamedTuple
 
-from cube_sim.control.planar.approach_angle import ApproachAngle
-from cube_sim.control.planar.model import STILL_WATER, PlanarCurrent, PlanarModel, PlanarMotion
-from cube_sim.control.planar.path_view import PathView, wrap
+from cube_sim.control.planar.approach_angle import approach_angle
+from cube_sim.control.planar.model import PlanarMotion, loop_gain, sway_acceleration, through
+from cube_sim.control.planar.path_view import wrap
+from cube_sim.native.compiled import compiled
 
 
 class KinematicCommand(NamedTuple):
@@ -22,7 +23,8 @@ class KinematicCommand(NamedTuple):
     ds: float
 
 
-class KinematicLaw(NamedTuple):
+@compiled
+def kinematic_command(law, hull, motion, path, current, dv_unexplained):
     """Proposition 1 of Lapierre and Soetanto 2007, with its algebraic loop solved.
 
         r  = delta' - beta' - k1 (psi - delta) + c_c s'
@@ -30,39 +32,28 @@ class KinematicLaw(NamedTuple):
 
     so that (psi - delta)' = -k1 (psi - delta), and, once psi = delta, (s1^2 + y1^2)'/2 = -k2 s1^2 + v_t y1 sin delta.
     beta' depends on r through v'; the law is affine in r and is solved for it. psi - delta is taken the short way
-    round. In a current beta is the side-slip over ground, so psi_W is the course; the hull crabs.
+    round. In a current beta is the side-slip over ground, so psi_W is the course; the hull crabs. Surge is taken to be
+    kept; the yaw rate in `motion` is not used.
 
-    Attributes:
-        model: whose sway follows the turning.
-        approach: delta.
-        k1: [1/s].
-        k2: [1/s].
+    Args:
+        law: element of `cube_sim.control.planar.dynamic.LAW`, of which k1, k2 and delta are read.
+        hull: element of `cube_sim.control.planar.model.HULL`, whose sway follows the turning.
+        motion: `PlanarMotion` over ground.
+        path: `PathView`, seen from the virtual target.
+        current: `PlanarCurrent` of the water.
+        dv_unexplained: what of v' the model does not say [m/s^2].
+
+    Returns:
+        `KinematicCommand`.
     """
-
-    model: PlanarModel
-    approach: ApproachAngle
-    k1: float
-    k2: float
-
-    def command(
-        self, motion: PlanarMotion, path: PathView, current: PlanarCurrent = STILL_WATER, dv_unexplained: float = 0.0
-    ) -> KinematicCommand:
-        """The yaw rate for a surge speed that is kept; the yaw rate in `motion` is not used.
-
-        Args:
-            motion: over ground.
-            path: seen from the virtual target.
-            current: of the water.
-            dv_unexplained: what of v' the model does not say [m/s^2].
-        """
-        u, v, _ = motion
-        v_t = motion.speed
-        s1, y1, psi, c_c, _ = path
-        ds = v_t * cos(psi) + self.k2 * s1
-        dy1 = v_t * sin(psi) - c_c * ds * s1
-        delta = self.approach.at(y1)
-        ddelta = delta.slope * dy1
-        dv_without_r = self.model.sway_acceleration(PlanarMotion(u, v, 0.0).through(current)) + dv_unexplained
-        dbeta_without_r = u * dv_without_r / v_t**2
-        r = ddelta - dbeta_without_r - self.k1 * wrap(psi - delta.value) + c_c * ds
-        return KinematicCommand(r / self.model.loop_gain(motion, current), ds)
+    u, v, _ = motion
+    v_t = hypot(u, v)
+    s1, y1, psi, c_c, _ = path
+    ds = v_t * cos(psi) + law.k2 * s1
+    dy1 = v_t * sin(psi) - c_c * ds * s1
+    delta = approach_angle(law, y1)
+    ddelta = delta.slope * dy1
+    dv_without_r = sway_acceleration(hull, through(PlanarMotion(u, v, 0.0), current)) + dv_unexplained
+    dbeta_without_r = u * dv_without_r / v_t**2
+    r = ddelta - dbeta_without_r - law.k1 * wrap(psi - delta.value) + c_c * ds
+    return KinematicCommand(r / loop_gain(hull, motion, current), ds)

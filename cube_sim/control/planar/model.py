@@ -5,6 +5,11 @@ from __future__ import annotations
 from math import atan2, cos, hypot
 from typing import NamedTuple
 
+import numpy as np
+
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record
+
 
 class PlanarMotion(NamedTuple):
     """Velocity of the body origin, body axes.
@@ -28,10 +33,6 @@ class PlanarMotion(NamedTuple):
     def side_slip(self) -> float:
         """beta = atan2(v, u) [rad]: the flow angle psi_W is psi_B + beta."""
         return atan2(self.v, self.u)
-
-    def through(self, current: PlanarCurrent) -> PlanarMotion:
-        """The motion through water that moves, of a motion over ground."""
-        return PlanarMotion(self.u - current.u, self.v - current.v, self.r)
 
 
 class PlanarCurrent(NamedTuple):
@@ -100,42 +101,86 @@ class PlanarModel(NamedTuple):
     K_uv: float = 0.0
     K_ur: float = 0.0
 
+    @property
+    def record(self) -> Record:
+        """The numbers as compiled laws read them."""
+        return np.array([self], HULL)
+
     def d_u(self, motion: PlanarMotion) -> float:
         """Resistance to surge [N]."""
-        u, v, r = motion
-        return self.D_u * u + self.D_uu * u * abs(u) - self.m_vr * v * r
+        return surge_resistance.py_func(self, motion)
 
     def d_v(self, u: float, v: float) -> float:
         """Resistance to sway [N]."""
-        return self.D_v * v + self.D_vv * v * abs(v) + self.D_uv * u * v
-
-    def d_v_slopes(self, u: float, v: float) -> tuple[float, float]:
-        """Partial derivatives of d_v with respect to u and v [N s/m]."""
-        return self.D_uv * v, self.D_v + 2.0 * self.D_vv * abs(v) + self.D_uv * u
+        return sway_resistance.py_func(self, u, v)
 
     def d_r(self, motion: PlanarMotion) -> float:
         """Resistance to yaw [N m]."""
-        u, v, r = motion
-        turning = self.K_r * r + self.K_rr * r * abs(r) + self.K_ur * u * r
-        return turning + self.K_v * v + self.K_vv * v * abs(v) + self.K_uv * u * v
-
-    def sway_acceleration(self, motion: PlanarMotion) -> float:
-        """v' [m/s^2], from the equation without a force."""
-        u, v, r = motion
-        return -(self.m_ur * u * r + self.d_v(u, v)) / self.m_v
+        return yaw_resistance.py_func(self, motion)
 
     def loop_gain(self, motion: PlanarMotion, current: PlanarCurrent = STILL_WATER) -> float:
-        """How much of a yaw rate turns the course over ground, the rest being side-slip.
+        """See `loop_gain`."""
+        return loop_gain.py_func(self, motion, current)
 
-        In still water it is 1 - (m_ur / m_v) cos^2 beta. beta' = (u v' - v u') / v_t^2 holds r through v', and beta''
-        holds r' in the same way; a law for psi_W has to divide by this. In a current v' = v_r' - r u_c, and the gain is
-        (v^2 + (1 - m_ur / m_v) u u_r) / v_t^2: positive where m_ur < m_v and the hull moves ahead both over ground and
-        through the water.
 
-        Args:
-            motion: over ground.
-            current: of the water.
-        """
-        ratio = self.m_ur / self.m_v
-        drift = (1.0 - ratio) * motion.u * current.u / motion.speed**2
-        return 1.0 - ratio * cos(motion.side_slip) ** 2 - drift
+HULL = np.dtype([(name, np.float64) for name in PlanarModel._fields])
+"""`PlanarModel`, whose names these are. The functions below read an element of it, or a `PlanarModel`."""
+
+
+@compiled
+def through(motion, current):
+    """The `PlanarMotion` through water that moves with a `PlanarCurrent`, of one over ground."""
+    return PlanarMotion(motion.u - current.u, motion.v - current.v, motion.r)
+
+
+@compiled
+def surge_resistance(hull, motion):
+    """d_u [N] of a motion through the water."""
+    u, v, r = motion
+    return hull.D_u * u + hull.D_uu * u * abs(u) - hull.m_vr * v * r
+
+
+@compiled
+def sway_resistance(hull, u, v):
+    """d_v [N] at u and v [m/s] through the water."""
+    return hull.D_v * v + hull.D_vv * v * abs(v) + hull.D_uv * u * v
+
+
+@compiled
+def sway_resistance_slopes(hull, u, v):
+    """Partial derivatives of d_v with respect to u and v [N s/m]."""
+    return hull.D_uv * v, hull.D_v + 2.0 * hull.D_vv * abs(v) + hull.D_uv * u
+
+
+@compiled
+def yaw_resistance(hull, motion):
+    """d_r [N m] of a motion through the water."""
+    u, v, r = motion
+    turning = hull.K_r * r + hull.K_rr * r * abs(r) + hull.K_ur * u * r
+    return turning + hull.K_v * v + hull.K_vv * v * abs(v) + hull.K_uv * u * v
+
+
+@compiled
+def sway_acceleration(hull, motion):
+    """v' [m/s^2] of a motion through the water, from the equation without a force."""
+    u, v, r = motion
+    return -(hull.m_ur * u * r + sway_resistance(hull, u, v)) / hull.m_v
+
+
+@compiled
+def loop_gain(hull, motion, current):
+    """How much of a yaw rate turns the course over ground, the rest being side-slip.
+
+    In still water it is 1 - (m_ur / m_v) cos^2 beta. beta' = (u v' - v u') / v_t^2 holds r through v', and beta''
+    holds r' in the same way; a law for psi_W has to divide by this. In a current v' = v_r' - r u_c, and the gain is
+    (v^2 + (1 - m_ur / m_v) u u_r) / v_t^2: positive where m_ur < m_v and the hull moves ahead both over ground and
+    through the water.
+
+    Args:
+        hull: whose inertia it is.
+        motion: over ground.
+        current: of the water.
+    """
+    ratio = hull.m_ur / hull.m_v
+    drift = (1.0 - ratio) * motion.u * current.u / hypot(motion.u, motion.v) ** 2
+    return 1.0 - ratio * cos(atan2(motion.v, motion.u)) ** 2 - drift

@@ -5,8 +5,9 @@ from __future__ import annotations
 from math import atan2, hypot, tau
 from typing import NamedTuple
 
-from cube_sim.guidance.law import TargetView
-from cube_sim.spatial import Matrix
+import numpy as np
+
+from cube_sim.native.compiled import compiled
 
 
 class PathView(NamedTuple):
@@ -27,38 +28,38 @@ class PathView(NamedTuple):
     g_c: float
 
 
-def plane_view(view: TargetView, psi_W: float) -> PathView:
-    """The planar part of a target view.
+@compiled
+def wrap(angle):
+    """The same angle in [-pi, pi] [rad]."""
+    return angle - tau * np.rint(angle / tau)
+
+
+@compiled
+def heading(R):
+    """psi_B [rad] of a nearly level vehicle, from R_WB (3,3)."""
+    return atan2(R[1, 0], R[0, 0])
+
+
+@compiled
+def plane_view(view, psi_W):
+    """The `PathView` of a vehicle.
 
     The left normal is (-T_y, T_x) of a level tangent; the normals of a parallel-transport frame keep a constant angle
     to it, so curvature and its rate are projected onto it in the same way.
 
     Args:
-        view: seen from the virtual target on a level path.
+        view: record of `cube_sim.guidance.view_record.VIEW`, from the virtual target on a level path.
         psi_W: flow angle [rad], from world x.
     """
-    T, N1, N2 = view.point.rotation.T
-    left_1, left_2 = _left(T, N1), _left(T, N2)
-    (k1, k2), (dk1, dk2) = view.point.curvature, view.point.curvature_rate
-    s1, y1, z1 = view.error.tolist()
+    frame, error, row = view[0].frame, view[0].error, view[0].row
+    T_x, T_y = frame[0, 0], frame[1, 0]
+    size = hypot(T_x, T_y)
+    left_1 = (T_x * frame[1, 1] - T_y * frame[0, 1]) / size
+    left_2 = (T_x * frame[1, 2] - T_y * frame[0, 2]) / size
     return PathView(
-        s1=s1,
-        y1=y1 * left_1 + z1 * left_2,
-        psi=wrap(psi_W - atan2(T[1], T[0])),
-        c_c=k1 * left_1 + k2 * left_2,
-        g_c=dk1 * left_1 + dk2 * left_2,
+        error[0],
+        error[1] * left_1 + error[2] * left_2,
+        wrap(psi_W - atan2(T_y, T_x)),
+        row[12] * left_1 + row[13] * left_2,
+        row[14] * left_1 + row[15] * left_2,
     )
-
-
-def wrap(angle: float) -> float:
-    """The same angle in [-pi, pi] [rad]."""
-    return angle - tau * round(angle / tau)
-
-
-def heading(rotation: Matrix) -> float:
-    """psi_B [rad] of a nearly level vehicle, from R_WB."""
-    return atan2(rotation[1, 0], rotation[0, 0])
-
-
-def _left(T: Matrix, N: Matrix) -> float:
-    return float(T[0] * N[1] - T[1] * N[0]) / hypot(T[0], T[1])

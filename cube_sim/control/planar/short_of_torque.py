@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record
+
 LEAST_SHARE = 0.5
 """Share of the speed wanted that is always kept: it is what the hull steers by."""
 FALL, RISE = 0.2, 0.1
 """How fast that share falls while the torque does not suffice, and rises again after [1/s]."""
 
 
-def torque_share(u: float, wanted: float) -> float:
+SHARE = np.dtype([("share", np.float64)])
+"""What `ShortOfTorque` remembers: the share of the speed wanted that is left."""
+
+
+@compiled
+def torque_share(u, wanted):
     """What the torque gets of the thrusters before the force, as a share of what it could have alone.
 
     Half where the speed is missing, which has to be gathered before the hull steers; all of it at the speed wanted. To
@@ -31,18 +41,30 @@ class ShortOfTorque:
     """
 
     def __init__(self) -> None:
-        self.share = 1.0
+        self.memory: Record = np.ones(1, SHARE)
+
+    @property
+    def share(self) -> float:
+        """The share of the speed wanted that is left."""
+        return float(self.memory["share"][0])
 
     def update(self, u: float, wanted: float, asked: float, made: float, dt: float) -> None:
-        """Learn from one tick.
+        """Learn from one tick, see `watch_torque`."""
+        watch_torque(self.memory, u, wanted, asked, made, dt)
 
-        Args:
-            u: surge [m/s].
-            wanted: the speed wanted, nothing given up [m/s].
-            asked: torque of the law [N m].
-            made: the part of it that is attainable [N m].
-            dt: length of the tick [s].
-        """
-        short = abs(asked) > 1.02 * abs(made) and u > LEAST_SHARE * wanted
-        step = -FALL if short else RISE
-        self.share = min(max(self.share + dt * step, LEAST_SHARE), 1.0)
+
+@compiled
+def watch_torque(memory, u, wanted, asked, made, dt):
+    """One tick of `ShortOfTorque`.
+
+    Args:
+        memory: record `SHARE`, moved on.
+        u: surge [m/s].
+        wanted: the speed wanted, nothing given up [m/s].
+        asked: torque of the law [N m].
+        made: the part of it that is attainable [N m].
+        dt: length of the tick [s].
+    """
+    short = abs(asked) > 1.02 * abs(made) and u > LEAST_SHARE * wanted
+    step = -FALL if short else RISE
+    memory[0].share = min(max(memory[0].share + dt * step, LEAST_SHARE), 1.0)

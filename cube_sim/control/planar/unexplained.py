@@ -6,7 +6,11 @@ from math import exp
 
 import numpy as np
 
-from cube_sim.spatial import Vector
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Record, Vector
+
+UNEXPLAINED = np.dtype([("started", np.bool_), ("nu", np.float64, 3), ("w", np.float64, 3), ("dw", np.float64, 3)])
+"""What `UnexplainedAcceleration` remembers: whether there was a tick before, and nu, w and w' as predicted."""
 
 
 class UnexplainedAcceleration:
@@ -25,26 +29,35 @@ class UnexplainedAcceleration:
     """
 
     def __init__(self, time: float) -> None:
-        self._time = time
-        self._nu: Vector | None = None
-        self._w, self._dw = np.zeros(3), np.zeros(3)
+        self.time = time
+        self.memory: Record = np.zeros(1, UNEXPLAINED)
 
     def update(self, nu: Vector, explained: Vector, dt: float) -> Vector:
-        """w_hat (3,) [m/s^2, m/s^2, rad/s^2] after a tick; zero at the first.
+        """w_hat (3,) [m/s^2, m/s^2, rad/s^2] after a tick; zero at the first. See `observe_unexplained`."""
+        observe_unexplained(self.time, self.memory, nu, explained, dt)
+        return self.memory["w"][0].copy()
 
-        Args:
-            nu: at the end of the tick (3,) [m/s, m/s, rad/s].
-            explained: a (3,) over the tick, of the model.
-            dt: its length [s].
-        """
-        if self._nu is None:
-            self._nu = nu
-            return self._w
-        q = exp(-dt / self._time)
-        self._w = self._w + dt * self._dw
-        predicted = self._nu + dt * (explained + self._w - 0.5 * dt * self._dw)
-        error = nu - predicted
-        self._nu = predicted + (1.0 - q**3) * error
-        self._w = self._w + 1.5 * (1.0 - q) ** 2 * (1.0 + q) / dt * error
-        self._dw = self._dw + (1.0 - q) ** 3 / dt**2 * error
-        return self._w
+
+@compiled
+def observe_unexplained(time, memory, nu, explained, dt):
+    """One tick of `UnexplainedAcceleration`.
+
+    Args:
+        time: T [s].
+        memory: record `UNEXPLAINED`, moved on.
+        nu: at the end of the tick, three numbers [m/s, m/s, rad/s].
+        explained: a of the model, three numbers, over the tick [m/s^2, m/s^2, rad/s^2].
+        dt: its length [s].
+    """
+    m, q = memory[0], exp(-dt / time)
+    for i in range(3):
+        if not m.started:
+            m.nu[i] = nu[i]
+            continue
+        m.w[i] += dt * m.dw[i]
+        predicted = m.nu[i] + dt * (explained[i] + m.w[i] - 0.5 * dt * m.dw[i])
+        error = nu[i] - predicted
+        m.nu[i] = predicted + (1.0 - q**3) * error
+        m.w[i] += 1.5 * (1.0 - q) ** 2 * (1.0 + q) / dt * error
+        m.dw[i] += (1.0 - q) ** 3 / dt**2 * error
+    m.started = True
