@@ -310,6 +310,11 @@ class Allocator:
             self._prepare_for_parts()
         return self._packed
 
+    @property
+    def confirms(self) -> bool:
+        """Whether ProxQP looks at each answer."""
+        return self._confirmer is not None
+
     def confirm_later(self, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
         """Let ProxQP solve the subsets of N answers, where the method says so, while the caller goes on.
 

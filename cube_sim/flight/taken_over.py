@@ -94,7 +94,7 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
         told = np.flatnonzero(changed)
         record_actuation(mission, store, np.array(times)[told], flown.force_ratio[told])
         watches.surface.note_under_water(times[last])
-        store.extend(times[0], times[last], flown.rows.named())
+        store.extend(times[0], times[last], flown.rows.named(), ours=True)
     known, n = None, len(times)
     if estimation is not None and n:
         estimation.record(store, np.array(times), sensing.answers[:n], sensing.errors[:n], sensing.inertial[:n])

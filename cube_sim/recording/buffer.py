@@ -1,4 +1,7 @@
-"""Rows of one channel on their way to the files: preallocated, copied into, handed on by the batch."""
+"""Rows of one channel on their way to the files: preallocated, copied into, handed on by the batch.
+
+A second's rows that come at once are handed on as they are.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,7 @@ class ChannelBuffer:
     def __init__(self, channel: Channel) -> None:
         self._channel = channel
         self._count = 0
+        self._whole: Rows | None = None
         self._allocate(_FIRST_CAPACITY if channel.rate else 1)
 
     def append(self, t: float, values: tuple[ArrayLike, ...]) -> None:
@@ -32,6 +36,7 @@ class ChannelBuffer:
             RecordingError: the values do not fit the fields. Shapes are looked at in the first row of each
                 batch, the number of values always.
         """
+        self._take_in()
         count = self._count
         if count == 0:
             self._check(values)
@@ -46,8 +51,12 @@ class ChannelBuffer:
             raise
         self._count = count + 1
 
-    def extend(self, rows: Rows) -> None:
+    def extend(self, rows: Rows, ours: bool = False) -> None:
         """Copy rows (n, 1+width), column 0 the time.
+
+        Args:
+            rows: the rows.
+            ours: whether nobody else writes into them any more, so that they need not be copied.
 
         Raises:
             RecordingError: they have another width.
@@ -55,6 +64,10 @@ class ChannelBuffer:
         if rows.shape[1:] != self._rows.shape[1:]:
             width = self._rows.shape[1]
             raise RecordingError(f"channel {self._channel.name!r} takes rows of {width} numbers, not {rows.shape}")
+        self._take_in()
+        if ours and self._count == 0:
+            self._whole = rows
+            return
         end = self._count + len(rows)
         if end > len(self._times):
             self._allocate(max(2 * self._count, end))
@@ -64,13 +77,19 @@ class ChannelBuffer:
     @property
     def rows(self) -> Rows:
         """The rows collected so far, (n, 1+width), still here."""
-        return self._rows[: self._count].copy()
+        return self._rows[: self._count].copy() if self._whole is None else self._whole
 
     def take(self) -> Rows:
         """Hand over the rows collected so far, (n, 1+width), and start anew."""
         rows = self.rows
-        self._count = 0
+        self._count, self._whole = 0, None
         return rows
+
+    def _take_in(self) -> None:
+        """Copy rows that were not when they came."""
+        if self._whole is not None:
+            rows, self._whole = self._whole, None
+            self.extend(rows)
 
     def _allocate(self, capacity: int) -> None:
         rows = np.empty((capacity, 1 + self._channel.width))

@@ -67,13 +67,14 @@ class SignalStore:
         """
         return ticks_left_of_second(tick, period) if self._sinks else TICKS_IN_MEMORY
 
-    def extend(self, first: float, last: float, rows: Iterable[tuple[str, Rows]]) -> None:
+    def extend(self, first: float, last: float, rows: Iterable[tuple[str, Rows]], ours: bool = False) -> None:
         """Record rows of `ticks_at_once`.
 
         Args:
             first: the earliest time in them [s]; never in a second before that of what is recorded already.
             last: the latest time in them [s].
             rows: (n, 1+width) of each channel by name, column 0 the time.
+            ours: whether nobody else writes into them any more, so that they need not be copied.
 
         Raises:
             RecordingError: no such channel, rows that do not fit it, or time running backwards.
@@ -84,7 +85,7 @@ class SignalStore:
             raise RecordingError(f"rows from t = {first} s to {last} s after t = {self._time} s")
         with uninterrupted():  # all channels or none
             for channel, table in rows:
-                self._buffer(channel).extend(table)
+                self._buffer(channel).extend(table, ours)
             self._time = max(self._time, last)
 
     def log(self, t: float, level: str, text: str) -> None:

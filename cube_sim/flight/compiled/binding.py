@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import NamedTuple
 
+import mujoco
 import numpy as np
 
 from cube_sim.allocation.responsive import search_address
@@ -100,7 +101,7 @@ def fly_ticks(
     answering = Answering(controller.coupling, yields, float(left.authority), applied.copy(), np.zeros(4), np.zeros(22))
     rows = rows_for(mission.channels, count)
     notes = Notes(
-        answers=np.zeros((count, allocator.answer_size)),
+        answers=np.zeros((count if allocator.confirms else 1, allocator.answer_size)),
         demands=np.zeros((count, 6)),
         pace=np.zeros(count),
         force_ratio=np.zeros(count),
@@ -166,7 +167,7 @@ def _sensing(mission: Mission, count: int) -> Sensing | None:
     stage = _nothing_sensed() if estimation is None else estimation.stage(count)
     if stage is None:
         return None
-    k = len(stage[0].aids)
+    k, count = len(stage[0].aids), count if estimation is not None else 0
     return Sensing(
         estimation is not None,
         *stage,
@@ -199,8 +200,14 @@ def _engine(mission: Mission, moving: bool) -> Engine:
         actuator_force=data.actuator_force,
         hull=np.array([vehicle.qpos_address, vehicle.dof_address, vehicle.body]),
         steps=mission.scenario.steps_per_tick if moving else 0,
+        classical=_is_classical(mission.model),
         period=mission.scenario.control_period_s,
     )
+
+
+def _is_classical(model: mujoco.MjModel) -> bool:
+    compared = model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_FWDINV
+    return model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 and not compared
 
 
 def _hull(mission: Mission, boxes: Boxes) -> Hull:

@@ -30,7 +30,7 @@ from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
 from cube_sim.vehicle.laws.supply_law import charge_left, sag
 from cube_sim.vehicle.laws.supply_law import count as count_drawn
-from cube_sim.vehicle.plugin.engine import forward, step
+from cube_sim.vehicle.plugin.engine import forward, forward_again, step
 from cube_sim.vehicle.state import hull_state
 
 BEGIN, FORWARDED, JUDGED, ESTIMATED = range(4)
@@ -109,7 +109,7 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
             supply.charge = charge
             drawn = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
             sag(feed.supply, feed.packed, feed.supply_at, drawn)
-            forward(e.model, e.data)
+            forward_again(e.model, e.data)
             for i in range(m):
                 given[i] = e.actuator_force[feed.actuators[i]]
         power = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
@@ -155,7 +155,7 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
             yield_attitude(answering.coupling, out.wrench, secondary)
         asked, residual, cost, status, nodes, doubts = allocate_responsive(
             codes[1], thrusters, out.wrench, secondary, force_ratio, parts,
-            notes.demands[k], notes.answers[k], sides, answering.applied,
+            notes.demands[k], notes.answers[k % len(notes.answers)], sides, answering.applied,
         )  # fmt: skip
         if evidence.watched:
             w = evidence.window
@@ -186,7 +186,7 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
         pressed = course.shortage[0].pressed
         if law.settings[0].budgeted:
             watch_shortage(course.shortage, out.enough, law.settings[0].balanced, law.balanced, dt)
-        step(e.model, e.data, e.steps)
+        step(e.model, e.data, e.steps, e.classical)
         if course.shortage[0].pressed != pressed and not course.steers:
             return k + 1, BEGIN
     return count, BEGIN

@@ -38,6 +38,7 @@ class Engine(NamedTuple):
         actuator_force: of it.
         hull: (3,) where the hull's pose and its velocity begin, and its body.
         steps: of the physics per tick.
+        classical: whether they are Runge-Kutta's of fourth order.
         period: of a tick [s].
     """
 
@@ -58,6 +59,7 @@ class Engine(NamedTuple):
     actuator_force: Vector
     hull: Indices
     steps: int
+    classical: bool
     period: float
 
 
@@ -207,7 +209,7 @@ class Notes(NamedTuple):
     """What is looked at after the ticks, a row each.
 
     Attributes:
-        answers: of `answer_of`.
+        answers: of `answer_of`; one row alone, written again and again, where nobody looks at them.
         demands: (n,6) that the search was asked for.
         pace: (n,) share of the speed along the path.
         force_ratio: (n,) share of their force that the thrusters gave.
