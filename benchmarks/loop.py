@@ -69,12 +69,11 @@ def flying(flown: Flight, by_python: bool = False) -> Ticks:
 
     def ticks(count: int) -> None:
         end = flown.tick + count
+        if not by_python:
+            flown.fly(count)
         while flown.tick < end:
-            if by_python:
-                flown.control(warnings)
-                flown.advance()
-            else:
-                flown.fly(warnings, end - flown.tick)
+            flown.control(warnings)
+            flown.advance()
 
     return ticks
 

@@ -55,7 +55,7 @@ def in_python(scenario: Path, varied: list[dict[str, Any]]) -> float:
 def one_by_one(scenario: Path, varied: list[dict[str, Any]]) -> None:
     """Prepare and fly each."""
     for variation in varied:
-        Flight(scenario, variation).fly_to_its_end([])
+        Flight(scenario, variation).fly_to_its_end()
 
 
 def timed(function: Callable[[], Any]) -> float:

@@ -22,7 +22,6 @@ from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
 from cube_sim.vehicle.plugin.hook import install
-from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, EarlyEnd, Verdict, overall
 
 Signals = Mapping[str, NDArray[np.float64]]
@@ -198,8 +197,7 @@ def _outcome(
         raise ValueError(f"no signal {unknown[0]!r}; there are {', '.join(known)}")
     scenario, store = mission.scenario, SignalStore(mission.channels)
     flight = Flight.recorded(loaded, mission, store)
-    with collect_warnings() as warnings:
-        flight.fly_to_its_end(warnings, told)
+    flight.fly_to_its_end(told)
     recorded = store.signals
     results = evaluate(scenario.checks, recorded, duration_s=scenario.duration_s)
     return FlightOutcome(

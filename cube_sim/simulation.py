@@ -21,7 +21,6 @@ from cube_sim.recording.recorder import Recorder
 from cube_sim.run_directory import claim, require_writable
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
-from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 
 Progress = Callable[[float, float], None]
@@ -119,15 +118,12 @@ def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progres
     """Fly and judge, into a folder that is ours."""
     (directory / "resolved.yaml").write_text(loaded.resolved_yaml(directory), encoding="utf-8")
     inputs = header(loaded, mission.codes)
-    with (
-        Recorder(directory, inputs, mission.channels, mission.model, vehicle=mission.vehicle.name) as recorder,
-        collect_warnings() as warnings,
-    ):
+    with Recorder(directory, inputs, mission.channels, mission.model, vehicle=mission.vehicle.name) as recorder:
         started = time.perf_counter()
         try:
             flight = Flight.recorded(loaded, mission, recorder)
             whole_s = mission.scenario.duration_s
-            flight.fly_to_its_end(warnings, None if progress is None else lambda t: progress(t, whole_s))
+            flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
         except KeyboardInterrupt:
             raise RunInterrupted(directory, recorder.warnings) from None
         elapsed_s = time.perf_counter() - started

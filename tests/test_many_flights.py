@@ -33,7 +33,7 @@ VARIATIONS = [
 def alone(scenario, variation):
     """The flight of one variation, nobody else in the air."""
     flight = Flight(scenario, {"checks": CHECKS, **variation})
-    flight.fly_to_its_end([])
+    flight.fly_to_its_end()
     return flight
 
 

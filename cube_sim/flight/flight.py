@@ -211,29 +211,28 @@ class Flight:
             over=self.over,
         )
 
-    def fly(self, warnings: list[str], ticks: int) -> None:
-        """Fly up to so many control periods, as far as compiled code goes, or a recording takes them at once.
-
-        One at least is flown, unless the flight ends.
+    def fly(self, ticks: int) -> Observation:
+        """Fly so many control periods as `run` does, compiled where they can be: the fast way to where one looks next.
 
         Args:
-            warnings: where MuJoCo's arrive; they are moved to the log.
-            ticks: at most.
+            ticks: how many; fewer are flown where the flight is over before.
 
         Raises:
-            FlightError: the flight is over.
+            FlightError: the flight is over, or there is not one tick to fly.
         """
+        if ticks < 1:
+            raise FlightError(f"fly at least one tick, not {ticks}")
         self._require_going_on()
-        begun = self._fly_compiled(warnings, ticks)
-        if begun is not None:
-            self.control(warnings, begun=begun)
-            self.advance()
+        end = min(self.tick + ticks, self.mission.scenario.ticks)
+        with collect_warnings() as warnings:
+            while self.tick < end and not self.ended:
+                self._fly_on(warnings, end - self.tick)
+        return self.observation()
 
-    def fly_to_its_end(self, warnings: list[str], told: Callable[[float], None] | None = None) -> None:
+    def fly_to_its_end(self, told: Callable[[float], None] | None = None) -> None:
         """Fly as long as the scenario says; the last row is the state at its end.
 
         Args:
-            warnings: where MuJoCo's arrive; they are moved to the log.
             told: called about once per simulated second with the simulated time [s].
 
         Raises:
@@ -241,14 +240,27 @@ class Flight:
         """
         self._require_going_on()
         last = -1.0
-        while not self.over:
-            self.fly(warnings, self.mission.scenario.ticks - self.tick)
-            if told is not None and self.time_s >= last + 1.0:
-                last = self.time_s
-                told(last)
-        if not self.ended and (begun := self._fly_compiled(warnings, 1, moving=False)) is not None:
-            self.control(warnings, begun=begun)
+        with collect_warnings() as warnings:
+            while not self.over:
+                self._fly_on(warnings, self.mission.scenario.ticks - self.tick)
+                if told is not None and self.time_s >= last + 1.0:
+                    last = self.time_s
+                    told(last)
+            if not self.ended and (begun := self._fly_compiled(warnings, 1, moving=False)) is not None:
+                self.control(warnings, begun=begun)
         self.finish()
+
+    def _fly_on(self, warnings: list[str], ticks: int) -> None:
+        """Fly up to so many control periods, one at least unless the flight ends: as many as compiled code takes at once.
+
+        Args:
+            warnings: where MuJoCo's arrive; they are moved to the log.
+            ticks: at most.
+        """
+        begun = self._fly_compiled(warnings, ticks)
+        if begun is not None:
+            self.control(warnings, begun=begun)
+            self.advance()
 
     def _fly_compiled(self, warnings: list[str], ticks: int, moving: bool = True) -> Begun | None:
         """Fly what compiled code can; how far the next tick has come, None where it has all been flown.

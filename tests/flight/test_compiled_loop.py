@@ -28,7 +28,7 @@ def flown(scenario, settings, compiled, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(flight, "fly_ticks", counted)
-        one.fly_to_its_end([])
+        one.fly_to_its_end()
     return one, ticks[0]
 
 
@@ -111,11 +111,11 @@ def test_a_snapshot_between_compiled_stretches_is_taken_up_to_the_bit(name):
         settings["events"] = [{"kind": "thrusters", "at_s": 1.5, "thrusters": ["T1"], "state": "dead"}]
     one, other = (Flight(SCENARIOS / f"{name}.yaml", settings) for _ in range(2))
     while one.time_s < 3.0:
-        one.fly([], 37)
+        one.fly(37)
     middle, since = one.snapshot(), one.time_s - 1e-9
-    one.fly_to_its_end([])
+    one.fly_to_its_end()
     other.restore(middle)
-    other.fly_to_its_end([])
+    other.fly_to_its_end()
     for name, rows in one.signals.items():
         late, again = rows[rows[:, 0] > since], other.signals[name]
         if name.startswith("path.") or name.startswith("actuation."):
@@ -143,7 +143,7 @@ def test_both_loops_end_alike_when_something_is_no_number(broken, monkeypatch):
         while not one.over:
             if one.tick == 50:
                 broken(one.mission)
-            one.fly([], 10)
+            one.fly(10)
         one.finish()
         ended.append((one.tick, one.ended, one.log, {name: rows.tobytes() for name, rows in one.signals.items()}))
     assert ended[0] == ended[1]

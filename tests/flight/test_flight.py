@@ -195,18 +195,34 @@ def test_a_scenario_need_not_be_a_file():
 @pytest.mark.flight
 def test_nothing_is_flown_beyond_the_end():
     flight = Flight(HELIX, {**SHORT, "duration_s": 0.5})
-    flight.fly_to_its_end([])
+    flight.fly_to_its_end()
     rows = len(flight.signals["pose.position"])
-    for go_on in (lambda: flight.fly([], 5), lambda: flight.fly_to_its_end([]), flight.step):
+    for go_on in (lambda: flight.fly(5), lambda: flight.fly_to_its_end(), flight.step):
         with pytest.raises(FlightError, match="over"):
             go_on()
     assert len(flight.signals["pose.position"]) == rows == 26
 
 
 @pytest.mark.flight
+def test_so_many_ticks_at_once_are_so_many_steps():
+    fast, slow = Flight(HELIX, SHORT), Flight(HELIX, SHORT)
+    for ticks in (1, 37, 60, 2):
+        seen = fast.fly(ticks)
+        step = [slow.step() for _ in range(ticks)][-1]
+        assert seen.time_s == step.time_s
+        assert seen.state.position.tobytes() == step.state.position.tobytes()
+        assert seen.wrench.tobytes() == step.wrench.tobytes()
+    assert_same(fast.signals, slow.signals)
+    with pytest.raises(FlightError, match="at least one tick, not 0"):
+        fast.fly(0)
+    assert fast.fly(10**6).over
+    assert not fast.ended
+
+
+@pytest.mark.flight
 def test_an_interrupt_leaves_a_flight_that_goes_on_to_the_bit():
     whole, cut = Flight(HELIX, {**SHORT, "duration_s": 60.0}), Flight(HELIX, {**SHORT, "duration_s": 60.0})
-    whole.fly_to_its_end([])
+    whole.fly_to_its_end()
     times = 0
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
@@ -215,7 +231,7 @@ def test_an_interrupt_leaves_a_flight_that_goes_on_to_the_bit():
             timer.start()
             try:
                 while not cut.over:
-                    cut.fly([], 10**9)
+                    cut.fly(10**9)
             except KeyboardInterrupt:
                 times += 1
             timer.join()

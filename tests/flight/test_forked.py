@@ -16,7 +16,7 @@ SETTINGS = {"duration_s": 3.0, "checks": [{"kind": "allowed_forces"}]}
 
 
 def flown(flight):
-    flight.fly_to_its_end([])
+    flight.fly_to_its_end()
     return flight.signals["pose.position"].tobytes(), flight.mission.allocator._allocator.effort.qps
 
 
@@ -25,7 +25,7 @@ def flown(flight):
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
 def test_threads_of_the_parent_are_not_waited_for():
     flight = Flight(HELIX, SETTINGS)
-    flight.fly([], 50)  # its answers are being confirmed
+    flight.fly(50)  # its answers are being confirmed
     here, there = get_context("fork").Pipe()
     child = os.fork()
     if child == 0:
