@@ -251,7 +251,7 @@ class Flight:
         self.finish()
 
     def _fly_on(self, warnings: list[str], ticks: int) -> None:
-        """Fly up to so many control periods, one at least unless the flight ends: as many as compiled code takes at once.
+        """Fly as many control periods as compiled code takes at once, one at least unless the flight ends.
 
         Args:
             warnings: where MuJoCo's arrive; they are moved to the log.

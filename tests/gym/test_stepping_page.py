@@ -16,7 +16,7 @@ def test_the_program_of_the_page_runs(monkeypatch, capsys):
     program = "\n".join(re.findall(r"^```python\n(.*?)^```", PAGE, re.M | re.S))
     names: dict = {}
     exec(compile(program, "stepping.md", "exec"), names)
-    assert names["flight"].time_s == pytest.approx(70 * 0.02)
+    assert names["flight"].time_s == pytest.approx((70 + 100) * 0.02)
     assert names["seen"].shape == (2, names["env"].observation_space.shape[0])
     assert len(capsys.readouterr().out.splitlines()) >= 2
 
