@@ -9,8 +9,9 @@ point the others. The number of directions of force that are left decides:
     2, 1  the attitude points them where force is needed
     0     the vehicle cannot follow a path
 
-Vehicles built for a level plane are judged in that plane. They float upright. With surge, sway and yaw they move freely
-in it; with yaw and one direction of force the heading points that force, as a unicycle does.
+Vehicles built for a level plane are judged in that plane, also where a thruster has been mounted a little high or low:
+what then comes with their motion tilts them by next to nothing. They float upright. With surge, sway and yaw they move
+freely in it; with yaw and one direction of force the heading points that force, as a unicycle does.
 """
 
 from __future__ import annotations
@@ -44,6 +45,9 @@ DEAR = 10.0
 """A direction that costs more than this many times the cheapest one's is left alone where the vehicle flies without."""
 FASTEST_JUDGED_M_S = 0.3
 """A vehicle with components missing is asked for courses at this speed, or at its mission's own."""
+NEARLY_LEVEL = 0.05
+"""A thruster that pushes at the drag of a mission lifts by less than this share of it, and tilts the hull by less than
+this [rad], where it counts as one for a level plane (a choice)."""
 LEAST_SHARE = 0.1
 """A thruster that gives less than this share of a whole one's largest force is no way of moving."""
 
@@ -240,7 +244,7 @@ def capability(
     """
     constant = np.zeros(6) if held is None else held
     everything = A if whole is None else whole
-    if A.shape[1] > 0 and not np.any(np.abs(A[OUT_OF_PLANE]) > 1e-9):
+    if A.shape[1] > 0 and _is_for_a_plane(A, hold):
         rows = ~OUT_OF_PLANE
         found = _in_plane(A[rows], constant[rows], _cost_arguments(cost_limit, everything[rows], PLANAR))
     else:
@@ -258,6 +262,24 @@ def capability(
         held=constant,
         within_cost_limit=found.within_cost_limit,
     )
+
+
+def _is_for_a_plane(A: Matrix, hold: WaterHold | None) -> bool:
+    """Whether thrusters make nothing but surge, sway and yaw, and what comes with these the water holds.
+
+    Heave, roll and pitch of their own are none of it: the rank of A is that of its rows for the plane.
+    """
+    out = np.abs(A[OUT_OF_PLANE])
+    if not np.any(out > 1e-9):
+        return True
+    level = A[~OUT_OF_PLANE]
+    _, sigma, Vt = np.linalg.svd(level, full_matrices=False)
+    spanned = Vt[sigma > RANK_TOLERANCE * sigma[0]]
+    own = A[OUT_OF_PLANE] - A[OUT_OF_PLANE] @ spanned.T @ spanned
+    if hold is None or np.any(np.abs(own) > 1e-9):
+        return False
+    lifts, tilts = out[0], np.hypot(out[1], out[2]) * hold.force[0]
+    return bool(np.all(lifts < NEARLY_LEVEL) and np.all(tilts < NEARLY_LEVEL * hold.righting[2]))
 
 
 class _Finding(NamedTuple):

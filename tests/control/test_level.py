@@ -14,11 +14,12 @@ from support.vehicles import random_rotation, vehicle
 import cube_sim
 from cube_sim.control import path_follower
 from cube_sim.control.attitude_mode import Situation
-from cube_sim.control.authority import Authority, capability
+from cube_sim.control.authority import NEARLY_LEVEL, Authority, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.planar.follower import PlanarFollower
+from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.line import Line
 from cube_sim.guidance.view_record import VIEW, see_level
@@ -49,6 +50,23 @@ def test_any_two_motors_of_jack_make_a_unicycle_and_one_makes_nothing(matrix):
         assert left.steers_by_attitude
     for kept in range(4):
         assert capability(matrix[:, [kept]]).authority is Authority.SAFE
+
+
+def test_a_thruster_a_little_too_low_leaves_a_hull_in_its_plane_as_far_as_the_water_holds_it():
+    hull = vehicle("infante")
+    hold, A = WaterHold.of(hull.dynamics, 0.8), hull.actuation_matrix
+    lever = NEARLY_LEVEL * hold.righting[2] / hold.force[0]
+    for low_m, expected in ((0.03, Authority.UNICYCLE), (0.9 * lever, Authority.UNICYCLE), (1.1 * lever, None)):
+        misbuilt = A.copy()
+        misbuilt[4] = low_m * A[0]
+        left = capability(misbuilt, hold=hold)
+        assert (left.authority is Authority.UNICYCLE) is (expected is Authority.UNICYCLE)
+        assert capability(misbuilt).authority is not Authority.UNICYCLE  # nothing is known to hold it
+    lifted = A.copy()
+    lifted[2] = 1.1 * NEARLY_LEVEL * A[0]
+    assert capability(lifted, hold=hold).authority is not Authority.UNICYCLE
+    rolled = np.column_stack([A, [0.0, 0.0, 0.0, 0.1, 0.0, 0.0]])  # a roll of its own: none of the plane's
+    assert capability(rolled, hold=hold).authority is not Authority.UNICYCLE
 
 
 def test_a_unicycle_is_asked_for_its_torque_and_the_nearest_force_that_comes_with_it(matrix):
