@@ -42,6 +42,7 @@ SETTINGS = np.dtype(
         ("current_time", np.float64),
         ("current_damping", np.float64),
         ("levelling_time", np.float64),
+        ("least_closing", np.float64),
         ("most_rest", np.float64),
         ("attitude", np.float64, 4),
     ]
@@ -50,7 +51,8 @@ SETTINGS = np.dtype(
 
 It pursues its target, or approaches the path; which attitude it asks for; the attitude is balanced; turning drags the
 hull along; the thrusters' budget is known; the target waits; it moves in a level plane only. Then the times of the
-observers [s], 0 for none, the damping of the current's, the levelling time [s], the force that is asked for again [N],
+observers [s], 0 for none, the damping of the current's, the levelling time [s], the share of its closing speed that the
+path's own speed is, the force that is asked for again [N],
 the attitude that is held.
 """
 
@@ -192,5 +194,6 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio)
         s.most_rest,
         s.budgeted,
         s.waits,
+        s.least_closing,
         s.balanced,
     )

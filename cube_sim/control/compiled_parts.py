@@ -124,6 +124,7 @@ def compiled_parts(
     settings["pursuit"] = isinstance(approach, Pursuit)
     settings["dragged"], settings["budgeted"] = dragged, follower.capability.budget is not None
     settings["waits"] = follower.waits and isinstance(approach, Approach)
+    settings["least_closing"] = approach.least_closing if isinstance(approach, Approach) else 1.0
     settings["most_rest"], settings["level"] = follower.most_rest, follower.capability.level
     if observer is not None:
         settings["disturbance_time"] = observer.time

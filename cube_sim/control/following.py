@@ -9,7 +9,7 @@ import numpy as np
 
 from cube_sim.control.loops import loop_wrench
 from cube_sim.control.oscillation_centre import levelled_turning
-from cube_sim.control.pace import LEAST_PACE, PaceDemand, in_range, is_allowed, largest_pace, wrench_at_pace
+from cube_sim.control.pace import LEAST_PACE, PaceDemand, in_range, is_allowed, largest_share, wrench_at_pace
 from cube_sim.guidance.view_record import path_turning
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import (
@@ -68,6 +68,7 @@ def follow(
     most_rest,
     budgeted,
     waits,
+    least_closing,
     points,
 ):
     """One tick of the law.
@@ -96,6 +97,7 @@ def follow(
         most_rest: how much of a force that could not be made is asked for again [N].
         budgeted: whether what the thrusters can make is known.
         waits: whether the speed along the path falls to what they can keep.
+        least_closing: share to which the speed across the path may fall for the same reason; 1 where it is not to.
         points: whether a balanced attitude reads the torque of the turning.
     """
     m, k, out = memory[0], loops[0], answer[0]
@@ -113,11 +115,34 @@ def follow(
     pointed = minus6(tau, unknown)
     if budgeted:
         along_velocity, along_acceleration = along_path(frame, turning, velocity, acceleration)
+        if least_closing < 1.0:
+            # Faster across the path than along it as far as the thrusters have something left.
+            across, dacross = minus(velocity, along_velocity), minus(acceleration, along_acceleration)
+            demand = pace_demand(hull, R, k.velocity_time, v_ref, flow, across, dacross, pointed, unknown)
+            closing = largest_share(hull, left, normals, bounds, held_shares, force_ratio, demand, least_closing)
+            if closing < 1.0:
+                velocity = plus(velocity, times(max(closing, least_closing) - 1.0, across))
+                acceleration = plus(acceleration, times(max(closing, least_closing) - 1.0, dacross))
+                tau, v_ref, w_ref, angle = loop_wrench(
+                    hull,
+                    loops,
+                    R,
+                    quaternion,
+                    speed,
+                    rates,
+                    velocity,
+                    acceleration,
+                    wanted_attitude,
+                    wanted_rates,
+                    flow,
+                )
+                pointed = minus6(tau, unknown)
         demand = pace_demand(
             hull, R, k.velocity_time, v_ref, flow, along_velocity, along_acceleration, pointed, unknown
         )
         if waits:
-            pace = largest_pace(hull, left, normals, bounds, held_shares, force_ratio, demand)
+            pace = largest_share(hull, left, normals, bounds, held_shares, force_ratio, demand, -1.0)
+            pace = 0.0 if pace < -1.0 else pace
         if pace < 1.0:
             velocity = plus(velocity, times(pace - 1.0, along_velocity))
             acceleration = plus(acceleration, times(pace - 1.0, along_acceleration))

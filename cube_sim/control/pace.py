@@ -129,8 +129,8 @@ def is_allowed(normals, bounds, held_shares, force_ratio, wrench):
 
 
 @compiled
-def largest_pace(hull, left, normals, bounds, held_shares, force_ratio, demand):
-    """The largest share of the speed along the path whose demand is allowed, to 0.2 % of it; 0 where none is.
+def largest_share(hull, left, normals, bounds, held_shares, force_ratio, demand, least):
+    """The largest share of the demand's part of the speed that is allowed, to 0.2 %; -2 where none down to `least` is.
 
     Args:
         hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
@@ -140,12 +140,13 @@ def largest_pace(hull, left, normals, bounds, held_shares, force_ratio, demand):
         held_shares: of it.
         force_ratio: share of their force that the supply leaves the thrusters.
         demand: `PaceDemand`.
+        least: the smallest to look at, from -1 to 1.
     """
     low, step = 1.0, 1.0 / FINEST
     while not is_allowed(normals, bounds, held_shares, force_ratio, in_range(left, wrench_at_pace(hull, demand, low))):
         low -= step
-        if low < -1.0:
-            return 0.0
+        if low < least:
+            return -2.0
     if low == 1.0:
         return low
     high = low + step

@@ -10,6 +10,7 @@ from cube_sim.control.asked import MEMORY
 from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Authority, Capability, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
+from cube_sim.control.closing import closing_speed
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
@@ -105,6 +106,9 @@ class PathFollower:
             self._loops = replace(self.loops, velocity_time=slower)
             if isinstance(self.approach, Approach):
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
+        elif isinstance(self.approach, Approach):
+            affords = closing_speed(left, self.loops.dynamics, self.approach.lateral_time)
+            self._approach = self.approach.at_closing_speed(affords)
         self._compiled = compiled_parts(
             self, self._approach, self._loops.record, self._left, self._budget, self.dragged
         )
@@ -205,6 +209,7 @@ class PathFollower:
             self.most_rest,
             self.capability.budget is not None,
             goal is None and self.waits and isinstance(self._approach, Approach),
+            self._approach.least_closing if goal is None and isinstance(self._approach, Approach) else 1.0,
             self.balanced is not None,
         )
 

@@ -13,8 +13,8 @@ from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record
 from cube_sim.tuples import to_world
 
-APPROACH = np.dtype([(name, np.float64) for name in ("angle", "gain", "stop_time")])
-"""Numbers of `Approach`: psi_a [rad], k_delta [1/m], the stop time [s], infinite for none."""
+APPROACH = np.dtype([(name, np.float64) for name in ("angle", "gain", "stop_time", "closing_speed")])
+"""Numbers of `Approach`: psi_a [rad], k_delta [1/m], the stop time [s], infinite for none, c [m/s], 0 for u_d."""
 
 
 class Approach:
@@ -30,15 +30,39 @@ class Approach:
         angle: psi_a [rad], in (0, pi/2).
         gain: k_delta [1/m].
         stop_time: [s]; None to run on along the last tangent.
+        closing_limit: bound on the closing speed of a vehicle that can go faster across its path [m/s]; 0: none goes
+            faster.
     """
 
-    def __init__(self, profile: SpeedProfile, angle: float, gain: float, stop_time: float | None) -> None:
+    def __init__(
+        self, profile: SpeedProfile, angle: float, gain: float, stop_time: float | None, closing_limit: float = 0.0
+    ) -> None:
         self._profile, self._angle, self._gain, self._stop_time = profile, angle, gain, stop_time
+        self._closing_limit, self._closing_speed = closing_limit, 0.0
 
     def no_faster_than(self, time: float) -> Approach:
         """The same, with a small cross-track error removed in no less than a time [s] at the path's highest speed."""
         gain = 1.0 / (time * self._angle * self._profile.most)
         return self if self._gain <= gain else Approach(self._profile, self._angle, gain, self._stop_time)
+
+    def at_closing_speed(self, speed: float) -> Approach:
+        """The same for a vehicle that affords this speed across its path [m/s]; a small error goes as quickly."""
+        closing, most = min(speed, self._closing_limit), self._profile.most
+        if closing <= most:
+            return self
+        faster = Approach(self._profile, self._angle, self._gain * most / closing, self._stop_time, self._closing_limit)
+        faster._closing_speed = closing
+        return faster
+
+    @property
+    def least_closing(self) -> float:
+        """The share of its closing speed that the path's own speed is: what it may fall to, 1 where it is no faster."""
+        return min(1.0, self._profile.most / self._closing_speed) if self._closing_speed > 0.0 else 1.0
+
+    @property
+    def lateral_time(self) -> float:
+        """In which a small cross-track error shrinks by 63 %, at the path's highest speed [s]."""
+        return 1.0 / (self._gain * self._angle * max(self._closing_speed, self._profile.most))
 
     def motion(self, view: TargetView) -> DesiredMotion:
         """Desired velocity and its derivative, for a vehicle seen from the target."""
@@ -54,7 +78,7 @@ class Approach:
     def record(self) -> Record:
         """Its numbers, as compiled laws read them: (1,) of `APPROACH`."""
         stop_time = inf if self._stop_time is None else self._stop_time
-        return np.array([(self._angle, self._gain, stop_time)], APPROACH)
+        return np.array([(self._angle, self._gain, stop_time, self._closing_speed)], APPROACH)
 
 
 @compiled
@@ -91,7 +115,8 @@ def approach_motion(view, approach, speed, slope):
     else:
         share = sin(theta) / rho
         dshare = (cos(theta) * dtheta - share * drho) / rho
-    lateral, dlateral = speed * share, dspeed * share + speed * dshare
+    across, dacross = (a.closing_speed, 0.0) if a.closing_speed > 0.0 else (speed, dspeed)
+    lateral, dlateral = across * share, dacross * share + across * dshare
     side_1, side_2 = -lateral * y1, -lateral * z1
     dside_1, dside_2 = -dlateral * y1 - lateral * dy1, -dlateral * z1 - lateral * dz1
 

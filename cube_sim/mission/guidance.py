@@ -36,6 +36,9 @@ def guidance_of(scenario: Scenario, path: Path, lateral_time_s: float) -> tuple[
         radians(guidance.approach_angle_deg),
         guidance.approach_gain_per_m,
     )
+    closing_limit = guidance.closing_speed_m_s
+    if closing_limit is None:
+        closing_limit = inf if gain is None else 0.0
     if gain is None:
         gain = 1.0 / (lateral_time_s * angle * profile.most)
     return (
@@ -45,5 +48,6 @@ def guidance_of(scenario: Scenario, path: Path, lateral_time_s: float) -> tuple[
             angle,
             gain,
             guidance.stop_time_s if guidance.stop_at_end else None,
+            closing_limit,
         ),
     )

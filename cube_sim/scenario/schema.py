@@ -94,8 +94,10 @@ class GuidanceBlock(Block):
     closing_speed_m_s: float | None = Field(
         default=None,
         gt=0,
-        description="Tracking, or at a point: how fast a large position error is run down, beside the target's own"
-        " speed [m/s]. Default: speed_m_s.",
+        description="How fast a large position error is run down at most [m/s]. Tracking, or at a point: beside the"
+        " target's own speed, default: speed_m_s. Path following by the law for all axes: across the path, where the"
+        " thrusters afford more than speed_m_s; default: what they afford, or with approach_gain_per_m no more than"
+        " the speed along the path.",
     )
     approach_angle_deg: float = Field(
         default=60.0,

@@ -98,7 +98,9 @@ def facets(rng, room):
 
 
 @pytest.mark.parametrize("room", [1e-3, 30.0, 1e4])
-@pytest.mark.parametrize("flags", [(False, False, False), (True, True, False), (True, True, True)])
+@pytest.mark.parametrize(
+    "flags", [(False, False, 1.0, False), (True, True, 1.0, False), (True, True, 1.0, True), (True, True, 0.2, False)]
+)
 def test_the_law(rng, hull, room, flags):
     R, q, v, w = moving(rng)
     loops, left, of_facets = np.array([(1.0, 0.8, 0.3, 0.5)], LOOPS), filled(rng, CAPABILITY), facets(rng, room)

@@ -38,11 +38,12 @@ PATHS = {
 }
 
 
+@pytest.mark.parametrize("closing", [0.4, 0.9])
 @pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
-def test_path_following_in_3d(path):
-    """V = |e|^2 / 2 under s' = v_T + k2 s1 and the approach velocity: V' = -k2 s1^2 - u_d rho sin(theta)."""
+def test_path_following_in_3d(path, closing):
+    """V = |e|^2 / 2 under s' = v_T + k2 s1 and the approach velocity: V' = -k2 s1^2 - c rho sin(theta), c >= u_d."""
     k2, u_d, psi_a, k_delta, dt = 0.5, 0.4, pi / 3.0, 0.5, 0.1
-    law = Approach(ConstantSpeed(u_d), psi_a, k_delta, stop_time=None)
+    law = Approach(ConstantSpeed(u_d), psi_a, k_delta * closing / u_d, None, closing).at_closing_speed(2.0)
     rng = np.random.default_rng(1)
 
     def rate(x):
@@ -58,7 +59,7 @@ def test_path_following_in_3d(path):
             e = VirtualTarget(path, k2, arc_length=x[3]).view(x[:3], np.zeros(3)).error
             rho = np.hypot(e[1], e[2])
             V.append(0.5 * e @ e)
-            slope.append(-k2 * e[0] ** 2 - u_d * rho * np.sin(psi_a * np.tanh(k_delta * rho)))
+            slope.append(-k2 * e[0] ** 2 - closing * rho * np.sin(psi_a * np.tanh(k_delta * rho)))
             if not path.closed and not 0.0 < x[3] < path.length:
                 break  # at an end the target stands
             x = step(rate, x, dt)

@@ -15,8 +15,8 @@ K2, SPEED = 0.5, 0.4
 HELIX = Helix([0.0, 0.0, -8.0], 3.0, 3.0, 2.0)
 
 
-def approach() -> Approach:
-    return Approach(ConstantSpeed(SPEED), pi / 3.0, 0.5, stop_time=2.0)
+def approach(closing: float = SPEED) -> Approach:
+    return Approach(ConstantSpeed(SPEED), pi / 3.0, 0.5, stop_time=2.0, closing_limit=closing).at_closing_speed(2.0)
 
 
 def random_states(seed: int, n: int):
@@ -52,7 +52,24 @@ def test_the_approach_never_leads_away_from_the_path():
         assert np.linalg.norm(wanted) <= SPEED * (1.0 + 1e-12) or wanted[0] < 0.0
 
 
-def test_the_acceleration_is_the_derivative_of_the_velocity_along_the_motion():
+def test_at_a_closing_speed_only_what_lies_across_the_path_is_faster():
+    position = np.array([9.0, 4.0, -2.0])
+    view = VirtualTarget(HELIX, K2, arc_length=3.0).view(position, np.zeros(3))
+    slow, fast = (approach(c).motion(view).velocity @ view.point.rotation for c in (SPEED, 1.2))
+    near = HELIX.at(3.0).position + 1e-5 * HELIX.at(3.0).rotation[:, 1]
+    beside = VirtualTarget(HELIX, K2, arc_length=3.0).view(near, np.zeros(3))
+    slow_beside, fast_beside = (approach(c).motion(beside).velocity @ beside.point.rotation for c in (SPEED, 1.2))
+    assert SPEED < np.hypot(*fast[1:]) <= 1.2
+    assert np.hypot(*slow[1:]) <= SPEED
+    assert fast[1] * slow[2] == pytest.approx(fast[2] * slow[1])
+    np.testing.assert_allclose(fast_beside, slow_beside, atol=1e-12)
+    assert approach(0.3).least_closing == 1.0
+    assert approach(1.2).least_closing == pytest.approx(SPEED / 1.2)
+    assert approach(1.2).lateral_time == pytest.approx(approach().lateral_time)
+
+
+@pytest.mark.parametrize("closing", [SPEED, 1.2])
+def test_the_acceleration_is_the_derivative_of_the_velocity_along_the_motion(closing):
     h = 1e-6
     for position, velocity, s in random_states(3, 200):
         target = VirtualTarget(HELIX, K2, arc_length=s)
@@ -60,10 +77,10 @@ def test_the_acceleration_is_the_derivative_of_the_velocity_along_the_motion():
 
         def wanted(t, position=position, velocity=velocity, s=s, speed=view.speed):
             moved = VirtualTarget(HELIX, K2, arc_length=s + speed * t)
-            return approach().motion(moved.view(position + velocity * t, velocity)).velocity
+            return approach(closing).motion(moved.view(position + velocity * t, velocity)).velocity
 
         np.testing.assert_allclose(
-            approach().motion(view).acceleration, (wanted(h) - wanted(-h)) / (2.0 * h), atol=1e-7
+            approach(closing).motion(view).acceleration, (wanted(h) - wanted(-h)) / (2.0 * h), atol=1e-7
         )
 
 
