@@ -63,7 +63,7 @@ def fly_many(
     """Fly a scenario once for each variation of it, to the bit as each would be flown alone.
 
     Nothing is written. Loops that compiled code flies run beside each other; what takes Python (own code in a
-    scenario, the planar law, thruster faults at the moment they are found) waits for its turn.
+    scenario, thruster faults at the moment they are found) waits for its turn.
 
     Args:
         scenario: a file, what would stand in one, or a loaded one.

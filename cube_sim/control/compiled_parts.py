@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,9 @@ import numpy as np
 from cube_sim.control.along_path import MEMORY as SIDE
 from cube_sim.control.along_path import AlongPath
 from cube_sim.control.answering import ALONG_PATH, FIXED, FREE, LOOK_AT, SETTINGS, LawParts, answer
+from cube_sim.control.asked import MEMORY as ASKED
 from cube_sim.control.attitude_mode import DESIRED
+from cube_sim.control.authority import CAPABILITY
 from cube_sim.control.balancing import BALANCE
 from cube_sim.control.balancing import MEMORY as BALANCED
 from cube_sim.control.disturbance import MEMORY as DISTURBANCE
@@ -19,12 +22,15 @@ from cube_sim.control.free_attitude import EFFORT, FreeAttitude
 from cube_sim.control.free_attitude import MEMORY as REST
 from cube_sim.control.look_at import LOOK, LookAt
 from cube_sim.control.look_at import MEMORY as SIGHT
+from cube_sim.control.loops import LOOPS
+from cube_sim.control.oscillation_centre import CENTRE
 from cube_sim.control.pace import NO_BUDGET, Facets
 from cube_sim.guidance.approach import APPROACH, Approach
 from cube_sim.guidance.law import MotionLaw
 from cube_sim.guidance.pursuit import PURSUIT, Pursuit
-from cube_sim.guidance.speed import Parts
+from cube_sim.guidance.speed import ConstantSpeed, Parts
 from cube_sim.spatial import Record, State, Vector
+from cube_sim.vehicle.laws.hull_motion import HULL
 
 if TYPE_CHECKING:
     from cube_sim.control.path_follower import PathFollower
@@ -151,3 +157,16 @@ def compiled_parts(
         disturbance=np.zeros(1, DISTURBANCE) if observer is None else observer.memory,
         current=np.zeros(3) if flow is None else flow.estimate,
     )
+
+
+@cache
+def resting_law() -> LawParts:
+    """Arguments of `answer` of the right types, for a flight that another law steers."""
+
+    def zero(*kinds: np.dtype) -> list[Record]:
+        return [np.zeros(1, kind) for kind in kinds]
+
+    told, speed = zero(SETTINGS, HULL, LOOPS, CAPABILITY), ConstantSpeed(1.0).parts
+    motion, modes = zero(APPROACH, PURSUIT, BALANCE), zero(LOOK, EFFORT, SIDE, SIGHT, REST, DISTURBANCE)
+    parts = *told, *NO_BUDGET, *speed, *motion, *NO_BUDGET, *modes, np.zeros(3), *zero(BALANCED, CENTRE, ASKED)
+    return LawParts._make(parts)

@@ -91,13 +91,16 @@ def call_at(typingctx: Any, function: Any, address: Any, arguments: Any) -> Any:
 
     Args:
         typingctx: numba's, not given by the caller.
-        function: that is called; or the type it answers, for one that need not be compiled by whoever does not call it.
+        function: that is called; or the type it answers, None for nothing, for one that need not be compiled by whoever
+            does not call it.
         address: of its code, `address_of` arguments of these types.
         arguments: a tuple.
     """
     kinds = tuple(types.unliteral(kind) for kind in arguments)
     if isinstance(function, types.NumberClass):
         result = function.instance_type
+    elif function is types.none:
+        result = types.none
     else:
         result = function.get_call_type(typingctx, kinds, {}).return_type
 

@@ -7,13 +7,15 @@ import pytest
 from support.places import HELIX, SCENARIO_FILES, SCENARIOS
 
 from cube_sim.flight import Flight, flight
+from cube_sim.flight.compiled.loop import fly
 from cube_sim.scenario import load
 
 CHECKS = [{"kind": "allowed_forces"}]
 COMPILED = {"bluerov2_battery", "bluerov2_free", "bluerov2_gust", "bluerov2_vectored_helix", "bluerov2_vectored_hover"}
 COMPILED |= {"bluerov2_vectored_line", "cube_free", "cube_helix", "cube_hover", "cube_look_at", "cube_lose_one"}
 COMPILED |= {"cube_navigated", "cube_survival", "cube_track", "jack_exact", "rov6_helix", "torpedo_helix"}
-COMPILED |= {"torpedo_line"}
+COMPILED |= {"infante_circle", "infante_circle_current", "infante_line", "infante_line_current", "infante_sinusoid"}
+COMPILED |= {"infante_spline", "torpedo_line"}
 """Scenarios whose ticks are nearly all of them flown by compiled code."""
 
 
@@ -103,8 +105,36 @@ def test_both_loops_navigate_the_same(settings, monkeypatch):
     assert assert_same_flight(scenario, {"duration_s": 12.0, "checks": CHECKS, **settings}, monkeypatch) > 0.3
 
 
+FAULT = {"kind": "thrusters", "at_s": 3.0, "thrusters": ["T1"]}
+
+
 @pytest.mark.flight
-@pytest.mark.parametrize("name", ["cube_lose_one", "cube_navigated", "torpedo_helix"])
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("circle_current", {"events": [{**FAULT, "state": "dead"}]}),
+        ("circle_current", {"events": [{**FAULT, "state": "weak", "efficiency": 0.4}], "control.faults": "told"}),
+        ("sinusoid", {"guidance.speed_m_s": 4.0}),
+        ("spline", {"guidance.speed_m_s": 6.0, "guidance.target_speed_limit_m_s": 3.0}),
+        ("line_current", {"path.end_m": [8.0, 0.0, -5.0]}),
+        ("circle", {"control.disturbance_time_s": None, "control.current_time_s": None}),
+    ],
+    ids=["dead", "weak", "too_fast", "slowed", "beyond_its_end", "as_published"],
+)
+def test_both_loops_steer_in_plane_the_same(name, settings, monkeypatch):
+    scenario = SCENARIOS / f"infante_{name}.yaml"
+    assert assert_same_flight(scenario, {"duration_s": 12.0, "checks": CHECKS, **settings}, monkeypatch) > 0.3
+
+
+@pytest.mark.flight
+def test_one_machine_code_flies_either_law():
+    for name in ("cube_helix", "infante_spline", "bluerov2_free"):
+        Flight(SCENARIOS / f"{name}.yaml").fly(5)
+    assert len(fly.overloads) == 1
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("name", ["cube_lose_one", "cube_navigated", "infante_circle_current", "torpedo_helix"])
 def test_a_snapshot_between_compiled_stretches_is_taken_up_to_the_bit(name):
     settings = {"duration_s": 5.0, "checks": CHECKS, "events": []}
     if name == "cube_lose_one":
@@ -131,13 +161,25 @@ def without_an_answer(mission):
     mission.controller.observer.memory["estimate"] = np.nan
 
 
+def without_an_answer_in_plane(mission):
+    mission.controller.observer.parts.unexplained["w"] = np.nan
+
+
 @pytest.mark.flight
-@pytest.mark.parametrize("broken", [without_a_state, without_an_answer])
-def test_both_loops_end_alike_when_something_is_no_number(broken, monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "broken"),
+    [
+        ("cube_helix", without_a_state),
+        ("cube_helix", without_an_answer),
+        ("infante_circle", without_a_state),
+        ("infante_circle", without_an_answer_in_plane),
+    ],
+)
+def test_both_loops_end_alike_when_something_is_no_number(name, broken, monkeypatch):
     settings = {"duration_s": 3.0, "checks": CHECKS}
     ended = []
     for compiled in (True, False):
-        one = Flight(SCENARIOS / "cube_helix.yaml", settings)
+        one = Flight(SCENARIOS / f"{name}.yaml", settings)
         if not compiled:
             monkeypatch.setattr(flight, "fly_ticks", lambda *_: None)
         while not one.over:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import atan2, cos, hypot, sin
 from typing import NamedTuple
 
@@ -10,13 +11,14 @@ from numpy.typing import NDArray
 
 from cube_sim.control.planar.approach_angle import approach_angle
 from cube_sim.control.planar.attainable_set import saturate
-from cube_sim.control.planar.dynamic import DesiredSpeed, dynamic_command, flow_over_ground
+from cube_sim.control.planar.dynamic import LAW, DesiredSpeed, dynamic_command, flow_over_ground
 from cube_sim.control.planar.kinematic import kinematic_command
-from cube_sim.control.planar.model import PlanarMotion
-from cube_sim.control.planar.observer import ObserverParts, observe_water
+from cube_sim.control.planar.model import PlanarModel, PlanarMotion
+from cube_sim.control.planar.observer import ObserverParts, PlanarObserver, observe_water
 from cube_sim.control.planar.path_view import PathView, heading, plane_view, wrap
-from cube_sim.control.planar.short_of_torque import torque_share, watch_torque
+from cube_sim.control.planar.short_of_torque import SHARE, torque_share, watch_torque
 from cube_sim.control.planar.turning_profile import TurningParts, turning_speed_at
+from cube_sim.guidance.speed import ConstantSpeed
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record
 
@@ -80,7 +82,7 @@ def steer(parts, view, desired, followed, R, v, w, applied, dt):
         parts: `PlanarParts`.
         view: record of `cube_sim.guidance.view_record.VIEW`.
         desired: record of `cube_sim.control.attitude_mode.DESIRED`, whose quaternion is filled.
-        followed: record of `cube_sim.control.following.FOLLOWED`, zero, filled.
+        followed: record of `cube_sim.control.following.FOLLOWED`, zero at first, filled.
         R: R_WB (3,3).
         v: over ground (3,) [m/s], body axes.
         w: (3,) [rad/s], body axes.
@@ -112,3 +114,11 @@ def steer(parts, view, desired, followed, R, v, w, applied, dt):
     estimated.disturbance[0], estimated.disturbance[1] = hull.m_u * water.du, hull.m_v * water.dv
     estimated.disturbance[5] = hull.m_r * water.dr
     estimated.current[0], estimated.current[1] = current[0], current[1]
+
+
+@cache
+def resting_planar_law() -> PlanarParts:
+    """Arguments of `steer` of the right types, for a flight that another law steers."""
+    observer = PlanarObserver(PlanarModel(1.0, 1.0, 1.0, 1.0), np.zeros(2), None, None)
+    told = np.zeros(1, SETTINGS), np.zeros(1, LAW), TurningParts.of(ConstantSpeed(1.0))
+    return PlanarParts(*told, np.zeros((0, 2)), np.zeros(0), observer.parts, np.zeros(1, SHARE), np.zeros(1, ESTIMATED))

@@ -9,16 +9,13 @@ import mujoco
 import numpy as np
 
 from cube_sim.allocation.responsive import search_address
-from cube_sim.control.answering import LawParts, answer
-from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.diagnosis import Diagnosis
-from cube_sim.control.following import FOLLOWED
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.flight.compiled.loop import fly
 from cube_sim.flight.compiled.parts import Answering, Course, Engine, FaultWatch, Feed, Hull, Notes, Sensing
+from cube_sim.flight.compiled.steering import Steering
 from cube_sim.flight.rows import TickRows, rows_for
 from cube_sim.guidance.target_record import RunningParts
-from cube_sim.guidance.view_record import VIEW
 from cube_sim.mission import Mission
 from cube_sim.mission.surface_watch import Boxes
 from cube_sim.native.compiled import address_of
@@ -83,22 +80,21 @@ def fly_ticks(
         None where a part of it is of a kind that only Python flies.
     """
     controller, supply = mission.controller, mission.supply
-    if type(controller) is not PathFollower or supply.force_ratio == 0.0 or mission.model.narena < LEAST_ARENA_BYTES:
+    if supply.force_ratio == 0.0 or mission.model.narena < LEAST_ARENA_BYTES or mission.drop_weight.dropped:
         return None
-    parts, target = controller.ready, controller.target
-    running: RunningParts | None = getattr(target, "parts", None)
-    if parts is None or running is None or mission.drop_weight.dropped:
+    by = Steering.of(controller)
+    running: RunningParts | None = None if by is None else getattr(by.target, "parts", None)
+    if by is None or running is None:
         return None
-    path, evidence = getattr(target.path, "parts", None), _evidence(mission)
-    searched = mission.allocator.searched(controller.attitude_yields)
+    path, evidence = getattr(by.target.path, "parts", None), _evidence(mission)  # type: ignore[attr-defined]
+    searched = mission.allocator.searched(by.yields)
     sensing = _sensing(mission, count)
     if path is None or evidence is None or searched is None or sensing is None:
         return None
     (allocator, thrusters), before = searched, supply.force_ratio
-    arc_length, feed = np.array([target.arc_length]), _feed(mission)
-    left, yields = controller.capability, controller.attitude_yields
-    course = Course(path, *running, controller.monitor.memory, controller.shortage, left.steers_by_attitude, arc_length)
-    answering = Answering(controller.coupling, yields, float(left.authority), applied.copy(), np.zeros(4), np.zeros(22))
+    arc_length, feed = np.array([by.target.arc_length]), _feed(mission)
+    course = Course(path, *running, by.loss, by.shortage, by.steers, arc_length)
+    answering = Answering(by.in_plane, by.coupling, by.yields, by.authority, applied.copy(), np.zeros(4), np.zeros(22))
     rows = rows_for(mission.channels, count)
     notes = Notes(
         answers=np.zeros((count if allocator.confirms else 1, allocator.answer_size)),
@@ -107,14 +103,13 @@ def fly_ticks(
         force_ratio=np.zeros(count),
         effort=np.zeros(2, np.int64),
     )
-    law = parts.arguments(controller)
-    codes = _law_address(law), search_address(), _estimating_address(sensing) if sensing.navigated else 0
+    codes = *by.addresses, search_address(), _estimating_address(sensing) if sensing.navigated else 0
     ticks, reached = fly(
         codes, count, tick, _engine(mission, moving), _hull(mission, boxes), feed, evidence, sensing,
-        course, law, answering, thrusters, rows, notes,
+        course, by.law, by.planar, answering, thrusters, rows, notes,
     )  # fmt: skip
-    target.arc_length = float(arc_length[0])
-    if ticks:
+    by.target.arc_length = float(arc_length[0])
+    if ticks and isinstance(controller, PathFollower):
         controller.desired = answering.quaternion
     supply.power = feed.power
     mission.allocator.take_over(thrusters)
@@ -133,15 +128,6 @@ def fly_ticks(
         State(state[:3], state[3:7], state[7:16].reshape(3, 3), state[16:19], state[19:]),
         sensing,
     )
-
-
-def _law_address(law: LawParts) -> int:
-    """Where the code of the law lies, which is large."""
-    if "law" not in _ADDRESSES:
-        records = (np.zeros(1, kind) for kind in (VIEW, DESIRED, FOLLOWED))
-        motion = np.eye(3), np.zeros(4), np.zeros(3), np.zeros(3)
-        _ADDRESSES["law"] = address_of(answer, law, *records, *motion, np.zeros(6), 1.0, 1.0)
-    return _ADDRESSES["law"]
 
 
 def _estimating_address(sensing: Sensing) -> int:

@@ -65,11 +65,14 @@ def sense(code, sensing, k, state, acceleration, known):
 
 
 @unlocked
-def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, answering, thrusters, rows, notes):
+def fly(
+    codes, count, tick, engine, hull, feed, evidence, sensing, course, law, planar, answering, thrusters, rows, notes
+):  # fmt: skip
     """Fly up to so many ticks.
 
     Args:
-        codes: addresses of the code of `answer`, of `solve_each`, and of `estimate` where the state is estimated.
+        codes: addresses of the code of `answer` or of `cube_sim.control.planar.steering.steer`, 0 for the other one, of
+            `solve_each`, and of `estimate` where the state is estimated.
         count: how many.
         tick: number of the first.
         engine: `Engine`.
@@ -79,6 +82,7 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
         sensing: `Sensing`.
         course: `Course`.
         law: `cube_sim.control.answering.LawParts`.
+        planar: `cube_sim.control.planar.steering.PlanarParts`.
         answering: `Answering`.
         thrusters: `cube_sim.allocation.responsive.ResponsiveThrusters`.
         rows: `cube_sim.flight.rows.TickRows`, so many; filled.
@@ -90,7 +94,7 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
     e, dt, m = engine, engine.period, len(feed.actuators)
     body, warned, period = e.hull[2], e.warnings.sum(), len(evidence.window.expected)
     view, desired, followed = np.zeros(1, VIEW), np.zeros(1, DESIRED), np.zeros(1, FOLLOWED)
-    given, activation, force, no_current = np.empty(m), np.empty(m), np.empty(m), np.zeros(3)
+    given, activation, force, current = np.empty(m), np.empty(m), np.empty(m), np.zeros(3)
     secondary, parts, sides = np.zeros(6), np.empty(12), np.empty(len(thrusters.which), np.int8)
     disturbance, water, nobody = np.zeros(6), np.empty(3), np.zeros(m, np.bool_)
     for k in range(count):
@@ -129,7 +133,7 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
         known = state
         if sensing.navigated:
             known = np.empty(22)
-            sense(codes[2], sensing, k, state, e.qacc[e.hull[1] : e.hull[1] + 3], known)
+            sense(codes[3], sensing, k, state, e.qacc[e.hull[1] : e.hull[1] + 3], known)
             R = known[7:16].reshape(3, 3)
         velocity_W = turned_to_world(R, known[16:19])
         s = course.arc_length[0]
@@ -146,15 +150,25 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
         course.loss[0].nearest, course.loss[0].distance = loss[0].nearest, loss[0].distance
         desired[0].quaternion[:] = 0.0
         desired[0].rates[:] = 0.0
-        motion = R, known[3:7], known[16:19], known[19:]
-        call_at(answer, codes[0], (law, view, desired, followed, *motion, answering.applied, dt, force_ratio))
+        records, speed, rates = (view, desired, followed), known[16:19], known[19:]
+        if answering.in_plane:
+            call_at(None, codes[1], (planar, *records, R, speed, rates, answering.applied, dt))
+            put(disturbance, planar.estimated[0].disturbance)
+            put(current, planar.estimated[0].current)
+        else:
+            motion = R, known[3:7], speed, rates
+            call_at(answer, codes[0], (law, *records, *motion, answering.applied, dt, force_ratio))
+            if law.settings[0].disturbance_time > 0.0:
+                put(disturbance, law.disturbance[0].estimate)
+            if law.settings[0].current_time > 0.0:
+                put(current, law.current)
         out, wanted = followed[0], desired[0].quaternion
         if not isfinite((out.wrench**2).sum() + (wanted**2).sum() + (view[0].error ** 2).sum()):
             return k, ESTIMATED
         if answering.yields:
             yield_attitude(answering.coupling, out.wrench, secondary)
         asked, residual, cost, status, nodes, doubts = allocate_responsive(
-            codes[1], thrusters, out.wrench, secondary, force_ratio, parts,
+            codes[2], thrusters, out.wrench, secondary, force_ratio, parts,
             notes.demands[k], notes.answers[k % len(notes.answers)], sides, answering.applied,
         )  # fmt: skip
         if evidence.watched:
@@ -166,14 +180,11 @@ def fly(codes, count, tick, engine, hull, feed, evidence, sensing, course, law, 
         notes.effort[0] += nodes
         notes.effort[1] += doubts
         notes.pace[k], notes.force_ratio[k] = out.pace, force_ratio
-        if law.settings[0].disturbance_time > 0.0:
-            put(disturbance, law.disturbance[0].estimate)
         put(water, hull.wind)
         if hull.sheared:
             there = velocity_at(t, state[2], hull.times, hull.heights, hull.velocities)
             for i in range(3):
                 water[i] += there[i]
-        current = law.current if law.settings[0].current_time > 0.0 else no_current
         off = angle_of_turn(wanted, state[3:7]) if sensing.navigated else out.attitude_error
         write_motion(rows, k, t, state, view, followed, wanted, off, disturbance, current, water)
         write_actuation(

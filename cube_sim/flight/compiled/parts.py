@@ -186,9 +186,10 @@ class Course(NamedTuple):
 
 
 class Answering(NamedTuple):
-    """What comes after the law.
+    """Which law it is, and what comes after it.
 
     Attributes:
+        in_plane: whether it is the planar one.
         coupling: (3,3) of `yield_attitude`.
         yields: whether the attitude gives way to the path.
         authority: code of how the vehicle flies.
@@ -197,6 +198,7 @@ class Answering(NamedTuple):
         state: (22,) known at the last tick, out.
     """
 
+    in_plane: bool
     coupling: Matrix
     yields: bool
     authority: float

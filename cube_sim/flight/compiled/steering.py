@@ -1,0 +1,93 @@
+"""What the compiled loop is steered by: one of the two laws, and the other one at rest."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from cube_sim.control.answering import LawParts, answer
+from cube_sim.control.attitude_mode import DESIRED
+from cube_sim.control.compiled_parts import resting_law
+from cube_sim.control.controller import Controller
+from cube_sim.control.following import FOLLOWED
+from cube_sim.control.path_follower import PathFollower
+from cube_sim.control.planar.follower import PlanarFollower
+from cube_sim.control.planar.steering import PlanarParts, resting_planar_law, steer
+from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode
+from cube_sim.control.shortage import SHORTAGE
+from cube_sim.guidance.law import Target
+from cube_sim.guidance.view_record import VIEW
+from cube_sim.native.compiled import address_of
+from cube_sim.spatial import Matrix, Record
+
+_ADDRESSES: dict[str, int] = {}
+
+
+class Steering(NamedTuple):
+    """A controller as the compiled loop flies it.
+
+    Attributes:
+        in_plane: whether the planar law steers.
+        law: the law for all axes, at rest where the planar one steers.
+        planar: the planar law, at rest where the other one steers.
+        target: on the path.
+        loss: record of `cube_sim.control.safe_mode.LOSS`; of one that is never lost where nobody asks.
+        shortage: record of `cube_sim.control.shortage.SHORTAGE`.
+        steers: whether the attitude is balanced in any case.
+        coupling: (3,3) of `yield_attitude`.
+        yields: whether the attitude gives way to the path.
+        authority: code of how the vehicle flies.
+    """
+
+    in_plane: bool
+    law: LawParts
+    planar: PlanarParts
+    target: Target
+    loss: Record
+    shortage: Record
+    steers: bool
+    coupling: Matrix
+    yields: bool
+    authority: float
+
+    @classmethod
+    def of(cls, controller: Controller) -> Steering | None:
+        """None where only Python flies a controller, or where it has something to say at the coming tick."""
+        if type(controller) is PlanarFollower:
+            never_lost, nothing_short = LossOfTargetMonitor(SafeMode()).memory, np.zeros(1, SHORTAGE)
+            told = controller.target, never_lost, nothing_short, False, np.zeros((3, 3)), False
+            return cls(True, resting_law(), controller.parts, *told, float(controller.authority))
+        if type(controller) is not PathFollower or (parts := controller.ready) is None:
+            return None
+        left = controller.capability
+        told = controller.target, controller.monitor.memory, controller.shortage, left.steers_by_attitude
+        yielding = controller.coupling, controller.attitude_yields
+        return cls(False, parts.arguments(controller), resting_planar_law(), *told, *yielding, float(left.authority))
+
+    @property
+    def addresses(self) -> tuple[int, int]:
+        """Where the code of either law lies; that of the one at rest is not asked for, nor compiled for that."""
+        return (0, _planar_address(self.planar)) if self.in_plane else (_law_address(self.law), 0)
+
+
+def _law_address(law: LawParts) -> int:
+    """Where the code of the law for all axes lies, which is large."""
+    if "law" not in _ADDRESSES:
+        motion = np.eye(3), np.zeros(4), np.zeros(3), np.zeros(3)
+        _ADDRESSES["law"] = address_of(answer, law, *_tick_records(), *motion, np.zeros(6), 1.0, 1.0)
+    return _ADDRESSES["law"]
+
+
+def _planar_address(parts: PlanarParts) -> int:
+    """Where the code of the planar law lies; it is compiled only for those who fly by it."""
+    if "planar" not in _ADDRESSES:
+        motion = np.eye(3), np.zeros(3), np.zeros(3)
+        _ADDRESSES["planar"] = address_of(steer, parts, *_tick_records(), *motion, np.zeros(6), 1.0)
+    return _ADDRESSES["planar"]
+
+
+@cache
+def _tick_records() -> tuple[Record, ...]:
+    return tuple(np.zeros(1, kind) for kind in (VIEW, DESIRED, FOLLOWED))
