@@ -5,14 +5,11 @@ from __future__ import annotations
 import platform
 from functools import cache
 from importlib.metadata import version
-from pathlib import Path
 
-import mujoco
-
+from cube_sim.mission.input_files import input_files
 from cube_sim.mission.own.code import NO_CODES, Codes
 from cube_sim.recording.header import RecordedCode, RunHeader
 from cube_sim.scenario import Loaded
-from cube_sim.scenario.file_names import renamed
 from cube_sim.scenario.resolved import to_yaml
 
 PACKAGES = ("cube-sim", "mujoco", "numba", "numpy", "proxsuite", "mcap", "rerun-sdk")
@@ -25,31 +22,19 @@ def versions() -> dict[str, str]:
 
 
 def header(loaded: Loaded, codes: Codes = NO_CODES) -> RunHeader:
-    """The inputs of a run; files are called by their name, not by where this machine keeps them.
+    """The inputs of a run; files are called after their keys, not by where this machine keeps them.
 
     Args:
         loaded: what is flown.
         codes: code of the user's own in it.
     """
-    model = Path(loaded.scenario.model)
-    portable = renamed(loaded.scenario, lambda file: Path(file).name)
+    inputs = input_files(loaded.scenario)
     return RunHeader(
         scenario=loaded.text,
-        resolved=to_yaml(portable),
-        mjcf=model.read_text(encoding="utf-8"),
-        assets=_assets(model),
+        resolved=to_yaml(inputs.scenario),
+        model=inputs.scenario.model,
+        inputs=inputs.contents,
         code=tuple(RecordedCode(key, code.name, code.source) for key, code in sorted(codes.items())),
         versions=versions(),
         seed=loaded.scenario.seed,
     )
-
-
-def _assets(model: Path) -> dict[str, bytes]:
-    """The files an MJCF refers to, by the name it uses."""
-    spec = mujoco.MjSpec.from_file(str(model))
-    groups = (
-        (spec.meshdir, (mesh.file for mesh in spec.meshes)),
-        (spec.meshdir, (hfield.file for hfield in spec.hfields)),
-        (spec.texturedir, (texture.file for texture in spec.textures)),
-    )
-    return {name: (model.parent / folder / name).read_bytes() for folder, names in groups for name in names if name}

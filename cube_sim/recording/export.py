@@ -25,7 +25,7 @@ def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
     recording = read_recording(mcap)
     header = recording.header
     try:
-        model = mujoco.MjModel.from_xml_string(header.mjcf, dict(header.assets))
+        model = mujoco.MjModel.from_xml_path(header.model, dict(header.inputs))
     except ValueError as error:
         raise RecordingError(f"{mcap}: the recorded model does not compile: {error}") from None
     named = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, recording.vehicle) >= 0

@@ -41,8 +41,8 @@ class RunHeader:
     Attributes:
         scenario: text of the scenario file as it was written.
         resolved: the same scenario with every default spelled out, YAML text.
-        mjcf: text of the MJCF model.
-        assets: contents of the files the MJCF refers to, by the name it uses.
+        model: name of the MJCF among the inputs.
+        inputs: contents of each file that `resolved` names but for Python, and of those these refer to, by name.
         code: code of the user's own that took part.
         versions: version of each package that takes part in the numbers.
         seed: seed of the run's random numbers.
@@ -50,8 +50,13 @@ class RunHeader:
 
     scenario: str
     resolved: str
-    mjcf: str
-    assets: Mapping[str, bytes] = field(default_factory=dict)
+    model: str
+    inputs: Mapping[str, bytes]
     code: tuple[RecordedCode, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     seed: int = 0
+
+    @property
+    def mjcf(self) -> str:
+        """Text of the MJCF; what is no UTF-8 in it is replaced."""
+        return self.inputs[self.model].decode(errors="replace")

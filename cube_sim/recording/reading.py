@@ -29,6 +29,7 @@ from cube_sim.recording.mcap.names import (
     EPOCH_NS,
     LOG_TOPIC,
     MODEL,
+    MODEL_NAME,
     RESOLVED,
     RUN_METADATA,
     SCENARIO,
@@ -221,13 +222,17 @@ def _header(contents: McapContents) -> tuple[RunHeader, str]:
     header = RunHeader(
         scenario=files[SCENARIO].decode(),
         resolved=files[RESOLVED].decode(),
-        mjcf=files[MODEL].decode(),
-        assets={name.removeprefix(ASSETS): data for name, data in files.items() if name.startswith(ASSETS)},
+        model=run.get(MODEL_NAME, MODEL),
+        inputs={name.removeprefix(ASSETS): data for name, data in files.items() if _is_input(name)},
         code=_code(contents),
         versions=contents.metadata[VERSIONS_METADATA],
         seed=int(run["seed"]),
     )
     return header, run["vehicle"]
+
+
+def _is_input(name: str) -> bool:
+    return name not in (SCENARIO, RESOLVED) and not name.startswith(CODE)
 
 
 def _code(contents: McapContents) -> tuple[RecordedCode, ...]:

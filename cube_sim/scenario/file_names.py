@@ -83,6 +83,22 @@ def _marks(annotation: Any) -> Iterator[Any]:
         yield from _marks(inner)
 
 
+def named_files(block: Block, path: str = "") -> Iterator[tuple[str, FileKind, str]]:
+    """(dotted path, kind, value) of every key below a block that names a file, in the order of the keys."""
+    for key, field in type(block).model_fields.items():
+        yield from _named(getattr(block, key), file_kind(field), f"{path}.{key}" if path else key)
+
+
+def _named(value: Any, kind: FileKind | None, path: str) -> Iterator[tuple[str, FileKind, str]]:
+    if isinstance(value, Block):
+        yield from named_files(value, path)
+    elif isinstance(value, tuple):
+        for index, item in enumerate(value):
+            yield from _named(item, kind, f"{path}.{index}")
+    elif kind is not None and isinstance(value, str):
+        yield path, kind, value
+
+
 def renamed(block: AnyBlock, rename: Callable[[str], str]) -> AnyBlock:
     """The same block, and the blocks in it, with every name of a file replaced by what `rename` makes of it."""
     return block.model_copy(

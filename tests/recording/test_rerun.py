@@ -252,7 +252,7 @@ def test_the_view_can_be_left_out(tmp_path):
 
 
 def test_a_record_whose_model_does_not_compile_is_refused(tmp_path):
-    header = HEADER.__class__(**{**vars(HEADER), "mjcf": "<mujoco><worldbody><body></mujoco>"})
+    header = HEADER.__class__(**{**vars(HEADER), "inputs": {HEADER.model: b"<mujoco><worldbody><body></mujoco>"}})
     with Recorder(tmp_path, header, table(), model(), view=False) as recorder:
         append_tick(recorder, 0)
     with pytest.raises(RecordingError, match="the recorded model does not compile"):

@@ -50,8 +50,8 @@ MJCF = f"""
 HEADER = RunHeader(
     scenario="vehicle: octa  # as written\nduration: 3 s\n",
     resolved="vehicle: octa\nduration: 3.0\n",
-    mjcf=MJCF,
-    assets={"meshes/b.obj": bytes(range(256)), "meshes/a.obj": b""},
+    model="model/octa.xml",
+    inputs={"model/octa.xml": MJCF.encode(), "model/meshes/b.obj": bytes(range(256)), "model/meshes/a.obj": b""},
     versions={"numpy": "2", "mujoco": "4"},
     seed=7,
 )

@@ -11,7 +11,6 @@ from cube_sim.control.authority import Authority
 from cube_sim.mission.channels import PATH_POINTS
 from cube_sim.recording.channels import ON_CHANGE, TICK_HZ, Channel, Field, channel_table
 from cube_sim.recording.mcap.names import (
-    ASSETS,
     CHANNEL_METADATA,
     CODE,
     CODE_DIGESTS,
@@ -19,7 +18,6 @@ from cube_sim.recording.mcap.names import (
     EPOCH_NS,
     FORMAT,
     LOG_TOPIC,
-    MODEL,
     RESOLVED,
     RUN_METADATA,
     SCENARIO,
@@ -87,9 +85,10 @@ _POSE, _PATH_ERROR = Channel("pose", ()), Channel("path_error", ())
 _LAYOUT = f"""\
 An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
 
-- **Attachments**: `{SCENARIO}` as it was written, `{RESOLVED}`, `{MODEL}` (the MJCF), and as `{ASSETS}NAME` each file
-  the MJCF refers to. That is enough to run it again. Python of the user's own is there as `{CODE}KEY/FILE`, the key
-  being the scenario's value in whose place it stands.
+- **Attachments**: `{SCENARIO}` as it was written; `{RESOLVED}`; every file that this names, under the name it uses:
+  `model/cube.xml`, `path.file/survey.csv`, by key; what an MJCF includes, attaches or takes meshes from, beside it.
+  Python of the user's own is there as `{CODE}KEY/FILE`, the key being the scenario's value in whose place it stands.
+  Saved into a folder as they are called, they can be run again; no name depends on the machine.
 - **Metadata**: `{RUN_METADATA}` has the format ({FORMAT}), the seed and the vehicle's name, `{VERSIONS_METADATA}` the
   version of each package that takes part in the numbers. Where Python of the user's own flew, `{CODE_METADATA}` has its
   names by key, `{CODE_DIGESTS}` the SHA-256 of their files.

@@ -7,10 +7,13 @@ from cube_sim.recording.channels import Channel
 # 2000-01-01T00:00:00Z. Simulated time starts here in every recording: a recording has no wall clock.
 EPOCH_NS = 946_684_800 * 1_000_000_000
 
-FORMAT = "1"
+FORMAT = "2"
+"""1 had the MJCF as `MODEL`, the files it refers to as `ASSETS` and no other inputs."""
 TRANSFORM_TOPIC = "/tf"
 LOG_TOPIC = "/log"
-SCENARIO, RESOLVED, MODEL, ASSETS, CODE = "scenario.yaml", "resolved.yaml", "model.xml", "assets/", "python/"
+SCENARIO, RESOLVED, CODE = "scenario.yaml", "resolved.yaml", "python/"
+MODEL, ASSETS = "model.xml", "assets/"
+MODEL_NAME = "model"
 RUN_METADATA, VERSIONS_METADATA, CODE_METADATA, CODE_DIGESTS = "cube_sim", "versions", "python", "python_sha256"
 CHANNEL_METADATA = "channel"
 

@@ -17,7 +17,6 @@ from cube_sim.recording.mcap.encoding import INDEX_ENTRY, INDEX_HEAD, STREAM, Re
 from cube_sim.recording.mcap.fixed_width import Layout, channel_layout, message_record
 from cube_sim.recording.mcap.foxglove import frame_transform_layout, log_message
 from cube_sim.recording.mcap.names import (
-    ASSETS,
     CHANNEL_METADATA,
     CODE,
     CODE_DIGESTS,
@@ -25,7 +24,7 @@ from cube_sim.recording.mcap.names import (
     EPOCH_NS,
     FORMAT,
     LOG_TOPIC,
-    MODEL,
+    MODEL_NAME,
     RESOLVED,
     RUN_METADATA,
     SCENARIO,
@@ -124,7 +123,8 @@ class McapSink:
         self._writer.close()
 
     def _write_header(self, header: RunHeader) -> None:
-        self._writer.add_metadata(RUN_METADATA, {"format": FORMAT, "seed": str(header.seed), "vehicle": self._vehicle})
+        run = {"format": FORMAT, "seed": str(header.seed), "vehicle": self._vehicle, MODEL_NAME: header.model}
+        self._writer.add_metadata(RUN_METADATA, run)
         self._writer.add_metadata(VERSIONS_METADATA, dict(sorted(header.versions.items())))
         if header.code:
             self._writer.add_metadata(CODE_METADATA, {code.key: code.name for code in header.code})
@@ -132,12 +132,15 @@ class McapSink:
         files = [
             (SCENARIO, "application/yaml", header.scenario.encode()),
             (RESOLVED, "application/yaml", header.resolved.encode()),
-            (MODEL, "application/xml", header.mjcf.encode()),
         ]
-        files += [(ASSETS + name, "application/octet-stream", data) for name, data in sorted(header.assets.items())]
+        files += [(name, _media_type(name), data) for name, data in sorted(header.inputs.items())]
         files += [(CODE + code.file, "text/x-python", code.source.encode()) for code in header.code if code.source]
         for name, media_type, data in files:
             self._writer.add_attachment(name, media_type, data, EPOCH_NS)
+
+
+def _media_type(name: str) -> str:
+    return {".xml": "application/xml", ".csv": "text/csv"}.get(Path(name).suffix, "application/octet-stream")
 
 
 def _templates(ids: Sequence[int], layouts: Sequence[tuple[Layout, int]]) -> tuple[Templates, NDArray[np.void]]:

@@ -221,6 +221,8 @@ def _recording_id(header: RunHeader) -> str:
     """Derive the id from the inputs: a run made again is the same recording, another seed another one."""
     digest = hashlib.sha256()
     sources = [code.source for code in header.code]
-    for part in (header.resolved, header.mjcf, str(header.seed), *map(str, sorted(header.versions.items())), *sources):
+    for part in (header.resolved, str(header.seed), *map(str, sorted(header.versions.items())), *sources):
         digest.update(part.encode() + b"\0")
+    for name, content in sorted(header.inputs.items()):
+        digest.update(name.encode() + b"\0" + content + b"\0")
     return digest.hexdigest()[:32]
