@@ -56,6 +56,7 @@ class Window(NamedTuple):
         threshold: differences below this say nothing [N].
         noise: standard deviation of a measured force [N].
         gains: what is known of the telemetry.
+        lengths: (l,) of the windows that are looked at [ticks], the last one k.
     """
 
     expected: Matrix
@@ -68,6 +69,7 @@ class Window(NamedTuple):
     threshold: float
     noise: float
     gains: TelemetryGains
+    lengths: NDArray[np.int64]
 
 
 class Diagnosis:
@@ -133,8 +135,8 @@ class Diagnosis:
 
     @property
     def window(self) -> Window | None:
-        """What it judges by while nothing speaks against what is believed; None where Python has to, as under noise."""
-        return None if self._noise > 0.0 or self.doubtful.any() else self._window
+        """What it judges by while nothing speaks against what is believed; None where something does."""
+        return None if self._suggested or self.doubtful.any() else self._window
 
     @property
     def probes(self) -> ProbeMemory:
@@ -144,7 +146,8 @@ class Diagnosis:
     @property
     def _window(self) -> Window:
         rings, health = (self._expected, self._measured, self._ring, self._age, self._suspect), self.health
-        return Window(*rings, *health, self._threshold, float(self._noise), self._gain.gains)
+        lengths = np.array(self._lengths, dtype=np.int64)
+        return Window(*rings, *health, self._threshold, float(self._noise), self._gain.gains, lengths)
 
     def _judge(self, n: int, noise: float) -> None:
         """Believe something else of thrusters that do not do what is believed of them, if n ticks say what."""
@@ -238,3 +241,21 @@ def enter_pair(window, expected, measured, force_ratio):
         w.age[i] += 1
         w.suspect[i] = False
     w.ring[0], w.ring[1] = (row + 1) % rows, min(w.ring[1] + 1, rows)
+
+
+@compiled
+def speaks_against(window, force_ratio):
+    """Whether a window of any length says that a thruster does something else than believed.
+
+    Args:
+        window: `Window`, the forces of this tick entered.
+        force_ratio: the share of their force that the supply leaves the thrusters.
+    """
+    w, rows = window, len(window.expected)
+    against = False
+    for n in w.lengths:
+        if w.ring[1] >= n and not against:
+            first, noise = (w.ring[0] - n) % rows, w.noise / force_ratio
+            believed = w.efficiency, w.stuck, w.gains.gain
+            against = contradicts(w.expected, w.measured, first, n, *believed, w.threshold, noise).any()
+    return against

@@ -12,7 +12,7 @@ from cube_sim.control.probing import ProbeMemory
 from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.telemetry import Telemetry
 from cube_sim.scenario import Scenario
-from cube_sim.spatial import Vector
+from cube_sim.spatial import Matrix, Vector
 from cube_sim.wrench.health import Health
 
 PROBE_S = 0.3
@@ -57,11 +57,19 @@ class FaultFinding:
         """The same when the forces of this tick have been entered already."""
         return self._diagnosis.conclude(force_ratio)
 
-    @property
-    def evidence(self) -> tuple[Window, ProbeMemory, Vector] | None:
-        """What it judges by, its probes and the gains (m,) of the telemetry; None where Python has to judge."""
-        window = self._diagnosis.window
-        return None if window is None else (window, self._diagnosis.probes, self._telemetry.gain)
+    def evidence(self, ticks: int) -> tuple[Window, ProbeMemory, Vector, Matrix] | None:
+        """What it judges by, its probes, the gains (m,) of the telemetry and its noise (ticks, m) [N] to come.
+
+        None where Python has to judge. `take_over` says of how many ticks the forces have been entered.
+        """
+        window, telemetry = self._diagnosis.window, self._telemetry
+        return (
+            None if window is None else (window, self._diagnosis.probes, telemetry.gain, telemetry.noise_ahead(ticks))
+        )
+
+    def take_over(self, ticks: int) -> None:
+        """Go on from where the forces of so many ticks have been entered into the evidence."""
+        self._telemetry.skip(ticks)
 
     def probed(self, force: Vector) -> Vector:
         """The forces (m,) [N] to ask for at this tick, a probe among them when one is due."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from cube_sim.navigation.streams import stream
 from cube_sim.scenario.telemetry_block import TelemetryBlock
-from cube_sim.spatial import Vector
+from cube_sim.spatial import Matrix, Vector
 
 
 class Telemetry:
@@ -35,3 +35,17 @@ class Telemetry:
         if self._noise == 0.0:
             return self.gain * force
         return self.gain * force + self._noise * self._random.standard_normal(len(force))
+
+    def noise_ahead(self, count: int) -> Matrix:
+        """The noise (count, m) [N] of the next readings, of which none is taken; (0, m) where there is no noise."""
+        if self._noise == 0.0:
+            return np.zeros((0, len(self.gain)))
+        before = self._random.bit_generator.state
+        noise = self._noise * self._random.standard_normal((count, len(self.gain)))
+        self._random.bit_generator.state = before
+        return noise
+
+    def skip(self, count: int) -> None:
+        """Take so many readings, whose noise was read ahead."""
+        if self._noise != 0.0:
+            self._random.standard_normal((count, len(self.gain)))

@@ -127,6 +127,23 @@ def test_both_loops_steer_in_plane_the_same(name, settings, monkeypatch):
 
 
 @pytest.mark.flight
+@pytest.mark.parametrize(
+    ("telemetry", "events", "least"),
+    [
+        ({"noise_N": 2.0}, [], 0.9),
+        ({"noise_N": 1.0, "gain": 1.08, "gain_tolerance": 0.1}, [{**FAULT, "state": "dead"}], 0.5),
+        ({"noise_N": 6.0, "gain_tolerance": 0.05}, [{**FAULT, "state": "stuck", "force_N": 20.0}], 0.5),
+        ({"gain": 0.93, "gain_tolerance": 0.1}, [{**FAULT, "state": "weak", "efficiency": 0.5}], 0.5),
+    ],
+    ids=["noise", "dead", "stuck", "weak"],
+)
+def test_both_loops_read_the_same_telemetry(telemetry, events, least, monkeypatch):
+    settings = {"duration_s": 12.0, "checks": CHECKS, "events": events}
+    settings |= {f"telemetry.{key}": value for key, value in telemetry.items()}
+    assert assert_same_flight(HELIX, settings, monkeypatch) > least
+
+
+@pytest.mark.flight
 def test_one_machine_code_flies_either_law():
     for name in ("cube_helix", "infante_spline", "bluerov2_free"):
         Flight(SCENARIOS / f"{name}.yaml").fly(5)
@@ -136,7 +153,7 @@ def test_one_machine_code_flies_either_law():
 @pytest.mark.flight
 @pytest.mark.parametrize("name", ["cube_lose_one", "cube_navigated", "infante_circle_current", "torpedo_helix"])
 def test_a_snapshot_between_compiled_stretches_is_taken_up_to_the_bit(name):
-    settings = {"duration_s": 5.0, "checks": CHECKS, "events": []}
+    settings = {"duration_s": 5.0, "checks": CHECKS, "events": [], "telemetry.noise_N": 1.0}
     if name == "cube_lose_one":
         settings["events"] = [{"kind": "thrusters", "at_s": 1.5, "thrusters": ["T1"], "state": "dead"}]
     one, other = (Flight(SCENARIOS / f"{name}.yaml", settings) for _ in range(2))

@@ -11,7 +11,7 @@ import numpy as np
 from cube_sim.allocation.responsive import search_address
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.path_follower import PathFollower
-from cube_sim.flight.compiled.loop import fly
+from cube_sim.flight.compiled.loop import JUDGED, fly
 from cube_sim.flight.compiled.parts import Answering, Course, Engine, FaultWatch, Feed, Hull, Notes, Sensing
 from cube_sim.flight.compiled.steering import Steering
 from cube_sim.flight.rows import TickRows, rows_for
@@ -86,7 +86,7 @@ def fly_ticks(
     running: RunningParts | None = None if by is None else getattr(by.target, "parts", None)
     if by is None or running is None:
         return None
-    path, evidence = getattr(by.target.path, "parts", None), _evidence(mission)  # type: ignore[attr-defined]
+    path, evidence = getattr(by.target.path, "parts", None), _evidence(mission, count)  # type: ignore[attr-defined]
     searched = mission.allocator.searched(by.yields)
     sensing = _sensing(mission, count)
     if path is None or evidence is None or searched is None or sensing is None:
@@ -112,6 +112,8 @@ def fly_ticks(
     if ticks and isinstance(controller, PathFollower):
         controller.desired = answering.quaternion
     supply.power = feed.power
+    if mission.fault_finding is not None:
+        mission.fault_finding.take_over(ticks + (reached >= JUDGED))
     mission.allocator.take_over(thrusters)
     allocator.effort.add(*notes.effort.tolist())
     allocator.confirm_later(notes.answers[:ticks], notes.demands[:ticks])
@@ -215,10 +217,11 @@ def _feed(mission: Mission) -> Feed:
     )
 
 
-def _evidence(mission: Mission) -> FaultWatch | None:
+def _evidence(mission: Mission, count: int) -> FaultWatch | None:
     """What faults are found by; None where that takes Python at every tick."""
     found = mission.fault_finding
     if found is None:
         assert NOTHING_WATCHED.window is not None
-        return FaultWatch(False, NOTHING_WATCHED.window, NOTHING_WATCHED.probes, np.zeros(1))
-    return None if found.evidence is None else FaultWatch(True, *found.evidence)
+        return FaultWatch(False, NOTHING_WATCHED.window, NOTHING_WATCHED.probes, np.zeros(1), np.zeros((0, 1)))
+    evidence = found.evidence(count)
+    return None if evidence is None else FaultWatch(True, *evidence)

@@ -9,13 +9,12 @@ import numpy as np
 from cube_sim.allocation.responsive import allocate_responsive
 from cube_sim.control.answering import answer
 from cube_sim.control.attitude_mode import DESIRED
-from cube_sim.control.diagnosis import enter_pair
+from cube_sim.control.diagnosis import enter_pair, speaks_against
 from cube_sim.control.following import FOLLOWED
 from cube_sim.control.priority import yield_attitude
 from cube_sim.control.probing import put_probe
 from cube_sim.control.safe_mode import loses_target
 from cube_sim.control.shortage import watch_shortage
-from cube_sim.control.window_reading import contradicts
 from cube_sim.flight.rows import write_actuation, write_motion, write_power
 from cube_sim.guidance.path_record import path_row
 from cube_sim.guidance.speed import speed_at
@@ -92,7 +91,7 @@ def fly(
         How many were flown, and how far the next one has come.
     """
     e, dt, m = engine, engine.period, len(feed.actuators)
-    body, warned, period = e.hull[2], e.warnings.sum(), len(evidence.window.expected)
+    body, warned = e.hull[2], e.warnings.sum()
     view, desired, followed = np.zeros(1, VIEW), np.zeros(1, DESIRED), np.zeros(1, FOLLOWED)
     given, activation, force, current = np.empty(m), np.empty(m), np.empty(m), np.zeros(3)
     secondary, parts, sides = np.zeros(6), np.empty(12), np.empty(len(thrusters.which), np.int8)
@@ -124,9 +123,12 @@ def fly(
         if evidence.watched:
             w = evidence.window
             whole = steady_forces(feed.curves, feed.starts, activation)
-            enter_pair(w, whole, evidence.telemetry_gain * given, force_ratio)
-            against = w.efficiency, w.stuck, w.gains.gain, w.threshold, 0.0
-            if w.ring[1] == period and contradicts(w.expected, w.measured, w.ring[0], period, *against).any():
+            measured = evidence.telemetry_gain * given
+            if len(evidence.noise) > 0:
+                for i in range(m):
+                    measured[i] += evidence.noise[k, i]
+            enter_pair(w, whole, measured, force_ratio)
+            if speaks_against(w, force_ratio):
                 return k, JUDGED
         state = hull_state(e.qpos, e.qvel, e.xmat, e.xquat, e.hull[0], e.hull[1], body)
         R = state[7:16].reshape(3, 3)

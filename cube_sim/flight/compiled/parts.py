@@ -128,13 +128,15 @@ class FaultWatch(NamedTuple):
         watched: whether they are looked for.
         window: of the forces, moved on.
         probes: of the thrusters, moved on.
-        telemetry_gain: (m,) measured forces are the true ones times these.
+        telemetry_gain: (m,) measured forces are the true ones times these,
+        noise: (n,m) and these [N] beside, a row each tick; (0,m) for none.
     """
 
     watched: bool
     window: Window
     probes: ProbeMemory
     telemetry_gain: Vector
+    noise: Matrix
 
 
 class Sensing(NamedTuple):
