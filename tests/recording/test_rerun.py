@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,11 +19,12 @@ from cube_sim.recording.export import rrd_from_mcap
 from cube_sim.recording.geometry import thruster_mounts, vehicle_name, vehicle_shapes, world_shapes
 from cube_sim.recording.reading import read_recording
 from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.rerun import sink
 from cube_sim.recording.rerun.gathering import GatheringSink
 from cube_sim.recording.rerun.scene import ARROW_M_PER_M_S, ARROW_M_PER_N
 from cube_sim.run_log import LogLine
 
-TICKS = 330  # 6.6 s: the view's pieces of five seconds join in the middle of the run
+TICKS = 330  # 6.6 s: pieces of five seconds join in the middle of the run
 
 
 def rerun(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
@@ -53,6 +55,19 @@ def still(rrd: Path, entity: str, component: str) -> list:
             found += batch.column(component).to_pylist()
     assert len(found) == 1
     return found[0]
+
+
+def shown(rrd: Path, entity: str, component: str, at: np.ndarray) -> list:
+    """What the viewer shows at each instant [s]: a component stays as it was sent last."""
+    times, values = drawn(rrd, entity, component)
+    return [values[i] for i in np.searchsorted(times, np.rint(at * 1e9) / 1e9, side="right") - 1]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short_pieces() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sink, "PIECE_S", 5)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -107,8 +122,8 @@ def test_the_vehicle_is_where_the_record_says(run):
 
 
 def test_thrust_arrows_are_force_along_the_axis_of_each_thruster(run):
-    _, arrows = drawn(run.rrd, "/world/vehicle/thrust", "Arrows3D:vectors")
-    _, colours = drawn(run.rrd, "/world/vehicle/thrust", "Arrows3D:colors")
+    times, arrows = drawn(run.rrd, "/world/vehicle/thrust", "Arrows3D:vectors")
+    colours = shown(run.rrd, "/world/vehicle/thrust", "Arrows3D:colors", times)
     force = run.signals["thrusters.force"][:, 1:]
     compiled = model()
     data = mujoco.MjData(compiled)
@@ -123,11 +138,28 @@ def test_thrust_arrows_are_force_along_the_axis_of_each_thruster(run):
 
 
 def test_the_current_is_drawn_at_the_vehicle_in_world_axes(run):
-    _, arrows = drawn(run.rrd, "/world/current", "Arrows3D:vectors")
-    current = run.signals["water.current"][:, 1:]
+    t, current = run.signals["water.current"][:, 0], run.signals["water.current"][:, 1:]
+    arrows = shown(run.rrd, "/world/current", "Arrows3D:vectors", t)
     np.testing.assert_allclose([a for (a,) in arrows], ARROW_M_PER_M_S * current, atol=1e-6)
     _, positions = drawn(run.rrd, "/world/current", "Transform3D:translation")
     np.testing.assert_allclose([p for (p,) in positions], run.signals["pose.position"][:, 1:], atol=1e-6)
+
+
+def test_what_stays_as_it_is_is_sent_once(tmp_path):
+    """Six seconds, two pieces: a current that turns once; a thruster that reverses once, where the pieces join."""
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        for k in range(60):
+            t, force = 0.1 * k, np.full(8, 5.0)
+            force[2] = 5.0 if k < 50 else -5.0
+            recorder.append("thrusters", t, force, force, force)
+            current = np.array([0.1, 0.0, 0.0] if k < 25 else [0.0, 0.2, 0.0])
+            recorder.append("water", t, current, current)
+    times, arrows = drawn(recorder.rrd, "/world/current", "Arrows3D:vectors")
+    assert list(times) == [0.0, 2.5]
+    np.testing.assert_allclose(arrows, [[[0.1 * ARROW_M_PER_M_S, 0, 0]], [[0, 0.2 * ARROW_M_PER_M_S, 0]]], atol=1e-6)
+    times, colours = drawn(recorder.rrd, "/world/vehicle/thrust", "Arrows3D:colors")
+    assert list(times) == [0.0, 5.0]
+    assert [len(set(each)) for each in colours] == [1, 2]
 
 
 def test_the_trail_is_one_line_without_gaps_along_the_way_flown(run):

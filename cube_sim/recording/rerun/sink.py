@@ -6,6 +6,7 @@ import hashlib
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -41,8 +42,8 @@ _TRAIL_HZ = 10
 _LEVELS = {"WARNING": "WARN", "FATAL": "CRITICAL"}  # where the viewer has another word
 
 
-# A piece of five seconds costs a third of what five pieces of one second cost.
-PIECE_S = 5
+PIECE_S = 30
+"""Of so many seconds a piece costs a seventh of what pieces of one second cost, of five seconds 1.7 times as much."""
 
 
 def rerun_sink(
@@ -78,6 +79,7 @@ class RerunSink:
         self._curves = curves(self._channels)
         self._lanes = lanes(self._channels)
         self._lane_codes: dict[str, float] = {}
+        self._shown: dict[str, NDArray[Any]] = {}
         self._axes = thruster_mounts(model, vehicle).axes
         self._trail_ends: dict[str, NDArray[np.float64]] = {}
         self._laid_out = False
@@ -142,15 +144,28 @@ class RerunSink:
             )
         elif name == "thrusters" and len(self._axes):
             force = self._values(rows, name, "force")
-            arrows = force[:, :, None] * self._axes * ARROW_M_PER_N
-            drawn = rr.Arrows3D.columns(vectors=arrows.reshape(-1, 3), colors=palette.by_sign(force.ravel()))
-            self._send(THRUST, rows, drawn.partition([len(self._axes)] * len(rows)))
+            m, arrows = len(self._axes), force[:, :, None] * self._axes * ARROW_M_PER_N
+            self._send(THRUST, rows, rr.Arrows3D.columns(vectors=arrows.reshape(-1, 3)).partition([m] * len(rows)))
+            # What is not sent stays as it was shown last.
+            turned = self._changes(THRUST, force >= 0.0)
+            colours = palette.by_sign(force[turned].ravel())
+            if turned.size:
+                self._send(THRUST, rows[turned], rr.Arrows3D.columns(colors=colours).partition([m] * len(turned)))
         elif name == "water":
-            self._send(
-                CURRENT,
-                rows,
-                rr.Arrows3D.columns(vectors=self._values(rows, name, "current") * ARROW_M_PER_M_S),
-            )
+            current = self._values(rows, name, "current")
+            changed = self._changes(CURRENT, current)
+            if changed.size:
+                arrows = current[changed] * ARROW_M_PER_M_S
+                self._send(CURRENT, rows[changed], rr.Arrows3D.columns(vectors=arrows))
+
+    def _changes(self, entity: str, values: NDArray[Any]) -> NDArray[np.intp]:
+        """Which of the values (n, k) differ from those before them, in this batch or the last."""
+        differ = np.ones(len(values), bool)
+        differ[1:] = (values[1:] != values[:-1]).any(axis=1)
+        if entity in self._shown:
+            differ[0] = (values[0] != self._shown[entity]).any()
+        self._shown[entity] = values[-1]
+        return np.flatnonzero(differ)
 
     def _send_pose(self, entity: str, rows: Rows, channel: str) -> None:
         # Rerun wants xyzw, and both parts in one message: a part left out is reset.
