@@ -65,6 +65,10 @@ class Effort:
         self.unproven += unproven
 
 
+CONFIRMED_AT_ONCE = 500
+"""So many answers wait to be confirmed together: two threads of Python that take turns often hold each other up."""
+
+
 @cache
 def _beside(process: int) -> ThreadPoolExecutor:
     """The thread of a process, by its number, on which answers are confirmed while flights go on.
@@ -176,6 +180,7 @@ class Allocator:
             )
         self._effort = Effort()
         self._confirming: tuple[int, Future[None]] | None = None
+        self._unconfirmed: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
         preferred = {"target": target, "reactivity": reactivity}
         self._preferred = {name: None if value is None else np.array(value) for name, value in preferred.items()}
         self._problem = make_problem(
@@ -299,7 +304,7 @@ class Allocator:
     def searched(self, two_parts: bool) -> NDArray[np.float64] | None:
         """What `solve_each` answers demands by, one at a time; None where the method is another than the search alone.
 
-        The previous answer lies in it. Answers are to be confirmed by `confirm_later`, what they cost goes to `effort`.
+        The previous answer lies in it. Answers are to be confirmed by `confirm_later`, what they cost goes to `count`.
 
         Args:
             two_parts: whether demands have a part that gives way.
@@ -323,19 +328,32 @@ class Allocator:
             demands: (N, n) that they answer, likewise.
         """
         if self._confirmer is not None and len(rows):
-            self._settle()
-            process = os.getpid()
-            self._confirming = process, _beside(process).submit(self._confirm_all, rows, demands)
+            self._unconfirmed.append((rows, demands))
+            if sum(len(answers) for answers, _ in self._unconfirmed) >= CONFIRMED_AT_ONCE:
+                self._wait()
+                process, unconfirmed, self._unconfirmed = os.getpid(), self._unconfirmed, []
+                self._confirming = process, _beside(process).submit(self._confirm_all, unconfirmed)
+
+    def count(self, nodes: int, unproven: int) -> None:
+        """Add what answers of the search have cost to `effort`; nothing is waited for."""
+        self._effort.add(nodes, unproven)
 
     def _settle(self) -> None:
+        """See to it that every answer is confirmed."""
+        self._wait()
+        unconfirmed, self._unconfirmed = self._unconfirmed, []
+        self._confirm_all(unconfirmed)
+
+    def _wait(self) -> None:
         """Wait for what is being confirmed."""
         confirming, self._confirming = self._confirming, None
         if confirming is not None and confirming[0] == os.getpid():
             confirming[1].result()
 
-    def _confirm_all(self, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
-        for answer, demand in zip(rows, demands, strict=True):
-            self._confirm(answer, demand)
+    def _confirm_all(self, answered: list[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
+        for rows, demands in answered:
+            for answer, demand in zip(rows, demands, strict=True):
+                self._confirm(answer, demand)
 
     def _confirm(self, row: NDArray[np.float64], demand: NDArray[np.float64]) -> None:
         """Let ProxQP solve the subset of one answer (see `answer_of`) to a demand (n,), where the method says so."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import Channel
-from cube_sim.recording.reading import read_channel
+from cube_sim.recording.reading import read_channels
+
+CHUNKS_AT_ONCE = 60
+"""Seconds of a run."""
 
 CHANNELS_KEPT = 3
 """So many channels stay in memory of those that were asked for last."""
@@ -52,10 +55,26 @@ class RecordedSignals(Mapping[str, Rows]):
         """How many signals there are."""
         return len(self._places)
 
+    def blocks(self, names: Collection[str]) -> Iterator[dict[str, Rows]]:
+        """Rows of some signals, a minute of them at a time.
+
+        Raises:
+            RecordingError: the record is gone, or damaged.
+        """
+        places = {name: self._places[name] for name in names}
+        channels = {channel.name for channel, _ in places.values()}
+        for rows in read_channels(self._path, channels, CHUNKS_AT_ONCE) if channels else ():
+            yield {
+                name: np.hstack([rows[channel.name][:, :1], rows[channel.name][:, columns]])
+                for name, (channel, columns) in places.items()
+                if channel.name in rows
+            }
+
     def _rows(self, channel: Channel) -> Rows:
         if channel.name not in self._kept:
             while len(self._kept) >= CHANNELS_KEPT:
                 self._kept.popitem(last=False)
-            self._kept[channel.name] = read_channel(self._path, channel)
+            (rows,) = read_channels(self._path, {channel.name})
+            self._kept[channel.name] = rows.get(channel.name, np.empty((0, 1 + channel.width)))
         self._kept.move_to_end(channel.name)
         return self._kept[channel.name]

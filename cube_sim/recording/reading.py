@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -111,21 +111,26 @@ def read_recording(path: str | Path) -> Recording:
     )
 
 
-def read_channel(path: Path, channel: Channel) -> Rows:
-    """The rows of one channel, (n, 1+width), column 0 the time [s]; little more than these is ever in memory.
+def read_channels(path: Path, names: Collection[str], chunks_at_once: int | None = None) -> Iterator[dict[str, Rows]]:
+    """The rows of some channels; little more than these is ever in memory.
 
     Args:
         path: the MCAP file.
-        channel: as it was recorded.
+        names: of the channels.
+        chunks_at_once: of so many chunks rows are handed on together; None for all.
+
+    Yields:
+        Channel -> (n, 1+width), column 0 the time [s], of those that have been declared so far.
 
     Raises:
         RecordingError: the file cannot be read, or it is damaged.
     """
-    messages = _Messages(path, channel.name)
-    for chunk in chunks_of(path):
+    messages = _Messages(path, names)
+    for number, chunk in enumerate(chunks_of(path)):
+        if chunks_at_once is not None and number and number % chunks_at_once == 0:
+            yield messages.rows()
         messages.take(chunk)
-    found = [each.rows() for each in messages.columns.values() if each.some]
-    return found[0] if found else np.empty((0, 1 + channel.width))
+    yield messages.rows()
 
 
 class _Columns:
@@ -152,9 +157,10 @@ class _Columns:
             self._decode()
 
     def rows(self) -> Rows:
-        """All of them, (n, 1+width), column 0 the time [s]."""
+        """Hand over those that have come, (n, 1+width), column 0 the time [s]."""
         self._decode()
-        return np.concatenate(self._rows)
+        rows, self._rows = self._rows, []
+        return np.concatenate(rows) if rows else np.empty((0, 1 + self.channel.width))
 
     def _decode(self) -> None:
         if self._messages:
@@ -173,12 +179,12 @@ class _Messages:
         lines: of the log, in file order.
     """
 
-    def __init__(self, path: Path, only: str | None = None) -> None:
+    def __init__(self, path: Path, only: Collection[str] | None = None) -> None:
         """Begin.
 
         Args:
             path: of the file, for what is said of it.
-            only: the channel that is wanted; None for all, and the log.
+            only: the channels that are wanted; None for all, and the log.
         """
         self.columns: dict[int, _Columns] = {}
         self.lines: list[LogLine] = []
@@ -191,7 +197,7 @@ class _Messages:
         for declared in places.channels:
             if CHANNEL_METADATA in declared.metadata:
                 channel = _channel(declared)
-                if declared.id not in self.columns and self._only in (None, channel.name):
+                if declared.id not in self.columns and (self._only is None or channel.name in self._only):
                     self.columns[declared.id] = _Columns(self._path, channel)
             elif declared.topic == LOG_TOPIC and self._only is None:
                 self._logs.add(declared.id)
@@ -203,6 +209,10 @@ class _Messages:
             elif number in self._logs:
                 lines += starts
         self.lines += [_log_line(_body(chunk, start)) for start in sorted(lines)]
+
+    def rows(self) -> dict[str, Rows]:
+        """Hand over the rows that have come, (n, 1+width) of each channel."""
+        return {each.channel.name: each.rows() for each in self.columns.values()}
 
 
 def _gathered(chunk: NDArray[np.uint8], starts: list[int], size: int) -> NDArray[np.uint8]:

@@ -120,8 +120,11 @@ class SignalStore:
     @property
     def signals(self) -> Mapping[str, Rows]:
         """Everything recorded: "channel.field" -> (n, 1+width), column 0 the time [s]."""
-        rows = {name: np.concatenate([*self._written[name], buffer.rows]) for name, buffer in self._buffers.items()}
-        return signals(self._channels, rows)
+        named: dict[str, Rows] = {}
+        for channel in self._channels:  # one after another: all rows of all channels are in memory twice, not thrice
+            rows = np.concatenate([*self._written[channel.name], self._buffers[channel.name].rows])
+            named |= signals((channel,), {channel.name: rows})
+        return named
 
     def _buffer(self, channel: str) -> ChannelBuffer:
         try:

@@ -115,7 +115,7 @@ def fly_ticks(
     if mission.fault_finding is not None:
         mission.fault_finding.take_over(ticks + (reached >= JUDGED))
     mission.allocator.take_over(thrusters)
-    allocator.effort.add(*notes.effort.tolist())
+    allocator.count(*notes.effort.tolist())
     allocator.confirm_later(notes.answers[:ticks], notes.demands[:ticks])
     state = answering.state
     return FlownTicks(

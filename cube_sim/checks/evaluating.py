@@ -1,0 +1,77 @@
+"""Judging checks by recorded signals, whole ones or block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from typing import Protocol, assert_never, runtime_checkable
+
+from cube_sim.checks.allowed_forces import ForcesWithinLimits
+from cube_sim.checks.exact_wrench import ExactWrench
+from cube_sim.checks.judging import Judge
+from cube_sim.checks.path_end import PathEnd
+from cube_sim.checks.reasons import NotJudgedError
+from cube_sim.checks.samples import Signals
+from cube_sim.checks.signal_statistic import SignalStatistic
+from cube_sim.scenario.check_blocks import (
+    AllowedForcesCheckBlock,
+    AnyCheck,
+    ExactWrenchCheckBlock,
+    PathEndCheckBlock,
+    SignalCheckBlock,
+)
+from cube_sim.verdict import CheckResult
+
+
+@runtime_checkable
+class SignalsInBlocks(Protocol):
+    """Signals too long to be looked at as a whole."""
+
+    def blocks(self, names: Collection[str]) -> Iterator[Signals]:
+        """Rows of the signals of these names that are recorded, span of time after span of time."""
+        ...
+
+
+def evaluate(
+    checks: Sequence[AnyCheck], signals: Signals, *, duration_s: float | None = None
+) -> tuple[CheckResult, ...]:
+    """Judge every check.
+
+    Args:
+        checks: the scenario's checks.
+        signals: ``channel.field`` -> array (n, 1 + width), column 0 time [s], increasing. `SignalsInBlocks` are looked
+            at block by block: root mean squares and means may then differ in their last bits, nothing else does.
+        duration_s: how long the run should have been; a recording that ends earlier is judged by no check.
+
+    Returns:
+        One result per check, in order.
+    """
+    judges = [_judge(check) for check in checks]
+    names = {name for judge in judges for name in judge.needs if name in signals}
+    blocks = signals.blocks(names) if isinstance(signals, SignalsInBlocks) else [{n: signals[n] for n in names}]
+    for block in blocks:
+        for judge in judges:
+            judge.take(block)
+    recorded = list(signals)
+    return tuple(_result(check, judge, recorded, duration_s) for check, judge in zip(checks, judges, strict=True))
+
+
+def _judge(check: AnyCheck) -> Judge:
+    match check:
+        case SignalCheckBlock():
+            return SignalStatistic(check)
+        case AllowedForcesCheckBlock():
+            return ForcesWithinLimits(check)
+        case ExactWrenchCheckBlock():
+            return ExactWrench(check)
+        case PathEndCheckBlock():
+            return PathEnd(check)
+        case _:
+            assert_never(check)
+
+
+def _result(check: AnyCheck, judge: Judge, recorded: Collection[str], duration_s: float | None) -> CheckResult:
+    try:
+        return judge.result(recorded, duration_s)
+    except NotJudgedError as reason:
+        relation, limit = check.bound
+        return CheckResult(check.title, "ERROR", None, relation, limit, None, None, str(reason))
