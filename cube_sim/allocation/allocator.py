@@ -223,7 +223,7 @@ class Allocator:
     @property
     def effort(self) -> Effort:
         """What allocating has cost so far."""
-        self._settle()
+        self.settle()
         return self._effort
 
     def memory(self) -> tuple[NDArray[np.float64], Effort]:
@@ -232,7 +232,7 @@ class Allocator:
 
     def recall(self, memory: tuple[NDArray[np.float64], Effort]) -> None:
         """Go on from a memory of this allocator's, or of one of the same arguments."""
-        self._settle()
+        self.settle()
         self._previous[:], effort = memory
         self._effort = replace(effort)
 
@@ -338,8 +338,8 @@ class Allocator:
         """Add what answers of the search have cost to `effort`; nothing is waited for."""
         self._effort.add(nodes, unproven)
 
-    def _settle(self) -> None:
-        """See to it that every answer is confirmed."""
+    def settle(self) -> None:
+        """See to it that every answer is confirmed, where the method says so."""
         self._wait()
         unconfirmed, self._unconfirmed = self._unconfirmed, []
         self._confirm_all(unconfirmed)

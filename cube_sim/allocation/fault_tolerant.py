@@ -73,7 +73,7 @@ class FaultTolerant:
         self.limits, self._build = thruster_limits(limits, m), build
         self._rounding_N = FORCE_ROUNDING * float(np.max(np.abs(self.limits)))
         self._previous = PreviousForces.at_rest(m)
-        self.health = Health.whole(m)
+        self.health, self._allocator = Health.whole(m), None
         self.set_health(self.health)
 
     def set_health(self, health: Health) -> None:
@@ -108,6 +108,7 @@ class FaultTolerant:
             limits = self.limits[responsive] * health.efficiency[responsive, None]
             allocator = self._build(self.A[:, responsive], limits, responsive)
             allocator.resume(previous.of(responsive))
+        self.settle()  # whoever allocated until now
         self.health, self._previous, self._responsive, self._allocator = health, previous, responsive, allocator
         self._held = np.where(np.isnan(health.stuck), 0.0, health.stuck)
         self._held_wrench = self.A @ self._held
@@ -120,6 +121,12 @@ class FaultTolerant:
         self._previous = PreviousForces.at_rest(self.count)
         if self._allocator is not None:
             self._allocator.reset()
+
+    def settle(self) -> None:
+        """See to it that every answer so far is confirmed, where the method says so."""
+        settle = getattr(self._allocator, "settle", None)
+        if settle is not None:
+            settle()
 
     def memory(self) -> AllocationMemory:
         """What `recall` needs to go on from here."""

@@ -337,7 +337,8 @@ class Flight:
         self.tick += 1
 
     def finish(self) -> None:
-        """Say at the end what there is to say of the whole flight."""
+        """Say at the end what there is to say of the whole flight, and let no answer go unconfirmed."""
+        self.mission.allocator.settle()
         self._watches.surface.finish(self.time_s)
         if self.ended:
             self._store.log(self.time_s, "ERROR", f"{self.ended}: the run ends here")

@@ -241,3 +241,18 @@ def test_an_interrupt_leaves_a_flight_that_goes_on_to_the_bit():
         signal.signal(signal.SIGINT, before)
     assert times >= 1
     assert_same({name: rows[rows[:, 0] < 59.99] for name, rows in whole.signals.items()}, cut.signals)
+
+
+@pytest.mark.flight
+def test_no_answer_goes_unconfirmed_though_many_are_confirmed_together():
+    """Three seconds, less than waits to be confirmed together; at 1 s another allocator takes over from the first."""
+    events = [{"kind": "thrusters", "at_s": 1.0, "thrusters": ["T1"], "state": "dead"}]
+    flight = Flight(HELIX, {"duration_s": 3.0, "checks": [{"kind": "allowed_forces"}], "events": events})
+    first = flight.mission.allocator._allocator
+    flight.fly_to_its_end()
+    last = flight.mission.allocator._allocator
+    assert last is not first
+    confirmed = [allocator._effort.qps for allocator in (first, last)]
+    assert min(confirmed) >= 40
+    assert sum(confirmed) == 151
+    assert [allocator._effort.disagreements for allocator in (first, last)] == [0, 0]
