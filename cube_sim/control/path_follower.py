@@ -260,8 +260,11 @@ class PathFollower:
         if self.pressed and not chosen and self._is_under_way(state, force_ratio):
             self.shortage["since"], self.shortage["pressed"] = 0.0, False
         if self.pressed and not chosen:
-            hull, R = self.loops.dynamics.record, state.rotation
-            found = roomiest_attitude(hull, self._budget, force_ratio, self._slow_flow, R)
+            R, there = state.rotation, rotation_from_quaternion(self.desired)
+            given = self.loops.dynamics.record, self._budget, force_ratio, self._slow_flow
+            found = roomiest_attitude(*given, R)
+            if found is None and has_enough(*given, R) and not has_enough(*given, there):
+                found = R  # it has come by an attitude to stay in
             self._refuge = None if found is None else FixedAttitude(quaternion_from_rotation(found))
         if self._refuge is not None:
             return self._refuge

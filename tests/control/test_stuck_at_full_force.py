@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.catalogue.vehicles import catalogue
 from support.flights import FORCES_ONLY, said, thruster_event
 from support.places import MODELS, SCENARIOS
 from support.vehicles import random_rotation, vehicle
@@ -64,3 +65,30 @@ def test_the_path_is_followed_and_the_attitude_taken_up_again(name, thruster, fo
     assert run.signals["path_error.attitude"][-1, 1] < 0.05
     assert error[t > 100.0].max() < 0.05
     assert not any("given up" in line for line in said(run))
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("speed", [0.3, 0.53])
+def test_a_hull_that_was_spun_round_stays_in_an_attitude_it_comes_by_that_has_enough(speed, tmp_path):
+    """Until the fault is found the hull is spun to where others have enough, though its mission's attitude has not."""
+    model = tmp_path / "model.xml"
+    model.write_text(catalogue()["drawn7_0"].make())
+    scenario = {
+        "schema_version": 1,
+        "name": "spun",
+        "description": "A thruster sticks, and turns the hull before it is found.",
+        "model": str(model),
+        "seed": 676,
+        "duration_s": 50.0,
+        "path": {"type": "line", "start_m": [0.0, 0.0, -20.0], "end_m": [60.0, 0.0, -20.0]},
+        "initial": {"position_m": [0.0, 0.0, -20.0]},
+        "guidance": {"speed_m_s": speed},
+        "control": {"faults": "diagnosed"},
+        "events": [thruster_event(7.125, ["T1"], "stuck", force_N=-6.95)],
+        "checks": FORCES_ONLY,
+    }
+    (flown,) = cube_sim.fly_many(scenario, [{}], signals=["path_error.cross_track", "velocity.angular"])
+    assert flown.verdict == "PASS"
+    for name, most in (("path_error.cross_track", 0.1), ("velocity.angular", 0.05)):
+        t, size = flown.signals[name][:, 0], np.linalg.norm(flown.signals[name][:, 1:], axis=1)
+        assert size[t > 40.0].max() < most
