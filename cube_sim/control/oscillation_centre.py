@@ -16,8 +16,10 @@ from cube_sim.guidance.view_record import path_turning
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import cross_tuples, dot, length, minus, plus, times, to_body, to_world, triple, turn_between
 
-FORGETTING = 4.0
-"""How many times the time of the velocity loop it takes to forget how far turning has pushed the hull (a choice)."""
+FORGETTING = 2.0
+"""How many times the time of the velocity loop it takes to forget how far turning has pushed the hull: as long as the
+cross-track error of a hull that points its thrust takes to go. Longer, a hull that leans into each curve stays beside
+its path by as much as it has been pushed; shorter, the push is answered after all."""
 
 SMALL_TURN_RAD = 1e-4
 """Below this angle the push of a turn is that of its first moment, off by half the angle."""
