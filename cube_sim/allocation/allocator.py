@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Allocations, Status
-from cube_sim.allocation.exact.fewest_calls import FewestCalls, Solved
+from cube_sim.allocation.exact.code import SearchCodes, search_address
+from cube_sim.allocation.exact.fewest_calls import FewestCalls, Solved, limited_search_codes
 from cube_sim.allocation.exact.packing import pack, previous_answer_rows
 from cube_sim.allocation.exact.problem import closest_wrench_data, make_problem
 from cube_sim.allocation.exact.solutions import force_solutions, wrench_metric
@@ -240,9 +241,7 @@ class Allocator:
         """Prepare what answers demands; the previous answer lies in it."""
         self._packed = pack(self._problem, self._closest, self._previous)
         self._previous = previous_answer_rows(self._packed, len(self.limits))
-        self._fewest_calls = (
-            FewestCalls(self._packed, self.A.shape, self.change_limit) if self.change_limit < inf else None
-        )
+        self._fewest_calls = FewestCalls(self._packed, len(self.limits)) if self.change_limit < inf else None
         parallel = self.method == "enumerate_parallel"
         self._enumeration = (
             Enumeration(self._problem, self._closest, parallel) if self.method.startswith("enumerate") else None
@@ -302,18 +301,23 @@ class Allocator:
         return self._answer(whole, np.concatenate((first, second)))
 
     def searched(self, two_parts: bool) -> NDArray[np.float64] | None:
-        """What `solve_each` answers demands by, one at a time; None where the method is another than the search alone.
+        """What `search_codes` answer demands by, one at a time; None where the method is another than the search alone.
 
         The previous answer lies in it. Answers are to be confirmed by `confirm_later`, what they cost goes to `count`.
 
         Args:
             two_parts: whether demands have a part that gives way.
         """
-        if self._enumeration is not None or self._fewest_calls is not None:
+        if self._enumeration is not None:
             return None
         if two_parts:
             self._prepare_for_parts()
         return self._packed
+
+    @property
+    def search_codes(self) -> SearchCodes:
+        """Where the code of the search lies."""
+        return SearchCodes(search_address(), 0, 0) if self._fewest_calls is None else limited_search_codes()
 
     @property
     def confirms(self) -> bool:
@@ -420,7 +424,7 @@ class Allocator:
     ) -> Solved:
         """Answer a demand by one of the two methods, under the change limit."""
         assert self._fewest_calls is not None
-        solved, nodes = self._fewest_calls.answer(demands, row, lambda: solve(demands, row, subset))
+        solved, nodes = self._fewest_calls.answer(demands, lambda: solve(demands, row, subset))
         self.effort.nodes += nodes
         subset[:] = row[self._ends[2] : self._ends[2] + len(subset)]
         return solved

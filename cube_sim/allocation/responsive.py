@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +9,7 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.asked_forces import asked_forces
 from cube_sim.allocation.exact.solve import solve_each
-from cube_sim.native.apart import finish
-from cube_sim.native.compiled import address_of, call_at, compiled
+from cube_sim.native.compiled import call_at, compiled
 
 
 class ResponsiveThrusters(NamedTuple):
@@ -44,29 +42,12 @@ class ResponsiveThrusters(NamedTuple):
     push: NDArray[np.float64]
 
 
-SEARCH = f"{__name__}:search_code"
-"""What compiles the search, for `cube_sim.native.apart`."""
-
-
-def search_code() -> None:
-    """Have the code of `solve_each` on disk."""
-    search_address()
-
-
-@cache
-def search_address() -> int:
-    """Where the code of `solve_each` lies, which is large."""
-    finish(SEARCH)
-    numbers = np.zeros(1)
-    return address_of(solve_each, numbers, numbers, numbers, np.zeros(1, np.int8))
-
-
 @compiled
-def allocate_responsive(search, thrusters, demand, secondary, force_ratio, parts, demands, row, sides, wrench):
+def allocate_responsive(codes, thrusters, demand, secondary, force_ratio, parts, demands, row, sides, wrench, effort):
     """Forces of all thrusters for a demand, into `thrusters.force`; see `FaultTolerant.allocate` and `allocate_at`.
 
     Args:
-        search: address of the code of `solve_each`, `search_address`.
+        codes: of `cube_sim.allocation.exact.code.search_codes`.
         thrusters: `ResponsiveThrusters`.
         demand: (n,) all that is demanded [N, N m], finite.
         secondary: (n,) the part of it that gives way; zero for none.
@@ -76,10 +57,11 @@ def allocate_responsive(search, thrusters, demand, secondary, force_ratio, parts
         row: of `answer_of`, out.
         sides: (k,) scratch.
         wrench: (n,) out: what is made.
+        effort: (2,) nodes looked at and answers not proven, counted on.
 
     Returns:
         The forces (m,) to ask of the thrusters as if they were whole and fully fed [N]; residual [N], cost [N^2],
-        status; nodes looked at and answers not proven.
+        status.
     """
     t, n, scaled = thrusters, len(demand), force_ratio != 1.0
     yields = False
@@ -93,9 +75,14 @@ def allocate_responsive(search, thrusters, demand, secondary, force_ratio, parts
     if yields:
         for a in range(n):
             demands[a] = parts[a] + parts[n + a]
-        residual, cost, status, nodes, doubts = call_at(solve_each, search, (t.packed, parts, row, sides))
+    told = parts if yields else demands
+    if codes.in_reach != 0:
+        call_at(None, codes.in_reach, (codes.search, codes.travel, t.packed, told, row, sides, effort))
     else:
-        residual, cost, status, nodes, doubts = call_at(solve_each, search, (t.packed, demands, row, sides))
+        _, _, _, nodes, doubts = call_at(solve_each, codes.search, (t.packed, told, row, sides))
+        effort[0] += nodes
+        effort[1] += doubts
+    residual, cost, status = row[-4], row[-3], int(row[-2])
     k, m = len(t.which), len(t.held)
     for i in range(m):
         t.force[i], t.subset[i] = t.held[i], np.sign(t.held[i])
@@ -112,4 +99,4 @@ def allocate_responsive(search, thrusters, demand, secondary, force_ratio, parts
         residual, cost = residual * force_ratio, cost * (force_ratio * force_ratio)
         for a in range(n):
             wrench[a] *= force_ratio
-    return asked, residual, cost, status, nodes, doubts
+    return asked, residual, cost, status

@@ -144,6 +144,24 @@ def test_both_loops_read_the_same_telemetry(telemetry, events, least, monkeypatc
 
 
 @pytest.mark.flight
+@pytest.mark.parametrize(
+    ("scenario", "settings"),
+    [
+        (HELIX, {"allocation.change_limit_N": 3.0}),
+        (HELIX, {"allocation.change_limit_N": 0.2, "allocation.method": "search", "guidance.speed_m_s": 1.0}),
+        (
+            HELIX,
+            {"allocation.change_limit_N": 1.0, "allocation.allow_off": False, "events": [{**FAULT, "state": "dead"}]},
+        ),
+        (SCENARIOS / "bluerov2_battery.yaml", {"allocation.change_limit_N": 1.0, "current_m_s": [0.0, 0.6, 0.0]}),
+    ],
+    ids=["wide", "narrow", "fault", "battery"],
+)
+def test_both_loops_allocate_under_a_change_limit_the_same(scenario, settings, monkeypatch):
+    assert assert_same_flight(scenario, {"duration_s": 8.0, "checks": CHECKS, **settings}, monkeypatch) > 0.5
+
+
+@pytest.mark.flight
 def test_one_machine_code_flies_either_law():
     for name in ("cube_helix", "infante_spline", "bluerov2_free"):
         Flight(SCENARIOS / f"{name}.yaml").fly(5)

@@ -20,18 +20,28 @@ stays is made after the fewest calls possible.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from math import ceil, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.allocation.exact.code import SearchCodes, search_address
 from cube_sim.allocation.exact.minimum_cost import minimum_cost_forces
 from cube_sim.allocation.exact.origins import attainable_origin
-from cube_sim.allocation.exact.packing import previous_answer_rows, unpack, unpack_previous_answer, unpack_workspace
+from cube_sim.allocation.exact.packing import (
+    answer_rows,
+    previous_answer_rows,
+    set_reach,
+    unpack,
+    unpack_previous_answer,
+    unpack_workspace,
+)
 from cube_sim.allocation.exact.solve import answer_of, answer_size, solve_each
 from cube_sim.allocation.exact.stages import EXACT, UNPROVEN
 from cube_sim.allocation.exact.step import HISTORY, REACH, step_limits
-from cube_sim.native.compiled import borrowed, compiled
+from cube_sim.native.compiled import address_of, borrowed, call_at, compiled, cut
+from cube_sim.tuples import put, put_matrix
 
 Solved = tuple[float, float, int]
 """Residual [N], cost [N^2] and status of an answer."""
@@ -67,81 +77,138 @@ def travel_in_reach(packed: NDArray[np.float64], wrench: NDArray[np.float64], tr
     return there
 
 
-class FewestCalls:
-    """Answers with a change limit that bring the wrench of no limit one call nearer.
+@compiled
+def travel_in_calls(code, packed, goal, calls, limit, travel):
+    """`travel_in_reach` of so many calls from the previous answer.
 
     Args:
-        packed: see `pack`.
-        shape: (n, m) of A.
-        change_limit: most a force may change in one call [N], finite.
+        code: address of that of `travel_in_reach`.
+        packed: see `pack`; its reach is changed.
+        goal: (n,) wrench [N], [N m].
+        calls: how many.
+        limit: most a force may change in one call [N].
+        travel: (m,) out [N].
+    """
+    set_reach(packed, calls * limit)
+    return call_at(travel_in_reach, code, (packed, goal, travel))
+
+
+@compiled
+def narrow_reach(search, travel_code, packed, demands, before):
+    """Let the next answer bring the wrench of no limit one call nearer, where the closest one in reach does not.
+
+    Args:
+        search: address of the code of `solve_each`.
+        travel_code: of `travel_in_reach`.
+        packed: see `pack`; the closest answer in reach is the previous one in it. Where another has to be looked for it
+            is that of the call before, and the reach a narrower one. Otherwise only the reach is changed.
+        demands: (n,), or (2 n,) for one of two parts.
+        before: (4, m) rows `HISTORY` before that answer.
+
+    Returns:
+        Whether another answer has to be looked for, and nodes looked at.
+    """
+    rows, limit = answer_rows(packed), unpack(packed).change_limit
+    m = rows.shape[1]
+    n = cut(packed, 0, (1,), np.int64)[0]
+    after, row, sides = np.empty((4, m)), np.zeros(answer_size(n, m)), np.empty(m, np.int8)
+    put_matrix(after, rows[:4])
+    put_matrix(rows[:4], before)
+    set_reach(packed, inf)
+    _, _, _, nodes, _ = call_at(solve_each, search, (packed, demands, row, sides))
+    goal, travel, nearer = answer_of(row, n, m).wrench, np.empty(m), np.empty(m)
+    put(travel, rows[2])
+    # Least number of calls to forces that make the goal: what is reached in some calls is reached in more.
+    put_matrix(rows[:4], before)
+    farthest = 0.0
+    for i in range(m):
+        farthest = max(farthest, abs(travel[i] - before[2, i]))
+    too_few, calls = 0, ceil(farthest / limit - ALMOST)
+    while calls - too_few > 1:
+        middle = (too_few + calls) // 2
+        if travel_in_calls(travel_code, packed, goal, middle, limit, nearer):
+            calls = middle
+            put(travel, nearer)
+        else:
+            too_few = middle
+    put_matrix(rows[:4], after)
+    if calls <= 1 or travel_in_calls(travel_code, packed, goal, calls - 1, limit, nearer):
+        return False, nodes
+    put_matrix(rows[:4], before)
+    for i in range(m):
+        to_go, later = travel[i] - before[2, i], (calls - 1) * limit
+        rows[4, i] = min(limit, later - to_go)
+        rows[5, i] = max(-rows[4, i], min(limit, later + to_go))
+    return True, nodes
+
+
+@compiled
+def solve_in_reach(search, travel_code, packed, demands, row, sides, effort):
+    """`solve_each` of one demand under a change limit; see `FewestCalls`.
+
+    Args:
+        search: address of the code of `solve_each`.
+        travel_code: of `travel_in_reach`.
+        packed: see `pack`; the previous answer in it is changed.
+        demands: (n,), or (2 n,) for one of two parts.
+        row: of `answer_of`, out.
+        sides: (m,) out.
+        effort: (2,) nodes looked at and answers not proven, counted on.
+    """
+    rows = answer_rows(packed)
+    before = np.empty((4, rows.shape[1]))
+    put_matrix(before, rows[:4])
+    _, _, status, nodes, doubts = call_at(solve_each, search, (packed, demands, row, sides))
+    effort[0] += nodes
+    effort[1] += doubts
+    if status in (EXACT, UNPROVEN):
+        return
+    again, nodes = narrow_reach(search, travel_code, packed, demands, before)
+    effort[0] += nodes
+    if again:
+        _, _, _, nodes, doubts = call_at(solve_each, search, (packed, demands, row, sides))
+        effort[0] += nodes
+        effort[1] += doubts
+    set_reach(packed, unpack(packed).change_limit)
+
+
+@cache
+def limited_search_codes() -> SearchCodes:
+    """Where all code lies that answers demands under a change limit; it is compiled only for those who set one."""
+    search, numbers, sides = search_address(), np.zeros(1), np.zeros(1, np.int8)
+    travel = address_of(travel_in_reach, numbers, numbers, numbers)
+    in_reach = address_of(solve_in_reach, 0, 0, numbers, numbers, numbers, sides, np.zeros(2, np.int64))
+    return SearchCodes(search, in_reach, travel)
+
+
+class FewestCalls:
+    """Answers with a change limit that bring the wrench of no limit one call nearer, by whatever method.
+
+    Args:
+        packed: see `pack`, of a problem with a change limit.
+        thrusters: m.
     """
 
-    def __init__(self, packed: NDArray[np.float64], shape: tuple[int, int], change_limit: float) -> None:
-        self._packed, self._shape, self._limit = packed, shape, change_limit
-        self._rows = previous_answer_rows(packed, shape[1])
+    def __init__(self, packed: NDArray[np.float64], thrusters: int) -> None:
+        self._packed, self._rows = packed, previous_answer_rows(packed, thrusters)
 
-    def answer(
-        self, demands: NDArray[np.float64], row: NDArray[np.float64], solve: Callable[[], Solved]
-    ) -> tuple[Solved, int]:
+    def answer(self, demands: NDArray[np.float64], solve: Callable[[], Solved]) -> tuple[Solved, int]:
         """Answer a demand, and make the answer the previous one.
 
         Args:
             demands: (n,), or (2 n,) for one of two parts.
-            row: where `solve` writes its answer.
-            solve: answers the demand within the reach of the previous answer, by whatever method.
+            solve: answers the demand within the reach of the previous answer.
 
         Returns:
             The answer, and nodes looked at on the way to it.
         """
-        before = self._rows[HISTORY].copy()
-        closest, solved = solve(), row.copy()
+        before, limit = self._rows[HISTORY].copy(), self._rows[REACH].copy()
+        closest = solve()
         if closest[2] in (EXACT, UNPROVEN):
             return closest, 0
-        after = self._rows[HISTORY].copy()
-        goal, travel, nodes = self._without_limit(before, demands)
-        calls, travel = self._fewest_calls(before, goal, travel)
-        self._rows[HISTORY] = after
-        if calls <= 1 or self._travel(goal, calls - 1) is not None:
-            row[:] = solved
-        else:
-            self._rows[HISTORY] = before
-            to_go, later = travel - before[2], (calls - 1) * self._limit
-            down = np.minimum(self._limit, later - to_go)
-            self._rows[REACH] = down, np.maximum(-down, np.minimum(self._limit, later + to_go))
+        codes = limited_search_codes()
+        again, nodes = narrow_reach(codes.search, codes.travel, self._packed, demands, before)
+        if again:
             closest = solve()
-        self._rows[REACH] = self._limit
+        self._rows[REACH] = limit
         return closest, nodes
-
-    def _without_limit(
-        self, before: NDArray[np.float64], demands: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
-        """The wrench (n,) that would be made without a limit, the travel (m,) [N] of its forces, nodes looked at."""
-        n, m = self._shape
-        row = np.zeros(answer_size(n, m))
-        self._rows[HISTORY], self._rows[REACH] = before, inf
-        *_, nodes, _ = solve_each(self._packed, demands, row, np.empty(m, np.int8))
-        return answer_of.py_func(row, n, m).wrench.copy(), self._rows[2].copy(), nodes
-
-    def _fewest_calls(
-        self, before: NDArray[np.float64], goal: NDArray[np.float64], travel: NDArray[np.float64]
-    ) -> tuple[int, NDArray[np.float64]]:
-        """Least number of calls from one answer (3, m) to forces that make the goal, and the travel (m,) of these.
-
-        What is reached in some calls is reached in more, so halving finds it.
-        """
-        self._rows[HISTORY] = before
-        too_few, calls = 0, ceil(float(np.abs(travel - before[2]).max()) / self._limit - ALMOST)
-        while calls - too_few > 1:
-            middle = (too_few + calls) // 2
-            nearer = self._travel(goal, middle)
-            if nearer is None:
-                too_few = middle
-            else:
-                calls, travel = middle, nearer
-        return calls, travel
-
-    def _travel(self, goal: NDArray[np.float64], calls: int) -> NDArray[np.float64] | None:
-        """Travel (m,) of forces that make the goal, so many calls from the previous answer; None for none."""
-        travel = np.empty(self._shape[1])
-        self._rows[REACH] = calls * self._limit
-        return travel if travel_in_reach(self._packed, goal, travel) else None

@@ -142,6 +142,21 @@ def unpack_previous_answer(packed: NDArray[np.float64]) -> PreviousAnswer:
     )
 
 
+@compiled
+def answer_rows(packed: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(6, m) the previous answer as one view."""
+    m = cut(packed, 1, (1,), np.int64)[0]
+    return cut(packed, packed.shape[0] - 6 * m, (6, m), np.float64)
+
+
+@compiled
+def set_reach(packed: NDArray[np.float64], reach: float) -> None:
+    """Let every force change by so much in the next call [N], either way."""
+    rows = answer_rows(packed)
+    for i in range(rows.shape[1]):
+        rows[4, i] = rows[5, i] = reach
+
+
 def previous_answer_rows(packed: NDArray[np.float64], m: int) -> NDArray[np.float64]:
     """(6, m) the same as one view, for Python."""
     return packed[-6 * m :].reshape(6, m)

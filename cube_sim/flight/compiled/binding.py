@@ -8,7 +8,6 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from cube_sim.allocation.responsive import search_address
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.flight.compiled.loop import JUDGED, fly
@@ -103,7 +102,7 @@ def fly_ticks(
         force_ratio=np.zeros(count),
         effort=np.zeros(2, np.int64),
     )
-    codes = *by.addresses, search_address(), _estimating_address(sensing) if sensing.navigated else 0
+    codes = *by.addresses, allocator.search_codes, _estimating_address(sensing) if sensing.navigated else 0
     ticks, reached = fly(
         codes, count, tick, _engine(mission, moving), _hull(mission, boxes), feed, evidence, sensing,
         course, by.law, by.planar, answering, thrusters, rows, notes,

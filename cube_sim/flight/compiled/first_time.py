@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from cube_sim.allocation.exact.code import SEARCH
 from cube_sim.allocation.exact.solve import solve_each
-from cube_sim.allocation.responsive import SEARCH
 from cube_sim.flight.compiled.loop import fly
 from cube_sim.native import apart
 from cube_sim.native.compiled import on_disk

@@ -70,8 +70,8 @@ def fly(
     """Fly up to so many ticks.
 
     Args:
-        codes: addresses of the code of `answer` or of `cube_sim.control.planar.steering.steer`, 0 for the other one, of
-            `solve_each`, and of `estimate` where the state is estimated.
+        codes: addresses of the code of `answer` or of `cube_sim.control.planar.steering.steer`, 0 for the other one;
+            `SearchCodes`; and of the code of `estimate` where the state is estimated.
         count: how many.
         tick: number of the first.
         engine: `Engine`.
@@ -169,9 +169,9 @@ def fly(
             return k, ESTIMATED
         if answering.yields:
             yield_attitude(answering.coupling, out.wrench, secondary)
-        asked, residual, cost, status, nodes, doubts = allocate_responsive(
+        asked, residual, cost, status = allocate_responsive(
             codes[2], thrusters, out.wrench, secondary, force_ratio, parts,
-            notes.demands[k], notes.answers[k % len(notes.answers)], sides, answering.applied,
+            notes.demands[k], notes.answers[k % len(notes.answers)], sides, answering.applied, notes.effort,
         )  # fmt: skip
         if evidence.watched:
             w = evidence.window
@@ -179,8 +179,6 @@ def fly(
         commands = commands_of_forces(feed.curves, feed.starts, asked)
         for i in range(m):
             e.ctrl[feed.actuators[i]], force[i] = commands[i], thrusters.force[i] * force_ratio
-        notes.effort[0] += nodes
-        notes.effort[1] += doubts
         notes.pace[k], notes.force_ratio[k] = out.pace, force_ratio
         put(water, hull.wind)
         if hull.sheared:
