@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cube_sim.flight import Flight, Observation, Snapshot
     from cube_sim.many_flights import FlightOutcome, fly_many
+    from cube_sim.runs.recorded_run import RecordedRun, load_run
     from cube_sim.simulation import Run, fly, run
     from cube_sim.vehicle.loading import load_model
     from cube_sim.vehicle.plugin.hook import install
@@ -21,6 +22,7 @@ __all__ = [
     "Flight",
     "FlightOutcome",
     "Observation",
+    "RecordedRun",
     "Run",
     "Snapshot",
     "Vehicle",
@@ -28,6 +30,7 @@ __all__ = [
     "fly_many",
     "install",
     "load_model",
+    "load_run",
     "run",
 ]
 
@@ -42,6 +45,8 @@ _HOME = {
     "fly_many": "cube_sim.many_flights",
     "install": "cube_sim.vehicle.plugin.hook",
     "load_model": "cube_sim.vehicle.loading",
+    "load_run": "cube_sim.runs.recorded_run",
+    "RecordedRun": "cube_sim.runs.recorded_run",
     "run": "cube_sim.simulation",
 }
 

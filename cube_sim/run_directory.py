@@ -15,8 +15,12 @@ try:
 except ImportError:  # no such locks on Windows
     fcntl = None
 
-FILES = ("run.mcap", "run.rrd", "resolved.yaml", "verdict.json")
+MCAP_FILE, RRD_FILE, RESOLVED_FILE, VERDICT_FILE = "run.mcap", "run.rrd", "resolved.yaml", "verdict.json"
+PART_FILE = ".verdict.json.part"
+"""The verdict while it is written: only a process that was killed leaves it behind."""
+FILES = (MCAP_FILE, RRD_FILE, RESOLVED_FILE, VERDICT_FILE)
 """Everything a run leaves behind."""
+OURS = (*FILES, PART_FILE)
 
 
 def require_writable(directory: Path) -> None:
@@ -32,7 +36,7 @@ def require_writable(directory: Path) -> None:
         return
     except OSError as error:
         raise DirectoryError(f"{directory}: cannot hold a recording: {error.strerror}") from error
-    others = [name for name in entries if name not in FILES]
+    others = [name for name in entries if name not in OURS]
     if others:
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
         raise DirectoryError(
@@ -43,6 +47,21 @@ def require_writable(directory: Path) -> None:
         raise DirectoryError(f"{directory}: {folders[0]} is a folder, not a recording")
     if not os.access(directory, os.W_OK | os.X_OK):
         raise DirectoryError(f"{directory}: cannot hold a recording: no permission to write")
+
+
+def write_verdict(directory: Path, text: str) -> None:
+    """Write verdict.json, whole or not at all.
+
+    Raises:
+        OSError: it cannot be written; what stood there before is as it was.
+    """
+    part = directory / PART_FILE
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(directory / VERDICT_FILE)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise
 
 
 @contextlib.contextmanager
@@ -69,7 +88,7 @@ def claim(directory: Path | None, name: str) -> Iterator[Path]:
         # Only now is it certain that nobody else writes here.
         require_writable(directory)
         with _as_directory_error(directory):
-            for file in FILES:
+            for file in OURS:
                 (directory / file).unlink(missing_ok=True)
         yield directory
 

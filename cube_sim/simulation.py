@@ -18,7 +18,7 @@ from cube_sim.mission import Mission, prepare
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
 from cube_sim.recording.recorder import Recorder
-from cube_sim.run_directory import claim, require_writable
+from cube_sim.run_directory import RESOLVED_FILE, claim, require_writable, write_verdict
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
@@ -116,7 +116,7 @@ def fly(
 
 def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None) -> Run:
     """Fly and judge, into a folder that is ours."""
-    (directory / "resolved.yaml").write_text(loaded.resolved_yaml(directory), encoding="utf-8")
+    (directory / RESOLVED_FILE).write_text(loaded.resolved_yaml(directory), encoding="utf-8")
     inputs = header(loaded, mission.codes)
     with Recorder(directory, inputs, mission.channels, mission.model, vehicle=mission.vehicle.name) as recorder:
         started = time.perf_counter()
@@ -135,5 +135,5 @@ def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progres
     verdict = overall(results, complete=ended_early is None)
     factor = simulated_s / elapsed_s
     text = to_json(verdict, results, factor, versions(), flown)
-    (directory / "verdict.json").write_text(text, encoding="utf-8")
+    write_verdict(directory, text)
     return Run(verdict, results, signals, directory, factor, versions(), simulated_s, ended_early, flown.log)

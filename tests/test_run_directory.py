@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import multiprocessing
 import os
 import re
@@ -13,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from cube_sim.errors import DirectoryError
-from cube_sim.run_directory import FILES, claim, require_writable
+from cube_sim.run_directory import FILES, claim, require_writable, write_verdict
 
 
 def prepare(folder):
@@ -139,3 +140,22 @@ def test_links_that_lead_nowhere_and_folders_nobody_can_make_are_refused(tmp_pat
         require_writable(link)
     with pytest.raises(DirectoryError, match="cannot"):
         prepare(Path("/proc/cube_sim_run"))
+
+
+def test_a_verdict_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    write_verdict(tmp_path, "one")
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"verdict.json": "one"}
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    for call in ("write_text", "replace"):
+        with monkeypatch.context() as patch:
+            patch.setattr(Path, call, full)
+            with pytest.raises(OSError, match="No space"):
+                write_verdict(tmp_path, "two")
+        assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"verdict.json": "one"}
+    (tmp_path / ".verdict.json.part").write_text("of a process that was killed")
+    require_writable(tmp_path)
+    prepare(tmp_path)
+    assert not list(tmp_path.iterdir())

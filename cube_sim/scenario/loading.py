@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from cube_sim.errors import ScenarioError
+from cube_sim.scenario.check_blocks import AnyCheck
 from cube_sim.scenario.document import Document, Location, Mistake, Position, parse
 from cube_sim.scenario.explain import Refusal, explain
 from cube_sim.scenario.overrides import Override, apply
@@ -120,7 +121,25 @@ def _plain(value: Any) -> Any:
     return str(value) if isinstance(value, os.PathLike) else value
 
 
-def _load(path: Path, text: str, overrides: Mapping[str, Any] | None) -> Loaded:
+def load_checks(path: str | os.PathLike[str], scenario: Mapping[str, Any]) -> tuple[AnyCheck, ...]:
+    """Read the checks of a file, of a scenario or of one that holds nothing else, to judge another scenario's run.
+
+    Args:
+        path: the YAML file.
+        scenario: the scenario that was flown, as its file would hold it.
+
+    Raises:
+        ScenarioError: with one ``file:line:column: path: message`` per mistake.
+    """
+    path = Path(path)
+    document = _parsed(path, _read(path))
+    if "checks" not in document.data:
+        raise ScenarioError([f"{path}:1:1: checks: is missing; give a list of checks"])
+    data = {**scenario, "checks": document.data["checks"]}
+    return _validated(path, document, data, (), [], None).checks
+
+
+def _parsed(path: Path, text: str) -> Document:
     document = parse(text)
     if document.data is None:
         raise ScenarioError([_line(path, mistake) for mistake in document.mistakes])
@@ -128,8 +147,30 @@ def _load(path: Path, text: str, overrides: Mapping[str, Any] | None) -> Loaded:
         raise ScenarioError(
             [f"{path}:1:1: a scenario is a block of keys, this file holds a {type(document.data).__name__}"]
         )
+    return document
+
+
+def _load(path: Path, text: str, overrides: Mapping[str, Any] | None) -> Loaded:
+    document = _parsed(path, text)
     data, applied, wrong_paths = apply(document.data, overrides or {})
-    scenario, refusals = _validate(data, path)
+    scenario = _validated(path, document, data, applied, wrong_paths, path.parent)
+    return Loaded(scenario, text, path, tuple(applied), document)
+
+
+def _validated(
+    path: Path,
+    document: Document,
+    data: dict[str, Any],
+    applied: Sequence[Override],
+    wrong_paths: list[str],
+    directory: Path | None,
+) -> Scenario:
+    """The scenario that a file and its overrides make, files named in it being seen from a folder, or not looked at.
+
+    Raises:
+        ScenarioError: with one line per mistake.
+    """
+    scenario, refusals = _validate(data, directory)
     # Where the YAML itself is wrong, the schema need not say so again.
     reported = {mistake.position for mistake in document.mistakes}
     found = [_place(refusal, document, applied) for refusal in refusals]
@@ -139,7 +180,7 @@ def _load(path: Path, text: str, overrides: Mapping[str, Any] | None) -> Loaded:
     lines = [_line(path, mistake) for mistake in in_file] + in_overrides
     if lines or wrong_paths or scenario is None:
         raise ScenarioError(lines + wrong_paths)
-    return Loaded(scenario, text, path, tuple(applied), document)
+    return scenario
 
 
 def _read(path: Path) -> str:
@@ -163,9 +204,9 @@ def _read(path: Path) -> str:
         raise ScenarioError([f"{path}:{line}:{column}: not UTF-8 text (byte 0x{content[error.start]:02x})"]) from error
 
 
-def _validate(data: dict[str, Any], path: Path) -> tuple[Scenario | None, list[Refusal]]:
+def _validate(data: dict[str, Any], directory: Path | None) -> tuple[Scenario | None, list[Refusal]]:
     try:
-        return Scenario.model_validate(data, context={"directory": path.parent}), []
+        return Scenario.model_validate(data, context=None if directory is None else {"directory": directory}), []
     except ValidationError as error:
         return None, explain(error, Scenario)
 

@@ -9,6 +9,8 @@ from support.places import SCENARIO_FILES
 
 import cube_sim
 from cube_sim.recording.reading import read_recording
+from cube_sim.runs.recorded_run import load_run
+from cube_sim.runs.replay import replay
 from cube_sim.scenario import load
 
 pytestmark = pytest.mark.flight
@@ -72,3 +74,10 @@ def test_the_resolved_scenario_it_leaves_flies_the_same(flown, tmp_path):
     assert again.signals.keys() == flown.signals.keys()
     for name, rows in flown.signals.items():
         assert again.signals[name].tobytes() == rows.tobytes(), name
+
+
+def test_its_record_alone_flies_the_same(flown):
+    again = replay(load_run(flown.directory))
+    assert again.identical, (again.differences[:1], again.other_log)
+    assert again.until_s == LASTS_S
+    assert not again.other_versions

@@ -1,0 +1,113 @@
+"""``cube-sim diff``: two runs, signal by signal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cube_sim.commands.ending import BAD_INPUT, FAIL, PASS, stop
+from cube_sim.commands.output import console_for_tables, print_json
+from cube_sim.errors import RecordingError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rich.table import Table
+
+    from cube_sim.runs.comparison import SignalDifference
+    from cube_sim.runs.recorded_run import RecordedRun
+
+EPILOG = "Exit code: 0 the same within the tolerances; 1 something differs; 2 bad input."
+
+
+def diff(
+    one: Annotated[Path, typer.Argument(metavar="A", help="Folder of a run, or its run.mcap.")],
+    other: Annotated[Path, typer.Argument(metavar="B", help="Another.")],
+    tolerance: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--tolerance",
+            metavar="[SIGNAL=]NUMBER",
+            help="Differences up to this, in the signal's unit, do not count: pose.position=1e-9. SIGNAL may be a "
+            "channel; without it the number holds for all signals. Default: 0, every bit. May be repeated.",
+        ),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the differences as JSON.")] = False,
+) -> None:
+    """Compare two runs: which signals differ, from when on, and by how much."""
+    try:
+        from cube_sim.runs.comparison import differences
+        from cube_sim.runs.recorded_run import load_run
+
+        runs = load_run(one), load_run(other)
+        allowed = _tolerances(tolerance or [], runs[0])
+        found = list(differences(runs[0].signals, runs[1].signals, allowed.__getitem__))
+    except RecordingError as error:
+        stop(BAD_INPUT, str(error))
+    except ValueError as error:
+        stop(BAD_INPUT, str(error))
+    if json:
+        print_json([{**vars(each), "largest": _finite(each.largest)} for each in found])
+    elif found:
+        console = console_for_tables()
+        console.print(_table(found, runs[0]))
+    else:
+        typer.echo(f"the same: {len(runs[0].signals)} signals")
+    raise typer.Exit(FAIL if found else PASS)
+
+
+class _Tolerances(dict[str, float]):
+    """By signal or channel; "" for all others."""
+
+    def __missing__(self, signal: str) -> float:
+        return self.get(signal.partition(".")[0], self.get("", 0.0))
+
+
+def _tolerances(given: Sequence[str], run: RecordedRun) -> _Tolerances:
+    """Read ``SIGNAL=NUMBER``.
+
+    Raises:
+        ValueError: one line on the argument that is none.
+    """
+    from difflib import get_close_matches
+
+    found = _Tolerances()
+    known = {*run.fields, *(channel.name for channel in run.recording.channels)}
+    for argument in given:
+        name, equals, number = argument.rpartition("=")
+        try:
+            value = float(number)
+        except ValueError:
+            value = -1.0
+        if not value >= 0.0 or (equals and not name):
+            raise ValueError(f"--tolerance {argument}: write SIGNAL=NUMBER, 0 or more, for example pose.position=1e-9")
+        if name and name not in known:
+            near = get_close_matches(name, known, n=1)
+            meant = f"; did you mean {near[0]}?" if near else ""
+            raise ValueError(f"--tolerance {argument}: no signal {name}{meant}")
+        found[name] = value
+    return found
+
+
+def _finite(number: float | None) -> float | None:
+    return None if number == float("inf") else number
+
+
+def _table(found: Sequence[SignalDifference], run: RecordedRun) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("signal", no_wrap=True)
+    for heading in ("first at", "largest", "at", "rows"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("", overflow="fold")
+    for each in found:
+        unit = run.fields[each.signal].unit if each.signal in run.fields else ""
+        numbers = ["-", "-", "-", "-"]
+        if each.first_s is not None:
+            numbers = [f"{each.first_s:g} s", f"{each.largest:.3g} {unit}", f"{each.largest_s:g} s", str(each.rows)]
+        table.add_row(Text(each.signal), *numbers, Text(each.text))
+    return table

@@ -1,0 +1,46 @@
+"""``cube-sim judge``: the checks of a recorded run again, or others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cube_sim.commands.ending import BAD_INPUT, FAIL, NOT_JUDGED, PASS, stop
+from cube_sim.commands.output import print_json
+from cube_sim.commands.replay import RunArgument
+from cube_sim.errors import RecordingError, ScenarioError
+
+EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
+EPILOG = "Exit code: 0 PASS, 1 FAIL, 2 bad input, 3 ERROR: something could not be judged. Nothing is written."
+
+
+def judge(
+    run: RunArgument,
+    checks: Annotated[
+        Path | None,
+        typer.Option("--checks", metavar="FILE", help="YAML file whose checks: take the place of the scenario's."),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+) -> None:
+    """Judge a recorded run: by the checks of its scenario, or by those of a file."""
+    try:
+        from cube_sim.runs.recorded_run import load_run
+
+        recorded = load_run(run)
+        from cube_sim.runs.judging import judged
+        from cube_sim.scenario.loading import load_checks
+
+        verdict, results, remarks = judged(recorded, None if checks is None else load_checks(checks, recorded.resolved))
+    except (RecordingError, ScenarioError) as error:
+        stop(BAD_INPUT, str(error))
+    if json:
+        print_json({"verdict": verdict, "checks": [vars(result) for result in results], "remarks": list(remarks)})
+    else:
+        from rich.console import Console
+
+        from cube_sim.commands.result_table import result_table
+
+        Console().print(result_table(f"{recorded.scenario.name}: judged again", verdict, results, remarks))
+    raise typer.Exit(EXIT_CODES[verdict])

@@ -1,0 +1,1 @@
+"""What can be done with a run after it: read, compare, fly again, judge again, hand on."""

@@ -1,0 +1,72 @@
+"""Two runs, signal by signal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cube_sim.recording.batch import Rows
+
+Signals = Mapping[str, Rows]
+
+
+@dataclass(frozen=True)
+class SignalDifference:
+    """That a signal is not the same in two runs, within its tolerance.
+
+    Attributes:
+        signal: its name.
+        text: what differs, where it is no number: that it is missing in one, or has other times.
+        first_s: time of the first row that differs by more than the tolerance [s]; None where it is no number.
+        largest: largest difference of a number, in the signal's unit; infinite where one is no number and the other is.
+        largest_s: its time [s].
+        rows: how many rows differ by more than the tolerance.
+    """
+
+    signal: str
+    text: str = ""
+    first_s: float | None = None
+    largest: float | None = None
+    largest_s: float | None = None
+    rows: int = 0
+
+
+def differences(
+    one: Signals, other: Signals, tolerance: Callable[[str], float] = lambda _: 0.0
+) -> Iterator[SignalDifference]:
+    """Every signal that differs, in the order of the first run.
+
+    Args:
+        one: "channel.field" -> (n, 1+width), column 0 the time [s].
+        other: likewise.
+        tolerance: of a signal, in its unit; at 0 every bit has to be the same, but for the sign of 0 and kinds of NaN.
+    """
+    for name in [*one, *(name for name in other if name not in one)]:
+        if name not in one or name not in other:
+            yield SignalDifference(name, f"only in the {'first' if name in one else 'second'}")
+            continue
+        found = _difference(name, one[name], other[name], tolerance(name))
+        if found is not None:
+            yield found
+
+
+def _difference(name: str, a: Rows, b: Rows, tolerance: float) -> SignalDifference | None:
+    if a.shape[1] != b.shape[1]:
+        return SignalDifference(name, f"{a.shape[1] - 1} numbers a row against {b.shape[1] - 1}")
+    text = ""
+    if len(a) != len(b) or not np.array_equal(a[:, 0], b[:, 0]):
+        text = f"{len(a)} rows against {len(b)}, of which {{}} at the same times"
+        _, at_a, at_b = np.intersect1d(a[:, 0], b[:, 0], return_indices=True)
+        a, b = a[at_a], b[at_b]
+        text = text.format(len(a))
+    with np.errstate(invalid="ignore"):
+        off = np.abs(a[:, 1:] - b[:, 1:])
+    same = (a[:, 1:] == b[:, 1:]) | (np.isnan(a[:, 1:]) & np.isnan(b[:, 1:]))
+    off = np.where(same, 0.0, np.where(np.isnan(off), np.inf, off)).max(axis=1, initial=0.0)
+    beyond = np.flatnonzero(off > tolerance)
+    if not len(beyond):
+        return SignalDifference(name, text) if text else None
+    most = int(np.argmax(off))
+    return SignalDifference(name, text, float(a[beyond[0], 0]), float(off[most]), float(a[most, 0]), len(beyond))

@@ -1,0 +1,111 @@
+"""A run read back from its folder, or from its record alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from cube_sim.errors import RecordingError
+from cube_sim.recording.batch import Rows
+from cube_sim.recording.channels import Field
+from cube_sim.recording.header import RunHeader
+from cube_sim.recording.reading import Recording, read_recording
+from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE
+from cube_sim.run_log import LogLine
+from cube_sim.scenario import Scenario
+from cube_sim.scenario.document import parse
+
+
+@dataclass(frozen=True)
+class RecordedRun:
+    """A run as its files have it.
+
+    Attributes:
+        path: of the record.
+        recording: what the record holds.
+        verdict: what verdict.json beside it says, as plain data; None without one.
+    """
+
+    path: Path
+    recording: Recording
+    verdict: Mapping[str, Any] | None
+
+    @cached_property
+    def signals(self) -> dict[str, Rows]:
+        """Every signal as "channel.field" -> (n, 1+width), column 0 the time [s]; the bits the run had in memory."""
+        return self.recording.signals
+
+    @cached_property
+    def fields(self) -> dict[str, Field]:
+        """Width, unit, meaning with its frame, and column names of each signal, by the same names."""
+        return {
+            f"{channel.name}.{field.name}": field for channel in self.recording.channels for field in channel.fields
+        }
+
+    @property
+    def header(self) -> RunHeader:
+        """The inputs of the run."""
+        return self.recording.header
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """The scenario flown, every default written out; files go by their names in the record."""
+        return Scenario.model_validate(self.resolved)
+
+    @cached_property
+    def resolved(self) -> dict[str, Any]:
+        """The same as its file holds it, plain data."""
+        return parse(self.header.resolved).data
+
+    @property
+    def log(self) -> tuple[LogLine, ...]:
+        """All that was said, in the order of time."""
+        return self.recording.log
+
+    @property
+    def complete(self) -> bool:
+        """Whether the record goes on to its end; False after a crash."""
+        return self.recording.complete
+
+    @property
+    def recorded_s(self) -> float:
+        """The time of the last row [s]; 0 without rows."""
+        return max((float(rows[-1, 0]) for rows in self.recording.rows.values() if len(rows)), default=0.0)
+
+    def column_names(self, signal: str) -> tuple[str, ...]:
+        """A name for each number of a signal, as tables have it: with its field's name, and its unit in brackets."""
+        field = self.fields[signal]
+        units = field.unit.split(", ") if ", " in field.unit else [field.unit] * field.width
+        if len(units) != field.width:
+            units = [units[0]] * (field.width // 2) + [units[-1]] * (field.width - field.width // 2)
+        parts = field.columns or tuple(map(str, range(field.width)))
+        names = (signal,) if field.is_single_number else tuple(f"{signal}.{part}" for part in parts)
+        return tuple(f"{name} [{unit}]" for name, unit in zip(names, units, strict=True))
+
+
+def load_run(path: str | Path) -> RecordedRun:
+    """Read a run back.
+
+    Args:
+        path: its folder, or its record.
+
+    Raises:
+        RecordingError: there is no record, it is not one of cube_sim, or it is damaged. One that merely ends early is
+            read as far as it goes.
+    """
+    path = Path(path)
+    record = path / MCAP_FILE if path.is_dir() else path
+    if not record.is_file():
+        raise RecordingError(f"{path}: no {MCAP_FILE} here" if path.is_dir() else f"{path}: no such file")
+    beside = record.with_name(VERDICT_FILE)
+    verdict = None
+    if record.name == MCAP_FILE and beside.is_file():
+        try:
+            verdict = json.loads(beside.read_text(encoding="utf-8"))
+        except (ValueError, OSError) as error:
+            raise RecordingError(f"{beside}: cannot be read: {error}") from None
+    return RecordedRun(record, read_recording(record), verdict)

@@ -1,0 +1,92 @@
+"""A run flown again from its record alone, and held against it bit by bit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import zip_longest
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from cube_sim.errors import ScenarioError
+from cube_sim.flight import Flight
+from cube_sim.mission import prepare
+from cube_sim.mission.run_header import header
+from cube_sim.recording.saved_inputs import save_inputs
+from cube_sim.recording.signal_store import SignalStore
+from cube_sim.run_log import LogLine
+from cube_sim.runs.comparison import SignalDifference, differences
+from cube_sim.runs.recorded_run import RecordedRun
+from cube_sim.scenario import load
+from cube_sim.simulation import Progress
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """What became of a replay.
+
+    Attributes:
+        differences: signals that are not the same to the bit, the one that differs first in time before all others.
+        other_versions: of packages that take part, a line each.
+        other_log: the first line of the log that is not the same, as recorded and as now; None where all are.
+        until_s: how far the record goes [s]; nothing after it is compared.
+        signals: how many were compared.
+    """
+
+    differences: tuple[SignalDifference, ...]
+    other_versions: tuple[str, ...]
+    other_log: tuple[str, str] | None
+    until_s: float
+    signals: int
+
+    @property
+    def identical(self) -> bool:
+        """Whether every signal and every line of the log is the same."""
+        return not self.differences and self.other_log is None
+
+
+def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
+    """Fly a recorded run again.
+
+    Args:
+        run: one whose record may end early: so much of it is compared.
+        progress: called about once per simulated second with (simulated time, whole time) [s].
+
+    Raises:
+        RecordingError: the record does not hold what flies.
+        ScenarioError: this version of cube_sim cannot fly it.
+    """
+    with TemporaryDirectory() as folder:
+        place = save_inputs(run.header, Path(folder))
+        try:
+            loaded = replace(load(place), text=run.header.scenario)
+            mission = prepare(loaded)
+        except ScenarioError as error:
+            lines = [line.replace(f"{folder}/", f"{run.path}: ") for line in str(error).splitlines()]
+            raise ScenarioError(lines) from None
+        store = SignalStore(mission.channels)
+        flight = Flight.recorded(loaded, mission, store)
+        whole_s = loaded.scenario.duration_s
+        flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
+        inputs = header(loaded, mission.codes)
+    until_s = run.recorded_s if not run.complete else max(run.recorded_s, flight.time_s)
+    again = {name: rows[rows[:, 0] <= until_s] for name, rows in store.signals.items()}
+    found = sorted(differences(run.signals, again), key=lambda each: -1.0 if each.first_s is None else each.first_s)
+    other_log = _first_other(run.log, [line for line in store.lines if run.complete or line.t <= until_s])
+    versions = _other_versions(run.header.versions, inputs.versions)
+    return Replayed(tuple(found), versions, other_log, until_s, len(again))
+
+
+def _other_versions(then: Mapping[str, str], now: Mapping[str, str]) -> tuple[str, ...]:
+    names = [name for name in sorted({*then, *now}) if then.get(name) != now.get(name)]
+    return tuple(f"{name} {then.get(name, 'none')}, now {now.get(name, 'none')}" for name in names)
+
+
+def _first_other(then: Sequence[LogLine], now: Sequence[LogLine]) -> tuple[str, str] | None:
+    for lines in zip_longest(then, now):
+        if lines[0] != lines[1]:
+            before, after = (
+                "nothing" if line is None else f"{line.t:g} s  {line.level}  {line.text}" for line in lines
+            )
+            return before, after
+    return None

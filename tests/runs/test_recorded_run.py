@@ -1,0 +1,190 @@
+"""A run read back, flown again from its record alone, compared, judged and handed on, as the commands do it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from importlib import import_module
+
+import numpy as np
+import pyarrow.parquet
+import pytest
+from support.command_line import call
+from support.own_code import scenario_with
+
+import cube_sim
+from cube_sim.errors import RecordingError
+from cube_sim.scenario.loading import loaded_again
+
+pytestmark = pytest.mark.flight
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("flown")
+    return cube_sim.run(scenario_with(folder, ""), {"duration_s": 3.0}, folder / "run")
+
+
+@pytest.fixture(scope="module")
+def other(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("other")
+    return cube_sim.run(scenario_with(folder, ""), {"duration_s": 3.0, "guidance.speed_m_s": 0.41}, folder / "run")
+
+
+def cut(flown, tmp_path, share=0.6):
+    """The same run, its writer killed."""
+    folder = tmp_path / "cut"
+    folder.mkdir()
+    whole = (flown.directory / "run.mcap").read_bytes()
+    (folder / "run.mcap").write_bytes(whole[: int(share * len(whole))])
+    return folder
+
+
+def test_it_has_what_the_run_had(flown):
+    run = cube_sim.load_run(flown.directory)
+    assert run.complete
+    assert run.scenario.guidance.speed_m_s == 0.4
+    assert run.scenario.duration_s == run.recorded_s == 3.0
+    assert run.verdict["verdict"] == flown.verdict == "PASS"
+    assert run.signals.keys() == flown.signals.keys() == run.fields.keys()
+    for name, rows in flown.signals.items():
+        assert run.signals[name].tobytes() == rows.tobytes(), name
+        assert len(run.column_names(name)) == rows.shape[1] - 1
+    assert run.column_names("wrench.demanded")[2:4] == ("wrench.demanded.Fz [N]", "wrench.demanded.Mx [N m]")
+    assert run.column_names("path_error.cross_track") == ("path_error.cross_track [m]",)
+    assert cube_sim.load_run(flown.directory / "run.mcap").verdict is not None
+
+
+def test_what_is_no_run_is_refused(tmp_path, flown):
+    with pytest.raises(RecordingError, match="no such file"):
+        cube_sim.load_run(tmp_path / "none.mcap")
+    with pytest.raises(RecordingError, match=r"no run\.mcap here"):
+        cube_sim.load_run(tmp_path)
+    shutil.copy(flown.directory / "run.mcap", tmp_path)
+    (tmp_path / "verdict.json").write_text("{")
+    with pytest.raises(RecordingError, match=r"verdict\.json: cannot be read"):
+        cube_sim.load_run(tmp_path)
+
+
+def test_a_replay_is_identical(flown, monkeypatch, capsys):
+    code, out, err = call(monkeypatch, capsys, "replay", flown.directory, "--quiet")
+    assert (code, out, err) == (0, "", "")
+    code, out, err = call(monkeypatch, capsys, "replay", flown.directory, "--json")
+    assert (code, json.loads(out)["identical"], json.loads(out)["signals"]) == (0, True, len(flown.signals))
+
+
+def test_a_replay_needs_nothing_but_the_record(flown, tmp_path, monkeypatch, capsys):
+    shutil.copy(flown.directory / "run.mcap", tmp_path / "alone.mcap")
+    code, out, _ = call(monkeypatch, capsys, "replay", tmp_path / "alone.mcap")
+    assert code == 0
+    assert out == f"identical: {len(flown.signals)} signals and 1 line of log, to 3 s\n"
+
+
+def test_a_record_cut_short_is_replayed_as_far_as_it_goes(flown, tmp_path, monkeypatch, capsys):
+    code, out, _ = call(monkeypatch, capsys, "replay", cut(flown, tmp_path))
+    assert code == 0
+    assert out.startswith("identical: ")
+    assert "where the record ends early" in out
+    assert float(out.split("to ")[1].split(" s")[0]) < 2.5
+
+
+def another_speed(controller_of):
+    """As if another version of the program flew."""
+    return lambda loaded, *rest: controller_of(loaded_again(loaded, {"guidance.speed_m_s": 0.39}), *rest)
+
+
+def test_a_replay_that_differs_says_where_first(flown, monkeypatch, capsys):
+    prepare = import_module("cube_sim.mission.prepare")
+    monkeypatch.setattr(prepare, "controller_of", another_speed(prepare.controller_of))
+    code, out, _ = call(monkeypatch, capsys, "replay", flown.directory)
+    assert code == 1
+    assert out.startswith("differs: ")
+    assert "first: " in out
+
+
+def test_diff_names_signals_and_keeps_to_tolerances(flown, other, monkeypatch, capsys):
+    code, out, _ = call(monkeypatch, capsys, "diff", flown.directory, flown.directory / "run.mcap")
+    assert (code, out) == (0, f"the same: {len(flown.signals)} signals\n")
+    code, out, _ = call(monkeypatch, capsys, "diff", flown.directory, other.directory, "--json")
+    found = {each["signal"]: each for each in json.loads(out)}
+    assert code == 1
+    assert "path.position" not in found
+    assert (
+        found["pose.position"]["largest"]
+        == np.abs(flown.signals["pose.position"] - other.signals["pose.position"]).max()
+    )
+    code, out, _ = call(monkeypatch, capsys, "diff", flown.directory, other.directory, "--tolerance", "1e9")
+    assert code == 0
+    code, out, _ = call(monkeypatch, capsys, "diff", flown.directory, other.directory, "--tolerance", "pose=1e9")
+    assert code == 1
+    assert "pose." not in out
+    assert "target.arc_length" in out
+
+
+@pytest.mark.parametrize(
+    ("argument", "told"),
+    [("pose.positon=1", "did you mean pose.position?"), ("x", "write SIGNAL"), ("=1", "wr")],
+)
+def test_a_tolerance_that_is_none_is_one_line(argument, told, flown, monkeypatch, capsys):
+    code, out, err = call(monkeypatch, capsys, "diff", flown.directory, flown.directory, "--tolerance", argument)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert told in err
+
+
+def test_judged_again_the_verdict_is_the_same(flown, monkeypatch, capsys):
+    code, out, _ = call(monkeypatch, capsys, "judge", flown.directory, "--json")
+    told = json.loads(out)
+    assert (code, told["verdict"], told["remarks"]) == (0, "PASS", [])
+    kept = json.loads((flown.directory / "verdict.json").read_text())
+    assert told["checks"] == kept["checks"]
+
+
+def test_other_checks_judge_it_otherwise(flown, tmp_path, monkeypatch, capsys):
+    checks = tmp_path / "checks.yaml"
+    checks.write_text("checks:\n  - {kind: path_end, reach_m: 0.01}\n  - {kind: allowed_forces}\n")
+    code, out, _ = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks, "--json")
+    assert (code, [each["verdict"] for each in json.loads(out)["checks"]]) == (1, ["FAIL", "PASS"])
+    checks.write_text("checks:\n  - {kind: path_end, reach: 0.01}\n")
+    code, out, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
+    assert (code, out) == (2, "")
+    assert f"{checks}:2:" in err
+    assert "did you mean reach_m?" in err
+    checks.write_text("name: x\n")
+    code, _, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
+    assert (code, err) == (2, f"{checks}:1:1: checks: is missing; give a list of checks\n")
+
+
+def test_a_record_cut_short_is_never_a_pass(flown, tmp_path, monkeypatch, capsys):
+    code, out, _ = call(monkeypatch, capsys, "judge", cut(flown, tmp_path), "--json")
+    assert (code, json.loads(out)["verdict"]) == (3, "ERROR")
+    assert "the record ends early" in json.loads(out)["remarks"][0]
+
+
+def test_exported_numbers_are_the_same_bits(flown, tmp_path, monkeypatch, capsys):
+    for kind in ("csv", "parquet"):
+        code, out, _ = call(monkeypatch, capsys, "export", flown.directory, tmp_path / kind, "--format", kind)
+        assert code == 0
+        assert f"wrench.{kind}" in out
+    wrench = flown.signals["wrench.allocated"]
+    lines = (tmp_path / "csv" / "wrench.csv").read_text().splitlines()
+    assert lines[0].split(",")[:2] == ["t [s]", "demanded.Fx [N]"]
+    read = np.array([[float(number) for number in line.split(",")] for line in lines[1:]])
+    assert read[:, 7:13].tobytes() == np.ascontiguousarray(wrench[:, 1:]).tobytes()
+    table = pyarrow.parquet.read_table(tmp_path / "parquet" / "wrench.parquet")
+    assert table.column("allocated.Mz [N m]").to_numpy().tobytes() == np.ascontiguousarray(wrench[:, 6]).tobytes()
+    code, out, _ = call(
+        monkeypatch, capsys, "export", flown.directory, tmp_path / "one", "--channel", "pose", "--channel", "wrench"
+    )
+    assert len(out.splitlines()) == 2
+    code, _, err = call(monkeypatch, capsys, "export", flown.directory, tmp_path / "two", "--channel", "poise")
+    assert (code, "no such channel; there are" in err) == (2, True)
+    code, _, err = call(monkeypatch, capsys, "export", flown.directory, tmp_path / "one")
+    assert (code, err) == (2, f"{tmp_path / 'one'}: is not an empty folder\n")
+
+
+def test_exported_inputs_fly(flown, tmp_path, monkeypatch, capsys):
+    call(monkeypatch, capsys, "export", flown.directory, tmp_path / "inputs", "--format", "inputs")
+    again = cube_sim.run(tmp_path / "inputs" / "resolved.yaml", out=tmp_path / "again")
+    assert again.signals["pose.position"].tobytes() == flown.signals["pose.position"].tobytes()
+    call(monkeypatch, capsys, "export", flown.directory, tmp_path / "view", "--format", "rrd")
+    assert (tmp_path / "view" / "run.rrd").stat().st_size > 10_000
