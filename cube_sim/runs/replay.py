@@ -84,7 +84,7 @@ def _other_versions(then: Mapping[str, str], now: Mapping[str, str]) -> tuple[st
 
 def _first_other(then: Sequence[LogLine], now: Sequence[LogLine]) -> tuple[str, str] | None:
     for lines in zip_longest(then, now):
-        if lines[0] != lines[1]:
+        if _recorded(lines[0]) != _recorded(lines[1]):
             before, after = (
                 "nothing" if line is None else f"{line.t:g} s  {line.level}  {line.text}" for line in lines
             )
