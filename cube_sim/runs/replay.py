@@ -83,10 +83,16 @@ def _other_versions(then: Mapping[str, str], now: Mapping[str, str]) -> tuple[st
 
 
 def _first_other(then: Sequence[LogLine], now: Sequence[LogLine]) -> tuple[str, str] | None:
-    for lines in zip_longest(then, now):
-        if _recorded(lines[0]) != _recorded(lines[1]):
-            before, after = (
-                "nothing" if line is None else f"{line.t:g} s  {line.level}  {line.text}" for line in lines
-            )
-            return before, after
+    for before, after in zip_longest(then, now):
+        if _recorded(before) != _recorded(after):
+            return _shown(before), _shown(after)
     return None
+
+
+def _recorded(line: LogLine | None) -> tuple[int, str, str] | None:
+    """A line as a record has it, its time in whole nanoseconds."""
+    return None if line is None else (round(line.t * 1e9), line.level, line.text)
+
+
+def _shown(line: LogLine | None) -> str:
+    return "nothing" if line is None else f"{line.t:g} s  {line.level}  {line.text}"
