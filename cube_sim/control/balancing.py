@@ -36,7 +36,9 @@ SHORTAGE_TIME = 2.0
 LEAST_TWIST = 1e-3
 """Cosine of half the tilt below which the turn about z means nothing: upside down."""
 MOST_PULL_RAD = 0.3
-"""A nose that points farther from where the mission wishes is pulled there no more than from so far (a choice)."""
+"""A nose that points farther from where the mission wishes, or a hull that is tilted farther, is pulled there no more
+than from so far (a choice). The inverse is damped, so that some of a pull gets past the first task: a strong one would
+swing the hull about its balance."""
 FARTHEST_RAD = 0.7
 """A hull that is this far from the attitude found, and comes no nearer, is held by its water elsewhere: the search goes
 on from there. One that is as far from its wish when the search begins turns to that first."""
@@ -243,11 +245,13 @@ def tilt_and_heading(q):
 
     q = swing twist, the twist about z. For small angles it is the vector part of q, twice. Where the nose points far
     from the wished one, tilting by that would go about the wrong axis; and the pull to that side, where balance forbids
-    to give way to it, must not tilt the hull.
+    to give way to it, must not tilt the hull. Both are pulls of `MOST_PULL_RAD` at most.
     """
     w, x, y, z = q
     c = max(sqrt(w * w + z * z), LEAST_TWIST)
-    return 2.0 * (x * w - y * z) / c, 2.0 * (y * w + x * z) / c, min(max(2.0 * z / c, -MOST_PULL_RAD), MOST_PULL_RAD)
+    about_x, about_y = 2.0 * (x * w - y * z) / c, 2.0 * (y * w + x * z) / c
+    share = MOST_PULL_RAD / max(sqrt(about_x * about_x + about_y * about_y), MOST_PULL_RAD)
+    return share * about_x, share * about_y, min(max(2.0 * z / c, -MOST_PULL_RAD), MOST_PULL_RAD)
 
 
 @compiled

@@ -41,9 +41,15 @@ class Approach:
         self._closing_limit, self._closing_speed = closing_limit, 0.0
 
     def no_faster_than(self, time: float) -> Approach:
-        """The same, with a small cross-track error removed in no less than a time [s] at the path's highest speed."""
-        gain = 1.0 / (time * self._angle * self._profile.most)
-        return self if self._gain <= gain else Approach(self._profile, self._angle, gain, self._stop_time)
+        """The same, with a small cross-track error removed in no less than a time [s] at the path's highest speed.
+
+        The end of the path is approached no faster, either.
+        """
+        gain = min(self._gain, 1.0 / (time * self._angle * self._profile.most))
+        stop_time = None if self._stop_time is None else max(self._stop_time, time)
+        if (gain, stop_time) == (self._gain, self._stop_time):
+            return self
+        return Approach(self._profile, self._angle, gain, stop_time)
 
     def at_closing_speed(self, speed: float) -> Approach:
         """The same for a vehicle that affords this speed across its path [m/s]; a small error goes as quickly."""

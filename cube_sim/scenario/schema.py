@@ -130,7 +130,8 @@ class GuidanceBlock(Block):
     stop_time_s: float = Field(
         default=2.0,
         gt=0,
-        description="The speed falls as remaining path / stop_time_s before the end of the path [s].",
+        description="The speed falls as remaining path / stop_time_s before the end of the path [s]; in a longer time "
+        "where the attitude has to point the thrust.",
     )
 
 

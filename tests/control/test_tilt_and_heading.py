@@ -16,7 +16,7 @@ def quaternion(rotation):
 
 @pytest.mark.parametrize("heading", [-3.0, -1.0, 0.0, 0.2, 2.5])
 def test_the_tilt_does_not_depend_on_the_heading(heading):
-    tilt = np.array([0.3, -0.2, 0.0])
+    tilt = np.array([0.2, -0.15, 0.0])
     found = tilt_and_heading(quaternion(Rotation.from_rotvec(tilt) * Rotation.from_rotvec([0.0, 0.0, heading])))
     size = np.linalg.norm(tilt)
     np.testing.assert_allclose(found[:2], 2.0 * np.sin(0.5 * size) / size * tilt[:2], atol=1e-12)
@@ -31,4 +31,12 @@ def test_small_angles_are_the_rotation_itself():
 def test_upside_down_is_a_tilt_by_half_a_turn():
     found = np.array(tilt_and_heading(quaternion(Rotation.from_rotvec([np.pi, 0.0, 0.0]))))
     assert np.isfinite(found).all()
-    assert np.linalg.norm(found) <= 2.0 + MOST_PULL_RAD
+    assert np.linalg.norm(found) <= 2.0**0.5 * MOST_PULL_RAD
+
+
+@pytest.mark.parametrize("angle", [0.5, 1.5, 3.0])
+def test_a_large_tilt_pulls_its_own_way_no_more_than_the_most(angle):
+    """Some of a pull gets past the damped first task: a strong one would swing the hull about its balance."""
+    axis = np.array([0.6, -0.8, 0.0])
+    found = tilt_and_heading(quaternion(Rotation.from_rotvec(angle * axis)))
+    np.testing.assert_allclose(found, MOST_PULL_RAD * axis, atol=1e-12)

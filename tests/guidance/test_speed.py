@@ -137,6 +137,19 @@ def test_without_a_stop_the_vehicle_runs_on_and_with_one_it_rests_at_the_end():
         assert position[0] == pytest.approx(final, abs=0.01)
 
 
+def test_a_slower_vehicle_stops_and_closes_in_no_less_than_its_time():
+    line, time = Line([0.0, 0.0, 0.0], [4.0, 0.0, 0.0]), 5.0
+    law = Approach(ConstantSpeed(0.4), 1.0, 0.5, stop_time=2.0)
+    for slower in (law.no_faster_than(time), law.no_faster_than(time).no_faster_than(0.1)):
+        braking = slower.motion(VirtualTarget(line, 0.5, arc_length=3.0).view(np.array([3.0, 0.0, 0.0]), np.zeros(3)))
+        assert braking.velocity[0] == pytest.approx(1.0 / time)
+        beside = slower.motion(VirtualTarget(line, 0.5, arc_length=1.0).view(np.array([1.0, 1e-6, 0.0]), np.zeros(3)))
+        assert beside.velocity[1] == pytest.approx(-1e-6 / time)
+    endless = Approach(ConstantSpeed(0.4), 1.0, 0.5, None).no_faster_than(time)
+    there = endless.motion(VirtualTarget(line, 0.5, arc_length=4.0).view(np.array([4.0, 0.0, 0.0]), np.zeros(3)))
+    assert there.velocity[0] == pytest.approx(0.4)
+
+
 def test_the_target_runs_laps_and_ends_after_the_last():
     ring = circle([0.0, 0.0, 0.0], 1.0)
     endless, counted = VirtualTarget(ring, 0.5), VirtualTarget(ring, 0.5, laps=2.5)
