@@ -47,7 +47,7 @@ def allocate_responsive(codes, thrusters, demand, secondary, force_ratio, parts,
     """Forces of all thrusters for a demand, into `thrusters.force`; see `FaultTolerant.allocate` and `allocate_at`.
 
     Args:
-        codes: of `cube_sim.allocation.exact.code.search_codes`.
+        codes: `cube_sim.allocation.allocator.Allocator.search_codes`.
         thrusters: `ResponsiveThrusters`.
         demand: (n,) all that is demanded [N, N m], finite.
         secondary: (n,) the part of it that gives way; zero for none.
