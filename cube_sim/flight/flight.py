@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action, action_of
-from cube_sim.flight.compiled import BEGIN, JUDGED, fly_ticks
+from cube_sim.flight.compiled import BEGIN, JUDGED, engine_of, fly_ticks
 from cube_sim.flight.observation import Observation
 from cube_sim.flight.rows import rows_for, write_power
 from cube_sim.flight.snapshot import Snapshot
@@ -109,6 +109,7 @@ class Flight:
         self._watches = Watches.of(mission, store)
         self._period = mission.scenario.control_period_s
         self._rows, self._python_until = rows_for(mission.channels, 1), 0
+        self._engine = engine_of(mission)
 
     @cached_property
     def _digest(self) -> str:
@@ -276,7 +277,8 @@ class Flight:
         if warnings or tick < self._python_until or ticks <= 0 or not self._watches.surface.under_water:
             return NOT_BEGUN
         with uninterrupted():  # the parts of a mission go on together, with their rows
-            flown = fly_ticks(mission, tick, ticks, self._applied, self._watches.surface.boxes, moving)
+            flying = self._applied, self._watches.surface.boxes, moving
+            flown = fly_ticks(mission, self._engine, tick, ticks, *flying)
             if flown is None or flown.ticks == 0:
                 self._python_until = tick + PYTHON_TICKS
             if flown is None:

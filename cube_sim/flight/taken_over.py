@@ -82,21 +82,22 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
     times = [k * period for k in range(first, first + flown.ticks + (flown.reached == ESTIMATED))]
     statuses, paces, last = flown.rows.allocation[:, 3], flown.pace, flown.ticks - 1
     quiet = watches.unattainable.quiet(statuses) and watches.pace.quiet(paces)
-    for k, t in enumerate(times):
+    for k in range(len(times)) if estimation is not None or not quiet else (last,) * bool(flown.ticks):
         if estimation is not None:
-            estimation.note(sensing.arrived[k, : sensing.counts[k]], store, t)
+            estimation.note(sensing.arrived[k, : sensing.counts[k]], store, times[k])
         if k == last or (k < last and not quiet):
-            watches.note(t, Status(int(statuses[k])), float(paces[k]))
-    ratios = np.concatenate([[flown.force_ratio_before], flown.force_ratio])
-    changed = np.diff(ratios) != 0.0
+            watches.note(times[k], Status(int(statuses[k])), float(paces[k]))
+    ratio = flown.force_ratio[-1] if flown.ticks else flown.force_ratio_before
     if flown.ticks:
-        changed[0] |= first == 0
-        told = np.flatnonzero(changed)
-        record_actuation(mission, store, np.array(times)[told], flown.force_ratio[told])
+        if first == 0 or (flown.force_ratio != flown.force_ratio_before).any():
+            changed = np.diff(flown.force_ratio, prepend=flown.force_ratio_before) != 0.0
+            changed[0] |= first == 0
+            told = np.flatnonzero(changed)
+            record_actuation(mission, store, np.array(times)[told], flown.force_ratio[told])
         watches.surface.note_under_water(times[last])
         store.extend(times[0], times[last], flown.rows.named(), ours=True)
     known, n = None, len(times)
     if estimation is not None and n:
         estimation.record(store, np.array(times), sensing.answers[:n], sensing.errors[:n], sensing.inertial[:n])
         known = estimated(sensing.answers[n - 1]) if n > flown.ticks else None
-    return Begun(flown.reached, known, flown.reached >= JUDGED and mission.supply.force_ratio != ratios[-1])
+    return Begun(flown.reached, known, flown.reached >= JUDGED and mission.supply.force_ratio != ratio)

@@ -47,6 +47,10 @@ class RecordedSignals(Mapping[str, Rows]):
         rows = self._rows(channel)
         return np.hstack([rows[:, :1], rows[:, columns]])
 
+    def __contains__(self, name: object) -> bool:
+        """Whether there is such a signal, without reading it."""
+        return name in self._places
+
     def __iter__(self) -> Iterator[str]:
         """The names, in the order of the table."""
         return iter(self._places)

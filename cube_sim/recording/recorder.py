@@ -22,8 +22,8 @@ MCAP_NAME = "run.mcap"
 RRD_NAME = "run.rrd"
 
 
-MOST_KEPT_BYTES = 32_000_000
-"""Ten minutes of an eight-thruster vehicle at 50 Hz."""
+MOST_KEPT_BYTES = 16_000_000
+"""Five minutes of an eight-thruster vehicle at 50 Hz."""
 
 
 class Recorder(SignalStore):

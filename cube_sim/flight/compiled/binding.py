@@ -63,12 +63,13 @@ class FlownTicks(NamedTuple):
 
 
 def fly_ticks(
-    mission: Mission, tick: int, count: int, applied: Vector, boxes: Boxes, moving: bool = True
+    mission: Mission, engine: Engine, tick: int, count: int, applied: Vector, boxes: Boxes, moving: bool = True
 ) -> FlownTicks | None:
     """Fly up to so many ticks, none of which has an event.
 
     Args:
         mission: whose parts are moved on.
+        engine: of its physics.
         tick: number of the first one.
         count: how many.
         applied: (6,) wrench allocated over the tick before [N, N m].
@@ -103,8 +104,9 @@ def fly_ticks(
         effort=np.zeros(2, np.int64),
     )
     codes = *by.addresses, allocator.search_codes, _estimating_address(sensing) if sensing.navigated else 0
+    physics = engine if moving else engine._replace(steps=0)
     ticks, reached = fly(
-        codes, count, tick, _engine(mission, moving), _hull(mission, boxes), feed, evidence, sensing,
+        codes, count, tick, physics, _hull(mission, boxes), feed, evidence, sensing,
         course, by.law, by.planar, answering, thrusters, rows, notes,
     )  # fmt: skip
     by.target.arc_length = float(arc_length[0])
@@ -151,14 +153,26 @@ def _nothing_sensed() -> tuple[NavigationParameters, NavigationMemory]:
 def _sensing(mission: Mission, count: int) -> Sensing | None:
     """What the state is estimated by; None before its first estimate."""
     estimation = mission.estimation
-    stage = _nothing_sensed() if estimation is None else estimation.stage(count)
-    if stage is None:
-        return None
-    k, count = len(stage[0].aids), count if estimation is not None else 0
+    if estimation is None:
+        return _no_sensing()
+    stage = estimation.stage(count)
+    return None if stage is None else _sensing_by(stage, True, mission.vehicle.gravity, count)
+
+
+@cache
+def _no_sensing() -> Sensing:
+    """That of a flight whose controller sees the true state."""
+    return _sensing_by(_nothing_sensed(), False, np.zeros(3), 0)
+
+
+def _sensing_by(
+    stage: tuple[NavigationParameters, NavigationMemory], navigated: bool, gravity: Vector, count: int
+) -> Sensing:
+    k = len(stage[0].aids)
     return Sensing(
-        estimation is not None,
+        navigated,
         *stage,
-        mission.vehicle.gravity,
+        gravity,
         np.zeros(count, ESTIMATE),
         np.zeros(count, ERROR),
         np.zeros((count, 6)),
@@ -167,7 +181,8 @@ def _sensing(mission: Mission, count: int) -> Sensing | None:
     )
 
 
-def _engine(mission: Mission, moving: bool) -> Engine:
+def engine_of(mission: Mission) -> Engine:
+    """A mission's physics as compiled code sees it, which stays where it is as long as its data."""
     data, vehicle = mission.data, mission.vehicle
     return Engine(
         model=mission.model._address,
@@ -186,7 +201,7 @@ def _engine(mission: Mission, moving: bool) -> Engine:
         act=data.act,
         actuator_force=data.actuator_force,
         hull=np.array([vehicle.qpos_address, vehicle.dof_address, vehicle.body]),
-        steps=mission.scenario.steps_per_tick if moving else 0,
+        steps=mission.scenario.steps_per_tick,
         classical=_is_classical(mission.model),
         period=mission.scenario.control_period_s,
     )

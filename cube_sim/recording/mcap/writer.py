@@ -182,17 +182,20 @@ class McapWriter:
         if self._file.closed:
             return
         self._write_record(DataEnd(data_section_crc=self._crc))
-        summary_start = self._position
-        summary, offsets = b"", []
+        summary_start, self._crc = self._position, 0  # the second checksum covers what follows up to itself
+        offsets = []
         for opcode, records in self._summary():
-            start, summary = len(summary), summary + b"".join(records)
-            if len(summary) > start:
-                offsets.append(SummaryOffset(opcode, summary_start + start, len(summary) - start))
-        offset_start = summary_start + len(summary)
+            start = self._position
+            for record in records:  # one by one: a long run has many chunks
+                self._write(record)
+            if self._position > start:
+                offsets.append(SummaryOffset(opcode, start, self._position - start))
+        offset_start = self._position
+        for offset in offsets:
+            self._write_record(offset)
         footer = _encoded(Footer(summary_start=summary_start, summary_offset_start=offset_start, summary_crc=0))
-        # The checksum covers the summary and the footer up to the checksum itself.
-        closing = summary + b"".join(_encoded(offset) for offset in offsets) + footer[:-4]
-        self._write(closing + zlib.crc32(closing).to_bytes(4, "little") + MCAP0_MAGIC)
+        self._write(footer[:-4])
+        self._write(self._crc.to_bytes(4, "little") + MCAP0_MAGIC)
         self._file.close()
 
     def _summary(self) -> list[tuple[Opcode, list[bytes]]]:

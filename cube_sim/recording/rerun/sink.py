@@ -42,8 +42,9 @@ _TRAIL_HZ = 10
 _LEVELS = {"WARNING": "WARN", "FATAL": "CRITICAL"}  # where the viewer has another word
 
 
-PIECE_S = 30
-"""Of so many seconds a piece costs a seventh of what pieces of one second cost, of five seconds 1.7 times as much."""
+PIECE_S = 80
+"""Long pieces cost less, in time, in bytes and in what Rerun remembers of each to the end. Of more than 4096 rows the
+viewer makes several."""
 
 
 def rerun_sink(
