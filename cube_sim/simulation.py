@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +19,15 @@ from cube_sim.mission import Mission, prepare
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
 from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_directory import RESOLVED_FILE, claim, require_writable, write_verdict
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 
 Progress = Callable[[float, float], None]
+Kept = Literal["full", "mcap", "none"]
+"""What a run leaves beside its verdict: the record and its view, the record alone, nothing."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,7 @@ def run(
     overrides: Mapping[str, Any] | None = None,
     out: str | Path | None = None,
     progress: Progress | None = None,
+    record: Kept = "full",
 ) -> Run:
     """Fly a scenario file, record it and judge its checks.
 
@@ -66,6 +71,7 @@ def run(
         overrides: dotted path -> value in place of the file's, e.g. ``{"guidance.speed_m_s": 0.3}``.
         out: directory to write into: new, empty, or an earlier run's, which is replaced. Default: a new one in logs/.
         progress: called about once per simulated second with (simulated time, whole time) [s].
+        record: "full" for run.mcap and its view run.rrd, "mcap" without the view, "none" for the verdict alone.
 
     Raises:
         ScenarioError: the scenario cannot be run; one line per mistake, nothing is written.
@@ -73,7 +79,7 @@ def run(
         RecordingError: the disk is full, or gone.
         RunInterrupted: Ctrl-C; what was flown is recorded.
     """
-    return fly(scenario, overrides, out=out, progress=progress)
+    return fly(scenario, overrides, out=out, progress=progress, record=record)
 
 
 def fly(
@@ -85,6 +91,7 @@ def fly(
     path: Any = None,
     out: str | Path | None = None,
     progress: Progress | None = None,
+    record: Kept = "full",
 ) -> Run:
     """Fly a scenario, with code of one's own in it where that is given; result and errors are those of `run`.
 
@@ -97,6 +104,7 @@ def fly(
         path: likewise in place of `path`, or a path itself.
         out: as for `run`.
         progress: as for `run`.
+        record: as for `run`.
     """
     loaded = loaded_with(scenario, overrides, controller, allocator, path)
     wanted = None if out is None else Path(out)
@@ -105,7 +113,7 @@ def fly(
     mission = prepare(loaded)
     with claim(wanted, loaded.scenario.name) as directory:
         try:
-            return _record_and_judge(loaded, mission, directory, progress)
+            return _record_and_judge(loaded, mission, directory, progress, record)
         except OSError as error:
             raise RecordingError(f"{directory}: cannot be written: {error.strerror or error}") from error
         except RunInterrupted:
@@ -114,11 +122,20 @@ def fly(
             raise RunInterrupted(directory) from None
 
 
-def _record_and_judge(loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None) -> Run:
+def _store(directory: Path, loaded: Loaded, mission: Mission, record: Kept) -> AbstractContextManager[SignalStore]:
+    """Where the rows go."""
+    if record == "none":
+        return nullcontext(SignalStore(mission.channels))
+    inputs, view = header(loaded, mission.codes), record == "full"
+    return Recorder(directory, inputs, mission.channels, mission.model, view, mission.vehicle.name)
+
+
+def _record_and_judge(
+    loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None, record: Kept
+) -> Run:
     """Fly and judge, into a folder that is ours."""
     (directory / RESOLVED_FILE).write_text(loaded.resolved_yaml(directory), encoding="utf-8")
-    inputs = header(loaded, mission.codes)
-    with Recorder(directory, inputs, mission.channels, mission.model, vehicle=mission.vehicle.name) as recorder:
+    with _store(directory, loaded, mission, record) as recorder:
         started = time.perf_counter()
         try:
             flight = Flight.recorded(loaded, mission, recorder)

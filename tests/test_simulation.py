@@ -63,6 +63,19 @@ def test_a_run_leaves_its_four_files_and_the_same_in_memory(short):
 
 
 @pytest.mark.flight
+@pytest.mark.parametrize("record", ["mcap", "none"])
+def test_less_may_be_recorded_of_the_same_flight(record, short, tmp_path):
+    run = cube_sim.run(HELIX, SHORT, tmp_path / "run", record=record)
+    left = {"resolved.yaml", "verdict.json"} | ({"run.mcap"} if record == "mcap" else set())
+    assert {file.name for file in run.directory.iterdir()} == left
+    assert run.checks == short.checks
+    for name, rows in short.signals.items():
+        assert run.signals[name].tobytes() == rows.tobytes(), name
+    if record == "mcap":
+        assert (run.directory / "run.mcap").read_bytes() == (short.directory / "run.mcap").read_bytes()
+
+
+@pytest.mark.flight
 def test_every_channel_has_a_row_per_tick_from_start_to_end(short):
     t = short.signals["pose.position"][:, 0]
     np.testing.assert_allclose(t, 0.02 * np.arange(151), atol=1e-12)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -28,6 +29,14 @@ EPILOG = (
 )
 
 
+class Recorded(Enum):
+    """What a run leaves beside its verdict."""
+
+    FULL = "full"
+    MCAP = "mcap"
+    NONE = "none"
+
+
 def run(
     scenario: Annotated[Path, typer.Argument(help="Scenario file, for example scenarios/cube_helix.yaml.")],
     out: Annotated[
@@ -38,19 +47,28 @@ def run(
         ),
     ] = None,
     settings: Settings = None,
+    record: Annotated[
+        Recorded,
+        typer.Option(
+            help="full: run.mcap and its view run.rrd. mcap: without the view, which `cube-sim export` can make later. "
+            "none: the verdict alone."
+        ),
+    ] = Recorded.FULL,
     json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show neither progress nor result.")] = False,
 ) -> None:
     """Fly a scenario, record it, judge its checks."""
-    name, duration_s, result = _fly(scenario, settings, out, hidden=quiet)
+    name, duration_s, result = _fly(scenario, settings, out, record, hidden=quiet)
     if json:
         _print_json(result)
     elif not quiet:
-        _print_table(name, duration_s, result)
+        _print_table(name, duration_s, result, record)
     raise typer.Exit(EXIT_CODES[result.verdict])
 
 
-def _fly(scenario: Path, settings: list[str] | None, out: Path | None, *, hidden: bool) -> tuple[str, float, Run]:
+def _fly(
+    scenario: Path, settings: list[str] | None, out: Path | None, record: Recorded, *, hidden: bool
+) -> tuple[str, float, Run]:
     """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
     from cube_sim.run_directory import require_writable
     from cube_sim.scenario import load
@@ -73,7 +91,7 @@ def _fly(scenario: Path, settings: list[str] | None, out: Path | None, *, hidden
                 if show is not None:
                     show(simulated_s, whole_s)
 
-            return name, duration_s, simulation.fly(loaded, out=out, progress=progress)
+            return name, duration_s, simulation.fly(loaded, out=out, progress=progress, record=record.value)
     except (ScenarioError, ModelError, DirectoryError) as error:
         stop(BAD_INPUT, str(error))
     except CubeSimError as error:
@@ -92,7 +110,7 @@ def _print_json(result: Run) -> None:
     print_json(content)
 
 
-def _print_table(name: str, duration_s: float, result: Run) -> None:
+def _print_table(name: str, duration_s: float, result: Run, record: Recorded) -> None:
     from rich.console import Console
 
     from cube_sim.commands.result_table import result_table
@@ -100,10 +118,8 @@ def _print_table(name: str, duration_s: float, result: Run) -> None:
     console = Console()
     title = f"{name}: {lasted(result, duration_s)}, {result.real_time_factor:.1f} x real time"
     console.print(result_table(title, result.verdict, result.checks, early_end(result)))
-    for line in (
-        *section("log:", log_lines(result.log)),
-        "",
-        f"recording: {result.directory}",
-        f"look at it: rerun {shlex.quote(str(result.directory / 'run.rrd'))}",
-    ):
+    lines = [*section("log:", log_lines(result.log)), "", f"recording: {result.directory}"]
+    if record is Recorded.FULL:
+        lines.append(f"look at it: rerun {shlex.quote(str(result.directory / 'run.rrd'))}")
+    for line in lines:
         console.print(line, soft_wrap=True, markup=False, highlight=False)
