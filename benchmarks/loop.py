@@ -38,6 +38,7 @@ from cube_sim.flight import Flight, flight, tick
 from cube_sim.mission import prepare
 from cube_sim.mission.run_header import header
 from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.rerun.sink import PIECE_S
 from cube_sim.scenario import load
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
@@ -85,12 +86,14 @@ def loop(scenario: Path, method: str, by_python: bool = False) -> Ticks:
 
 
 def recorded(scenario: Path, folder: Path, view: bool) -> Ticks:
-    """The loop with its rows going to files."""
+    """The loop with its rows going to files; a round begins and ends in the middle of a piece of the view."""
     loaded = load(scenario, settings("search+proxqp", 3600.0))
     mission = prepare(loaded)
     folder.mkdir()
     recorder = Recorder(folder, header(loaded), mission.channels, mission.model, view, mission.vehicle.name)
-    return flying(Flight.recorded(loaded, mission, recorder))
+    ticks = flying(Flight.recorded(loaded, mission, recorder))
+    ticks(round(0.5 * PIECE_S / mission.scenario.control_period_s))
+    return ticks
 
 
 def bare(scenario: Path) -> Ticks:
@@ -271,7 +274,8 @@ def main() -> None:
     parser.add_argument(
         "--vehicles", nargs="+", default=["cube"], metavar="NAME", help=f"of {', '.join(VEHICLES)}, or all"
     )
-    parser.add_argument("--seconds", type=float, default=20.0, help="simulated time of a round [s]")
+    pieces = f"simulated time of a round [s]; a multiple of {PIECE_S} has whole pieces of the view"
+    parser.add_argument("--seconds", type=float, default=float(PIECE_S), help=pieces)
     parser.add_argument("--rounds", type=int, default=5, help="how often each variant takes its turn")
     parser.add_argument("--enumeration", action="store_true", help="also ask ProxQP for every subset")
     parser.add_argument("--json", type=Path, help="write the figures there")

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Batch, Sink
 
+MOST_WAITING = 100
+"""So many batches may wait to be written before whoever hands them on waits too: a few megabytes."""
+
 
 class SinkBeside:
-    """Hands batches on in their order, one at a time; what goes wrong is raised at the next call.
+    """Hands batches on in their order, one at a time; what goes wrong is raised at the next call after it.
 
     For views, which are made of the record again whenever they are wanted. The record itself waits for nobody: what
     is on its way to a thread is lost with the process.
@@ -24,26 +28,26 @@ class SinkBeside:
         """
         self._thread = ThreadPoolExecutor(1, "recording")
         self._made = self._thread.submit(make)
-        self._writing: Future[None] | None = None
+        self._writing: deque[Future[None]] = deque()
 
     def write(self, batch: Batch) -> None:
-        """Hand a batch on once the one before it is written."""
-        self._wait()
-        self._writing = self._thread.submit(lambda: self._made.result().write(batch))
+        """Hand a batch on; it is written when those before it are."""
+        while self._writing and (self._writing[0].done() or len(self._writing) >= MOST_WAITING):
+            self._wait()
+        self._writing.append(self._thread.submit(lambda: self._made.result().write(batch)))
 
     def close(self) -> None:
         """Finish the sink once everything is written."""
         try:
-            self._wait()
+            while self._writing:
+                self._wait()
         finally:
             self._thread.shutdown()
             self._made.result().close()
 
     def _wait(self) -> None:
-        writing, self._writing = self._writing, None
-        if writing is None:
-            return
+        """Wait for the batch that was handed on first."""
         try:
-            writing.result()
+            self._writing.popleft().result()
         except RuntimeError as error:  # what Rerun says of a full disk
             raise RecordingError(f"the view cannot be written: {error}") from error

@@ -7,6 +7,7 @@ import threading
 import pytest
 
 from cube_sim.errors import RecordingError
+from cube_sim.recording import beside as beside_module
 from cube_sim.recording.batch import Batch
 from cube_sim.recording.beside import SinkBeside
 from cube_sim.run_log import LogLine
@@ -28,6 +29,11 @@ class Slow:
         self.closed = True
 
 
+def written(beside):
+    """Wait until everything so far is written, or has failed to be."""
+    beside._thread.submit(lambda: None).result(10.0)
+
+
 def batch(t):
     return Batch({}, [LogLine(t, "INFO", "")])
 
@@ -35,14 +41,28 @@ def batch(t):
 def test_the_writer_goes_on_while_the_sink_writes_and_order_is_kept():
     slow = Slow()
     beside = SinkBeside(lambda: slow)
-    beside.write(batch(0.0))  # returns though the sink waits
+    for k in range(50):
+        beside.write(batch(float(k)))  # returns though the sink waits
     assert slow.taken == []
     slow.go_on.set()
-    for k in range(1, 50):
-        beside.write(batch(float(k)))
     beside.close()
     assert slow.taken == [float(k) for k in range(50)]
     assert slow.closed
+
+
+def test_a_writer_far_ahead_waits_for_the_sink(monkeypatch):
+    monkeypatch.setattr(beside_module, "MOST_WAITING", 3)
+    slow = Slow()
+    beside = SinkBeside(lambda: slow)
+    writer = threading.Thread(target=lambda: [beside.write(batch(float(k))) for k in range(10)])
+    writer.start()
+    writer.join(0.3)
+    assert writer.is_alive()
+    assert len(beside._writing) <= 3
+    slow.go_on.set()
+    writer.join(10.0)
+    beside.close()
+    assert slow.taken == [float(k) for k in range(10)]
 
 
 def test_what_goes_wrong_is_raised_at_the_next_call_and_the_sink_is_closed():
@@ -51,6 +71,7 @@ def test_what_goes_wrong_is_raised_at_the_next_call_and_the_sink_is_closed():
     beside = SinkBeside(lambda: slow)
     beside.write(batch(0.0))
     beside.write(batch(1.0))
+    written(beside)
     with pytest.raises(OSError, match="no room"):
         beside.write(batch(2.0))
     beside.write(batch(3.0))
