@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Allocations, Status
-from cube_sim.allocation.exact.code import SearchCodes, search_address
+from cube_sim.allocation.exact.code import search_address
 from cube_sim.allocation.exact.fewest_calls import FewestCalls, Solved, limited_search_codes
 from cube_sim.allocation.exact.packing import pack, previous_answer_rows
 from cube_sim.allocation.exact.problem import closest_wrench_data, make_problem
 from cube_sim.allocation.exact.solutions import force_solutions, wrench_metric
 from cube_sim.allocation.exact.solve import answer_size, solve_each
 from cube_sim.allocation.exact.step import HISTORY, no_previous_answer
+from cube_sim.allocation.flown import FlownAllocator, SearchCodes
 from cube_sim.allocation.objectives import side_targets
 from cube_sim.allocation.options import WEIGHTS_SPAN, Method, Objective, Unattainable
 from cube_sim.allocation.previous import PreviousForces
@@ -300,10 +301,8 @@ class Allocator:
             whole = first + second
         return self._answer(whole, np.concatenate((first, second)))
 
-    def searched(self, two_parts: bool) -> NDArray[np.float64] | None:
-        """What `search_codes` answer demands by, one at a time; None where the method is another than the search alone.
-
-        The previous answer lies in it. Answers are to be confirmed by `confirm_later`, what they cost goes to `count`.
+    def flown(self, two_parts: bool) -> FlownAllocator | None:
+        """What compiled code answers demands by, one at a time; None where the method is another than the search.
 
         Args:
             two_parts: whether demands have a part that gives way.
@@ -312,17 +311,12 @@ class Allocator:
             return None
         if two_parts:
             self._prepare_for_parts()
-        return self._packed
+        codes = SearchCodes(search_address(), 0, 0) if self._fewest_calls is None else limited_search_codes()
+        return FlownAllocator(self._packed, codes, self.answer_size, self._confirmer is not None, self._take_over)
 
-    @property
-    def search_codes(self) -> SearchCodes:
-        """Where the code of the search lies."""
-        return SearchCodes(search_address(), 0, 0) if self._fewest_calls is None else limited_search_codes()
-
-    @property
-    def confirms(self) -> bool:
-        """Whether ProxQP looks at each answer."""
-        return self._confirmer is not None
+    def _take_over(self, nodes: int, unproven: int, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
+        self._effort.add(nodes, unproven)
+        self.confirm_later(rows, demands)
 
     def confirm_later(self, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
         """Let ProxQP solve the subsets of N answers, where the method says so, while the caller goes on.
@@ -337,10 +331,6 @@ class Allocator:
                 self._wait()
                 process, unconfirmed, self._unconfirmed = os.getpid(), self._unconfirmed, []
                 self._confirming = process, _beside(process).submit(self._confirm_all, unconfirmed)
-
-    def count(self, nodes: int, unproven: int) -> None:
-        """Add what answers of the search have cost to `effort`; nothing is waited for."""
-        self._effort.add(nodes, unproven)
 
     def settle(self) -> None:
         """See to it that every answer is confirmed, where the method says so."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Status
+from cube_sim.allocation.flown import FlownAllocator
 from cube_sim.allocation.previous import PreviousForces
 from cube_sim.allocation.protocol import WrenchAllocator
 from cube_sim.errors import AllocationError
@@ -20,7 +21,6 @@ from cube_sim.wrench.matrix import effective_matrix, error_size, lever_arm
 from cube_sim.wrench.tolerances import FORCE_ROUNDING
 
 if TYPE_CHECKING:
-    from cube_sim.allocation.allocator import Allocator
     from cube_sim.allocation.responsive import ResponsiveThrusters
 
 Build = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int_]], WrenchAllocator]
@@ -239,7 +239,7 @@ class FaultTolerant:
             status=Status.EXACT if residual <= self._rounding_N else Status.CLOSEST,
         )
 
-    def searched(self, two_parts: bool) -> tuple[Allocator, ResponsiveThrusters] | None:
+    def flown(self, two_parts: bool) -> tuple[FlownAllocator, ResponsiveThrusters] | None:
         """Who allocates for the thrusters that respond, and what the compiled allocation needs to go on from here.
 
         `take_over` tells this object of what it did.
@@ -248,16 +248,16 @@ class FaultTolerant:
             two_parts: whether demands have a part that gives way.
 
         Returns:
-            None where the thrusters that respond are not allocated by the search alone.
+            None where only Python asks the allocator of the thrusters that respond.
         """
-        # Only here: they load the compiler.
-        from cube_sim.allocation.allocator import Allocator
+        # Only here: it loads the compiler.
         from cube_sim.allocation.responsive import ResponsiveThrusters
 
-        if not isinstance(self._allocator, Allocator) or (packed := self._allocator.searched(two_parts)) is None:
+        flown: Callable[[bool], FlownAllocator | None] | None = getattr(self._allocator, "flown", None)
+        if flown is None or (inner := flown(two_parts)) is None:
             return None
-        return self._allocator, ResponsiveThrusters(
-            packed,
+        return inner, ResponsiveThrusters(
+            inner.packed,
             self._responsive,
             self._held,
             self._held_wrench,
@@ -269,7 +269,7 @@ class FaultTolerant:
         )
 
     def take_over(self, thrusters: ResponsiveThrusters) -> None:
-        """Go on from where the compiled allocation has come with what `searched` gave."""
+        """Go on from where the compiled allocation has come with what `flown` gave."""
         self._previous = PreviousForces(thrusters.force, thrusters.subset, thrusters.push)
 
     def _checked(self, name: str, wrench: ArrayLike) -> NDArray[np.float64]:

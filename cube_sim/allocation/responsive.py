@@ -47,7 +47,7 @@ def allocate_responsive(codes, thrusters, demand, secondary, force_ratio, parts,
     """Forces of all thrusters for a demand, into `thrusters.force`; see `FaultTolerant.allocate` and `allocate_at`.
 
     Args:
-        codes: `cube_sim.allocation.allocator.Allocator.search_codes`.
+        codes: `cube_sim.allocation.flown.SearchCodes`.
         thrusters: `ResponsiveThrusters`.
         demand: (n,) all that is demanded [N, N m], finite.
         secondary: (n,) the part of it that gives way; zero for none.
@@ -76,8 +76,8 @@ def allocate_responsive(codes, thrusters, demand, secondary, force_ratio, parts,
         for a in range(n):
             demands[a] = parts[a] + parts[n + a]
     told = parts if yields else demands
-    if codes.in_reach != 0:
-        call_at(None, codes.in_reach, (codes.search, codes.travel, t.packed, told, row, sides, effort))
+    if codes.instead != 0:
+        call_at(None, codes.instead, (codes.search, codes.travel, t.packed, told, row, sides, effort))
     else:
         _, _, _, nodes, doubts = call_at(solve_each, codes.search, (t.packed, told, row, sides))
         effort[0] += nodes

@@ -15,7 +15,7 @@ COMPILED = {"bluerov2_battery", "bluerov2_free", "bluerov2_gust", "bluerov2_vect
 COMPILED |= {"bluerov2_vectored_line", "cube_free", "cube_helix", "cube_hover", "cube_look_at", "cube_lose_one"}
 COMPILED |= {"cube_navigated", "cube_survival", "cube_track", "jack_exact", "rov6_helix", "torpedo_helix"}
 COMPILED |= {"infante_circle", "infante_circle_current", "infante_line", "infante_line_current", "infante_sinusoid"}
-COMPILED |= {"infante_spline", "torpedo_line"}
+COMPILED |= {"infante_spline", "jack_compensation", "jack_contraction", "torpedo_line"}
 """Scenarios whose ticks are nearly all of them flown by compiled code."""
 
 
@@ -162,9 +162,19 @@ def test_both_loops_allocate_under_a_change_limit_the_same(scenario, settings, m
 
 
 @pytest.mark.flight
-def test_one_machine_code_flies_either_law():
-    for name in ("cube_helix", "infante_spline", "bluerov2_free"):
+@pytest.mark.parametrize("method", ["contraction", "compensation", "pseudo_inverse", "clipped_pseudo_inverse"])
+@pytest.mark.parametrize("allow_off", [False, True])
+def test_both_loops_allocate_by_a_baseline_the_same(method, allow_off, monkeypatch):
+    events = [{**FAULT, "state": "dead"}] if allow_off else []
+    settings = {"allocation.method": method, "allocation.allow_off": allow_off, "events": events}
+    assert assert_same_flight(HELIX, {"duration_s": 8.0, "checks": CHECKS, **settings}, monkeypatch) > 0.5
+
+
+@pytest.mark.flight
+def test_one_machine_code_flies_either_law_by_any_allocation():
+    for name in ("cube_helix", "infante_spline", "bluerov2_free", "jack_contraction"):
         Flight(SCENARIOS / f"{name}.yaml").fly(5)
+    Flight(HELIX, {"allocation.change_limit_N": 3.0}).fly(5)
     assert len(fly.overloads) == 1
 
 

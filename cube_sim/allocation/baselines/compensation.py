@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation
-from cube_sim.allocation.baselines.model import BaselineModel
+from cube_sim.allocation.baselines.model import BaselineModel, flown_by
+from cube_sim.allocation.baselines.packing import COMPENSATION, unpack_baseline
+from cube_sim.allocation.baselines.rules import compensate
+from cube_sim.allocation.flown import FlownAllocator
 from cube_sim.allocation.previous import PreviousForces
 
 STILL = 1e-6
@@ -41,46 +44,36 @@ class Compensation:
     def __init__(self, A: ArrayLike, limits: ArrayLike, *, allow_off: bool = True) -> None:
         self._model = BaselineModel(A, limits, allow_off)
         self.regime = common_regime(self._model.kernel)
-        self._direction = 1.0
+        self._packed = self._model.packed(COMPENSATION, self.regime)
 
     def reset(self) -> None:
         """Forget which way round the regime ran."""
-        self._direction = 1.0
+        self._direction[0] = 1.0
 
     def resume(self, previous: PreviousForces) -> None:
         """Run the regime the way round that more of the thrusters' last pushes agree with."""
-        self._direction = -1.0 if np.sign(self.regime) @ previous.push < 0.0 else 1.0
+        self._direction[0] = -1.0 if np.sign(self.regime) @ previous.push < 0.0 else 1.0
 
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench (n,)."""
         demand, finite = self._model.demand(wrench)
         asked = self._model.least_squares_forces(demand)
-        low, edge_low, edge_high, high = self._model.limits.T
-        least, most = self._room(asked, self._direction)
-        if least > most:
-            mirrored_least, mirrored_most = self._room(asked, -self._direction)
-            if mirrored_least <= mirrored_most:
-                self._direction, least = -self._direction, mirrored_least
-        regime = self._direction * self.regime
-        force = asked + least * regime
-        forward, backward = regime > 0.0, regime < 0.0
-        force = np.clip(force, np.where(forward, edge_high, low), np.where(backward, edge_low, high))
-        force = np.where((force > edge_low) & (force < edge_high), 0.0, force)
+        force = np.empty_like(asked)
+        compensate(self._model.limits, self.regime, self._direction, asked, force)
         return self._model.assess(demand, finite, force)
+
+    def flown(self, two_parts: bool) -> FlownAllocator:
+        """See `FlownAllocator`."""
+        return flown_by(self._packed)
 
     def allocate_by_priority(self, primary: ArrayLike, secondary: ArrayLike) -> Allocation:
         """Find the forces for the sum of both parts (n,), which this method does not tell apart."""
         return self.allocate(self._model.sum_of_parts(primary, secondary))
 
-    def _room(self, asked: NDArray[np.float64], direction: float) -> tuple[float, float]:
-        """The smallest and the largest lambda >= 0 that keep every moved thruster on the regime's side of it."""
-        moved = self.regime != 0.0
-        if not moved.any():
-            return 0.0, 0.0
-        low, edge_low, edge_high, high = self._model.limits[moved].T
-        asked, regime = asked[moved], direction * self.regime[moved]
-        near, far = np.where(regime > 0.0, edge_high, edge_low), np.where(regime > 0.0, high, low)
-        return max(0.0, float(np.max((near - asked) / regime))), float(np.min((far - asked) / regime))
+    @property
+    def _direction(self) -> NDArray[np.float64]:
+        """Which way round the regime runs, (1,) 1 or -1."""
+        return unpack_baseline(self._packed)[-1]
 
 
 def common_regime(kernel: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.allocation.allocation import Allocation
-from cube_sim.allocation.baselines.model import BaselineModel
+from cube_sim.allocation.baselines.model import BaselineModel, flown_by
+from cube_sim.allocation.baselines.packing import CONTRACTION
+from cube_sim.allocation.baselines.rules import contract
+from cube_sim.allocation.flown import FlownAllocator
 from cube_sim.allocation.previous import PreviousForces
-
-NO_FORCE = 1e-12
-"""Force that counts as none asked for, part of the largest limit."""
 
 
 class Contraction:
@@ -29,7 +29,7 @@ class Contraction:
 
     def __init__(self, A: ArrayLike, limits: ArrayLike, *, allow_off: bool = True) -> None:
         self._model = BaselineModel(A, limits, allow_off)
-        self._rounding_N = NO_FORCE * float(np.max(np.abs(self._model.limits)))
+        self._packed = self._model.packed(CONTRACTION)
 
     def reset(self) -> None:
         """Nothing is remembered."""
@@ -40,12 +40,14 @@ class Contraction:
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench (n,)."""
         demand, finite = self._model.demand(wrench)
-        low, edge_low, edge_high, high = self._model.limits.T
         asked = self._model.least_squares_forces(demand)
-        force = np.where(asked < 0.0, asked + edge_low, asked + edge_high)
-        if self._model.allow_off:
-            force = np.where(np.abs(asked) <= self._rounding_N, 0.0, force)
-        return self._model.assess(demand, finite, np.clip(force, low, high))
+        force = np.empty_like(asked)
+        contract(self._model.limits, self._model.allow_off, self._model.rounding_N, asked, force)
+        return self._model.assess(demand, finite, force)
+
+    def flown(self, two_parts: bool) -> FlownAllocator:
+        """See `FlownAllocator`."""
+        return flown_by(self._packed)
 
     def allocate_by_priority(self, primary: ArrayLike, secondary: ArrayLike) -> Allocation:
         """Find the forces for the sum of both parts (n,), which this method does not tell apart."""

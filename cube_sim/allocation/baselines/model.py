@@ -6,18 +6,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Status
+from cube_sim.allocation.baselines.packing import pack_baseline
+from cube_sim.allocation.baselines.rules import assess, least_squares
 from cube_sim.allocation.exact.solutions import force_solutions
+from cube_sim.allocation.flown import FlownAllocator
 from cube_sim.errors import AllocationError
 from cube_sim.wrench.arguments import flag, numbers
 from cube_sim.wrench.axes import axes_of
 from cube_sim.wrench.limits import thruster_limits
-from cube_sim.wrench.matrix import effective_matrix, error_size, lever_arm
+from cube_sim.wrench.matrix import effective_matrix, lever_arm
 
 EXACT_N = 1e-6
 """Residual up to which a wrench counts as made, part of the largest limit."""
 
-LARGEST_DEMAND = 1e100
-"""Components of a demand beyond this are all the same [N], [N m]: the squares of the forces stay finite."""
+NO_FORCE = 1e-12
+"""Force that counts as none asked for, part of the largest limit."""
 
 
 class BaselineModel:
@@ -34,6 +37,7 @@ class BaselineModel:
         allow_off: whether a thruster may rest at zero inside its dead zone.
         kernel: (m, k) orthonormal basis of ker A.
         length_m: rms lever arm of A [m].
+        rounding_N: force that counts as none asked for [N].
 
     Raises:
         AllocationError: an argument has the wrong shape, is not finite, or means nothing.
@@ -47,7 +51,8 @@ class BaselineModel:
         self.length_m = lever_arm(self.A, axes_of(len(self.A)))
         solutions = force_solutions(self.A, np.ones(m), self.length_m)
         self._pseudo_inverse, self.kernel = solutions.particular, solutions.null_space
-        self._tolerance_N = EXACT_N * max(float(np.max(np.abs(self.limits))), 1e-6)
+        largest = float(np.max(np.abs(self.limits)))
+        self._tolerance_N, self.rounding_N = EXACT_N * max(largest, 1e-6), NO_FORCE * largest
 
     def demand(self, wrench: ArrayLike) -> tuple[NDArray[np.float64], bool]:
         """The demanded wrench (n,), zeros in place of one that is not finite, and whether it was finite.
@@ -76,7 +81,9 @@ class BaselineModel:
 
     def least_squares_forces(self, demand: NDArray[np.float64]) -> NDArray[np.float64]:
         """``A^+ F`` (m,) [N], the forces of least sum of squares that make a demand F (n,), whatever the limits."""
-        return self._pseudo_inverse @ np.clip(demand, -LARGEST_DEMAND, LARGEST_DEMAND)
+        asked = np.empty(self.A.shape[1])
+        least_squares(self._pseudo_inverse, demand, asked)
+        return asked
 
     def assess(self, demand: NDArray[np.float64], finite: bool, force: NDArray[np.float64]) -> Allocation:
         """Say what forces are worth against a demand.
@@ -86,19 +93,30 @@ class BaselineModel:
             finite: likewise.
             force: (m,) [N].
         """
-        force = force + 0.0
-        wrench = self.A @ force
-        error = demand - wrench
-        residual = error_size(error, self.length_m)
-        resting = np.abs(force) <= self._tolerance_N
-        low, edge_low, edge_high, high = self.limits.T + self._tolerance_N * np.array([[-1], [1], [-1], [1]])
-        moving = ((force >= low) & (force <= edge_low)) | ((force >= edge_high) & (force <= high))
-        allowed = bool(np.all(moving | (resting & self.allow_off)))
-        if not finite:
-            status = Status.INVALID_WRENCH
-        elif not allowed:
-            status = Status.FORBIDDEN_FORCE
-        else:
-            status = Status.EXACT if residual <= self._tolerance_N else Status.MISSED
-        subset = np.where(resting & self.allow_off, 0, np.sign(force)).astype(np.int8)
-        return Allocation(force, wrench, error, residual, float(force @ force), subset, status)
+        n, m = self.A.shape
+        force, wrench, error, subset = force + 0.0, np.empty(n), np.empty(n), np.empty(m, np.int8)
+        told = axes_of(n).forces, self.length_m, self._tolerance_N
+        with np.errstate(over="ignore"):
+            residual, cost, status = assess(
+                self.A, self.limits, self.allow_off, *told, demand, force, wrench, error, subset
+            )
+        ended = Status(status) if finite else Status.INVALID_WRENCH
+        return Allocation(force, wrench, error, float(residual), float(cost), subset, ended)
+
+    def packed(self, rule: int, regime: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+        """All that the loop of a flight answers by, see `pack_baseline`; a rule without a regime has none."""
+        n, m = self.A.shape
+        numbers = self.allow_off, axes_of(n).forces, self.length_m, self._tolerance_N, self.rounding_N
+        return pack_baseline(
+            rule, self.A, self._pseudo_inverse, self.limits, np.zeros(m) if regime is None else regime, numbers
+        )
+
+
+def flown_by(packed: NDArray[np.float64]) -> FlownAllocator:
+    """A baseline as the loop of a flight asks it, by what `BaselineModel.packed` has put together."""
+    # Only here: they load the compiler.
+    from cube_sim.allocation.baselines.flown import baseline_codes
+    from cube_sim.allocation.exact.solve import answer_size
+
+    size = answer_size(int(packed[1]), int(packed[2]))
+    return FlownAllocator(packed, baseline_codes(), size, False, lambda *_: None)

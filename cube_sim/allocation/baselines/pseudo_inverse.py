@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.allocation.allocation import Allocation
-from cube_sim.allocation.baselines.model import BaselineModel
+from cube_sim.allocation.baselines.model import BaselineModel, flown_by
+from cube_sim.allocation.baselines.packing import CLIPPED, PSEUDO_INVERSE
+from cube_sim.allocation.baselines.rules import clip
+from cube_sim.allocation.flown import FlownAllocator
 from cube_sim.allocation.previous import PreviousForces
 
 
@@ -27,7 +29,7 @@ class PseudoInverse:
 
     def __init__(self, A: ArrayLike, limits: ArrayLike, *, clipped: bool = False, allow_off: bool = True) -> None:
         self._model = BaselineModel(A, limits, allow_off)
-        self._clipped = clipped
+        self._clipped, self._packed = clipped, self._model.packed(CLIPPED if clipped else PSEUDO_INVERSE)
 
     def reset(self) -> None:
         """Nothing is remembered."""
@@ -38,14 +40,15 @@ class PseudoInverse:
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """Find the forces for one demanded wrench (n,)."""
         demand, finite = self._model.demand(wrench)
-        force = self._model.least_squares_forces(demand)
+        asked = self._model.least_squares_forces(demand)
+        force = asked.copy()
         if self._clipped:
-            low, edge_low, edge_high, high = self._model.limits.T
-            force = np.clip(force, low, high)
-            inside = (force > edge_low) & (force < edge_high)
-            nearer = np.where(force - edge_low < edge_high - force, edge_low, edge_high)
-            force = np.where(inside, 0.0 if self._model.allow_off else nearer, force)
+            clip(self._model.limits, self._model.allow_off, asked, force)
         return self._model.assess(demand, finite, force)
+
+    def flown(self, two_parts: bool) -> FlownAllocator:
+        """See `FlownAllocator`."""
+        return flown_by(self._packed)
 
     def allocate_by_priority(self, primary: ArrayLike, secondary: ArrayLike) -> Allocation:
         """Find the forces for the sum of both parts (n,), which this method does not tell apart."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,20 +12,6 @@ from cube_sim.native.compiled import address_of
 
 SEARCH = f"{__name__}:search_code"
 """What compiles the search, for `cube_sim.native.apart`."""
-
-
-class SearchCodes(NamedTuple):
-    """Addresses of machine code.
-
-    Attributes:
-        search: of `solve_each`.
-        in_reach: of `cube_sim.allocation.exact.fewest_calls.solve_in_reach`; 0 without a change limit, like the next.
-        travel: of `cube_sim.allocation.exact.fewest_calls.travel_in_reach`.
-    """
-
-    search: int
-    in_reach: int
-    travel: int
 
 
 def search_code() -> None:

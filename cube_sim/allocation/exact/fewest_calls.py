@@ -26,7 +26,7 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.code import SearchCodes, search_address
+from cube_sim.allocation.exact.code import search_address
 from cube_sim.allocation.exact.minimum_cost import minimum_cost_forces
 from cube_sim.allocation.exact.origins import attainable_origin
 from cube_sim.allocation.exact.packing import (
@@ -40,6 +40,7 @@ from cube_sim.allocation.exact.packing import (
 from cube_sim.allocation.exact.solve import answer_of, answer_size, solve_each
 from cube_sim.allocation.exact.stages import EXACT, UNPROVEN
 from cube_sim.allocation.exact.step import HISTORY, REACH, step_limits
+from cube_sim.allocation.flown import SearchCodes
 from cube_sim.native.compiled import address_of, borrowed, call_at, compiled, cut
 from cube_sim.tuples import put, put_matrix
 

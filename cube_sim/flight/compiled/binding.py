@@ -87,11 +87,11 @@ def fly_ticks(
     if by is None or running is None:
         return None
     path, evidence = getattr(by.target.path, "parts", None), _evidence(mission, count)  # type: ignore[attr-defined]
-    searched = mission.allocator.searched(by.yields)
+    flown = mission.allocator.flown(by.yields)
     sensing = _sensing(mission, count)
-    if path is None or evidence is None or searched is None or sensing is None:
+    if path is None or evidence is None or flown is None or sensing is None:
         return None
-    (allocator, thrusters), before = searched, supply.force_ratio
+    (allocator, thrusters), before = flown, supply.force_ratio
     arc_length, feed = np.array([by.target.arc_length]), _feed(mission)
     course = Course(path, *running, by.loss, by.shortage, by.steers, arc_length)
     answering = Answering(by.in_plane, by.coupling, by.yields, by.authority, applied.copy(), np.zeros(4), np.zeros(22))
@@ -103,7 +103,7 @@ def fly_ticks(
         force_ratio=np.zeros(count),
         effort=np.zeros(2, np.int64),
     )
-    codes = *by.addresses, allocator.search_codes, _estimating_address(sensing) if sensing.navigated else 0
+    codes = *by.addresses, allocator.codes, _estimating_address(sensing) if sensing.navigated else 0
     physics = engine if moving else engine._replace(steps=0)
     ticks, reached = fly(
         codes, count, tick, physics, _hull(mission, boxes), feed, evidence, sensing,
@@ -116,8 +116,8 @@ def fly_ticks(
     if mission.fault_finding is not None:
         mission.fault_finding.take_over(ticks + (reached >= JUDGED))
     mission.allocator.take_over(thrusters)
-    allocator.count(*notes.effort.tolist())
-    allocator.confirm_later(notes.answers[:ticks], notes.demands[:ticks])
+    nodes, unproven = notes.effort.tolist()
+    allocator.take_over(nodes, unproven, notes.answers[:ticks], notes.demands[:ticks])
     state = answering.state
     return FlownTicks(
         ticks,
