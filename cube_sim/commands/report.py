@@ -1,0 +1,73 @@
+"""``cube-sim report``: one HTML page of a run, or of several side by side, to send to somebody."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
+from cube_sim.errors import RecordingError
+
+EPILOG = "Exit code: 0 written, whatever the verdict; 2 bad input; 3 it cannot be written."
+
+
+def report(
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of runs, or their run.mcap.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="FILE",
+            help="Where the page goes; an earlier one is replaced. Default: beside the first run, under its name.",
+        ),
+    ] = None,
+) -> None:
+    """Write a run as one HTML page with all it needs inside; several runs side by side on one."""
+    file = _beside(runs) if out is None else out
+    try:
+        if file.is_dir():
+            raise RecordingError(f"{file}: is a folder; give the name of a file")
+        from cube_sim.runs.recorded_run import load_run
+
+        recorded = [load_run(run) for run in runs]
+        from pydantic import ValidationError
+
+        from cube_sim.report.page import report as page
+
+        for run in recorded:
+            try:
+                _ = run.scenario
+            except ValidationError as error:
+                first = error.errors()[0]
+                key = ".".join(map(str, first["loc"]))
+                raise RecordingError(
+                    f"{run.path}: this version cannot read its scenario: {key}: {first['msg']}"
+                ) from None
+        content = page(recorded, _labels(runs, [run.scenario.name for run in recorded]))
+    except RecordingError as error:
+        stop(BAD_INPUT, str(error))
+    try:
+        file.write_text(content, encoding="utf-8", newline="\n")
+    except OSError as error:
+        stop(NOT_JUDGED, f"{file}: cannot be written: {error.strerror or error}")
+    typer.echo(str(file))
+
+
+def _beside(runs: Sequence[Path]) -> Path:
+    """Not inside a run's folder, which holds nothing but what the run writes there."""
+    first = runs[0].resolve() if runs[0].name in ("", "..") else runs[0]
+    name = first.name if first.is_dir() else first.stem
+    more = f"_and_{len(runs) - 1}_more" if len(runs) > 1 else ""
+    return first.with_name(f"{name}{more}.html")
+
+
+def _labels(runs: Sequence[Path], names: Sequence[str]) -> list[str]:
+    """The scenarios' names; where they are the same, those of the folders; where these are as well, letters."""
+    folders = [(run if run.is_dir() else run.absolute().parent).resolve().name for run in runs]
+    for labels in (names, folders):
+        if len({*labels}) == len(labels):
+            return list(labels)
+    return [f"{index}: {name}" for index, name in enumerate(names, 1)]

@@ -1,0 +1,317 @@
+"""A panel as inline SVG.
+
+Curves are drawn in tenths of a pixel, as whole numbers relative to the point before: short, and still finer than any
+screen or printer resolves on a page.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from cube_sim.report import colours
+from cube_sim.report.decimation import Values, decimated, held, stepped
+from cube_sim.report.markup import element, number, seconds, text
+from cube_sim.report.panel import Curve, Guide, Mark, Panel, TimeAxis, Zone
+from cube_sim.report.scale import Scale, scale_for
+
+LEFT, RIGHT, TOP, BOTTOM = 62, 14, 36, 20
+WIDE, HALF = 1080, 532
+_FINER = 10
+_SIGNS = {"<=": "≤", ">=": "≥"}
+_STROKES = {"solid": "c", "dashed": "c d", "thin": "c t"}
+
+
+def draw(panel: Panel, axis: TimeAxis, width: int = WIDE) -> str:
+    """Draw a panel over its time axis."""
+    across = Scale(axis.start_s, axis.end_s, width - LEFT - RIGHT)
+    up = _vertical(panel)
+    parts = [
+        *_frame(panel, across, up, width),
+        *(_zone(zone, across, up) for zone in panel.zones),
+        *_marks(axis, across, panel.height),
+        *(_limit(guide, across, up) for guide in _once(panel.guides)),
+        *(_curve(curve, across, up, axis.end_s) for curve in panel.curves),
+        *_points(panel.guides, across, up),
+    ]
+    whole = TOP + panel.height + BOTTOM
+    return element(
+        "svg",
+        "".join(parts),
+        viewBox=f"0 0 {width} {whole}",
+        class_="time" if width == WIDE else "time half",
+        role="img",
+        aria_label=panel.title,
+        data_t0=f"{axis.start_s:.9g}",
+        data_t1=f"{axis.end_s:.9g}",
+        data_y0=f"{up.low:.9g}",
+        data_y1=f"{up.high:.9g}",
+        data_log="1" if up.logarithmic else None,
+        data_h=panel.height,
+        data_unit=panel.unit,
+    )
+
+
+def text_width(said: str) -> float:
+    """Width of a legend's text [px], rather too much than too little: no fonts are measured here."""
+    return sum(8.4 if each.isupper() else 6.8 for each in said)
+
+
+def captions(panel: Panel) -> list[tuple[str, str]]:
+    """The checks drawn in a panel, in words, each with its colour."""
+    said = []
+    for guide in panel.guides:
+        asked = f"{_SIGNS[guide.relation]} {number(guide.limit)}"
+        asked = f" {asked}" if guide.verdict == "PASS" else f", must be {asked}"
+        words = f"{guide.verdict} {guide.name}: {number(guide.value)}{asked}"
+        if guide.value is not None and guide.at_s is not None:
+            words += f", margin {number(guide.margin)}, worst at {seconds(guide.at_s)}"
+        said.append((words, guide.colour))
+    return said
+
+
+def _vertical(panel: Panel) -> Scale:
+    seen: list[float] = list(panel.include)
+    positive = []
+    for curve in panel.curves:
+        shown = np.isfinite(curve.values)
+        if panel.focus is not None:
+            shown &= (curve.times >= panel.focus[0]) & (curve.times <= panel.focus[1])
+        sound = curve.values[shown]
+        if len(sound):
+            seen += [float(sound.min()), float(sound.max())]
+            above = sound[sound > 0]
+            positive += [float(above.min())] if len(above) else []
+    for guide in panel.guides:
+        seen += [number for number in (guide.limit, guide.value) if number is not None]
+    for zone in panel.zones:
+        if zone.shown:
+            edges = np.concatenate([zone.low, zone.high])
+            edges = edges[np.isfinite(edges)]
+            seen += [float(edges.min()), float(edges.max())] if len(edges) else []
+    positive += [value for value in seen if value > 0]
+    lowest, highest = min(seen, default=math.nan), max(seen, default=math.nan)
+    if panel.logarithmic and positive:
+        return scale_for(min(positive), highest, panel.height, logarithmic=True)
+    return scale_for(lowest, highest, panel.height)
+
+
+def _frame(panel: Panel, across: Scale, up: Scale, width: int) -> Iterable[str]:
+    right, bottom = LEFT + across.pixels, TOP + panel.height
+    for shade in panel.shades:
+        start, end = across.at(shade.start_s), across.at(shade.end_s)
+        yield element(
+            "rect",
+            x=f"{LEFT + start:.1f}",
+            y=TOP,
+            width=f"{max(end - start, 1.0):.1f}",
+            height=panel.height,
+            fill=shade.colour,
+        )
+    for value, label in up.ticks(max(4, panel.height // 28)):
+        y = f"{bottom - up.at(value):.1f}"
+        zero = " z" if value == 0 and not up.logarithmic else ""
+        yield f'<path class="g{zero}" d="M{LEFT} {y}H{right:.0f}"/>'
+        yield f'<text class="n" x="{LEFT - 5}" y="{float(y) + 3.5:.1f}" text-anchor="end">{text(label)}</text>'
+    for value, label in across.ticks(12 if width == WIDE else 6):
+        x = f"{LEFT + across.at(value):.1f}"
+        yield f'<path class="g" d="M{x} {TOP}V{bottom}"/>'
+        yield f'<text class="n" x="{x}" y="{bottom + 13}" text-anchor="middle">{text(label)}</text>'
+    yield f'<text class="n" x="{LEFT - 12}" y="{bottom + 13}" text-anchor="end">t [s]</text>'
+    yield f'<rect class="f" x="{LEFT}" y="{TOP}" width="{across.pixels:.0f}" height="{panel.height}"/>'
+    unit = "" if panel.unit in ("", "1") else f" [{panel.unit}]"
+    note = f'<tspan class="e"> {text(panel.note)}</tspan>' if panel.note else ""
+    kind = ', <tspan class="e">logarithmic</tspan>' if up.logarithmic else ""
+    yield f'<text class="h" x="{LEFT}" y="13">{text(panel.title)}{text(unit)}{kind}{note}</text>'
+    taken = len(panel.title + unit + panel.note) + (13 if up.logarithmic else 0)
+    yield from _legend(panel, right, LEFT + 8.0 * taken)
+
+
+def _legend(panel: Panel, right: float, left: float) -> Iterable[str]:
+    """From the right end of the title's line towards the left; a second line where that is full."""
+    entries: dict[str, tuple[str, str]] = {}
+    for each in panel.curves:
+        if each.label:
+            entries.setdefault(each.label, (each.colour, each.style))
+    for each in panel.zones:
+        if each.label:
+            entries.setdefault(each.label, (each.colour, "zone"))
+    x, y = right, 13
+    for label, (colour, style) in reversed(entries.items()):
+        wide = 26 + text_width(label)
+        if x - wide < left and y == 13:
+            x, y, left = right, 26, LEFT + 120
+        x -= wide
+        middle = y - 4
+        if style == "zone":
+            yield element("rect", x=f"{x:.0f}", y=y - 9, width=18, height=10, fill=colour)
+        elif style == "dots":
+            yield element("circle", cx=f"{x + 9:.0f}", cy=middle, r=2.2, fill=colour)
+        elif style == "crosses":
+            yield f'<path stroke="{colour}" d="M{x + 6:.0f} {middle - 3}l6 6m0 -6l-6 6"/>'
+        else:
+            dash = ' stroke-dasharray="5 3"' if style == "dashed" else ""
+            wide = 1 if style == "thin" else 2
+            yield f'<path stroke="{colour}" stroke-width="{wide}"{dash} d="M{x:.0f} {middle}h18"/>'
+        yield f'<text class="l" x="{x + 21:.0f}" y="{y}">{text(label)}</text>'
+
+
+def _zone(zone: Zone, across: Scale, up: Scale) -> str:
+    """Filled between its edges, these taken once a pixel."""
+    start, end = max(across.low, float(zone.times[0])), min(across.high, float(zone.times[-1]))
+    if zone.steps:
+        end = across.high
+    if not end > start or not len(zone.times):
+        return ""
+    columns = np.linspace(start, end, max(2, int(across.pixels * (end - start) / (across.high - across.low))))
+    edges = np.column_stack([zone.times, zone.low, zone.high])
+    if zone.steps:
+        both = held(edges, columns)
+    else:
+        both = np.column_stack([np.interp(columns, zone.times, edge) for edge in (zone.low, zone.high)])
+    low, high = np.clip(both, up.low, up.high).T
+    sound = np.isfinite(low) & np.isfinite(high) & (high > low)
+    shapes = []
+    for first, last in np.flatnonzero(np.diff(np.concatenate([[False], sound, [False]]))).reshape(-1, 2).tolist():
+        x = across.to_pixels(np.concatenate([columns[first:last], columns[first:last][::-1]]))
+        y = up.pixels - up.to_pixels(np.concatenate([low[first:last], high[first:last][::-1]]))
+        shapes.append(path_data(x, y) + "z")
+    if not shapes:
+        return ""
+    return _fine(element("path", d="".join(shapes), fill=zone.colour), across, up)
+
+
+def _curve(curve: Curve, across: Scale, up: Scale, end_s: float) -> str:
+    times, values = (
+        stepped(curve.times, curve.values, end_s) if curve.steps else (curve.times, np.asarray(curve.values))
+    )
+    x = across.to_pixels(times)
+    y = up.pixels - up.to_pixels(np.where(np.isfinite(values), values, np.nan))
+    if curve.style in ("dots", "crosses"):
+        sound = np.isfinite(y) & (x >= 0) & (x <= across.pixels)
+        dot = "h0" if curve.style == "dots" else "m-30 -30l60 60m0 -60l-60 60"
+        places = np.unique(np.rint(np.column_stack([x, y])[sound] * _FINER).astype(int), axis=0)
+        d = "".join(f"M{a} {b}{dot}" for a, b in places.tolist())
+        return _fine(
+            element("path", class_="o" if curve.style == "dots" else "k", d=d, stroke=curve.colour), across, up
+        )
+    pieces = [
+        path_data(x[chosen], y[chosen]) for chosen in decimated(x, y, int(across.pixels), 0.0 if curve.steps else 0.4)
+    ]
+    if not pieces:
+        return ""
+    label = curve.label or None
+    return _fine(
+        element("path", class_=_STROKES[curve.style], d="".join(pieces), stroke=curve.colour, data_label=label),
+        across,
+        up,
+    )
+
+
+def _fine(shape: str, across: Scale, up: Scale) -> str:
+    """Drawn in tenths of a pixel, and cut off at the frame."""
+    wide, high = round(across.pixels), round(up.pixels)
+    box = f'x="{LEFT}" y="{TOP}" width="{wide}" height="{high}" viewBox="0 0 {wide * _FINER} {high * _FINER}"'
+    return f"<svg {box}>{shape}</svg>"
+
+
+def path_data(x: Values, y: Values) -> str:
+    """A line through points [px], as whole tenths of a pixel; points on a level line between two are left out."""
+    points = np.rint(np.column_stack([x, y]) * _FINER).astype(np.int64)
+    if len(points) > 2:
+        level = (points[1:-1, 1] == points[:-2, 1]) & (points[1:-1, 1] == points[2:, 1])
+        points = points[np.concatenate([[True], ~level, [True]])]
+    first = f"M{points[0, 0]} {points[0, 1]}"
+    if len(points) == 1:
+        return first + "h0"
+    steps = " ".join(map(str, np.diff(points, axis=0).ravel().tolist()))
+    return f"{first}l{steps}".replace(" -", "-")
+
+
+def _marks(axis: TimeAxis, across: Scale, height: int) -> Iterable[str]:
+    for mark in axis.marks:
+        x = LEFT + across.at(mark.t)
+        yield f'<path class="m" stroke="{mark.colour}" d="M{x:.1f} {TOP}V{TOP + height}"/>'
+    places = [(LEFT + across.at(mark.t), 0.0) for mark in axis.marks]
+    for (x, _), mark, flag in flags(axis.marks, places):
+        yield f'<text class="q" fill="{mark.colour}" x="{x:.1f}" y="{TOP - 3}">{text(flag)}</text>'
+
+
+def flags(marks: Sequence[Mark], places: Sequence[tuple[float, float]]) -> list[tuple[tuple[float, float], Mark, str]]:
+    """Where to write which flag: those too near to one another as one, at the first of them.
+
+    Args:
+        marks: in the order of time.
+        places: of each [px].
+    """
+    found: list[tuple[tuple[float, float], Mark, str]] = []
+    first = ""
+    for mark, place in zip(marks, places, strict=True):
+        if found and math.dist(found[-1][0], place) < 14 + 6 * len(found[-1][2]):
+            at, leading, _ = found[-1]
+            found[-1] = at, leading, f"{first}–{mark.flag}"
+        else:
+            first = mark.flag
+            found.append((place, mark, first))
+    return found
+
+
+def _once(guides: Sequence[Guide]) -> list[Guide]:
+    """Of limits that lie on one another, the one that fares worst."""
+    found: dict[tuple[str, float, float, float], Guide] = {}
+    for guide in guides:
+        key = (guide.relation, guide.limit, guide.start_s, guide.end_s)
+        if key not in found or guide.verdict != "PASS":
+            found[key] = guide
+    return list(found.values())
+
+
+def _limit(guide: Guide, across: Scale, up: Scale) -> str:
+    """The limit over its window, and the forbidden side shaded."""
+    start, end = LEFT + across.at(guide.start_s), LEFT + across.at(guide.end_s)
+    y = TOP + up.pixels - up.at(guide.limit)
+    top, bottom = (TOP, y) if guide.relation == "<=" else (y, TOP + up.pixels)
+    colour = colours.of_verdict(guide.verdict)
+    line = f'<path class="b" stroke="{colour}" d="M{start:.1f} {y:.1f}H{end:.1f}"/>'
+    if not guide.every_sample:
+        return line
+    return (
+        f'<rect class="x" x="{start:.1f}" y="{top:.1f}" width="{end - start:.1f}" height="{bottom - top:.1f}"/>{line}'
+    )
+
+
+def _points(guides: Sequence[Guide], across: Scale, up: Scale) -> Iterable[str]:
+    """Of each check the sample that speaks most against it, its value, and the margin as a line from limit to value."""
+    bottom, written = TOP + up.pixels, []
+    for guide in guides:
+        if guide.value is None or guide.at_s is None or guide.margin is None:
+            continue
+        x = LEFT + across.at(guide.at_s)
+        limit, value = bottom - up.at(guide.limit), bottom - up.at(guide.value)
+        yield f'<path class="w" stroke="{guide.colour}" d="M{x:.1f} {value:.1f}V{limit:.1f}"/>'
+        if guide.at_value is not None and guide.at_value != guide.value:
+            start, end = LEFT + across.at(guide.start_s), LEFT + across.at(guide.end_s)
+            yield f'<path class="v" stroke="{guide.colour}" d="M{start:.1f} {value:.1f}H{end:.1f}"/>'
+        if guide.at_value is not None:
+            y = bottom - up.at(guide.at_value)
+            yield f'<circle class="p" stroke="{guide.colour}" cx="{x:.1f}" cy="{y:.1f}" r="4"/>'
+        said = f"margin {number(guide.margin)}"
+        wide = 6.7 * len(said)
+        beside = x + 8 if x + 8 + wide < LEFT + across.pixels else max(x - 8 - wide, LEFT + 4)
+        middle = (value + limit) / 2 + 4
+        if abs(value - limit) < 30:
+            # Between them a line would be struck through.
+            above = min(value, limit) - 8
+            middle = above if above >= TOP + 12 else max(value, limit) + 16
+        middle = _free(middle, written, TOP + 12, bottom - 5)
+        written.append(middle)
+        yield f'<text class="a" fill="{guide.colour}" x="{beside:.1f}" y="{middle:.1f}">{text(said)}</text>'
+
+
+def _free(wanted: float, written: Sequence[float], top: float, bottom: float) -> float:
+    """The place nearest to the wanted one at which no line of text stands yet."""
+    places = [wanted + sign * 12.5 * index for index in range(len(written) + 1) for sign in (1, -1)]
+    free = [y for y in places if top <= y <= bottom and all(abs(y - other) >= 12 for other in written)]
+    return free[0] if free else wanted

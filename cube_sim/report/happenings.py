@@ -1,0 +1,100 @@
+"""What happened in a run, in the order of time: by the scenario, as the controller took it, and how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cube_sim.report.markup import number
+from cube_sim.report.subject import Subject
+from cube_sim.scenario.event_blocks import ThrusterEventBlock
+
+EVENT, BELIEF, AUTHORITY, END = "event", "belief", "flies as", "end"
+"""Kinds: what the scenario did, what the controller believes, how the vehicle flies, an early end."""
+
+_AT_MOST = 12
+"""So many of a kind are told; a run that chatters would cover its plots with lines (choice)."""
+_NOTICED = 0.02
+"""A believed share of force that changes by less is no news (choice)."""
+
+
+@dataclass(frozen=True)
+class Happening:
+    """Something that happened.
+
+    Attributes:
+        t: when [s].
+        kind: one of those above.
+        text: for readers.
+    """
+
+    t: float
+    kind: str
+    text: str
+
+
+def happenings(subject: Subject) -> tuple[Happening, ...]:
+    """All that is marked on the plots of a run."""
+    found: list[Happening] = []
+    for told in (_events(subject), _beliefs(subject), _authorities(subject)):
+        each = list(told)
+        found += each[:_AT_MOST]
+        if len(each) > _AT_MOST:
+            last = each[_AT_MOST]
+            found.append(Happening(last.t, last.kind, f"and {len(each) - _AT_MOST} more until {each[-1].t:g} s"))
+    found += _end(subject)
+    return tuple(sorted(found, key=lambda each: each.t))
+
+
+def _events(subject: Subject) -> Iterator[Happening]:
+    last = subject.run.recorded_s
+    for event in sorted(subject.scenario.events, key=lambda each: each.at_s):
+        if event.at_s > last:
+            continue
+        if isinstance(event, ThrusterEventBlock):
+            more = "" if event.efficiency is None else f", {100 * event.efficiency:g} % of its force"
+            more += "" if event.force_N is None else f", {number(event.force_N)} N"
+            yield Happening(event.at_s, EVENT, f"{', '.join(event.thrusters)}: {event.state}{more}")
+        else:
+            current = ", ".join(map(number, event.current_m_s))
+            yield Happening(event.at_s, EVENT, f"current becomes [{current}] m/s")
+
+
+def _beliefs(subject: Subject) -> Iterator[Happening]:
+    rows, names = subject.rows("health.believed"), subject.columns("health.believed")
+    if not len(rows):
+        return
+    told = rows[0, 1:]
+    for index in np.flatnonzero(np.any(np.diff(rows[:, 1:], axis=0) != 0, axis=1)) + 1:
+        now = rows[index, 1:]
+        changed = np.flatnonzero(np.abs(now - told) > _NOTICED)
+        if len(changed):
+            shares = ", ".join(f"{names[i]} {_share(float(now[i]))}" for i in changed)
+            yield Happening(float(rows[index, 0]), BELIEF, f"the controller believes: {shares}")
+            told = np.where(np.abs(now - told) > _NOTICED, now, told)
+
+
+def _share(share: float) -> str:
+    return "dead" if share == 0 else "whole" if share == 1 else f"gives {100 * share:.0f} %"
+
+
+def _authorities(subject: Subject) -> Iterator[Happening]:
+    rows, labels = subject.rows("health.authority"), subject.labels("health.authority")
+    for index in np.flatnonzero(np.diff(rows[:, 1])) + 1 if len(rows) else ():
+        yield Happening(float(rows[index, 0]), AUTHORITY, f"flies as {labelled(labels, rows[index, 1])}")
+
+
+def _end(subject: Subject) -> list[Happening]:
+    last, planned = subject.run.recorded_s, subject.scenario.duration_s
+    ends = [line for line in subject.run.log if line.level in ("ERROR", "FATAL")]
+    if not subject.run.complete:
+        return [Happening(last, END, "the record ends here")]
+    return [Happening(line.t, END, f"the run ends: {line.text}") for line in ends[-1:] if line.t < planned]
+
+
+def labelled(labels: tuple[str, ...], code: float) -> str:
+    """The name of a code, or the number where it has none."""
+    known = np.isfinite(code) and 0 <= int(code) < len(labels)
+    return labels[int(code)] if known else number(float(code))

@@ -1,0 +1,303 @@
+"""The tables of the page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from hashlib import sha256
+
+import numpy as np
+
+from cube_sim.report import colours
+from cube_sim.report.circumstances import circumstances
+from cube_sim.report.happenings import Happening
+from cube_sim.report.judged_quantity import JudgedQuantity, beyond_from, judged_quantity
+from cube_sim.report.markup import element, number, seconds, text
+from cube_sim.report.motion_panels import sensor_names
+from cube_sim.report.parameters import set_parameters
+from cube_sim.report.subject import Subject
+from cube_sim.report.thruster_use import LOST, LOWER, OFF, UPPER, ThrusterUse
+from cube_sim.run_log import LogEntry, LogLine
+from cube_sim.scenario.check_blocks import SignalCheckBlock
+from cube_sim.verdict import CheckResult
+
+_LOG_LINES = 200
+"""So many lines of the log are shown; the record has all (choice)."""
+
+_LIKELY = {1: 3.84, 3: 7.81}
+"""What chi-square of so many degrees of freedom stays below with a probability of 95 %."""
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[str]], kinds: str, *, narrow: bool = False) -> str:
+    """A table of cells that are markup already.
+
+    Args:
+        header: of each column, plain text.
+        rows: of cells.
+        kinds: a letter for each column: r a number, s a word that does not break, w text that may break anywhere.
+        narrow: as wide as its content only.
+    """
+    head = "".join(element("th", text(cell), class_=kind) for cell, kind in zip(header, kinds, strict=True))
+    body = "".join(
+        element("tr", "".join(element("td", cell, class_=kind) for cell, kind in zip(row, kinds, strict=True)))
+        for row in rows
+    )
+    content = f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
+    return element("table", content, class_="narrow" if narrow else None)
+
+
+def badge(verdict: str) -> str:
+    """A verdict to be seen from afar."""
+    return element("span", text(verdict), class_="verdict", style=f"background:{colours.of_verdict(verdict)}")
+
+
+def name_of(subject: Subject) -> str:
+    """The label of a run in its colour."""
+    return f'<b style="color:{subject.colour}">{text(subject.label)}</b>'
+
+
+def check_table(subject: Subject) -> str:
+    """The checks of one run: value, limit, margin, and what else was the case."""
+    rows = []
+    for check, result in zip(subject.scenario.checks, subject.results, strict=True):
+        quantity = judged_quantity(subject, check)
+        unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+        statistic = f"{check.statistic.replace('_', ' ')} of " if isinstance(check, SignalCheckBlock) else ""
+        rows.append(
+            (
+                badge(result.verdict),
+                f'{text(result.name)}<br><span class="dim">{text(statistic + quantity.title)}</span>'.replace(
+                    "<br>", "<br/>"
+                ),
+                "–" if result.value is None else text(number(result.value) + unit),
+                text(f"{'≤' if result.relation == '<=' else '≥'} {number(result.limit)}{unit}"),
+                _margin(result),
+                "" if result.at_s is None else text(seconds(result.at_s)),
+                _account(subject, result, quantity),
+            )
+        )
+    header = ("", "check", "value", "limit", "margin", "worst at", "what was the case then")
+    return table(header, rows, "swrrrrw")
+
+
+def comparison_table(subjects: Sequence[Subject]) -> str:
+    """Several runs, a column each: verdict, checks, and figures of the flight."""
+    rows = [
+        ("verdict", *(badge(subject.verdict) for subject in subjects)),
+        ("scenario", *(text(subject.scenario.name) for subject in subjects)),
+        ("flown", *(text(_flown(subject)) for subject in subjects)),
+    ]
+    results = [{result.name: result for result in subject.results} for subject in subjects]
+    rows += [
+        (text(name), *(_brief(s, found.get(name)) for s, found in zip(subjects, results, strict=True)))
+        for name in dict.fromkeys(name for found in results for name in found)
+    ]
+    for label, signal, unit in (
+        ("cross-track error, RMS", "path_error.cross_track", "m"),
+        ("cross-track error, largest", "path_error.cross_track", "m"),
+        ("attitude error, RMS", "path_error.attitude", "rad"),
+        ("energy drawn", "power.energy", "J"),
+    ):
+        statistic = "largest" if "largest" in label else "last" if "energy" in label else "rms"
+        values = [_statistic(subject, signal, statistic) for subject in subjects]
+        rows.append((text(f"{label} [{unit}]"), *(number(value) for value in values)))
+    rows.append(("thrusters at a limit [s], all added", *(number(_at_limits(subject)) for subject in subjects)))
+    header = ("", *(subject.label for subject in subjects))
+    return table(header, rows, "s" + "w" * len(subjects))
+
+
+def happening_table(subjects: Sequence[Subject], told: Sequence[tuple[str, Happening, Sequence[Subject]]]) -> str:
+    """What happened, by the flags on the plots."""
+    several = len(subjects) > 1
+    rows = []
+    for flag, each, whose in told:
+        cells = (element("b", text(flag)), text(seconds(each.t)), text(each.kind), text(each.text))
+        names = " ".join(name_of(subject) for subject in whose) if len(whose) < len(subjects) else "all"
+        rows.append((*cells, names) if several else cells)
+    header = ("", "at", "kind", "what happened", *(("run",) if several else ()))
+    return table(header, rows, "srsws" if several else "srsw", narrow=True)
+
+
+def thruster_table(subject: Subject) -> str:
+    """What each thruster was asked for, in numbers."""
+    rows = []
+    for use in subject.thrusters:
+        whole = max(use.period_s * len(use.times), 1e-9)
+        at = {state: use.time_in(state) for state in (LOWER, UPPER, OFF, LOST)}
+        first = min((use.spans(LOWER, UPPER) or [(None, None)])[:1])[0]
+        longest = max((b - a for a, b in use.spans(LOWER, UPPER)), default=0.0)
+        rows.append(
+            (
+                element("b", text(use.name)),
+                f"{number(float(np.nanmin(use.force)), 3)} … {number(float(np.nanmax(use.force)), 3)}",
+                number(float(np.sqrt(np.nanmean(use.force**2))), 3),
+                _limits(use),
+                _share_of(at[LOWER], whole),
+                _share_of(at[UPPER], whole),
+                "–" if first is None else seconds(first),
+                seconds(longest) if longest else "–",
+                _share_of(at[OFF], whole, hot=False),
+                _share_of(at[LOST], whole),
+                str(use.reversals),
+                number(use.energy_J, 3),
+            )
+        )
+    header = ("", "force [N]", "RMS [N]", "limits: reverse, forward [N]", "at lower limit", "at upper limit")
+    header += ("first at one", "longest", "off", "believed dead", "reversals", "energy [J]")
+    return table(header, rows, "srrrrrrrrrrr")
+
+
+def sensor_table(subjects: Sequence[Subject]) -> str:
+    """Readings of each sensor, and how well they agreed with the estimate."""
+    rows = []
+    for subject in subjects:
+        for name in sensor_names(subjects):
+            outcome, surprise = subject.rows(f"sensor_{name}.outcome"), subject.rows(f"sensor_{name}.surprise")
+            if not len(outcome):
+                continue
+            innovation = subject.rows(f"sensor_{name}.innovation")
+            width = innovation.shape[1] - 1
+            likely = _LIKELY.get(width)
+            below = "–" if likely is None else f"{100 * float(np.mean(surprise[:, 1] < likely)):.0f} %"
+            kept_out = int(np.sum(outcome[:, 1] == 1))
+            rms = float(np.sqrt(np.nanmean(np.sum(innovation[:, 1:] ** 2, axis=1))))
+            rows.append(
+                (
+                    text(name) if len(subjects) == 1 else f"{name_of(subject)} {text(name)}",
+                    str(len(outcome)),
+                    element("span", str(kept_out), class_="hot") if kept_out else "0",
+                    str(int(np.sum(outcome[:, 1] == 2))),
+                    f"{number(rms, 3)} {text(subject.unit(f'sensor_{name}.innovation'))}",
+                    number(float(np.nanmean(surprise[:, 1])) / width, 3),
+                    below,
+                )
+            )
+    header = ("sensor", "readings", "kept out by the gate", "fused in spite of it", "innovation, RMS")
+    return table((*header, "surprise / width (1 expected)", "within the 95 % expected"), rows, "srrrrrr", narrow=True)
+
+
+def log_table(log: Sequence[LogLine]) -> str:
+    """What was said, line after line, repeated sentences once."""
+    entries: dict[tuple[str, str], LogEntry] = {}
+    for line in log:
+        key = line.level, line.text
+        known = entries.get(key)
+        entries[key] = LogEntry(line, 1, line.t) if known is None else LogEntry(known.first, known.count + 1, line.t)
+    rows = []
+    for entry in list(entries.values())[:_LOG_LINES]:
+        more = f" (+{entry.count - 1} more, the last at {seconds(entry.last_s)})" if entry.count > 1 else ""
+        level = text(entry.first.level)
+        level = level if entry.first.level in ("INFO", "DEBUG") else element("span", level, class_="hot")
+        rows.append((text(seconds(entry.first.t)), level, text(entry.first.text + more)))
+    more = len(entries) - len(rows)
+    left = f'<p class="dim">and {more} more sentences in the record</p>' if more > 0 else ""
+    return table(("at", "level", "said"), rows, "rsw") + left
+
+
+def parameter_table(subjects: Sequence[Subject]) -> str:
+    """What the scenarios set, beside the defaults; what differs between runs stands out."""
+    found = [{each.key: each for each in set_parameters(subject.scenario)} for subject in subjects]
+    rows = []
+    for key in dict.fromkeys(key for keys in found for key in keys):
+        given = [keys.get(key) for keys in found]
+        default = next(each.default for each in given if each is not None)
+        values = [default if each is None else each.value for each in given]
+        differ = len({*values}) > 1
+        shown = [element("span", text(value or "–"), class_="hot" if differ else None) for value in values]
+        rows.append(
+            (text(key), *shown, '<span class="dim">has to be given</span>' if default is None else text(default))
+        )
+    return table(
+        ("key", *([subject.label for subject in subjects] if len(subjects) > 1 else ["value"]), "default"),
+        rows,
+        "w" * (len(subjects) + 2),
+    )
+
+
+def build_table(subjects: Sequence[Subject]) -> str:
+    """Versions, and the SHA-256 of each file that was flown on."""
+    facts = [_build(subject) for subject in subjects]
+    rows = []
+    for key in dict.fromkeys(key for each in facts for key in each):
+        values = [each.get(key, "–") for each in facts]
+        differ = len({*values}) > 1
+        rows.append((text(key), *(element("span", text(v), class_="hot" if differ else None) for v in values)))
+    header = ("", *([subject.label for subject in subjects] if len(subjects) > 1 else ["as recorded"]))
+    return table(header, rows, "s" + "w" * len(subjects), narrow=True)
+
+
+def _build(subject: Subject) -> Mapping[str, str]:
+    header = subject.run.header
+    facts = {"seed": str(header.seed), **header.versions}
+    facts |= {f"SHA-256 of {name}": sha256(data).hexdigest()[:16] for name, data in sorted(header.inputs.items())}
+    facts |= {f"{code.key} = {code.name}": f"SHA-256 {code.digest[:16]}" for code in header.code}
+    return facts
+
+
+def _account(subject: Subject, result: CheckResult, quantity: JudgedQuantity) -> str:
+    """Why it is so, as far as the record tells: when the limit was first passed, and what was the case at that time."""
+    if result.value is None or result.at_s is None:
+        return text(result.detail)
+    lines = [text(line) for line in circumstances(subject, result.at_s)]
+    first = beyond_from(quantity, result.relation, result.limit) if quantity.every_sample else None
+    if result.verdict == "FAIL" and first is not None and first < result.at_s:
+        then = "; ".join(text(line) for line in circumstances(subject, first)) or "nothing out of the ordinary"
+        begins = element("span", text(f"Beyond the limit from {seconds(first)}"), class_="hot")
+        worst = element("span", text(f"Worst at {seconds(result.at_s)}"), class_="hot")
+        return f"{begins}: {then}.<br/>{worst}: {'; '.join(lines) or 'nothing out of the ordinary'}."
+    return "; ".join(lines) or '<span class="dim">nothing out of the ordinary</span>'
+
+
+def _brief(subject: Subject, result: CheckResult | None) -> str:
+    """One check of one run of several."""
+    if result is None:
+        return '<span class="dim">not asked</span>'
+    colour = colours.of_verdict(result.verdict)
+    said = f'<b style="color:{colour}">{text(result.verdict)}</b> '
+    if result.value is None or result.at_s is None:
+        return said + text(result.detail)
+    sign = "≤" if result.relation == "<=" else "≥"
+    said += text(f"{number(result.value)} {sign} {number(result.limit)}, margin {number(result.margin)}")
+    said += f' <span class="dim">at {text(seconds(result.at_s))}</span>'
+    if result.verdict != "FAIL":
+        return said
+    check = next(each for each in subject.scenario.checks if each.title == result.name)
+    return f"{said}<br/>{_account(subject, result, judged_quantity(subject, check))}"
+
+
+def _margin(result: CheckResult) -> str:
+    shown = text(number(result.margin))
+    return element("span", shown, class_="hot") if result.margin is not None and result.margin < 0 else shown
+
+
+def _flown(subject: Subject) -> str:
+    whole = subject.scenario.duration_s
+    last = subject.run.recorded_s
+    return f"{seconds(whole)}" if last >= whole - 1e-9 else f"{seconds(last)} of {seconds(whole)}"
+
+
+def _statistic(subject: Subject, signal: str, statistic: str) -> float | None:
+    values = subject.rows(signal)[:, 1]
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return None
+    if statistic == "rms":
+        return float(np.sqrt(np.mean(values**2)))
+    return float(np.max(np.abs(values))) if statistic == "largest" else float(values[-1])
+
+
+def _at_limits(subject: Subject) -> float:
+    return sum(use.time_in(LOWER, UPPER) for use in subject.thrusters)
+
+
+def _share_of(lasted: float, whole: float, *, hot: bool = True) -> str:
+    if lasted == 0:
+        return "–"
+    shown = f"{number(lasted, 3)} s<br/>{100 * lasted / whole:.2g} %"
+    return element("span", shown, class_="hot") if hot else shown
+
+
+def _limits(use: ThrusterUse) -> str:
+    """Those of the start: a change is seen on the plot."""
+    more = ", at first" if len(use.limits) > 1 else ""
+    lowest, dead_below, dead_above, highest = (number(float(limit), 3) for limit in use.limits[0, 1:])
+    return f"{lowest} … {dead_below}, {dead_above} … {highest}{more}"

@@ -1,0 +1,174 @@
+"""The page: well formed, alone, the same every time, and saying what the run says."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from support.synthetic_run import LIMIT_M, synthetic_run
+
+from cube_sim.report.circumstances import circumstances
+from cube_sim.report.happenings import happenings
+from cube_sim.report.page import report
+from cube_sim.report.parameters import set_parameters
+from cube_sim.report.subject import NO_VERDICT, Subject
+from cube_sim.report.thruster_use import UPPER
+from cube_sim.run_log import LogLine
+
+
+def subject(**options):
+    return Subject(synthetic_run(**options), "run", "#000")
+
+
+def parsed(page):
+    """The page as XML, which every browser's HTML parser reads alike."""
+    assert page.startswith("<!DOCTYPE html>\n")
+    return ET.fromstring(page.partition("\n")[2])
+
+
+def words(page):
+    return " ".join(" ".join(parsed(page).find("body").itertext()).split())
+
+
+@pytest.fixture(scope="module")
+def page():
+    return report([synthetic_run()], ["made_up"])
+
+
+def test_it_is_well_formed_and_has_every_section(page):
+    root = parsed(page)
+    sections = [section.get("id") for section in root.iter("section")]
+    assert sections == [
+        *("checks", "events", "margins", "path", "errors", "thrusters", "wrench", "velocity", "power", "water", "log"),
+        *("parameters", "build"),
+    ]
+    assert [link.get("href") for link in root.find("body/nav")] == [f"#{name}" for name in sections]
+    plots = [svg for svg in root.iter("svg") if "time" in (svg.get("class") or "")]
+    assert len(plots) > 15
+    # What happened is marked on every plot over time: the event, the belief.
+    assert {sum(path.get("class") == "m" for path in plot.iter("path")) for plot in plots} == {2}
+
+
+def test_it_needs_nothing_beside_it(page):
+    assert not re.search(r"https?:|\bfile:|@import|url\(|//[a-z]", page)
+    root = parsed(page)
+    for element in root.iter():
+        assert element.tag not in ("link", "img", "iframe", "object", "image", "use")
+        assert "src" not in element.attrib
+        assert element.get("href", "#").startswith("#")
+
+
+def test_the_same_run_gives_the_same_bytes(page):
+    assert report([synthetic_run()], ["made_up"]) == page
+    assert "nowhere" not in page
+
+
+def test_it_is_small(page):
+    assert len(page.encode()) < 300_000
+
+
+def test_it_says_why_it_fails(page):
+    said = words(page)
+    assert "made_up FAIL" in said
+    assert "Beyond the limit from 6.2 s : T3 at its upper limit since 6 s; T1 dead or stuck" in said
+    assert "Worst at 6.6 s : T3 at its upper limit since 6 s; T1 dead or stuck" in said
+    assert f"FAIL cross-track error: 0.9, must be ≤ {LIMIT_M}, margin −0.4, worst at 6.6 s" in said
+    assert "PASS thruster forces inside their allowed sets: 0 ≤ 1e−6" in said
+    assert "2 s event T1: dead" in said
+    assert "2.5 s belief the controller believes: T1 dead" in said
+    assert "control.velocity_time_s 0.7 none" in said
+
+
+def test_the_circumstances_are_those_of_the_time():
+    run = subject()
+    assert circumstances(run, 1.0) == []
+    assert circumstances(run, 2.2) == ["T1 dead or stuck, believed to give 100 %", "at 2 s: T1: dead"]
+    assert circumstances(run, 9.0) == ["T3 at its upper limit for 1 s of the 5 s before", "T1 dead or stuck"]
+
+
+def test_time_at_a_limit_is_counted():
+    third = subject().thrusters[2]
+    assert third.time_in(UPPER) == pytest.approx(1.0)
+    ((start, end),) = third.spans(UPPER)
+    assert (start, end) == pytest.approx((6.0, 7.0))
+    assert third.energy_J == pytest.approx(20.0 * 10.02)
+
+
+def test_what_happened_is_in_the_order_of_time():
+    assert [(each.t, each.kind) for each in happenings(subject())] == [(2.0, "event"), (2.5, "belief")]
+    cut = happenings(subject(complete=False, until_s=1.5))
+    assert [(each.t, each.kind) for each in cut] == [(1.5, "end")]
+
+
+@pytest.mark.parametrize(
+    ("options", "verdict", "remark"),
+    [
+        ({}, "FAIL", None),
+        ({"verdict": "PASS"}, "FAIL", "verdict.json says PASS; judged from the record, the checks say FAIL"),
+        ({"verdict": None}, NO_VERDICT, "no verdict.json beside the record"),
+        ({"verdict": ["PASS"]}, "FAIL", "verdict.json says"),
+        ({"verdict": "PASS", "complete": False, "until_s": 4.0}, "ERROR", "the record ends early, at 4 s of 10 s"),
+        ({"verdict": "PASS", "until_s": 4.0}, "ERROR", "judged from the record, the checks say ERROR"),
+        (
+            {"verdict": "ERROR", "until_s": 4.0, "log": (LogLine(4.0, "ERROR", "left all bounds"),)},
+            "ERROR",
+            "ended early, at 4 s: left all bounds",
+        ),
+    ],
+)
+def test_it_passes_only_what_passed(options, verdict, remark):
+    said = words(report([synthetic_run(**options)], ["run"]))
+    assert f"made_up {verdict}" in said
+    assert subject(**options).verdict == verdict
+    assert remark is None or remark in said
+
+
+def test_a_record_without_rows_is_reported():
+    said = words(report([synthetic_run(until_s=-1.0, complete=False, verdict=None)], ["run"]))
+    assert "recorded to" in said
+    assert f"made_up {NO_VERDICT}" in said
+
+
+def test_what_comes_from_files_is_text():
+    evil = "<script>alert(1)</script>&\x07"
+    run = synthetic_run(description="'<img src=x onerror=alert(1)>'", log=(LogLine(1.0, "INFO", evil),))
+    page = report([run], ["<b>label"])
+    root = parsed(page)
+    assert len(list(root.iter("script"))) == 1
+    assert list(root.iter("img")) == []
+    assert "<script>alert(1)</script>&\ufffd" in words(page)
+
+
+def test_no_numbers_are_gaps():
+    run = synthetic_run()
+    for rows in run.recording.rows.values():
+        rows[100:200, 2:] = np.nan
+        rows[300:301, 2:] = np.inf
+    assert "nan" not in re.sub(r"<script>.*</script>", "", report([run], ["run"]), flags=re.DOTALL).lower()
+
+
+def test_several_runs_share_their_plots():
+    runs = [synthetic_run(), synthetic_run(name="other", noise=3.0, complete=False, until_s=8.0)]
+    page = report(runs, ["first", "second"])
+    root = parsed(page)
+    plot = next(svg for svg in root.iter("svg") if svg.get("aria-label") == "T2")
+    colours = {path.get("stroke") for path in plot.iter("path") if (path.get("class") or "").startswith("c")}
+    assert len(colours) == 2
+    header = [cell.text for cell in root.find("body/section[@id='checks']").iter("th")]
+    assert header == [None, "first", "second"]
+    said = words(page)
+    assert "second: the record ends early, at 8 s of 10 s" in said
+    assert "8 s end the record ends here second" in said
+    # The event of both is told once.
+    assert said.count("T1: dead all") == 1
+
+
+def test_parameters_that_are_not_the_default():
+    found = {each.key: (each.value, each.default) for each in set_parameters(synthetic_run().scenario)}
+    assert found["control.velocity_time_s"] == ("0.7", "none")
+    assert found["guidance.speed_m_s"] == ("0.4", None)
+    assert found["path.type"] == ("line", None)
+    assert found["duration_s"] == ("10", None)
+    assert not any(key.startswith(("control.attitude", "allocation", "physics", "checks")) for key in found)
