@@ -34,7 +34,8 @@ import mujoco
 import numpy as np
 
 from cube_sim.errors import CubeSimError
-from cube_sim.flight import Flight, flight, tick
+from cube_sim.flight import Flight, Loop, tick
+from cube_sim.flight import loop as flight_loop
 from cube_sim.mission import prepare
 from cube_sim.mission.run_header import header
 from cube_sim.recording.recorder import Recorder
@@ -65,14 +66,14 @@ def settings(method: str, duration_s: float) -> dict[str, Any]:
     return {"duration_s": duration_s, "checks": checks, "events": [], "allocation.method": method}
 
 
-def flying(flown: Flight, by_python: bool = False) -> Ticks:
+def flying(flown: Loop, by_python: bool = False) -> Ticks:
     """As far as compiled code goes, or tick by tick in Python alone."""
     warnings: list[str] = []
 
     def ticks(count: int) -> None:
         end = flown.tick + count
         if not by_python:
-            flown.fly(count)
+            flown.go_on(count)
         while flown.tick < end:
             flown.control(warnings)
             flown.advance()
@@ -91,7 +92,7 @@ def recorded(scenario: Path, folder: Path, view: bool) -> Ticks:
     mission = prepare(loaded)
     folder.mkdir()
     recorder = Recorder(folder, header(loaded), mission.channels, mission.model, view, mission.vehicle.name)
-    ticks = flying(Flight.recorded(loaded, mission, recorder))
+    ticks = flying(Loop(mission, recorder))
     ticks(round(0.5 * PIECE_S / mission.scenario.control_period_s))
     return ticks
 
@@ -148,10 +149,10 @@ def by_stage(scenario: Path, count: int) -> dict[str, float]:
     flown, warnings = Flight(scenario, settings("search+proxqp", 3600.0)), []
     mission = flown.mission
     clocked = [
-        (flight, "divergence", "is it a state"),
+        (flight_loop, "divergence", "is it a state"),
         (flown, "_feed_thrusters", "supply"),
         (flown._watches.surface, "note", "surface"),
-        (flight, "respond_to_faults", "fault finding"),
+        (flight_loop, "respond_to_faults", "fault finding"),
         (tick, "read_state", "state"),
         (mission.controller, "decide", "guidance and control"),
         (tick, "allocate_at", "allocation"),

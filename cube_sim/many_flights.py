@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cube_sim.checks import evaluate
 from cube_sim.errors import ScenarioError
-from cube_sim.flight import Flight
+from cube_sim.flight import Loop
 from cube_sim.mission import prepare
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.recording.signal_store import SignalStore
@@ -196,7 +196,7 @@ def _outcome(
     if unknown:
         raise ValueError(f"no signal {unknown[0]!r}; there are {', '.join(known)}")
     scenario, store = mission.scenario, SignalStore(mission.channels)
-    flight = Flight.recorded(loaded, mission, store)
+    flight = Loop(mission, store)
     flight.fly_to_its_end(told)
     recorded = store.signals
     results = evaluate(scenario.checks, recorded, duration_s=scenario.duration_s)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cube_sim.checks import evaluate
 from cube_sim.errors import RecordingError, RunInterrupted
-from cube_sim.flight import Flight
+from cube_sim.flight import Loop
 from cube_sim.mission import Mission, prepare
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
@@ -138,7 +138,7 @@ def _record_and_judge(
     with _store(directory, loaded, mission, record) as recorder:
         started = time.perf_counter()
         try:
-            flight = Flight.recorded(loaded, mission, recorder)
+            flight = Loop(mission, recorder)
             whole_s = mission.scenario.duration_s
             flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
         except KeyboardInterrupt:

@@ -17,7 +17,7 @@ from support.places import CUBE, HELIX, MODELS, REPO, SCENARIOS
 import cube_sim
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import RecordingError, ScenarioError
-from cube_sim.flight import flight
+from cube_sim.flight import loop
 from cube_sim.recording.reading import read_recording
 from cube_sim.scenario import load
 from cube_sim.scenario.document import parse_value
@@ -309,7 +309,7 @@ def test_a_controller_without_an_answer_ends_the_run_as_error_with_the_last_good
         return decision if sum(ticks) < 1.0 else decision._replace(wrench=np.full(6, np.nan))
 
     monkeypatch.setattr(PathFollower, "decide", until_one_second)
-    monkeypatch.setattr(flight, "fly_ticks", lambda *_: None)  # compiled code asks nobody
+    monkeypatch.setattr(loop, "fly_ticks", lambda *_: None)  # compiled code asks nobody
     run = cube_sim.run(HELIX, SHORT, tmp_path / "run")
     assert run.verdict == "ERROR"
     assert all(np.isfinite(rows).all() for name, rows in run.signals.items() if name != "path.points")

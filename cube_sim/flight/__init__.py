@@ -1,7 +1,8 @@
 """A vehicle in its water, flown tick by tick."""
 
 from cube_sim.flight.flight import Flight
+from cube_sim.flight.loop import Loop
 from cube_sim.flight.observation import Observation
 from cube_sim.flight.snapshot import Snapshot
 
-__all__ = ["Flight", "Observation", "Snapshot"]
+__all__ = ["Flight", "Loop", "Observation", "Snapshot"]

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from cube_sim.errors import ScenarioError
-from cube_sim.flight import Flight
+from cube_sim.flight import Loop
 from cube_sim.mission import prepare
 from cube_sim.mission.run_header import header
 from cube_sim.recording.saved_inputs import save_inputs
@@ -65,7 +65,7 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
             lines = [line.replace(f"{folder}/", f"{run.path}: ") for line in str(error).splitlines()]
             raise ScenarioError(lines) from None
         store = SignalStore(mission.channels)
-        flight = Flight.recorded(loaded, mission, store)
+        flight = Loop(mission, store)
         whole_s = loaded.scenario.duration_s
         flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
         inputs = header(loaded, mission.codes)

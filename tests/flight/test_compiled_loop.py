@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.places import HELIX, SCENARIO_FILES, SCENARIOS
 
-from cube_sim.flight import Flight, flight
+from cube_sim.flight import Flight, loop
 from cube_sim.flight.compiled.loop import fly
 from cube_sim.scenario import load
 
@@ -21,7 +21,7 @@ COMPILED |= {"infante_spline", "jack_compensation", "jack_contraction", "torpedo
 
 def flown(scenario, settings, compiled, monkeypatch):
     """A flight to its end, its signals and sentences, and how many of its ticks compiled code flew."""
-    one, ticks, fly_ticks = Flight(scenario, settings), [0], flight.fly_ticks
+    one, ticks, fly_ticks = Flight(scenario, settings), [0], loop.fly_ticks
 
     def counted(*arguments):
         done = fly_ticks(*arguments) if compiled else None
@@ -29,7 +29,7 @@ def flown(scenario, settings, compiled, monkeypatch):
         return done
 
     with monkeypatch.context() as patch:
-        patch.setattr(flight, "fly_ticks", counted)
+        patch.setattr(loop, "fly_ticks", counted)
         one.fly_to_its_end()
     return one, ticks[0]
 
@@ -226,7 +226,7 @@ def test_both_loops_end_alike_when_something_is_no_number(name, broken, monkeypa
     for compiled in (True, False):
         one = Flight(SCENARIOS / f"{name}.yaml", settings)
         if not compiled:
-            monkeypatch.setattr(flight, "fly_ticks", lambda *_: None)
+            monkeypatch.setattr(loop, "fly_ticks", lambda *_: None)
         while not one.over:
             if one.tick == 50:
                 broken(one.mission)
