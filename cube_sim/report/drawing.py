@@ -11,16 +11,15 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from cube_sim.report import colours
 from cube_sim.report.decimation import Values, decimated, held, stepped
-from cube_sim.report.markup import element, number, seconds, text
-from cube_sim.report.panel import Curve, Guide, Mark, Panel, TimeAxis, Zone
+from cube_sim.report.guides import LEFT, limits, points
+from cube_sim.report.markup import element, text
+from cube_sim.report.panel import Curve, Mark, Panel, TimeAxis, Zone
 from cube_sim.report.scale import Scale, scale_for
 
-LEFT, RIGHT, TOP, BOTTOM = 62, 14, 36, 20
+RIGHT, TOP, BOTTOM = 14, 36, 20
 WIDE, HALF = 1080, 532
 _FINER = 10
-_SIGNS = {"<=": "≤", ">=": "≥"}
 _STROKES = {"solid": "c", "dashed": "c d", "thin": "c t"}
 
 
@@ -32,9 +31,9 @@ def draw(panel: Panel, axis: TimeAxis, width: int = WIDE) -> str:
         *_frame(panel, across, up, width),
         *(_zone(zone, across, up) for zone in panel.zones),
         *_marks(axis, across, panel.height),
-        *(_limit(guide, across, up) for guide in _once(panel.guides)),
+        *limits(panel.guides, across, up, TOP),
         *(_curve(curve, across, up, axis.end_s) for curve in panel.curves),
-        *_points(panel.guides, across, up),
+        *points(panel.guides, across, up, TOP),
     ]
     whole = TOP + panel.height + BOTTOM
     return element(
@@ -57,19 +56,6 @@ def draw(panel: Panel, axis: TimeAxis, width: int = WIDE) -> str:
 def text_width(said: str) -> float:
     """Width of a legend's text [px], rather too much than too little: no fonts are measured here."""
     return sum(8.4 if each.isupper() else 6.8 for each in said)
-
-
-def captions(panel: Panel) -> list[tuple[str, str]]:
-    """The checks drawn in a panel, in words, each with its colour."""
-    said = []
-    for guide in panel.guides:
-        asked = f"{_SIGNS[guide.relation]} {number(guide.limit)}"
-        asked = f" {asked}" if guide.verdict == "PASS" else f", must be {asked}"
-        words = f"{guide.verdict} {guide.name}: {number(guide.value)}{asked}"
-        if guide.value is not None and guide.at_s is not None:
-            words += f", margin {number(guide.margin)}, worst at {seconds(guide.at_s)}"
-        said.append((words, guide.colour))
-    return said
 
 
 def _vertical(panel: Panel) -> Scale:
@@ -126,7 +112,7 @@ def _frame(panel: Panel, across: Scale, up: Scale, width: int) -> Iterable[str]:
     kind = ', <tspan class="e">logarithmic</tspan>' if up.logarithmic else ""
     yield f'<text class="h" x="{LEFT}" y="13">{text(panel.title)}{text(unit)}{kind}{note}</text>'
     taken = len(panel.title + unit + panel.note) + (13 if up.logarithmic else 0)
-    yield from _legend(panel, right, LEFT + 8.0 * taken)
+    yield from _legend(panel, right, LEFT + 7.4 * taken)
 
 
 def _legend(panel: Panel, right: float, left: float) -> Iterable[str]:
@@ -256,62 +242,3 @@ def flags(marks: Sequence[Mark], places: Sequence[tuple[float, float]]) -> list[
             first = mark.flag
             found.append((place, mark, first))
     return found
-
-
-def _once(guides: Sequence[Guide]) -> list[Guide]:
-    """Of limits that lie on one another, the one that fares worst."""
-    found: dict[tuple[str, float, float, float], Guide] = {}
-    for guide in guides:
-        key = (guide.relation, guide.limit, guide.start_s, guide.end_s)
-        if key not in found or guide.verdict != "PASS":
-            found[key] = guide
-    return list(found.values())
-
-
-def _limit(guide: Guide, across: Scale, up: Scale) -> str:
-    """The limit over its window, and the forbidden side shaded."""
-    start, end = LEFT + across.at(guide.start_s), LEFT + across.at(guide.end_s)
-    y = TOP + up.pixels - up.at(guide.limit)
-    top, bottom = (TOP, y) if guide.relation == "<=" else (y, TOP + up.pixels)
-    colour = colours.of_verdict(guide.verdict)
-    line = f'<path class="b" stroke="{colour}" d="M{start:.1f} {y:.1f}H{end:.1f}"/>'
-    if not guide.every_sample:
-        return line
-    return (
-        f'<rect class="x" x="{start:.1f}" y="{top:.1f}" width="{end - start:.1f}" height="{bottom - top:.1f}"/>{line}'
-    )
-
-
-def _points(guides: Sequence[Guide], across: Scale, up: Scale) -> Iterable[str]:
-    """Of each check the sample that speaks most against it, its value, and the margin as a line from limit to value."""
-    bottom, written = TOP + up.pixels, []
-    for guide in guides:
-        if guide.value is None or guide.at_s is None or guide.margin is None:
-            continue
-        x = LEFT + across.at(guide.at_s)
-        limit, value = bottom - up.at(guide.limit), bottom - up.at(guide.value)
-        yield f'<path class="w" stroke="{guide.colour}" d="M{x:.1f} {value:.1f}V{limit:.1f}"/>'
-        if guide.at_value is not None and guide.at_value != guide.value:
-            start, end = LEFT + across.at(guide.start_s), LEFT + across.at(guide.end_s)
-            yield f'<path class="v" stroke="{guide.colour}" d="M{start:.1f} {value:.1f}H{end:.1f}"/>'
-        if guide.at_value is not None:
-            y = bottom - up.at(guide.at_value)
-            yield f'<circle class="p" stroke="{guide.colour}" cx="{x:.1f}" cy="{y:.1f}" r="4"/>'
-        said = f"margin {number(guide.margin)}"
-        wide = 6.7 * len(said)
-        beside = x + 8 if x + 8 + wide < LEFT + across.pixels else max(x - 8 - wide, LEFT + 4)
-        middle = (value + limit) / 2 + 4
-        if abs(value - limit) < 30:
-            # Between them a line would be struck through.
-            above = min(value, limit) - 8
-            middle = above if above >= TOP + 12 else max(value, limit) + 16
-        middle = _free(middle, written, TOP + 12, bottom - 5)
-        written.append(middle)
-        yield f'<text class="a" fill="{guide.colour}" x="{beside:.1f}" y="{middle:.1f}">{text(said)}</text>'
-
-
-def _free(wanted: float, written: Sequence[float], top: float, bottom: float) -> float:
-    """The place nearest to the wanted one at which no line of text stands yet."""
-    places = [wanted + sign * 12.5 * index for index in range(len(written) + 1) for sign in (1, -1)]
-    free = [y for y in places if top <= y <= bottom and all(abs(y - other) >= 12 for other in written)]
-    return free[0] if free else wanted

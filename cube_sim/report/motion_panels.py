@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from cube_sim.report.traces import Trace, column, panels, signal_traces
 DEAD_ZONE, SATURATION, AT_LIMIT, LOST = "#dfe3e8", "#f3c6b8", "#fbe3da", "#eceef1"
 _ANGLES = ("roll", "pitch", "yaw")
 _FORCES, _MOMENTS = slice(0, 3), slice(3, 6)
+
+LIKELY = {1: 3.84, 3: 7.81}
+"""What chi-square of so many degrees of freedom stays below with a probability of 95 %."""
 
 Subjects = Sequence[Subject]
 
@@ -62,7 +66,9 @@ def wrench_panels(subjects: Subjects) -> Iterator[Panel]:
         ]
         yield from panels(subjects, f"{title}, body axes", unit, traces)
     residual = [Trace("", "", column("allocation.residual"))]
-    yield from panels(subjects, "Residual of the allocation, |A f − F|", "N", residual, height=100)
+    for panel in panels(subjects, "Residual of the allocation, |A f − F|", "N", residual, height=100):
+        # Rounding errors are to look like what they are.
+        yield replace(panel, include=(0.0, 0.01))
     for title, unit, only in (("force", "N", _FORCES), ("moment", "N m", _MOMENTS)):
         traces = signal_traces(subjects, "wrench.disturbance", only=only)
         yield from panels(subjects, f"Estimated disturbance, {title}", unit, traces, height=110)
@@ -146,7 +152,12 @@ def sensor_panels(subjects: Subjects) -> Iterator[Panel]:
             )
         surprise = [Trace("", "", column(f"{name}.surprise"))]
         for panel in panels(subjects, f"{name.removeprefix('sensor_')}: surprise, chi-square", "1", surprise):
-            yield Panel(panel.title, panel.unit, _as_dots(panel.curves), logarithmic=True, height=90)
+            likely = LIKELY.get(channel.run.fields[f"{name}.innovation"].width)
+            curves = [*_as_dots(panel.curves)]
+            if likely is not None and len(panel.curves[0].times):
+                ends = panel.curves[0].times[[0, -1]]
+                curves.append(Curve("95 % stay below", ends, np.full(2, likely), colours.BLACK, "dashed"))
+            yield Panel(panel.title, panel.unit, tuple(curves), logarithmic=True, height=90)
 
 
 def sensor_names(subjects: Subjects) -> list[str]:

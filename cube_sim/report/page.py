@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from cube_sim.report import colours
 from cube_sim.report.check_panels import check_panels
-from cube_sim.report.drawing import HALF, WIDE, captions, draw
+from cube_sim.report.drawing import HALF, WIDE, draw
+from cube_sim.report.guides import captions
 from cube_sim.report.happenings import AUTHORITY, BELIEF, END, EVENT, Happening, happenings
+from cube_sim.report.html_table import badge, name_of
 from cube_sim.report.lanes import StateLane, draw_lanes
 from cube_sim.report.map_view import plan_view
 from cube_sim.report.markup import element, seconds, text
@@ -26,20 +29,10 @@ from cube_sim.report.motion_panels import (
     wrench_panels,
 )
 from cube_sim.report.panel import Mark, Panel, TimeAxis
+from cube_sim.report.source_tables import build_table, log_table, parameter_table
 from cube_sim.report.style import CSS, SCRIPT
 from cube_sim.report.subject import Subject
-from cube_sim.report.tables import (
-    badge,
-    build_table,
-    check_table,
-    comparison_table,
-    happening_table,
-    log_table,
-    name_of,
-    parameter_table,
-    sensor_table,
-    thruster_table,
-)
+from cube_sim.report.tables import check_table, comparison_table, happening_table, sensor_table, thruster_table
 from cube_sim.report.thruster_use import STATES
 from cube_sim.runs.recorded_run import RecordedRun
 
@@ -119,7 +112,7 @@ def _sections(
     plan, depth = plan_view(subjects, own), _drawn(depth_panels(subjects), axis, HALF)
     yield "path", "Path", f'<div class="two"><div>{plan}</div><div>{depth}</div></div>' if plan else depth
     yield "errors", "Errors", _drawn(error_panels(subjects), axis)
-    yield "thrusters", "Thrusters", _thrusters(subjects, axis)
+    yield "thrusters", "Thrusters", _thrusters(subjects, axis, told)
     yield "wrench", "Wrench", _drawn(wrench_panels(subjects), axis)
     yield "velocity", "Velocity", _drawn(velocity_panels(subjects), axis)
     yield "power", "Power and charge", _drawn(power_panels(subjects), axis)
@@ -132,12 +125,17 @@ def _sections(
     yield "build", "Build", build_table(subjects)
 
 
-def _thrusters(subjects: Sequence[Subject], axis: TimeAxis) -> str:
+def _thrusters(
+    subjects: Sequence[Subject], axis: TimeAxis, told: Sequence[tuple[str, Happening, Sequence[Subject]]]
+) -> str:
     alone = len(subjects) == 1
     title = "What the thrusters do, how their wrench is allocated, and how the vehicle flies"
-    states = "".join(
-        draw_lanes(title if alone else f"{subject.label}: {title}", _lanes(subject), axis) for subject in subjects
-    )
+    states = ""
+    for subject in subjects:
+        # Lanes are of one run: what happened in others has no place on them.
+        own = tuple(mark for mark, (_, _, whose) in zip(axis.marks, told, strict=True) if subject in whose)
+        heading = title if alone else f"{subject.label}: {title}"
+        states += draw_lanes(heading, _lanes(subject), replace(axis, marks=own))
     tables = "".join(_titled(subject, thruster_table(subject), alone) for subject in subjects if subject.thrusters)
     forces = _in_two(thruster_panels(subjects), axis)
     return states + tables + forces if tables else ""

@@ -20,7 +20,7 @@ th,td{padding:3px 12px 3px 0}
 td{border-bottom:1px solid #e4e8ec;vertical-align:top}
 td.r,th.r{text-align:right;font-variant-numeric:tabular-nums}
 td.r,td.s{white-space:nowrap}
-td.w{overflow-wrap:anywhere}
+td.w{overflow-wrap:anywhere}td.k{min-width:270px}
 .hot{color:#c4231c;font-weight:600}
 .time,.lanes,.plan{display:block;width:100%;height:auto;margin:6px 0 10px;font-family:inherit}
 .cap{margin:-6px 0 2px 62px;font-size:12px;font-weight:600}.figure{margin-bottom:14px}
@@ -47,7 +47,7 @@ body{max-width:none;padding:0;font-size:10pt}
 nav,.screen{display:none}
 h2{break-after:avoid;margin-top:14px}
 .time,.lanes,.plan,.figure,tr,.fact{break-inside:avoid}
-table{font-size:8.5pt}
+table{font-size:8.5pt}td.k{min-width:46mm}
 .verdict{print-color-adjust:exact;-webkit-print-color-adjust:exact}
 }
 """

@@ -19,7 +19,7 @@ from cube_sim.verdict import CheckResult, Verdict
 NO_VERDICT = "NOT JUDGED"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Subject:
     """A run and how the page tells it from others.
 

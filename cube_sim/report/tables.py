@@ -1,58 +1,22 @@
-"""The tables of the page."""
+"""What became of the checks, of the thrusters and of the sensors, as tables."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from hashlib import sha256
+from collections.abc import Sequence
 
 import numpy as np
 
 from cube_sim.report import colours
 from cube_sim.report.circumstances import circumstances
 from cube_sim.report.happenings import Happening
+from cube_sim.report.html_table import badge, name_of, table
 from cube_sim.report.judged_quantity import JudgedQuantity, beyond_from, judged_quantity
 from cube_sim.report.markup import element, number, seconds, text
-from cube_sim.report.motion_panels import sensor_names
-from cube_sim.report.parameters import set_parameters
+from cube_sim.report.motion_panels import LIKELY, sensor_names
 from cube_sim.report.subject import Subject
 from cube_sim.report.thruster_use import LOST, LOWER, OFF, UPPER, ThrusterUse
-from cube_sim.run_log import LogEntry, LogLine
 from cube_sim.scenario.check_blocks import SignalCheckBlock
 from cube_sim.verdict import CheckResult
-
-_LOG_LINES = 200
-"""So many lines of the log are shown; the record has all (choice)."""
-
-_LIKELY = {1: 3.84, 3: 7.81}
-"""What chi-square of so many degrees of freedom stays below with a probability of 95 %."""
-
-
-def table(header: Sequence[str], rows: Iterable[Sequence[str]], kinds: str, *, narrow: bool = False) -> str:
-    """A table of cells that are markup already.
-
-    Args:
-        header: of each column, plain text.
-        rows: of cells.
-        kinds: a letter for each column: r a number, s a word that does not break, w text that may break anywhere.
-        narrow: as wide as its content only.
-    """
-    head = "".join(element("th", text(cell), class_=kind) for cell, kind in zip(header, kinds, strict=True))
-    body = "".join(
-        element("tr", "".join(element("td", cell, class_=kind) for cell, kind in zip(row, kinds, strict=True)))
-        for row in rows
-    )
-    content = f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
-    return element("table", content, class_="narrow" if narrow else None)
-
-
-def badge(verdict: str) -> str:
-    """A verdict to be seen from afar."""
-    return element("span", text(verdict), class_="verdict", style=f"background:{colours.of_verdict(verdict)}")
-
-
-def name_of(subject: Subject) -> str:
-    """The label of a run in its colour."""
-    return f'<b style="color:{subject.colour}">{text(subject.label)}</b>'
 
 
 def check_table(subject: Subject) -> str:
@@ -76,7 +40,7 @@ def check_table(subject: Subject) -> str:
             )
         )
     header = ("", "check", "value", "limit", "margin", "worst at", "what was the case then")
-    return table(header, rows, "swrrrrw")
+    return table(header, rows, "skrrrrw")
 
 
 def comparison_table(subjects: Sequence[Subject]) -> str:
@@ -156,7 +120,7 @@ def sensor_table(subjects: Sequence[Subject]) -> str:
                 continue
             innovation = subject.rows(f"sensor_{name}.innovation")
             width = innovation.shape[1] - 1
-            likely = _LIKELY.get(width)
+            likely = LIKELY.get(width)
             below = "–" if likely is None else f"{100 * float(np.mean(surprise[:, 1] < likely)):.0f} %"
             kept_out = int(np.sum(outcome[:, 1] == 1))
             rms = float(np.sqrt(np.nanmean(np.sum(innovation[:, 1:] ** 2, axis=1))))
@@ -173,64 +137,6 @@ def sensor_table(subjects: Sequence[Subject]) -> str:
             )
     header = ("sensor", "readings", "kept out by the gate", "fused in spite of it", "innovation, RMS")
     return table((*header, "surprise / width (1 expected)", "within the 95 % expected"), rows, "srrrrrr", narrow=True)
-
-
-def log_table(log: Sequence[LogLine]) -> str:
-    """What was said, line after line, repeated sentences once."""
-    entries: dict[tuple[str, str], LogEntry] = {}
-    for line in log:
-        key = line.level, line.text
-        known = entries.get(key)
-        entries[key] = LogEntry(line, 1, line.t) if known is None else LogEntry(known.first, known.count + 1, line.t)
-    rows = []
-    for entry in list(entries.values())[:_LOG_LINES]:
-        more = f" (+{entry.count - 1} more, the last at {seconds(entry.last_s)})" if entry.count > 1 else ""
-        level = text(entry.first.level)
-        level = level if entry.first.level in ("INFO", "DEBUG") else element("span", level, class_="hot")
-        rows.append((text(seconds(entry.first.t)), level, text(entry.first.text + more)))
-    more = len(entries) - len(rows)
-    left = f'<p class="dim">and {more} more sentences in the record</p>' if more > 0 else ""
-    return table(("at", "level", "said"), rows, "rsw") + left
-
-
-def parameter_table(subjects: Sequence[Subject]) -> str:
-    """What the scenarios set, beside the defaults; what differs between runs stands out."""
-    found = [{each.key: each for each in set_parameters(subject.scenario)} for subject in subjects]
-    rows = []
-    for key in dict.fromkeys(key for keys in found for key in keys):
-        given = [keys.get(key) for keys in found]
-        default = next(each.default for each in given if each is not None)
-        values = [default if each is None else each.value for each in given]
-        differ = len({*values}) > 1
-        shown = [element("span", text(value or "–"), class_="hot" if differ else None) for value in values]
-        rows.append(
-            (text(key), *shown, '<span class="dim">has to be given</span>' if default is None else text(default))
-        )
-    return table(
-        ("key", *([subject.label for subject in subjects] if len(subjects) > 1 else ["value"]), "default"),
-        rows,
-        "w" * (len(subjects) + 2),
-    )
-
-
-def build_table(subjects: Sequence[Subject]) -> str:
-    """Versions, and the SHA-256 of each file that was flown on."""
-    facts = [_build(subject) for subject in subjects]
-    rows = []
-    for key in dict.fromkeys(key for each in facts for key in each):
-        values = [each.get(key, "–") for each in facts]
-        differ = len({*values}) > 1
-        rows.append((text(key), *(element("span", text(v), class_="hot" if differ else None) for v in values)))
-    header = ("", *([subject.label for subject in subjects] if len(subjects) > 1 else ["as recorded"]))
-    return table(header, rows, "s" + "w" * len(subjects), narrow=True)
-
-
-def _build(subject: Subject) -> Mapping[str, str]:
-    header = subject.run.header
-    facts = {"seed": str(header.seed), **header.versions}
-    facts |= {f"SHA-256 of {name}": sha256(data).hexdigest()[:16] for name, data in sorted(header.inputs.items())}
-    facts |= {f"{code.key} = {code.name}": f"SHA-256 {code.digest[:16]}" for code in header.code}
-    return facts
 
 
 def _account(subject: Subject, result: CheckResult, quantity: JudgedQuantity) -> str:
@@ -256,7 +162,8 @@ def _brief(subject: Subject, result: CheckResult | None) -> str:
     if result.value is None or result.at_s is None:
         return said + text(result.detail)
     sign = "≤" if result.relation == "<=" else "≥"
-    said += text(f"{number(result.value)} {sign} {number(result.limit)}, margin {number(result.margin)}")
+    asked = "" if result.verdict == "PASS" else ", must be"
+    said += text(f"{number(result.value)}{asked} {sign} {number(result.limit)}, margin {number(result.margin)}")
     said += f' <span class="dim">at {text(seconds(result.at_s))}</span>'
     if result.verdict != "FAIL":
         return said

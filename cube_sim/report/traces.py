@@ -51,7 +51,8 @@ def signal_traces(
     having = next((subject for subject in subjects if subject.has(signal)), None)
     if having is None:
         return []
-    names = list(enumerate(having.columns(signal)))[only]
+    single = having.run.fields[signal].is_single_number
+    names = [(0, "")] if single else list(enumerate(having.columns(signal)))[only]
     return [Trace(name, role, column(signal, index), style) for index, name in names]
 
 

@@ -11,6 +11,7 @@ from support.synthetic_run import LIMIT_M, synthetic_run
 
 from cube_sim.report.circumstances import circumstances
 from cube_sim.report.happenings import happenings
+from cube_sim.report.motion_panels import DEAD_ZONE
 from cube_sim.report.page import report
 from cube_sim.report.parameters import set_parameters
 from cube_sim.report.subject import NO_VERDICT, Subject
@@ -123,6 +124,33 @@ def test_it_passes_only_what_passed(options, verdict, remark):
     assert f"made_up {verdict}" in said
     assert subject(**options).verdict == verdict
     assert remark is None or remark in said
+
+
+def test_sensors_show_what_they_said_and_what_was_kept_out():
+    page = report([synthetic_run(navigated=True)], ["run"])
+    plots = {svg.get("aria-label"): svg for svg in parsed(page).iter("svg")}
+    said = words(page)
+    assert "position 21 1 0 0.245 m" in said
+    assert "position estimate off by 0.3 m" in said
+    assert len([path for path in plots["position: innovation"].iter("path") if path.get("class") == "k"]) == 3
+    texts = [element.text for element in plots["Error of the estimated position, y"].iter("text")]
+    assert "± 2 sigma of the filter" in texts
+    assert "95 % stay below" in [element.text for element in plots["position: surprise, chi-square"].iter("text")]
+
+
+def test_bands_follow_the_limits_over_time():
+    """The dead zone of a thruster that is believed lost from 2.5 s on ends there."""
+    plots = {svg.get("aria-label"): svg for svg in parsed(report([synthetic_run()], ["run"])).iter("svg")}
+
+    def ends(name, colour):
+        (path,) = [path for path in plots[name].iter("path") if path.get("fill") == colour]
+        d = path.get("d")
+        first = int(re.match(r"M(-?\d+)", d)[1])
+        steps = [int(x) for x in re.findall(r"-?\d+", d.partition("l")[2])][0::2]
+        return (first + max(np.cumsum(steps))) / (10 * (532 - 62 - 14)) * 10.0
+
+    assert ends("T2", DEAD_ZONE) == pytest.approx(10.0, abs=0.05)
+    assert ends("T1", DEAD_ZONE) == pytest.approx(2.5, abs=0.05)
 
 
 def test_a_record_without_rows_is_reported():

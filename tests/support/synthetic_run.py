@@ -8,6 +8,7 @@ import numpy as np
 
 from cube_sim.recording.channels import channel_table
 from cube_sim.recording.header import RunHeader
+from cube_sim.recording.navigation_channels import navigation_channels
 from cube_sim.recording.reading import Recording
 from cube_sim.run_log import LogLine
 from cube_sim.runs.recorded_run import RecordedRun
@@ -43,6 +44,7 @@ def synthetic_run(
     verdict: object = "FAIL",
     until_s: float = 10.0,
     noise: float = 0.0,
+    navigated: bool = False,
     log: tuple[LogLine, ...] = (LogLine(2.0, "WARNING", "T1: dead"),),
 ) -> RecordedRun:
     """Ten seconds at 50 Hz: T1 dies at 2 s, seen at 2.5 s; T3 saturates from 6 s to 7 s, and the error grows.
@@ -54,10 +56,14 @@ def synthetic_run(
         verdict: what verdict.json says; None for no such file.
         until_s: how far the rows go [s].
         noise: added to the forces of T2 [N].
+        navigated: whether it has an estimate, off by 0.3 m in y, and position fixes twice a second, of which the one
+            at 5 s was kept out.
         log: what was said.
     """
     t = np.arange(round(until_s * 50) + 1) / 50.0
     table = channel_table(THRUSTERS, 4, ("EXACT", "CLOSEST"), ("HOLONOMIC", "TRIM"))
+    if navigated:
+        table += navigation_channels({"position": 2.0})
     signals = {channel.name: np.zeros((len(t), 1 + channel.width)) for channel in table}
     limits = np.tile([-40.0, -2.0, 2.0, 50.0], 3)
     lost = np.concatenate([np.zeros(4), limits[4:]])
@@ -77,6 +83,13 @@ def synthetic_run(
     signals["health"][t >= 2.5, 4] = 0.0
     signals["pose"][:, 1:5] = np.column_stack([0.4 * t, 0.1 * np.sin(t), np.full(len(t), -5.0), np.ones(len(t))])
     signals["power"][:, 1:4] = 20.0
+    if navigated:
+        signals["navigation_error"][:, 2] = 0.3
+        signals["navigation"][:, 14:17] = 0.2
+        fixes = signals["sensor_position"] = signals["sensor_position"][::25]
+        fixes[:, 5:8] = [0.1, -0.1, 0.2]
+        fixes[:, 8] = np.where(fixes[:, 0] == 5.0, 40.0, 2.0)
+        fixes[:, 9] = fixes[:, 0] == 5.0
     header = RunHeader(
         scenario="",
         resolved=RESOLVED.format(name=name, description=description),
