@@ -15,7 +15,6 @@ from cube_sim.report.panel import TimeAxis
 from cube_sim.report.scale import Scale
 
 _HEIGHT, _ABOVE, _BELOW = 17, 36, 20
-_LEFT = LEFT + 40
 
 
 @dataclass(frozen=True)
@@ -39,23 +38,25 @@ class StateLane:
 
 def draw_lanes(title: str, lanes: Sequence[StateLane], axis: TimeAxis) -> str:
     """Draw lanes over the time axis of the page."""
-    across = Scale(axis.start_s, axis.end_s, WIDE - _LEFT - RIGHT)
+    # As far in as the panels, if the names leave room.
+    left = max(LEFT, 10 + round(max((text_width(lane.name) for lane in lanes), default=0.0) * 0.9))
+    across = Scale(axis.start_s, axis.end_s, WIDE - left - RIGHT)
     bottom = _ABOVE + _HEIGHT * len(lanes)
-    parts = [f'<text class="h" x="{_LEFT}" y="12">{text(title)}</text>', _legend(lanes)]
+    parts = [f'<text class="h" x="{left}" y="12">{text(title)}</text>', _legend(lanes)]
     for value, label in across.ticks(12):
-        x = f"{_LEFT + across.at(value):.1f}"
+        x = f"{left + across.at(value):.1f}"
         parts.append(f'<path class="g" d="M{x} {_ABOVE}V{bottom}"/>')
         parts.append(f'<text class="n" x="{x}" y="{bottom + 13}" text-anchor="middle">{text(label)}</text>')
     for index, lane in enumerate(lanes):
         y = _ABOVE + _HEIGHT * index
-        parts.append(f'<text class="n" x="{_LEFT - 5}" y="{y + 12}" text-anchor="end">{text(lane.name)}</text>')
-        parts.append(f'<path class="g" d="M{_LEFT} {y + _HEIGHT}H{_LEFT + across.pixels:.0f}"/>')
+        parts.append(f'<text class="n" x="{left - 5}" y="{y + 12}" text-anchor="end">{text(lane.name)}</text>')
+        parts.append(f'<path class="g" d="M{left} {y + _HEIGHT}H{left + across.pixels:.0f}"/>')
         parts += [
-            element("rect", x=f"{_LEFT + a:.0f}", y=y + 2, width=f"{b - a:.0f}", height=_HEIGHT - 4, fill=colour)
+            element("rect", x=f"{left + a:.0f}", y=y + 2, width=f"{b - a:.0f}", height=_HEIGHT - 4, fill=colour)
             for a, b, colour in _blocks(lane, across, axis.end_s)
         ]
     for mark in axis.marks:
-        x = f"{_LEFT + across.at(mark.t):.1f}"
+        x = f"{left + across.at(mark.t):.1f}"
         parts.append(f'<path class="m" stroke="{mark.colour}" d="M{x} {_ABOVE}V{bottom}"/>')
     return element(
         "svg", "".join(parts), viewBox=f"0 0 {WIDE} {bottom + _BELOW}", class_="lanes", role="img", aria_label=title

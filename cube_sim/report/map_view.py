@@ -14,6 +14,7 @@ from cube_sim.report.panel import Mark
 from cube_sim.report.scale import nice_step
 from cube_sim.report.subject import Subject
 
+_NOWHERE = np.empty((0, 4))
 _WIDTH, _HEIGHT, _LEFT, _TOP, _BELOW = 532, 420, 58, 24, 34
 
 
@@ -25,7 +26,8 @@ def plan_view(subjects: Sequence[Subject], marks: Sequence[Mark]) -> str:
         marks: what happened in the first of them, to stand on its track.
     """
     paths = [_path(subject) for subject in subjects]
-    tracks = [subject.rows("pose.position") for subject in subjects]
+    # A record that ends before its first row may have no columns either.
+    tracks = [subject.rows("pose.position") if subject.has("pose.position") else _NOWHERE for subject in subjects]
     points = np.concatenate([*(path[:, :2] for path in paths), *(track[:, 1:3] for track in tracks)])
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):

@@ -98,7 +98,9 @@ def thruster_panels(subjects: Subjects) -> Iterator[Panel]:
 
 
 def power_panels(subjects: Subjects) -> Iterator[Panel]:
-    """Power of all motors, what they have drawn, voltage and charge where they change."""
+    """Power of all motors, what they have drawn, voltage and charge where they change; none of a model without."""
+    if not any(np.any(subject.rows("power.motor")[:, 1:] > 0) for subject in subjects):
+        return
     yield from panels(subjects, "Electrical power of all motors", "W", [Trace("", "", _total_power)], height=120)
     energy = [Trace("", "", column("power.energy"))]
     yield from panels(subjects, "Energy drawn", "J", energy, height=100)

@@ -30,7 +30,7 @@ class ThrusterUse:
         limits: (k, 5) time [s], F_max-, F_DZ-, F_DZ+, F_max+ as believed [N]; a row holds until the next.
         state: (n,) one of `STATES` at each tick, by its number.
         period_s: time a tick stands for [s].
-        energy_J: electrical energy drawn [J]; NaN where it is not recorded.
+        energy_J: electrical energy drawn [J]; NaN where it is not known.
     """
 
     name: str
@@ -66,7 +66,8 @@ def thruster_uses(signals: Mapping[str, Rows], names: Sequence[str]) -> tuple[Th
     times = forces[:, 0]
     period_s = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
     power = signals.get("power.motor")
-    power = None if power is None or not len(power) else power
+    if power is not None and not np.any(power[:, 1:] > 0):
+        power = None  # the model does not state it
     found = []
     for index, name in enumerate(names):
         force = forces[:, 1 + index]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -157,6 +158,16 @@ def test_a_record_without_rows_is_reported():
     said = words(report([synthetic_run(until_s=-1.0, complete=False, verdict=None)], ["run"]))
     assert "recorded to" in said
     assert f"made_up {NO_VERDICT}" in said
+
+
+def test_a_record_that_ends_before_its_first_channel_is_reported():
+    run = synthetic_run(complete=False, verdict="PASS")
+    nothing = replace(run, recording=replace(run.recording, channels=(), rows={}, log=()))
+    page = report([nothing], ["run"])
+    assert "made_up ERROR the record ends early, at 0 s of 10 s" in words(page).replace("none ", "", 1)
+    assert next(section.get("id") for section in parsed(page).iter("section")) == "checks"
+    # Beside a whole one it takes nothing from it.
+    assert "T3" in {svg.get("aria-label") for svg in parsed(report([run, nothing], ["whole", "none"])).iter("svg")}
 
 
 def test_what_comes_from_files_is_text():
