@@ -39,7 +39,7 @@ class StateLane:
 def draw_lanes(title: str, lanes: Sequence[StateLane], axis: TimeAxis) -> str:
     """Draw lanes over the time axis of the page."""
     # As far in as the panels, if the names leave room.
-    left = max(LEFT, 10 + round(max((text_width(lane.name) for lane in lanes), default=0.0) * 0.9))
+    left = max(LEFT, 8 + round(max((text_width(lane.name) for lane in lanes), default=0.0) * 0.78))
     across = Scale(axis.start_s, axis.end_s, WIDE - left - RIGHT)
     bottom = _ABOVE + _HEIGHT * len(lanes)
     parts = [f'<text class="h" x="{left}" y="12">{text(title)}</text>', _legend(lanes)]

@@ -68,6 +68,8 @@ def build_table(subjects: Sequence[Subject]) -> str:
 def _build(subject: Subject) -> Mapping[str, str]:
     header = subject.run.header
     facts = {"seed": str(header.seed), **header.versions}
-    facts |= {f"SHA-256 of {name}": sha256(data).hexdigest()[:16] for name, data in sorted(header.inputs.items())}
-    facts |= {f"{code.key} = {code.name}": f"SHA-256 {code.digest[:16]}" for code in header.code}
+    facts |= {
+        f"SHA-256 of {name}": sha256(data).hexdigest()[:16] + " …" for name, data in sorted(header.inputs.items())
+    }
+    facts |= {f"{code.key} = {code.name}": f"SHA-256 {code.digest[:16]} …" for code in header.code}
     return facts

@@ -205,6 +205,6 @@ def _share_of(lasted: float, whole: float, *, hot: bool = True) -> str:
 
 def _limits(use: ThrusterUse) -> str:
     """Those of the start: a change is seen on the plot."""
-    more = ", at first" if len(use.limits) > 1 else ""
+    more = ", at first" if np.any(use.limits[:, 1:] != use.limits[0, 1:]) else ""
     lowest, dead_below, dead_above, highest = (number(float(limit), 3) for limit in use.limits[0, 1:])
     return f"{lowest} … {dead_below}, {dead_above} … {highest}{more}"
