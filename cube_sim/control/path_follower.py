@@ -15,19 +15,19 @@ from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compi
 from cube_sim.control.controller import Decision
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
-from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
 from cube_sim.control.priority import force_with_torque, yield_attitude
-from cube_sim.control.roomiest_attitude import has_enough, roomiest_attitude
+from cube_sim.control.refuge import KeptMotion, Refuge
+from cube_sim.control.roomiest_attitude import has_enough
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.control.shortage import SHORTAGE, watch_shortage
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.guidance.view_record import record_of, see_level, view_of
-from cube_sim.spatial import Record, State, Vector, quaternion_from_rotation, rotation_from_quaternion
+from cube_sim.spatial import Record, State, Vector, rotation_from_quaternion
 from cube_sim.tuples import turned_to_world
 
 SLOWER = 3.0
@@ -89,7 +89,7 @@ class PathFollower:
         """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
         self.capability = left
         self.balanced, self._loops, self._approach = None, self.loops, self.approach
-        self._refuge: FixedAttitude | None = None
+        self._refuge = Refuge()
         budget = left.budget
         self._left = left.record(self.loops.dynamics.total_mass)
         self.dragged = bool(self._left["dragged"].any())
@@ -124,7 +124,7 @@ class PathFollower:
         goal = self._safe_mode_goal(state, view, dt)
         mode = self._mode(state, force_ratio)
         followed = np.zeros(1, FOLLOWED)
-        if seen is not None and goal is None and self._compiled is not None and self._refuge is None:
+        if seen is not None and goal is None and self._compiled is not None and not self._refuge.taken:
             quaternion = self._compiled.answer(self, seen, followed, state, applied, dt, force_ratio)
             disturbance, current = self._estimates()
         else:
@@ -134,8 +134,8 @@ class PathFollower:
             attitude = mode.attitude(situation, dt)
             if self.dragged and self.balanced is not None:
                 begin_centre(self._left, self.centre, state.rotation, state.quaternion, self.balanced.wished)
-            if self._refuge is not None:
-                self._look_back(self._refuge, situation, dt)
+            if self._refuge.taken:
+                self._look_back(situation, dt)
             quaternion = attitude.quaternion
             self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
         answer = followed[0]
@@ -256,18 +256,13 @@ class PathFollower:
 
     def _mode(self, state: State, force_ratio: float) -> AttitudeMode:
         """Who says which attitude to take."""
-        chosen = self._refuge is not None or self.balanced is not None or self.capability.steers_by_attitude
+        chosen = self._refuge.taken or self.balanced is not None or self.capability.steers_by_attitude
         if self.pressed and not chosen and self._is_under_way(state, force_ratio):
             self.shortage["since"], self.shortage["pressed"] = 0.0, False
         if self.pressed and not chosen:
-            R, there = state.rotation, rotation_from_quaternion(self.desired)
-            given = self.loops.dynamics.record, self._budget, force_ratio, self._slow_flow
-            found = roomiest_attitude(*given, R)
-            if found is None and has_enough(*given, R) and not has_enough(*given, there):
-                found = R  # it has come by an attitude to stay in
-            self._refuge = None if found is None else FixedAttitude(quaternion_from_rotation(found))
-        if self._refuge is not None:
-            return self._refuge
+            self._refuge.seek(self._kept(force_ratio), state.rotation, rotation_from_quaternion(self.desired))
+        if self._refuge.attitude is not None:
+            return self._refuge.attitude
         if self.capability.steers_by_attitude or self.pressed:
             if self.balanced is None:
                 self.balanced = BalancedAttitude(
@@ -286,24 +281,20 @@ class PathFollower:
         """Whether the hull is far from the attitude its mission asks for, and the thrusters have enough once there."""
         there = rotation_from_quaternion(self.desired)
         far = np.trace(there.T @ state.rotation) < 1.0 + 2.0 * np.cos(UNDER_WAY_RAD)
-        return bool(far) and has_enough(self.loops.dynamics.record, self._budget, force_ratio, self._slow_flow, there)
+        return bool(far) and has_enough(*self._kept(force_ratio), there)
 
-    def _look_back(self, refuge: FixedAttitude, situation: Situation, dt: float) -> None:
-        """Leave the refuge once the thrusters have enough in the attitude that the mission asks for, or not in it."""
+    def _look_back(self, situation: Situation, dt: float) -> None:
+        """Leave the refuge once it is no more of use."""
         wish = self.attitude if self._goal is None else self._goal.attitude
         back = rotation_from_quaternion(wish.attitude(situation, dt).quaternion)
-        given = self.loops.dynamics.record, self._budget, situation.force_ratio, self._slow_flow
-        if self.shortage["since"][0] == 0.0 and has_enough(*given, back):
-            self._refuge = None
+        if self._refuge.look_back(self._kept(situation.force_ratio), back, self.shortage["since"][0] != 0.0):
             self.shortage["pressed"] = False
-        elif not has_enough(*given, rotation_from_quaternion(refuge.quaternion)):
-            self._refuge = None  # the path has turned: to be looked for anew
 
-    @property
-    def _slow_flow(self) -> Vector:
-        """The velocity through the water at the least pace (3,) [m/s], world axes."""
+    def _kept(self, force_ratio: float) -> KeptMotion:
+        """The motion at the least pace."""
         current = np.zeros(3) if self.current_observer is None else self.current_observer.estimate
-        return LEAST_PACE * self.memory["velocity"][0] - current
+        flow_W = LEAST_PACE * self.memory["velocity"][0] - current
+        return KeptMotion(self.loops.dynamics.record, self._budget, force_ratio, flow_W)
 
     def _secondary(self, wrench: Vector, state: State) -> Vector:
         """The part (6,) of a wrench that gives way to the path: none where the attitude has to point the thrust.
@@ -312,7 +303,7 @@ class PathFollower:
         would have a component along them again. Where the hull has turned to where the thrusters have enough, that
         attitude is held first, and what is to move it is what gives way.
         """
-        if self._refuge is not None:
+        if self._refuge.taken:
             still = self.loops.dynamics.steady_wrenches(np.zeros((1, 3)), state.rotation[2:])[0]
             return np.concatenate([wrench[:3] - still[:3], np.zeros(3)])
         secondary = np.zeros(6)
@@ -329,7 +320,7 @@ class PathFollower:
     def ready(self) -> CompiledParts | None:
         """What one compiled call a tick goes on with as it stands; None where Python has something to say."""
         balanced = self.capability.steers_by_attitude or self.pressed
-        if self._goal is not None or self._refuge is not None or (self.balanced is not None) != balanced:
+        if self._goal is not None or self._refuge.taken or (self.balanced is not None) != balanced:
             return None
         return self._compiled
 
