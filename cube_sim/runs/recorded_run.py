@@ -9,6 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import Field
@@ -53,13 +55,31 @@ class RecordedRun:
 
     @cached_property
     def scenario(self) -> Scenario:
-        """The scenario flown, every default written out; files go by their names in the record."""
-        return Scenario.model_validate(self.resolved)
+        """The scenario flown, every default written out; files go by their names in the record.
+
+        Raises:
+            RecordingError: it is none that this version knows.
+        """
+        try:
+            return Scenario.model_validate(self.resolved)
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            where = ".".join(map(str, first["loc"]))
+            raise RecordingError(
+                f"{self.path}: its scenario is none of this version: {where}: {first['msg']}"
+            ) from None
 
     @cached_property
     def resolved(self) -> dict[str, Any]:
-        """The same as its file holds it, plain data."""
-        return parse(self.header.resolved).data
+        """The same as its file holds it, plain data.
+
+        Raises:
+            RecordingError: it is no scenario.
+        """
+        data = parse(self.header.resolved).data
+        if not isinstance(data, dict):
+            raise RecordingError(f"{self.path}: the scenario in it is none")
+        return data
 
     @property
     def log(self) -> tuple[LogLine, ...]:

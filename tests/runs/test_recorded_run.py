@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -188,3 +189,15 @@ def test_exported_inputs_fly(flown, tmp_path, monkeypatch, capsys):
     assert again.signals["pose.position"].tobytes() == flown.signals["pose.position"].tobytes()
     call(monkeypatch, capsys, "export", flown.directory, tmp_path / "view", "--format", "rrd")
     assert (tmp_path / "view" / "run.rrd").stat().st_size > 10_000
+
+
+def test_a_scenario_of_another_version_is_one_line(flown, monkeypatch, capsys):
+    run = cube_sim.load_run(flown.directory)
+    header = replace(run.header, resolved=run.header.resolved.replace("guidance:", "steering:"))
+    other = replace(run, recording=replace(run.recording, header=header))
+    with pytest.raises(RecordingError, match=r"run\.mcap: its scenario is none of this version: "):
+        assert other.scenario
+    monkeypatch.setattr("cube_sim.runs.recorded_run.load_run", lambda _: other)
+    for command in ("replay", "judge", "report"):
+        code, out, err = call(monkeypatch, capsys, command, flown.directory)
+        assert (code, out, err.count("\n")) == (2, "", 1), (command, err)
