@@ -97,9 +97,11 @@ class StateEstimation:
             self._navigator = self._start(truth.motion, recorder, t)
         navigator = self._navigator
         arrived = navigator.update(truth)
-        for sensor in self.own:
-            if sensor.failures:
-                raise sensor.failures.pop()
+        failures = [error for sensor in self.own for error in sensor.failures]
+        if failures:
+            for sensor in self.own:
+                sensor.failures.clear()  # the first is told; no other may end the next flight
+            raise failures[0]
         self.note(arrived, recorder, t)
         answer = navigator.answer
         self.record(recorder, np.array([t]), answer, navigator.error, navigator.inertial[None])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.reading import read_channels
@@ -28,7 +29,7 @@ class RecordedSignals(Mapping[str, Rows]):
     """
 
     def __init__(self, path: Path, channels: Sequence[Channel]) -> None:
-        self._path = path
+        self._path, self._written = path, _identity(path)
         self._places = {
             f"{channel.name}.{field.name}": (channel, columns)
             for channel in channels
@@ -41,7 +42,7 @@ class RecordedSignals(Mapping[str, Rows]):
 
         Raises:
             KeyError: no such signal.
-            RecordingError: the record is gone, or damaged.
+            RecordingError: the record is gone, replaced by another, or damaged.
         """
         channel, columns = self._places[name]
         rows = self._rows(channel)
@@ -63,8 +64,9 @@ class RecordedSignals(Mapping[str, Rows]):
         """Rows of some signals, a minute of them at a time.
 
         Raises:
-            RecordingError: the record is gone, or damaged.
+            RecordingError: the record is gone, replaced by another, or damaged.
         """
+        self._require_the_same()
         places = {name: self._places[name] for name in names}
         channels = {channel.name for channel, _ in places.values()}
         for rows in read_channels(self._path, channels, CHUNKS_AT_ONCE) if channels else ():
@@ -76,9 +78,25 @@ class RecordedSignals(Mapping[str, Rows]):
 
     def _rows(self, channel: Channel) -> Rows:
         if channel.name not in self._kept:
+            self._require_the_same()
             while len(self._kept) >= CHANNELS_KEPT:
                 self._kept.popitem(last=False)
             (rows,) = read_channels(self._path, {channel.name})
             self._kept[channel.name] = rows.get(channel.name, np.empty((0, 1 + channel.width)))
         self._kept.move_to_end(channel.name)
         return self._kept[channel.name]
+
+    def _require_the_same(self) -> None:
+        """Read nothing of another run that has been recorded in the same place since."""
+        now = _identity(self._path)
+        if now is not None and now != self._written:
+            raise RecordingError(f"{self._path}: another recording stands there now; these signals are gone")
+
+
+def _identity(path: Path) -> tuple[int, int, int] | None:
+    """What a file that replaces another does not share with it; None without a file."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns, found.st_size

@@ -92,6 +92,14 @@ class RecordedRun:
         return self.recording.complete
 
     @property
+    def goes_to_its_end(self) -> bool:
+        """Whether the record holds all of the flight; False after a crash, and where the run was interrupted."""
+        last_s = self.recorded_s
+        ended_early = any(line.level == "ERROR" and line.t >= last_s for line in self.log)
+        period_s = self.scenario.control_period_s
+        return self.complete and (ended_early or last_s > (self.scenario.ticks - 0.5) * period_s)
+
+    @property
     def recorded_s(self) -> float:
         """The time of the last row [s]; 0 without rows."""
         return max((float(rows[-1, 0]) for rows in self.recording.rows.values() if len(rows)), default=0.0)

@@ -69,10 +69,12 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
         whole_s = loaded.scenario.duration_s
         flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
         inputs = header(loaded, mission.codes)
-    until_s = run.recorded_s if not run.complete else max(run.recorded_s, flight.time_s)
+    whole = run.goes_to_its_end
+    until_s = max(run.recorded_s, flight.time_s) if whole else run.recorded_s
     again = {name: rows[rows[:, 0] <= until_s] for name, rows in store.signals.items()}
     found = sorted(differences(run.signals, again), key=lambda each: -1.0 if each.first_s is None else each.first_s)
-    other_log = _first_other(run.log, [line for line in store.lines if run.complete or line.t <= until_s])
+    then, now = ([line for line in lines if whole or line.t <= until_s] for lines in (run.log, store.lines))
+    other_log = _first_other(then, now)
     versions = _other_versions(run.header.versions, inputs.versions)
     return Replayed(tuple(found), versions, other_log, until_s, len(again))
 

@@ -164,6 +164,20 @@ def test_an_error_on_the_way_ends_the_run_with_its_line(tmp_path):
     assert 0.0 < flight.time_s < 4.0
 
 
+@pytest.mark.flight
+def test_of_two_errors_at_once_none_is_left_for_the_next_flight(tmp_path):
+    source = "def make(): return lambda motion: motion.position[2] if motion.position[0] < 0.05 else motion.depth"
+    sensor = {"python": "own.py:make", "unit": "m", "noise": 0.05, "rate_hz": 5.0}
+    sensors = [{**sensor, "name": "one"}, {**sensor, "name": "other"}]
+    flight = cube_sim.Flight(scenario_with(tmp_path, source), {"navigation": {"own": sensors}, "duration_s": 4.0})
+    to_the_end(flight)
+    assert flight.ended == "navigation.own.0: own.py:1: AttributeError: 'Motion' object has no attribute 'depth'"
+    failed_s = flight.time_s
+    flight.reset()
+    to_the_end(flight)
+    assert flight.time_s == failed_s > 0.0
+
+
 @pytest.mark.parametrize(
     ("source", "sensor", "key", "told"),
     [

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from support.places import HELIX
 
 import cube_sim
 from cube_sim.errors import RecordingError
 from cube_sim.recording import long_run, recorder
+from cube_sim.recording.batch import Batch
+from cube_sim.recording.channels import channel_table
+from cube_sim.recording.header import RunHeader
 from cube_sim.recording.long_run import RecordedSignals
+from cube_sim.recording.mcap.sink import McapSink
 
 
 @pytest.mark.flight
@@ -40,3 +45,23 @@ def test_signals_read_from_the_record_are_those_kept_in_memory(tmp_path, monkeyp
     (tmp_path / "spilt" / "run.mcap").unlink()
     with pytest.raises(RecordingError, match="cannot be read"):
         _ = spilt.signals["pose.position"]
+
+
+def test_of_another_run_in_the_same_place_nothing_is_read(tmp_path):
+    path, channels = tmp_path / "run.mcap", channel_table(("T1",), 2, ("EXACT",), ("HOLONOMIC",))
+    header = RunHeader(scenario="", resolved="", model="m.xml", inputs={"m.xml": b""})
+
+    def recorded(energy):
+        sink = McapSink(path, header, channels, "hull")
+        sink.write(Batch({"power": np.array([[0.0, 1.0, energy, 12.0, 1.0]])}))
+        sink.close()
+        return RecordedSignals(path, channels)
+
+    first = recorded(1.0)
+    path.unlink()  # as a run does with what stands in its folder
+    second = recorded(2.0)
+    assert second["power.energy"][0, 1] == 2.0
+    with pytest.raises(RecordingError, match="another recording stands there now"):
+        _ = first["power.energy"]
+    with pytest.raises(RecordingError, match="another recording stands there now"):
+        next(first.blocks({"power.energy"}))

@@ -14,7 +14,7 @@ from support.command_line import call
 from support.own_code import scenario_with
 
 import cube_sim
-from cube_sim.errors import RecordingError
+from cube_sim.errors import RecordingError, RunInterrupted
 from cube_sim.scenario.loading import loaded_again
 
 pytestmark = pytest.mark.flight
@@ -87,6 +87,22 @@ def test_a_record_cut_short_is_replayed_as_far_as_it_goes(flown, tmp_path, monke
     assert out.startswith("identical: ")
     assert "where the record ends early" in out
     assert float(out.split("to ")[1].split(" s")[0]) < 2.5
+
+
+def test_an_interrupted_run_is_replayed_as_far_as_it_goes(tmp_path, monkeypatch, capsys):
+    def interrupt(t, _):
+        if t >= 1.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(RunInterrupted):
+        cube_sim.run(scenario_with(tmp_path, ""), {"duration_s": 3.0}, tmp_path / "run", interrupt)
+    run = cube_sim.load_run(tmp_path / "run")
+    assert run.complete
+    assert not run.goes_to_its_end
+    code, out, _ = call(monkeypatch, capsys, "replay", tmp_path / "run")
+    assert code == 0
+    assert out.startswith("identical: ")
+    assert out.endswith(f"to {run.recorded_s:g} s, where the record ends early\n")
 
 
 def another_speed(controller_of):
