@@ -93,10 +93,10 @@ class RunInterrupted(KeyboardInterrupt):
     """Ctrl-C during a flight.
 
     Attributes:
-        directory: where the recording of what was flown is, closed and readable.
+        directory: where the recording of what was flown is, closed and readable, if there was to be one.
         log: what had been said at the level WARNING or above, in the order of time.
     """
 
-    def __init__(self, directory: Path, log: tuple[LogLine, ...] = ()) -> None:
+    def __init__(self, directory: Path, log: tuple[LogLine, ...] = (), recorded: bool = True) -> None:
         self.directory, self.log = directory, log
-        super().__init__(f"interrupted; recorded so far: {directory}")
+        super().__init__(f"interrupted; recorded so far: {directory}" if recorded else "interrupted")

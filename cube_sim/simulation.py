@@ -119,7 +119,7 @@ def fly(
         except RunInterrupted:
             raise
         except KeyboardInterrupt:
-            raise RunInterrupted(directory) from None
+            raise RunInterrupted(directory, recorded=record != "none") from None
 
 
 def _store(directory: Path, loaded: Loaded, mission: Mission, record: Kept) -> AbstractContextManager[SignalStore]:
@@ -142,7 +142,7 @@ def _record_and_judge(
             whole_s = mission.scenario.duration_s
             flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
         except KeyboardInterrupt:
-            raise RunInterrupted(directory, recorder.warnings) from None
+            raise RunInterrupted(directory, recorder.warnings, record != "none") from None
         elapsed_s = time.perf_counter() - started
     signals = recorder.signals
 

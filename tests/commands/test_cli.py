@@ -335,3 +335,5 @@ def test_an_interrupted_run_says_what_it_had_warned_of(tmp_path, monkeypatch, ca
     code, stdout, stderr = call(monkeypatch, capsys, "run", path, "--out", out, "--set", dead)
     assert (code, stdout) == (130, "")
     assert stderr == f"0.00 s  WARNING  T1: dead\ninterrupted; recorded so far: {out}\n"
+    code, _, stderr = call(monkeypatch, capsys, "run", path, "--out", out, "--set", dead, "--record", "none")
+    assert (code, stderr) == (130, "0.00 s  WARNING  T1: dead\ninterrupted\n")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 import re
+from functools import partial
 from hashlib import sha256
 
 import mujoco
@@ -18,6 +19,7 @@ from support.places import HELIX, REPO
 import cube_sim
 from cube_sim.control.controller import Decision
 from cube_sim.errors import FlightError, ScenarioError
+from cube_sim.mission.own.code import source_file
 from cube_sim.mission.own.law import rotation_between
 from cube_sim.recording.mcap.reader import read_contents
 from cube_sim.recording.reading import read_recording
@@ -291,3 +293,7 @@ def test_what_a_program_hands_over_is_refused_in_one_line():
     assert str(refused.value) == "override control.law: control.law.python: builtins:int is no function or class"
     with pytest.raises(ScenarioError, match=r"override control.law: .*test_own_law.py:.* KeyError: 'a'"):
         cube_sim.Flight(HELIX, SHORT, controller=lambda setup: {}["a"])
+
+
+def test_a_partial_function_is_found_in_the_file_of_the_whole():
+    assert source_file(partial(partial(pid, kp=3.0), ki=0.1)) == source_file(pid) != ""

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import reduce
+from functools import partial, reduce
 from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType, ModuleType
@@ -203,7 +203,12 @@ def failure(error: BaseException, file: str) -> str:
 
 
 def source_file(thing: Any) -> str:
-    """The file in which a function, a class or the class of an object is defined; "" where there is none."""
+    """The file in which a function, a class or the class of an object is defined; "" where there is none.
+
+    Of a partial one it is that of the whole.
+    """
+    while isinstance(thing, partial):
+        thing = thing.func
     try:
         file = inspect.getsourcefile(thing if inspect.isroutine(thing) or inspect.isclass(thing) else type(thing))
     except TypeError:
