@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 from mcap.writer import Writer
+from support.command_line import call
 from support.own_code import PID, scenario_with
 from support.places import CUBE
 
@@ -136,3 +137,24 @@ def test_the_view_is_made_again_from_the_record_alone(sources, tmp_path):
     shutil.rmtree(sources)
     rrd_from_mcap(first.directory / "run.mcap", tmp_path / "again.rrd")
     assert (tmp_path / "again.rrd").stat().st_size > 10_000
+
+
+@pytest.mark.flight
+def test_a_table_and_a_shared_part_are_found_in_the_record_alone(sources, tmp_path, monkeypatch, capsys):
+    rov = (sources / "models" / "rov.xml").read_bytes()
+    (sources / "models" / "drawn" / "drawn.xml").write_bytes(rov.replace(b'file="wreck', b'file="../wreck'))
+    shutil.copy(sources / "models" / "option.xml", sources / "models" / "drawn")
+    run = cube_sim.run(sources / "mission.yaml", out=tmp_path / "out").directory
+    shutil.rmtree(sources)
+    (tmp_path / "checks.yaml").write_text("checks:\n  - {kind: allowed_forces}\n")
+
+    assert cube_sim.load_run(run).scenario.path.type == "csv"
+    for command in (
+        ("replay", run),
+        ("judge", run),
+        ("judge", run, "--checks", tmp_path / "checks.yaml"),
+        ("report", run, "--out", tmp_path / "page.html"),
+        ("export", run, tmp_path / "view", "--format", "rrd"),
+    ):
+        code, _, said = call(monkeypatch, capsys, *command)
+        assert code == 0, (command, said)
