@@ -10,6 +10,7 @@ import typer
 
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
 from cube_sim.errors import RecordingError
+from cube_sim.run_directory import MCAP_FILE, RESOLVED_FILE
 
 EPILOG = "Exit code: 0 written, whatever the verdict; 2 bad input; 3 it cannot be written."
 
@@ -48,6 +49,8 @@ def report(
 def _beside(runs: Sequence[Path]) -> Path:
     """Not inside a run's folder, which holds nothing but what the run writes there."""
     first = runs[0].resolve() if runs[0].name in ("", "..") else runs[0]
+    if first.name == MCAP_FILE and first.with_name(RESOLVED_FILE).is_file():
+        first = first.absolute().parent
     name = first.name if first.is_dir() else first.stem
     more = f"_and_{len(runs) - 1}_more" if len(runs) > 1 else ""
     return first.with_name(f"{name}{more}.html")

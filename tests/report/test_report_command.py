@@ -42,6 +42,8 @@ def test_a_page_is_written_beside_the_run(flown, monkeypatch, capsys):
     assert str(flown) not in said
     # The run's folder is as it was: another run may still write there.
     assert sorted(file.name for file in flown.iterdir()) == ["resolved.yaml", "run.mcap", "run.rrd", "verdict.json"]
+    page.unlink()
+    assert call(monkeypatch, capsys, "report", flown / "run.mcap")[:2] == (0, f"{page}\n")
     code, _, _ = call(monkeypatch, capsys, "report", flown, "--out", flown.with_name("again.html"))
     assert (code, flown.with_name("again.html").read_bytes()) == (0, page.read_bytes())
 
