@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Batch, Sink
@@ -43,11 +44,18 @@ class SinkBeside:
                 self._wait()
         finally:
             self._thread.shutdown()
-            self._made.result().close()
+            with _as_recording_error():  # a flight shorter than a piece of the view is written here
+                self._made.result().close()
 
     def _wait(self) -> None:
         """Wait for the batch that was handed on first."""
-        try:
+        with _as_recording_error():
             self._writing.popleft().result()
-        except RuntimeError as error:  # what Rerun says of a full disk
-            raise RecordingError(f"the view cannot be written: {error}") from error
+
+
+@contextmanager
+def _as_recording_error() -> Iterator[None]:
+    try:
+        yield
+    except RuntimeError as error:  # what Rerun says of a full disk
+        raise RecordingError(f"the view cannot be written: {error}") from error

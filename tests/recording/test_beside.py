@@ -105,3 +105,15 @@ def test_what_the_viewers_library_says_of_a_full_disk_is_a_recording_error():
     with pytest.raises(RecordingError, match="No space left"):
         beside.close()
     assert slow.closed
+
+
+def test_a_view_that_cannot_be_finished_is_an_error_of_the_recording():
+    """Its last piece, the only one of a short flight, is written when it is closed."""
+
+    class Full(Slow):
+        def close(self) -> None:
+            raise RuntimeError("no space left on device")
+
+    beside = SinkBeside(Full)
+    with pytest.raises(RecordingError, match="the view cannot be written: no space left on device"):
+        beside.close()
