@@ -89,6 +89,7 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
   `model/cube.xml`, `path.file/survey.csv`, by key; what an MJCF includes, attaches or takes meshes from, beside it.
   Python of the user's own is there as `{CODE}KEY/FILE`, the key being the scenario's value in whose place it stands.
   Saved into a folder as they are called, they can be run again; no name depends on the machine.
+  `cube-sim replay` runs that Python: replay a record of somebody else's only if you would run their code.
 - **Metadata**: `{RUN_METADATA}` has the format ({FORMAT}), the seed and the vehicle's name, `{VERSIONS_METADATA}` the
   version of each package that takes part in the numbers. Where Python of the user's own flew, `{CODE_METADATA}` has its
   names by key, `{CODE_DIGESTS}` the SHA-256 of their files.
