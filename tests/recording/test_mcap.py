@@ -6,6 +6,7 @@ import signal
 import struct
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import mcap.reader
@@ -291,6 +292,16 @@ def test_a_file_cut_anywhere_is_read_as_far_as_it_goes_or_refused(run, tmp_path,
         assert fraction < 0.5
         return
     assert not recording.complete
+
+
+def test_a_flipped_bit_in_the_head_is_a_damaged_record_or_none_that_is_whole(run, tmp_path):
+    whole, damaged = run[0].read_bytes(), tmp_path / "damaged.mcap"
+    for place in range(400):
+        data = bytearray(whole)
+        data[place] ^= 0x80 if place % 2 else 0x04
+        damaged.write_bytes(data)
+        with suppress(RecordingError):
+            assert not read_recording(damaged).complete, place
 
 
 @pytest.mark.parametrize("fraction", np.linspace(0.02, 0.9, 12))

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
+from typing import TypeVar
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
@@ -20,6 +21,7 @@ from mcap.writer import MCAP0_MAGIC
 
 from cube_sim.errors import RecordingError
 
+Record = TypeVar("Record", Attachment, Chunk, DataEnd, Metadata)
 _PREFIX = 9  # opcode and length of a record
 _SAME = 11  # and the channel id of a message
 
@@ -47,7 +49,7 @@ def read_contents(path: Path, take: Callable[[bytes], None] = lambda chunk: None
         take: called with the uncompressed records of each chunk, in file order.
 
     Raises:
-        RecordingError: no such file, not an MCAP, or a checksum that does not fit.
+        RecordingError: no such file, not an MCAP, or one that is damaged.
     """
     try:
         data = path.read_bytes()
@@ -57,19 +59,18 @@ def read_contents(path: Path, take: Callable[[bytes], None] = lambda chunk: None
         raise RecordingError(f"{path} is not an MCAP file")
     contents = McapContents()
     for position, opcode, body in _records(data, len(MCAP0_MAGIC)):
-        stream = ReadDataStream(BytesIO(body))
         if opcode == Opcode.METADATA:
-            metadata = Metadata.read(stream)
+            metadata = _read(path, Metadata, body)
             contents.metadata[metadata.name] = metadata.metadata
         elif opcode == Opcode.ATTACHMENT:
-            attachment = Attachment.read(stream)
+            attachment = _read(path, Attachment, body)
             if zlib.crc32(body[:-4]) != int.from_bytes(body[-4:], "little"):
                 raise RecordingError(f"{path}: attachment {attachment.name!r} is damaged")
             contents.attachments[attachment.name] = attachment.data
         elif opcode == Opcode.CHUNK:
-            take(_uncompressed(path, Chunk.read(stream)))
+            take(_uncompressed(path, _read(path, Chunk, body)))
         elif opcode == Opcode.DATA_END:
-            checksum = DataEnd.read(stream).data_section_crc
+            checksum = _read(path, DataEnd, body).data_section_crc
             if checksum and checksum != zlib.crc32(data[:position]):
                 raise RecordingError(f"{path} is damaged: its contents do not fit their checksum")
             _check_summary(path, data, position + _PREFIX + len(body))
@@ -103,7 +104,7 @@ def chunks_of(path: Path) -> Iterator[bytes]:
                 body = file.read(length)
                 if len(body) < length:
                     return
-                yield _uncompressed(path, Chunk.read(ReadDataStream(BytesIO(body))))
+                yield _uncompressed(path, _read(path, Chunk, body))
             else:
                 file.seek(length, 1)
 
@@ -124,6 +125,14 @@ def _records(data: bytes, position: int) -> Iterator[tuple[int, int, bytes]]:
             return
         yield position, data[position], data[position + _PREFIX : end]
         position = end
+
+
+def _read(path: Path, kind: type[Record], body: bytes) -> Record:
+    # The library has no one exception for a record whose lengths or texts are damaged.
+    try:
+        return kind.read(ReadDataStream(BytesIO(body)))
+    except Exception as error:
+        raise RecordingError(f"{path} is damaged: a record of kind {kind.__name__} cannot be read") from error
 
 
 def _uncompressed(path: Path, chunk: Chunk) -> bytes:
