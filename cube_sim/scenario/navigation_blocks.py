@@ -158,7 +158,7 @@ class NavigationBlock(Block):
 
     @model_validator(mode="after")
     def _velocity_is_seen(self) -> Self:
-        taken = set(type(self).model_fields)
+        taken = {*type(self).model_fields, "telemetry"}  # that one's random numbers go by this name
         for index, sensor in enumerate(self.own):
             if sensor.name in taken:
                 refuse(f"there is a sensor {sensor.name} already", "own", index, "name")
