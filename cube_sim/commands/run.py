@@ -118,7 +118,8 @@ def _print_table(name: str, duration_s: float, result: Run, record: Recorded) ->
     console = Console()
     title = f"{name}: {lasted(result, duration_s)}, {result.real_time_factor:.1f} x real time"
     console.print(result_table(title, result.verdict, result.checks, early_end(result)))
-    lines = [*section("log:", log_lines(result.log)), "", f"recording: {result.directory}"]
+    kept = "verdict" if record is Recorded.NONE else "recording"
+    lines = [*section("log:", log_lines(result.log)), "", f"{kept}: {result.directory}"]
     if record is Recorded.FULL:
         lines.append(f"look at it: rerun {shlex.quote(str(result.directory / 'run.rrd'))}")
     for line in lines:

@@ -84,10 +84,10 @@ class Loop:
             ticks: how many; fewer are flown where the flight is over before.
 
         Raises:
-            FlightError: the flight is over, or there is not one tick to fly.
+            FlightError: the flight is over, or there is not one tick to fly, or a part of one.
         """
-        if ticks < 1:
-            raise FlightError(f"fly at least one tick, not {ticks}")
+        if ticks < 1 or ticks % 1 != 0:  # also what is not finite
+            raise FlightError(f"fly whole ticks, at least one tick, not {ticks}")
         self._require_going_on()
         end = min(self.tick + ticks, self.mission.scenario.ticks)
         with collect_warnings() as warnings:

@@ -337,3 +337,12 @@ def test_an_interrupted_run_says_what_it_had_warned_of(tmp_path, monkeypatch, ca
     assert stderr == f"0.00 s  WARNING  T1: dead\ninterrupted; recorded so far: {out}\n"
     code, _, stderr = call(monkeypatch, capsys, "run", path, "--out", out, "--set", dead, "--record", "none")
     assert (code, stderr) == (130, "0.00 s  WARNING  T1: dead\ninterrupted\n")
+
+
+@pytest.mark.flight
+def test_a_run_without_a_record_speaks_of_its_verdict_alone(tmp_path, monkeypatch, capsys):
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    _, stdout, _ = call(monkeypatch, capsys, "run", path, "--out", out, "--record", "none")
+    assert stdout.splitlines()[-1] == f"verdict: {out}"
+    _, stdout, _ = call(monkeypatch, capsys, "run", path, "--out", out, "--record", "mcap")
+    assert stdout.splitlines()[-1] == f"recording: {out}"

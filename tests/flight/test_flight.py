@@ -215,6 +215,8 @@ def test_so_many_ticks_at_once_are_so_many_steps():
     assert_same(fast.signals, slow.signals)
     with pytest.raises(FlightError, match="at least one tick, not 0"):
         fast.fly(0)
+    with pytest.raises(FlightError, match=r"at least one tick, not 2\.5"):
+        fast.fly(2.5)
     assert fast.fly(10**6).over
     assert not fast.ended
 
