@@ -177,6 +177,12 @@ def test_a_record_cut_short_is_never_a_pass(flown, tmp_path, monkeypatch, capsys
     assert "the record ends early" in json.loads(out)["remarks"][0]
 
 
+def test_tables_of_a_record_cut_short_are_said_to_end_early(flown, tmp_path, monkeypatch, capsys):
+    code, _, told = call(monkeypatch, capsys, "export", cut(flown, tmp_path), tmp_path / "tables")
+    assert (code, "run.mcap: the record ends early, at " in told) == (0, True)
+    assert call(monkeypatch, capsys, "export", flown.directory, tmp_path / "whole")[2] == ""
+
+
 def test_exported_numbers_are_the_same_bits(flown, tmp_path, monkeypatch, capsys):
     for kind in ("csv", "parquet"):
         code, out, _ = call(monkeypatch, capsys, "export", flown.directory, tmp_path / kind, "--format", kind)
