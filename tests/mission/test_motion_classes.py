@@ -39,7 +39,7 @@ def test_a_tracker_that_starts_behind_rushes_saturates_and_overshoots_a_follower
         force[law] = np.abs(signals["thrusters.force_demanded"][:, 1:]).max()
         missed[law] = np.count_nonzero(signals["allocation.status"][:, 1])
         overshoot[law] = signals["path_error.along"][:, 1].max()
-    assert speed["path_following"] < 0.41  # the speed along the path is 0.4 m/s
+    assert speed["path_following"] < 0.45  # 0.4 m/s along the path, and what it takes to come in from aside
     assert speed["trajectory_tracking"] > 0.7
     assert force["trajectory_tracking"] == pytest.approx(51.44)  # a T200's most
     assert missed["path_following"] == 0 < missed["trajectory_tracking"]
