@@ -44,12 +44,10 @@ def diff(
         runs = load_run(one), load_run(other)
         allowed = _tolerances(tolerance or [], runs[0])
         found = list(differences(runs[0].signals, runs[1].signals, allowed.__getitem__))
-    except RecordingError as error:
-        stop(BAD_INPUT, str(error))
-    except ValueError as error:
+    except (RecordingError, ValueError) as error:
         stop(BAD_INPUT, str(error))
     if json:
-        print_json([{**vars(each), "largest": _finite(each.largest)} for each in found])
+        print_json([each.to_dict() for each in found])
     elif found:
         console = console_for_tables()
         console.print(_table(found, runs[0]))
@@ -89,10 +87,6 @@ def _tolerances(given: Sequence[str], run: RecordedRun) -> _Tolerances:
             raise ValueError(f"--tolerance {argument}: no signal {name}{meant}")
         found[name] = value
     return found
-
-
-def _finite(number: float | None) -> float | None:
-    return None if number == float("inf") else number
 
 
 def _table(found: Sequence[SignalDifference], run: RecordedRun) -> Table:

@@ -10,6 +10,8 @@ from typing import NoReturn
 import typer
 
 PASS, FAIL, BAD_INPUT, NOT_JUDGED, INTERRUPTED = 0, 1, 2, 3, 130
+EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
+"""Of each verdict."""
 
 
 def stop(code: int, message: str) -> NoReturn:

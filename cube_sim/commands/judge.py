@@ -7,12 +7,11 @@ from typing import Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, FAIL, NOT_JUDGED, PASS, stop
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError, ScenarioError
 
-EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
 EPILOG = "Exit code: 0 PASS, 1 FAIL, 2 bad input, 3 ERROR: something could not be judged. Nothing is written."
 
 

@@ -63,17 +63,7 @@ def _to_dict(result: Replayed) -> dict[str, Any]:
         "identical": result.identical,
         "until_s": result.until_s,
         "signals": result.signals,
-        "differences": [
-            {
-                "signal": each.signal,
-                "text": each.text,
-                "first_s": each.first_s,
-                "largest": each.largest if each.largest != float("inf") else None,
-                "largest_s": each.largest_s,
-                "rows": each.rows,
-            }
-            for each in result.differences
-        ],
+        "differences": [each.to_dict() for each in result.differences],
         "other_log": result.other_log,
         "other_versions": list(result.other_versions),
     }

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cube_sim.commands.account import early_end, lasted, log_lines, section
-from cube_sim.commands.ending import BAD_INPUT, FAIL, INTERRUPTED, NOT_JUDGED, PASS, raise_on_interrupt, stop
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, INTERRUPTED, NOT_JUDGED, raise_on_interrupt, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import flight_progress
 from cube_sim.commands.settings import Settings, overrides
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from cube_sim.simulation import Run
 
 COMPILES = "compiling for this machine, once after an installation or an update: about a minute"
-EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
 EPILOG = (
     "Exit code: 0 PASS, every check was shown to hold; 1 FAIL, one was shown not to, whatever else could not be "
     "judged; 2 bad input, nothing is written; 3 ERROR, nothing failed but something could not be judged, or the run "

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +34,10 @@ class SignalDifference:
     largest_s: float | None = None
     rows: int = 0
 
+    def to_dict(self) -> dict[str, Any]:
+        """The same as plain data, for JSON: an infinite difference is null."""
+        return {**vars(self), "largest": None if self.largest == inf else self.largest}
+
 
 def differences(
     one: Signals, other: Signals, tolerance: Callable[[str], float] = lambda _: 0.0
@@ -57,10 +63,9 @@ def _difference(name: str, a: Rows, b: Rows, tolerance: float) -> SignalDifferen
         return SignalDifference(name, f"{a.shape[1] - 1} numbers a row against {b.shape[1] - 1}")
     text = ""
     if len(a) != len(b) or not np.array_equal(a[:, 0], b[:, 0]):
-        text = f"{len(a)} rows against {len(b)}, of which {{}} at the same times"
         _, at_a, at_b = np.intersect1d(a[:, 0], b[:, 0], return_indices=True)
+        text = f"{len(a)} rows against {len(b)}, of which {len(at_a)} at the same times"
         a, b = a[at_a], b[at_b]
-        text = text.format(len(a))
     with np.errstate(invalid="ignore"):
         off = np.abs(a[:, 1:] - b[:, 1:])
     same = (a[:, 1:] == b[:, 1:]) | (np.isnan(a[:, 1:]) & np.isnan(b[:, 1:]))
