@@ -7,10 +7,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 
+from cube_sim.commands.ending import raise_on_interrupt
+
 
 @contextlib.contextmanager
-def flight_progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[Callable[[float, float], None] | None]:
-    """A bar while a run lasts.
+def flight_progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[Callable[[float, float], None]]:
+    """A bar while a run lasts; from its first report on Ctrl-C is the usual exception.
 
     Args:
         name: of the scenario.
@@ -18,10 +20,10 @@ def flight_progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[C
         hidden: whether nothing is shown; nor is it where stderr is no terminal.
 
     Yields:
-        What the run calls with (simulated, whole) seconds; None when nothing is shown.
+        What the run calls with (simulated, whole) seconds.
     """
     if hidden or not sys.stderr.isatty():
-        yield None
+        yield lambda *_: raise_on_interrupt()
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -39,6 +41,7 @@ def flight_progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[C
 
         def update(simulated_s: float, whole_s: float) -> None:
             nonlocal started
+            raise_on_interrupt()
             now = time.perf_counter()
             if started is None:
                 # The first report: loading and compiling are over, nothing has moved yet.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, FAIL, INTERRUPTED, NOT_JUDGED, PASS, raise_on_interrupt, stop
+from cube_sim.commands.ending import BAD_INPUT, FAIL, INTERRUPTED, NOT_JUDGED, PASS, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import flight_progress
 from cube_sim.errors import CubeSimError, ModelError, RecordingError, ScenarioError
@@ -36,13 +36,7 @@ def replay(
         from cube_sim.runs.replay import replay as fly_again
 
         scenario = recorded.scenario
-        with flight_progress(scenario.name, scenario.duration_s, hidden=quiet or json) as show:
-
-            def progress(simulated_s: float, whole_s: float) -> None:
-                raise_on_interrupt()
-                if show is not None:
-                    show(simulated_s, whole_s)
-
+        with flight_progress(scenario.name, scenario.duration_s, hidden=quiet or json) as progress:
             result = fly_again(recorded, progress)
     except (RecordingError, ScenarioError, ModelError) as error:
         stop(BAD_INPUT, str(error))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cube_sim.commands.account import early_end, lasted, log_lines, section
-from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, INTERRUPTED, NOT_JUDGED, raise_on_interrupt, stop
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, INTERRUPTED, NOT_JUDGED, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import flight_progress
 from cube_sim.commands.settings import Settings, overrides
@@ -83,13 +83,7 @@ def _fly(
         if compile_beside() and not hidden and sys.stderr.isatty():
             print(COMPILES, file=sys.stderr, flush=True)
         name, duration_s = loaded.scenario.name, loaded.scenario.duration_s
-        with flight_progress(name, duration_s, hidden=hidden) as show:
-
-            def progress(simulated_s: float, whole_s: float) -> None:
-                raise_on_interrupt()
-                if show is not None:
-                    show(simulated_s, whole_s)
-
+        with flight_progress(name, duration_s, hidden=hidden) as progress:
             return name, duration_s, simulation.fly(loaded, out=out, progress=progress, record=record.value)
     except (ScenarioError, ModelError, DirectoryError) as error:
         stop(BAD_INPUT, str(error))

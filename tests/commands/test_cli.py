@@ -331,7 +331,7 @@ def test_an_interrupted_run_says_what_it_had_warned_of(tmp_path, monkeypatch, ca
     def interrupted():
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cube_sim.commands.run.raise_on_interrupt", interrupted)
+    monkeypatch.setattr("cube_sim.commands.progress.raise_on_interrupt", interrupted)
     code, stdout, stderr = call(monkeypatch, capsys, "run", path, "--out", out, "--set", dead)
     assert (code, stdout) == (130, "")
     assert stderr == f"0.00 s  WARNING  T1: dead\ninterrupted; recorded so far: {out}\n"
