@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from functools import cache, partial
+from dataclasses import replace
+from functools import partial
 from math import inf
 from typing import Any, get_args
 
@@ -14,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Allocations, Status
+from cube_sim.allocation.effort import Effort
 from cube_sim.allocation.exact.code import search_address
 from cube_sim.allocation.exact.fewest_calls import FewestCalls, Solved, limited_search_codes
 from cube_sim.allocation.exact.packing import pack, previous_answer_rows
@@ -25,6 +24,7 @@ from cube_sim.allocation.flown import FlownAllocator, SearchCodes
 from cube_sim.allocation.objectives import side_targets
 from cube_sim.allocation.options import WEIGHTS_SPAN, Method, Objective, Unattainable
 from cube_sim.allocation.previous import PreviousForces
+from cube_sim.allocation.subset_qp.confirmations import Confirmations
 from cube_sim.allocation.subset_qp.confirmer import Confirmer
 from cube_sim.allocation.subset_qp.enumeration import Enumeration
 from cube_sim.errors import AllocationError
@@ -43,41 +43,6 @@ FARTHEST_TARGET = 1e6
 FLOAT, SIDE = np.dtype(np.float64), np.dtype(np.int8)
 
 _STATUS = tuple(Status)
-
-
-@dataclass(slots=True)
-class Effort:
-    """What allocating has cost so far, for benchmarks and for doubt.
-
-    Attributes:
-        nodes: points or projections looked at by the searches.
-        qps: problems given to ProxQP.
-        disagreements: times ProxQP did not confirm the search, whose answer was used all the same.
-        unproven: times a search could not prove its answer to be the best.
-    """
-
-    nodes: int = 0
-    qps: int = 0
-    disagreements: int = 0
-    unproven: int = 0
-
-    def add(self, nodes: int, unproven: int) -> None:
-        """Count what searches have cost."""
-        self.nodes += nodes
-        self.unproven += unproven
-
-
-CONFIRMED_AT_ONCE = 500
-"""So many answers wait to be confirmed together: two threads of Python that take turns often hold each other up."""
-
-
-@cache
-def _beside(process: int) -> ThreadPoolExecutor:
-    """The thread of a process, by its number, on which answers are confirmed while flights go on.
-
-    One that has been forked off has its parent's memory, and none of its threads.
-    """
-    return ThreadPoolExecutor(1, f"confirming {process}")
 
 
 class Allocator:
@@ -181,8 +146,6 @@ class Allocator:
                 f"limit, {largest:g} N, nothing is seen beside them"
             )
         self._effort = Effort()
-        self._confirming: tuple[int, Future[None]] | None = None
-        self._unconfirmed: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
         preferred = {"target": target, "reactivity": reactivity}
         self._preferred = {name: None if value is None else np.array(value) for name, value in preferred.items()}
         self._problem = make_problem(
@@ -203,8 +166,8 @@ class Allocator:
         self._previous = no_previous_answer(m, self.change_limit)
         self._pack()
         self.answer_size, self._ends = answer_size(n, m), (m, m + n, m + 2 * n)
-        self._confirmer = (
-            Confirmer(self._problem, self._packed, AGREEMENT, max(largest, 1e-6))
+        self._confirmations = (
+            Confirmations(Confirmer(self._problem, self._packed, AGREEMENT, max(largest, 1e-6)))
             if self.method == "search+proxqp"
             else None
         )
@@ -312,7 +275,7 @@ class Allocator:
         if two_parts:
             self._prepare_for_parts()
         codes = SearchCodes(search_address(), 0, 0) if self._fewest_calls is None else limited_search_codes()
-        return FlownAllocator(self._packed, codes, self.answer_size, self._confirmer is not None, self._take_over)
+        return FlownAllocator(self._packed, codes, self.answer_size, self._confirmations is not None, self._take_over)
 
     def _take_over(self, nodes: int, unproven: int, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
         self._effort.add(nodes, unproven)
@@ -325,37 +288,15 @@ class Allocator:
             rows: (N, `answer_size`) answers, see `answer_of`; not to be changed any more.
             demands: (N, n) that they answer, likewise.
         """
-        if self._confirmer is not None and len(rows):
-            self._unconfirmed.append((rows, demands))
-            if sum(len(answers) for answers, _ in self._unconfirmed) >= CONFIRMED_AT_ONCE:
-                self._wait()
-                process, unconfirmed, self._unconfirmed = os.getpid(), self._unconfirmed, []
-                self._confirming = process, _beside(process).submit(self._confirm_all, unconfirmed)
+        if self._confirmations is not None:
+            self._confirmations.later(rows, demands)
 
     def settle(self) -> None:
         """See to it that every answer is confirmed, where the method says so."""
-        self._wait()
-        unconfirmed, self._unconfirmed = self._unconfirmed, []
-        self._confirm_all(unconfirmed)
-
-    def _wait(self) -> None:
-        """Wait for what is being confirmed."""
-        confirming, self._confirming = self._confirming, None
-        if confirming is not None and confirming[0] == os.getpid():
-            confirming[1].result()
-
-    def _confirm_all(self, answered: list[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
-        for rows, demands in answered:
-            for answer, demand in zip(rows, demands, strict=True):
-                self._confirm(answer, demand)
-
-    def _confirm(self, row: NDArray[np.float64], demand: NDArray[np.float64]) -> None:
-        """Let ProxQP solve the subset of one answer (see `answer_of`) to a demand (n,), where the method says so."""
-        if self._confirmer is None:
-            return
-        self._effort.qps += 1
-        if not self._confirmer.confirms(row, demand):
-            self._effort.disagreements += 1
+        if self._confirmations is not None:
+            asked, refused = self._confirmations.settle()
+            self._effort.qps += asked
+            self._effort.disagreements += refused
 
     def _prepare_for_parts(self) -> None:
         """Make ready for demands of two parts."""
@@ -377,7 +318,7 @@ class Allocator:
     def _answer(self, demand: NDArray[np.float64], demands: NDArray[np.float64]) -> Allocation:
         """Answer one demand (n,) given as it is, or as its two parts (2 n,)."""
         m, a, b = self._ends
-        row, subset, effort = np.zeros(self.answer_size), np.empty(m, SIDE), self.effort
+        row, subset, effort = np.zeros(self.answer_size), np.empty(m, SIDE), self._effort
         if self._fewest_calls is not None:
             solve = self._search if self._enumeration is None else self._enumerate
             residual, cost, status = self._answer_in_reach(solve, demands, row, subset)
@@ -386,7 +327,8 @@ class Allocator:
             effort.add(nodes, doubts)
         else:
             residual, cost, status = self._enumerate(demands, row, subset)
-        self._confirm(row, demand)
+        if self._confirmations is not None:
+            self._confirmations.now(row, demand)
         force, status = row[:m], _STATUS[int(status)]
         # A named tuple's own constructor takes longer than the arrays it is given.
         return tuple.__new__(Allocation, (force, row[m:a], row[a:b], residual, cost, subset, status))
@@ -394,14 +336,14 @@ class Allocator:
     def _search(self, demands: NDArray[np.float64], row: NDArray[np.float64], subset: NDArray[np.int8]) -> Solved:
         """Answer a demand by the search, within the reach of the previous answer."""
         *solved, nodes, doubts = solve_each(self._packed, demands, row, subset)
-        self.effort.add(nodes, doubts)
+        self._effort.add(nodes, doubts)
         return tuple(solved)
 
     def _enumerate(self, demands: NDArray[np.float64], row: NDArray[np.float64], subset: NDArray[np.int8]) -> Solved:
         """The same by every subset."""
         assert self._enumeration is not None
         m, _, b = self._ends
-        self.effort.qps += self._enumeration.allocate(self._previous, demands, row)
+        self._effort.qps += self._enumeration.allocate(self._previous, demands, row)
         subset[:] = row[b : b + m]
         return tuple(row[-4:-1].tolist())
 
@@ -415,7 +357,7 @@ class Allocator:
         """Answer a demand by one of the two methods, under the change limit."""
         assert self._fewest_calls is not None
         solved, nodes = self._fewest_calls.answer(demands, lambda: solve(demands, row, subset))
-        self.effort.nodes += nodes
+        self._effort.nodes += nodes
         subset[:] = row[self._ends[2] : self._ends[2] + len(subset)]
         return solved
 

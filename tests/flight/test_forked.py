@@ -10,7 +10,7 @@ from multiprocessing import get_context
 import pytest
 from support.places import HELIX
 
-from cube_sim.allocation import allocator
+from cube_sim.allocation.subset_qp import confirmations
 from cube_sim.flight import Flight
 
 SETTINGS = {"duration_s": 3.0, "checks": [{"kind": "allowed_forces"}]}
@@ -27,7 +27,7 @@ def flown(flight):
 @pytest.mark.parametrize("at_once", [20, 500])
 def test_threads_of_the_parent_are_not_waited_for(monkeypatch, at_once):
     """What is being confirmed in a thread is the parent's; what still waits, each of the two confirms."""
-    monkeypatch.setattr(allocator, "CONFIRMED_AT_ONCE", at_once)
+    monkeypatch.setattr(confirmations, "CONFIRMED_AT_ONCE", at_once)
     flight = Flight(HELIX, SETTINGS)
     flight.fly(50)
     here, there = get_context("fork").Pipe()
