@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import mujoco
 import numpy as np
@@ -74,6 +75,16 @@ def thruster_mounts(model: mujoco.MjModel, vehicle: str | None = None) -> Thrust
     )
 
 
+def vehicle_reach(model: mujoco.MjModel, vehicle: str | None = None) -> float:
+    """How far the vehicle reaches from its body's origin, its shapes and its thrusters [m]."""
+    found = [float(np.linalg.norm(p)) for p in thruster_mounts(model, vehicle).positions]
+    signs = np.array(list(product((-1.0, 1.0), repeat=3)))
+    for shape in vehicle_shapes(model, vehicle):
+        corners = shape.position + (shape.box[0] + signs * shape.box[1]) @ shape.rotation.T
+        found.append(float(np.linalg.norm(corners, axis=1).max()))
+    return max(found, default=0.0)
+
+
 def rotation(quaternion_wxyz: NDArray[np.float64]) -> NDArray[np.float64]:
     """Turn a quaternion (4,) wxyz into its rotation matrix (3, 3)."""
     matrix = np.empty(9)
@@ -93,6 +104,7 @@ class Shape:
         rotation: (3, 3) geom axes to frame axes.
         rgba: (4,) 0 to 1.
         mesh: index of its mesh, or -1.
+        box: (2, 3) centre and half lengths of the box around it, geom axes [m].
     """
 
     name: str
@@ -102,6 +114,7 @@ class Shape:
     rotation: NDArray[np.float64]
     rgba: NDArray[np.float64]
     mesh: int
+    box: NDArray[np.float64]
 
 
 def vehicle_shapes(model: mujoco.MjModel, vehicle: str | None = None) -> list[Shape]:
@@ -132,6 +145,7 @@ def _shapes(model: mujoco.MjModel, frame: int, geoms: list[int]) -> list[Shape]:
             rotation=R_WF.T @ data.geom_xmat[i].reshape(3, 3),
             rgba=_colour(model, i),
             mesh=int(model.geom_dataid[i]) if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_MESH else -1,
+            box=model.geom_aabb[i].reshape(2, 3).copy(),
         )
         for i in geoms
     ]

@@ -9,7 +9,6 @@ import numpy as np
 
 from cube_sim.report.markup import number
 from cube_sim.report.subject import Subject
-from cube_sim.scenario.event_blocks import ThrusterEventBlock
 
 EVENT, BELIEF, AUTHORITY, END = "event", "belief", "flies as", "end"
 """Kinds: what the scenario did, what the controller believes, how the vehicle flies, an early end."""
@@ -53,13 +52,7 @@ def _events(subject: Subject) -> Iterator[Happening]:
     for event in sorted(subject.scenario.events, key=lambda each: each.at_s):
         if event.at_s > last:
             continue
-        if isinstance(event, ThrusterEventBlock):
-            more = "" if event.efficiency is None else f", {100 * event.efficiency:g} % of its force"
-            more += "" if event.force_N is None else f", {number(event.force_N)} N"
-            yield Happening(event.at_s, EVENT, f"{', '.join(event.thrusters)}: {event.state}{more}")
-        else:
-            current = ", ".join(map(number, event.current_m_s))
-            yield Happening(event.at_s, EVENT, f"current becomes [{current}] m/s")
+        yield Happening(event.at_s, EVENT, event.title)
 
 
 def _beliefs(subject: Subject) -> Iterator[Happening]:

@@ -38,6 +38,13 @@ class ThrusterEventBlock(Block):
                 refuse(f"{key} and state {state} go together: give both or neither", "state")
         return self
 
+    @property
+    def title(self) -> str:
+        """What happens, for readers."""
+        how = "" if self.efficiency is None else f", {100 * self.efficiency:g} % of its force"
+        how += "" if self.force_N is None else f", {self.force_N:g} N"
+        return f"{', '.join(self.thrusters)}: {self.state}{how}"
+
 
 class CurrentEventBlock(Block):
     """The current changes."""
@@ -45,6 +52,12 @@ class CurrentEventBlock(Block):
     kind: Literal["current"]
     at_s: float = Field(ge=0, description="When it happens [s].")
     current_m_s: Vector3 = Field(description="Velocity of the water from then on, world axes [m/s].")
+
+    @property
+    def title(self) -> str:
+        """What happens, for readers."""
+        x, y, z = self.current_m_s
+        return f"current becomes [{x:g}, {y:g}, {z:g}] m/s"
 
 
 AnyEvent = Annotated[ThrusterEventBlock | CurrentEventBlock, Field(discriminator="kind")]

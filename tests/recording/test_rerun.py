@@ -16,14 +16,15 @@ from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Batch, split_into_batches
 from cube_sim.recording.channels import channel_table
 from cube_sim.recording.export import rrd_from_mcap
-from cube_sim.recording.geometry import thruster_mounts, vehicle_name, vehicle_shapes, world_shapes
+from cube_sim.recording.geometry import thruster_mounts, vehicle_name, vehicle_reach, vehicle_shapes, world_shapes
 from cube_sim.recording.reading import read_recording
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.rerun import sink
 from cube_sim.recording.rerun.gathering import GatheringSink
-from cube_sim.recording.rerun.scene import ARROW_M_PER_M_S, ARROW_M_PER_N
+from cube_sim.recording.rerun.scene import ARROW_M_PER_M_S
 from cube_sim.run_log import LogLine
 
+CURRENT_M_PER_M_S = ARROW_M_PER_M_S * vehicle_reach(model())
 TICKS = 330  # 6.6 s: pieces of five seconds join in the middle of the run
 
 
@@ -111,6 +112,21 @@ def test_the_same_inputs_have_the_same_recording_id_and_another_seed_another(run
     assert identity(recorder.rrd) != identity(run.rrd)
 
 
+def test_other_results_of_the_same_inputs_are_another_recording_of_the_same_layout(run, tmp_path):
+    """As of two builds of the code: in one viewer neither overwrites the other, and both are laid out alike."""
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        append_tick(recorder, 0)
+        recorder.append("pose", DT, np.array([3.0, 1e-9, 0.0]), np.array([1.0, 0.0, 0.0, 0.0]))
+    (one,), (other,) = (RrdReader(rrd).recordings() for rrd in (run.rrd, recorder.rrd))
+    assert one.recording_id != other.recording_id
+    assert one.application_id == other.application_id
+    fewer = channel_table(THRUSTERS[:4], 2)
+    with Recorder(tmp_path, HEADER, fewer, model()) as recorder:
+        recorder.append("pose", 0.0, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    (another,) = RrdReader(recorder.rrd).recordings()
+    assert another.application_id != one.application_id
+
+
 def test_the_vehicle_is_where_the_record_says(run):
     times, positions = drawn(run.rrd, "/world/vehicle", "Transform3D:translation")
     _, quaternions = drawn(run.rrd, "/world/vehicle", "Transform3D:quaternion")
@@ -129,8 +145,13 @@ def test_thrust_arrows_are_force_along_the_axis_of_each_thruster(run):
     data = mujoco.MjData(compiled)
     mujoco.mj_forward(compiled, data)
     axes = np.array([data.site(name).xmat.reshape(3, 3)[:, 2] for name in THRUSTERS])
-    expected = ARROW_M_PER_N * force[:, :, None] * axes
-    np.testing.assert_allclose(arrows, expected, atol=1e-5)
+    expected = force[:, :, None] * axes
+    scale = np.sum(np.array(arrows) * expected) / np.sum(expected**2)
+    np.testing.assert_allclose(arrows, scale * expected, atol=1e-5)
+    # A usual force is drawn 1.6 times as long as the vehicle reaches, to the corners of its hull and its thrusters.
+    usual = np.quantile(np.abs(force[: round(5 / DT)]).max(axis=1), 0.95)
+    reach = max(np.linalg.norm([0.3, 0.3, 0.3]), np.linalg.norm([0.26, 0.06, 0.36]))
+    assert scale == pytest.approx(1.6 * reach / usual)
     signs = {c: np.unique(force[np.array(colours) == c] >= 0) for c in np.unique(colours)}
     assert sorted(bool(s) for (s,) in signs.values()) == [False, True]
     origins = still(run.rrd, "/world/vehicle/thrust", "Arrows3D:origins")
@@ -140,7 +161,7 @@ def test_thrust_arrows_are_force_along_the_axis_of_each_thruster(run):
 def test_the_current_is_drawn_at_the_vehicle_in_world_axes(run):
     t, current = run.signals["water.current"][:, 0], run.signals["water.current"][:, 1:]
     arrows = shown(run.rrd, "/world/current", "Arrows3D:vectors", t)
-    np.testing.assert_allclose([a for (a,) in arrows], ARROW_M_PER_M_S * current, atol=1e-6)
+    np.testing.assert_allclose([a for (a,) in arrows], CURRENT_M_PER_M_S * current, atol=1e-6)
     _, positions = drawn(run.rrd, "/world/current", "Transform3D:translation")
     np.testing.assert_allclose([p for (p,) in positions], run.signals["pose.position"][:, 1:], atol=1e-6)
 
@@ -156,7 +177,9 @@ def test_what_stays_as_it_is_is_sent_once(tmp_path):
             recorder.append("water", t, current, current)
     times, arrows = drawn(recorder.rrd, "/world/current", "Arrows3D:vectors")
     assert list(times) == [0.0, 2.5]
-    np.testing.assert_allclose(arrows, [[[0.1 * ARROW_M_PER_M_S, 0, 0]], [[0, 0.2 * ARROW_M_PER_M_S, 0]]], atol=1e-6)
+    np.testing.assert_allclose(
+        arrows, [[[0.1 * CURRENT_M_PER_M_S, 0, 0]], [[0, 0.2 * CURRENT_M_PER_M_S, 0]]], atol=1e-6
+    )
     times, colours = drawn(recorder.rrd, "/world/vehicle/thrust", "Arrows3D:colors")
     assert list(times) == [0.0, 5.0]
     assert [len(set(each)) for each in colours] == [1, 2]
@@ -211,7 +234,10 @@ def test_the_lanes_name_every_state_a_run_can_be_in(run):
     values = still(run.rrd, "/state/allocation", "StateConfiguration:values")
     labels = still(run.rrd, "/state/allocation", "StateConfiguration:labels")
     assert dict(zip(values, labels, strict=True)) == {"0": "exact", "1": "nearest"}
-    assert still(run.rrd, "/state/T1", "StateConfiguration:labels") == ["reverse", "off", "forward"]
+    assert still(run.rrd, "/state/T1", "StateConfiguration:labels") == [
+        *("reverse", "off", "forward"),
+        *("at lower limit", "at upper limit"),
+    ]
 
 
 def test_health_has_a_lane_for_the_truth_and_one_for_the_belief_of_each_motor(tmp_path):
@@ -242,6 +268,94 @@ def test_the_way_of_flying_is_a_lane(tmp_path):
     assert still(recorder.rrd, "/state/authority", "StateConfiguration:labels") == ["holonomic", "level"]
 
 
+def test_a_lane_says_when_a_thruster_is_at_its_limit(tmp_path):
+    """T3 is asked for 50 N, its limit, from 0.2 s on; T4 for its lower limit; the belief halves T3's at 0.4 s."""
+    limits = np.tile([-40.0, -2.0, 2.0, 50.0], 8)
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        for k in range(6):
+            t, force = 0.1 * k, np.zeros(8)
+            if k == 0:
+                recorder.append("actuation", t, np.zeros(48), limits)
+            if k == 4:
+                limits[4 * 2 + 3] = 25.0
+                recorder.append("actuation", t, np.zeros(48), limits)
+            force[2:4] = (10.0 if k < 2 else 50.0 if k < 4 else 24.0), -40.0
+            recorder.append("allocation", t, 0.0, 1.0, 0.0, np.sign(force))
+            recorder.append("thrusters", t, force, force / 50, force)
+    for entity, expected in (
+        ("/state/T1", [(0.0, "0")]),
+        ("/state/T3", [(0.0, "1"), (0.2, "2"), (0.4, "1")]),
+        ("/state/T4", [(0.0, "-2")]),
+    ):
+        times, states = drawn(recorder.rrd, entity, "StateChange:state")
+        assert [(t, state) for t, (state,) in zip(times, states, strict=True)] == expected
+
+
+def test_a_dead_thruster_is_marked_where_it_sits(tmp_path):
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        for k in range(4):
+            true, believed = np.ones(8), np.ones(8)
+            true[1], true[2] = (1.0 if k < 1 else 0.0), 0.5
+            believed[1] = 1.0 if k < 2 else 0.0
+            recorder.append("health", 0.1 * k, true, believed, 0.0)
+    times, labels = drawn(recorder.rrd, "/world/vehicle/thrusters", "Cylinders3D:labels")
+    _, colours = drawn(recorder.rrd, "/world/vehicle/thrusters", "Cylinders3D:colors")
+    assert list(times) == [0.0, 0.1, 0.2]
+    assert [each[1] for each in labels] == ["T2", "T2 dead, taken for whole", "T2 dead"]
+    assert {each[2] for each in labels} == {"T3 weak, taken for whole"}
+    assert {each[0] for each in labels} == {"T1"}
+    assert len({each[1] for each in colours}) == 2
+    assert colours[0][1] == colours[0][0]
+    assert colours[0][2] not in colours[-1][:2]
+
+
+SCENARIO = """
+schema_version: 1
+name: told
+description: What it is about.
+model: model/octa.xml
+duration_s: 6.0
+path: {type: line, start_m: [0, 0, -3], end_m: [9, 0, -3]}
+guidance: {law: path_following, speed_m_s: 0.3}
+events:
+  - {kind: thrusters, at_s: 2.5, thrusters: [T2], state: weak, efficiency: 0.5}
+checks:
+  - {kind: signal, signal: path_error.cross_track, statistic: rms, at_most: 0.2, from_s: 1.5}
+  - {kind: signal, signal: wrench.demanded, component: 4, statistic: max, at_most: 7.0}
+  - {kind: signal, signal: pose.position, statistic: final, at_most: 7.0}
+"""
+
+
+def test_limits_of_checks_and_events_are_lines_in_the_plots_of_what_they_are_about(tmp_path):
+    header = HEADER.__class__(**{**vars(HEADER), "resolved": SCENARIO})
+    with Recorder(tmp_path, header, table(), model()) as recorder:
+        fly(recorder, 20)
+    times, values = drawn(recorder.rrd, "/plot/path_error/limit_0", "Scalars:scalars")
+    assert (list(times), values) == ([1.5, 6.0], [[0.2], [0.2]])
+    assert still(recorder.rrd, "/plot/path_error/limit_0", "SeriesLines:names") == ["limit: rms ≤ 0.2"]
+    times, values = drawn(recorder.rrd, "/plot/moment/limit_1", "Scalars:scalars")
+    assert (list(times), values) == ([0.0, 6.0], [[7.0], [7.0]])
+    entities = {str(chunk.entity_path) for chunk in RrdReader(recorder.rrd).stream()}
+    assert not [entity for entity in entities if entity.endswith("limit_2")]
+    for plot in ("path_error", "thrusters", "velocity", "height", "heading"):
+        times, ((low,), (high,)) = drawn(recorder.rrd, f"/plot/{plot}/event_0", "Scalars:scalars")
+        assert times == pytest.approx([2.5, 2.5])
+        assert low < high
+        names = still(recorder.rrd, f"/plot/{plot}/event_0", "SeriesLines:names")
+        assert names == ["2.5 s: T2: weak, 50 % of its force"]
+    (text,) = still(recorder.rrd, "/scenario", "TextDocument:text")
+    assert "What it is about." in text
+    assert "rms of path_error.cross_track ≤ 0.2" in text
+
+
+def test_heading_and_height_are_what_was_flown(run):
+    _, headings = drawn(run.rrd, "/plot/heading/flown", "Scalars:scalars")
+    w, z = run.signals["pose.quaternion"][:, 1], run.signals["pose.quaternion"][:, 4]
+    np.testing.assert_allclose([h for (h,) in headings], np.degrees(2 * np.arctan2(z, w)), atol=1e-9)
+    _, heights = drawn(run.rrd, "/plot/height/vehicle", "Scalars:scalars")
+    assert np.array_equal([h for (h,) in heights], run.signals["pose.position"][:, 3])
+
+
 def test_the_log_is_shown(run):
     times, texts = drawn(run.rrd, "/log", "TextLog:text")
     assert [(t, text) for t, (text,) in zip(times, texts, strict=True)] == [
@@ -266,7 +380,7 @@ def test_the_file_carries_its_blueprint(run):
         batch = chunk.to_record_batch()
         if "ViewBlueprint:class_identifier" in batch.schema.names:
             classes |= {name for (name,) in batch.column("ViewBlueprint:class_identifier").to_pylist()}
-    assert classes == {"3D", "TimeSeries", "StateTimeline", "TextLog"}
+    assert classes == {"3D", "TimeSeries", "StateTimeline", "TextLog"}  # no scenario of its own to show
 
 
 def test_a_run_without_rows_still_leaves_a_view(tmp_path):

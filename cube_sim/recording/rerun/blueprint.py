@@ -2,84 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
+from math import log10
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 
-from cube_sim.recording.channels import Channel
 from cube_sim.recording.rerun import palette
+from cube_sim.recording.rerun.drawing import TIMELINE
+from cube_sim.recording.rerun.drawn import Drawn
+from cube_sim.recording.rerun.guides import shown_error_m
+from cube_sim.recording.rerun.places import Places
 from cube_sim.recording.rerun.plots import (
     ATTITUDE,
+    BATTERY,
     ERROR,
     FORCE,
+    HEADING,
     HEALTH,
+    HEIGHT,
     LANES,
     MOMENT,
     NAVIGATION,
     POWER,
+    SURPRISE,
     THRUSTERS,
+    VELOCITY,
     WATER,
+    curves,
 )
-from cube_sim.recording.rerun.scene import ESTIMATE, ESTIMATE_TRAIL, LOG, TARGET, TRAIL, VEHICLE, WORLD
-
-TIMELINE = "sim_time"
 
 # From where the path is seen, in multiples of its radius: a little above, towards a corner of the x-y plane.
 _EYE_DIRECTION = np.array([-0.95, -1.2, 0.6])
 _SMALLEST_RADIUS = 1.5  # m
-_CLOSE_UP = (-1.0, -1.15, 0.75)  # m, in body axes
+_CLOSE_UP = (-2.3, -2.65, 1.75)  # in multiples of the vehicle's reach, body axes
+_HULLS_IN_SIGHT = 3.0  # so many times the vehicle's reach is in sight at least
 
 _CLOSE_ERROR = 0.12  # m, what the second plot of the path error shows either side of 0
 _LEGEND = 0.3  # of the run's duration: free time after it, where the legends of the plots stand clear of the curves
 
 
-def blueprint(
-    channels: Sequence[Channel],
-    points: NDArray[np.float64],
-    boxes: Sequence[str] = (),
-    duration_s: float | None = None,
-) -> rrb.Blueprint:
-    """Lay out the view of a run.
+def blueprint(drawn: Drawn) -> rrb.Blueprint:
+    """Lay out the view of a run; views of channels it does not have are left out."""
+    places, story = drawn.places, drawn.story
+    names = {channel.name for channel in drawn.channels}
+    left = rrb.Vertical(
+        _scene([drawn]),
+        rrb.Horizontal(_close_up(drawn), _messages(drawn, names), column_shares=[4.0, 5.0]),
+        row_shares=[0.85, 1.0],
+    )
+    rows = [row for row in _plots(Plots(story.duration_s, places), drawn, names) if row is not None]
+    right = rrb.Vertical(*rows, row_shares=[1.0] * len(rows))
+    return whole(rrb.Horizontal(left, right, column_shares=[5.0, 4.0]) if rows else left)
 
-    Args:
-        channels: the channel table; views of channels it does not have are left out.
-        points: (n, 3) what must be in sight in world axes [m]; n may be 0.
-        boxes: Rerun paths of the boxes the vehicle is made of.
-        duration_s: how long the run is meant to last [s]; None when nobody knows.
-    """
-    plot = _Plots(duration_s)
-    names = {channel.name for channel in channels}
-    estimated = "navigation" in names
-    scene = _scene(points, (TRAIL, ESTIMATE_TRAIL) if estimated else (TRAIL,))
-    close_up = _close_up(boxes, (TRAIL, f"{TARGET}/**", f"{ESTIMATE}/**") if estimated else (TRAIL, f"{TARGET}/**"))
-    lanes = rrb.StateTimelineView(origin=LANES, name="Allocation", time_view=_time(duration_s))
-    health = rrb.StateTimelineView(origin=HEALTH, name="Health", time_view=_time(duration_s))
-    plots: list[tuple[float, rrb.View | rrb.Container]] = []
-    if "path_error" in names:
-        whole, close = plot(ERROR, "Path error [m]"), plot.close_up(ERROR, "within 12 cm", _CLOSE_ERROR)
-        plots.append((3.0, rrb.Horizontal(whole, close)))
-    if "navigation_error" in names:
-        plots.append((2.4, plot(NAVIGATION, "Navigation error and its standard deviation [m]")))
-    if "wrench" in names:
-        force = plot(FORCE, "Force [N]")
-        moment = plot(MOMENT, "Moment [N m]")
-        attitude = plot(ATTITUDE, "Attitude error [rad]")
-        tabs = [force, moment, attitude, *([plot(WATER, "Current [m/s]")] if "water" in names else [])]
-        plots.append((3.0, rrb.Tabs(*tabs, active_tab=0)))
-    if "thrusters" in names:
-        drawn = [plot(POWER, "Power [W] and voltage [V]")] if "power" in names else []
-        plots.append((3.6, rrb.Tabs(plot(THRUSTERS, "Thruster forces [N]"), *drawn, active_tab=0)))
-    log = rrb.TextLogView(origin=LOG, name="Log")
-    tabs = [view for name, view in (("allocation", lanes), ("health", health)) if name in names]
-    messages = rrb.Tabs(*tabs, log, active_tab=0)
-    below = rrb.Horizontal(close_up, messages, column_shares=[4.0, 5.0])
-    left = rrb.Vertical(scene, below, row_shares=[0.85, 1.0])
-    right = rrb.Vertical(*(view for _, view in plots), row_shares=[share for share, _ in plots])
+
+def whole(content: rrb.View | rrb.Container) -> rrb.Blueprint:
+    """A layout of this content alone, on the simulated time."""
     return rrb.Blueprint(
-        rrb.Horizontal(left, right, column_shares=[5.0, 4.0]) if plots else left,
+        content,
         rrb.TimePanel(state="collapsed", timeline=TIMELINE),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
@@ -88,10 +69,57 @@ def blueprint(
     )
 
 
-def _scene(points: NDArray[np.float64], trails: Sequence[str]) -> rrb.Spatial3DView:
+def _messages(drawn: Drawn, names: Collection[str]) -> rrb.Container:
+    """How the vehicle flies, what was said, and what the scenario asks for."""
+    places, time = drawn.places, _time(drawn.story.duration_s)
+    views: list[rrb.View] = []
+    if "allocation" in names:
+        views.append(rrb.StateTimelineView(origin=places.at(LANES), name="Allocation", time_view=time))
+    if "health" in names:
+        views.append(rrb.StateTimelineView(origin=places.at(HEALTH), name="Health", time_view=time))
+    views.append(rrb.TextLogView(origin=places.log, name="Log"))
+    if drawn.story.text:
+        views.append(rrb.TextDocumentView(origin=places.scenario, name="Scenario"))
+    return rrb.Tabs(*views, active_tab=0)
+
+
+def _plots(plot: Plots, drawn: Drawn, names: Collection[str]) -> Iterator[rrb.View | rrb.Container | None]:
+    """Rows of plots, those that belong together behind one another."""
+    if "path_error" in names:
+        size = shown_error_m(drawn.story, _CLOSE_ERROR)
+        close = plot.close_up(ERROR, f"within {100 * size:.3g} cm", size)
+        errors = rrb.Tabs(plot(ERROR, "Path error [m]"), plot(ATTITUDE, "Attitude error [rad]"), active_tab=0)
+        yield rrb.Horizontal(errors, close)
+    shown = {curve.entity for curve in curves(drawn.channels)}
+
+    def tabs(*plots: tuple[str, str]) -> rrb.Container | None:
+        views = [plot(place, name) for place, name in plots if any(entity.startswith(place) for entity in shown)]
+        return rrb.Tabs(*views, active_tab=0) if views else None
+
+    yield tabs(
+        (NAVIGATION, "Navigation error [m]"),
+        (SURPRISE, "Innovations squared / covariance [1]"),
+        (VELOCITY, "Velocity [m/s]"),
+        (HEIGHT, "Height [m]"),
+        (HEADING, "Heading [deg]"),
+    )
+    yield tabs(
+        (THRUSTERS, "Thruster forces [N]"),
+        (FORCE, "Force [N]"),
+        (MOMENT, "Moment [N m]"),
+        (WATER, "Current [m/s]"),
+        (POWER, "Power [W]"),
+        (BATTERY, "Charge [%] and voltage [V]"),
+    )
+
+
+def _scene(runs: Sequence[Drawn], origin: str | None = None) -> rrb.Spatial3DView:
+    points = np.vstack([drawn.points for drawn in runs])
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
     centre = (low + high) / 2
-    radius = max(float(np.linalg.norm(high - low)) / 2, _SMALLEST_RADIUS)
+    story = runs[0].story
+    reach = max(drawn.measures.reach for drawn in runs)
+    radius = max(float(np.linalg.norm(high - low)) / 2, _SMALLEST_RADIUS, _HULLS_IN_SIGHT * reach)
     eye = rrb.EyeControls3D(
         kind=rrb.Eye3DKind.Orbital,
         position=centre + radius * _EYE_DIRECTION,
@@ -99,14 +127,15 @@ def _scene(points: NDArray[np.float64], trails: Sequence[str]) -> rrb.Spatial3DV
         eye_up=(0.0, 0.0, 1.0),
     )
     start, end = rrb.TimeRangeBoundary.infinite(), rrb.TimeRangeBoundary.cursor_relative()
+    trails = [entity for drawn in runs for entity in _trails(drawn)]
     return rrb.Spatial3DView(
-        origin=WORLD,
-        name="Vehicle, path and virtual target",
+        origin=runs[0].places.world if origin is None else origin,
+        name=": ".join(part for part in (story.name, "vehicle, path and virtual target") if part),
         background=rrb.Background(color=[*palette.WATER, 255]),
         line_grid=rrb.LineGrid3D(
             visible=True,
-            spacing=1.0,
-            plane=rr.components.Plane3D(normal=(0, 0, 1), distance=float(low[2]) - 0.5),
+            spacing=_spacing(radius),
+            plane=rr.components.Plane3D(normal=(0, 0, 1), distance=float(low[2]) - max(0.5, reach)),
             color=[*palette.GRID, 255],
             stroke_width=1.0,
         ),
@@ -116,46 +145,70 @@ def _scene(points: NDArray[np.float64], trails: Sequence[str]) -> rrb.Spatial3DV
     )
 
 
-def _close_up(bodies: Sequence[str], hidden: Sequence[str]) -> rrb.Spatial3DView:
+def _trails(drawn: Drawn) -> list[str]:
+    places, names = drawn.places, {channel.name for channel in drawn.channels}
+    trails = [places.trail, *([places.estimate_trail] if "navigation" in names else [])]
+    return [*trails, *([places.fixes] if "sensor_position" in names else [])]
+
+
+def _spacing(radius: float) -> float:
+    """Of the grid [m]: a power of ten, so that some ten lines are in sight."""
+    return 10.0 ** max(0, round(log10(radius / 5)))
+
+
+def _close_up(drawn: Drawn) -> rrb.Spatial3DView:
     """Ride with the vehicle: the view stands still in body axes, the path goes by.
 
     The hull is a wire frame here, so that the thrusters inside it are seen, and they carry their names.
     """
-    eye = rrb.EyeControls3D(
-        kind=rrb.Eye3DKind.Orbital, position=_CLOSE_UP, look_target=(0.0, 0.0, 0.1), eye_up=(0.0, 0.0, 1.0)
+    places, reach = drawn.places, drawn.measures.reach
+    hidden = (
+        f"{places.vehicle}/axes",
+        places.trail,
+        f"{places.target}/**",
+        f"{places.estimate}/**",
+        f"{places.surface}/**",
     )
+    eye = rrb.EyeControls3D(
+        kind=rrb.Eye3DKind.Orbital,
+        position=tuple(reach * each for each in _CLOSE_UP),
+        look_target=(0.0, 0.0, 0.2 * reach),
+        eye_up=(0.0, 0.0, 1.0),
+    )
+    longest = drawn.measures.largest_N
     return rrb.Spatial3DView(
-        origin=VEHICLE,
-        contents=[f"+ {WORLD}/**", *(f"- {entity}" for entity in (f"{VEHICLE}/axes", *hidden))],
-        name="Thrust and current, seen from the vehicle",
+        origin=places.vehicle,
+        contents=[f"+ {places.world}/**", *(f"- {entity}" for entity in hidden)],
+        name=f"Thrust, up to {longest:.3g} N, and current",
         background=rrb.Background(color=[*palette.WATER, 255]),
         line_grid=rrb.LineGrid3D(visible=False),
         eye_controls=eye,
         overrides={
-            **{body: rr.Boxes3D.from_fields(fill_mode=rr.components.FillMode.MajorWireframe) for body in bodies},
-            f"{VEHICLE}/thrusters": rr.Cylinders3D.from_fields(show_labels=True),
+            **{body: rr.Boxes3D.from_fields(fill_mode=rr.components.FillMode.MajorWireframe) for body in drawn.boxes},
+            places.thrusters: rr.Cylinders3D.from_fields(show_labels=True),
         },
     )
 
 
-class _Plots:
+class Plots:
     """Makes plots over the whole run."""
 
-    def __init__(self, duration_s: float | None) -> None:
-        self._duration_s = duration_s
+    def __init__(self, duration_s: float | None, places: Places) -> None:
+        self._duration_s, self._places = duration_s, places
 
-    def __call__(self, origin: str, name: str) -> rrb.TimeSeriesView:
+    def __call__(self, plot: str, name: str) -> rrb.TimeSeriesView:
+        """All curves of a plot."""
         return rrb.TimeSeriesView(
-            origin=origin,
+            origin=self._places.at(plot),
             name=name,
             axis_x=_time(self._duration_s, _LEGEND),
             plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=True),
         )
 
-    def close_up(self, origin: str, name: str, size: float) -> rrb.TimeSeriesView:
+    def close_up(self, plot: str, name: str, size: float) -> rrb.TimeSeriesView:
         """The same curves from -size to size; their legend stands in the plot beside it."""
         return rrb.TimeSeriesView(
-            origin=origin,
+            origin=self._places.at(plot),
             name=name,
             axis_x=_time(self._duration_s),
             axis_y=rrb.ScalarAxis(range=(-size, size)),

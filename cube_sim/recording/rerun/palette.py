@@ -30,6 +30,9 @@ FORWARD = ORANGE
 REVERSE = BLUE
 IDLE: Rgb = (58, 66, 78)
 BAD: Rgb = (220, 50, 60)
+SURFACE: Rgb = (48, 92, 124)
+LIMIT: Rgb = (235, 70, 80)
+EVENT: Rgb = (235, 235, 235)
 
 
 def series(count: int) -> list[Rgb]:

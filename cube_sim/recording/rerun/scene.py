@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from math import inf
+
 import mujoco
 import numpy as np
 import rerun as rr
@@ -15,87 +18,175 @@ from cube_sim.recording.geometry import (
     world_shapes,
 )
 from cube_sim.recording.rerun import palette
+from cube_sim.recording.rerun.places import Places
 
-WORLD = "/world"
-VEHICLE = f"{WORLD}/vehicle"
-THRUST = f"{VEHICLE}/thrust"
-PATH = f"{WORLD}/path"
-TRAIL = f"{WORLD}/trail"
-ESTIMATE = f"{WORLD}/estimate"
-ESTIMATE_TRAIL = f"{ESTIMATE}/trail"
-TARGET = f"{WORLD}/target"
-CURRENT = f"{WORLD}/current"
-LOG = "/log"
+ARROW_M_PER_M_S = 14.0
+"""Length of the arrow of the current, in multiples of the vehicle's reach per m/s."""
 
-ARROW_M_PER_N = 0.04
-ARROW_M_PER_M_S = 6.0
+TRAIL_POINTS, PATH_POINTS = 1.5, 1.0
+"""Radii of lines that are seen from any distance, on the screen."""
+
+_USUAL_THRUST = 1.6
+"""Length of the arrow of a usual force, in multiples of the vehicle's reach."""
+
+_SMALLEST_USUAL = 0.1
+"""A usual force is taken for no less than this share of the largest, so that idling is not drawn as work."""
 
 _DUCT_RADIUS, _DUCT_HALF_LENGTH = 0.045, 0.02  # where a site has no size [m]
 _MARKER_M, _MARKER_POINTS = 1.5, 3.0  # length in the world, radius on the screen
+_NET = 7  # lines each way
 _ENDLESS_PLANE = 30.0  # half size [m] by which a plane without an end is drawn
 
 
-def log_scene(recording: rr.RecordingStream, model: mujoco.MjModel, vehicle: str | None = None) -> list[str]:
+@dataclass(frozen=True)
+class Look:
+    """How one run looks beside another in the same scene.
+
+    Attributes:
+        trail: colour of its trail.
+        path: colour of its path.
+        name: shown at the vehicle; "" where it is alone.
+    """
+
+    trail: palette.Rgb = palette.TRAIL
+    path: palette.Rgb = palette.PATH
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Measures:
+    """How large things are drawn.
+
+    Attributes:
+        reach: of the vehicle [m]; what is drawn at it grows with it.
+        largest_N: largest force of a thruster.
+        arrow_m_per_N: length of a thrust arrow.
+        arrow_m_per_m_s: length of the arrow of the current.
+    """
+
+    reach: float
+    largest_N: float  # noqa: N815 - N is the newton
+    arrow_m_per_N: float  # noqa: N815 - N is the newton
+    arrow_m_per_m_s: float
+
+    @classmethod
+    def of(cls, reach: float, largest_N: float, usual_N: float = 0.0) -> Measures:
+        """Choose by how far a vehicle reaches [m], by the largest force of a thruster and by a usual one [N]."""
+        reach = reach if reach > 0 else 0.5
+        largest_N = largest_N if 0 < largest_N < inf else 50.0
+        usual_N = min(max(usual_N, _SMALLEST_USUAL * largest_N), largest_N)
+        return cls(reach, largest_N, _USUAL_THRUST * reach / usual_N, ARROW_M_PER_M_S * reach)
+
+
+def log_scene(
+    recording: rr.RecordingStream,
+    model: mujoco.MjModel,
+    vehicle: str | None,
+    places: Places,
+    measures: Measures,
+    look: Look,
+) -> None:
     """Draw what the model alone says.
 
     Args:
         recording: into which.
         model: the compiled model.
         vehicle: the body that swims; None for the first that can.
-
-    Returns:
-        Rerun paths of the boxes the vehicle is made of.
+        places: where.
+        measures: how large.
+        look: how it looks.
     """
-    recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    reach = measures.reach
+    recording.log(places.world, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for shape in world_shapes(model):
-        _log_shape(recording, f"{WORLD}/surroundings/{shape.name}", model, shape, rr.components.FillMode.Solid)
+        _log_shape(recording, f"{places.world}/surroundings", model, shape, rr.components.FillMode.Solid, places)
     see_through = rr.components.FillMode.TransparentFillMajorWireframe
     for shape in vehicle_shapes(model, vehicle):
-        _log_shape(recording, f"{VEHICLE}/body/{shape.name}", model, shape, see_through)
+        _log_shape(recording, f"{places.vehicle}/body", model, shape, see_through, places)
     mounts = thruster_mounts(model, vehicle)
-    _log_ducts(recording, mounts)
+    _log_ducts(recording, mounts, places)
     recording.log(
-        THRUST, rr.Arrows3D.from_fields(origins=mounts.positions, radii=[0.014] * len(mounts.names)), static=True
+        places.thrust,
+        rr.Arrows3D.from_fields(origins=mounts.positions, radii=[0.033 * reach] * len(mounts.names)),
+        static=True,
     )
-    recording.log(f"{VEHICLE}/axes", rr.TransformAxes3D(0.45), static=True)
-    recording.log(TRAIL, rr.LineStrips3D.from_fields(colors=[palette.TRAIL], radii=[0.03]), static=True)
-    recording.log(CURRENT, rr.Arrows3D.from_fields(colors=[palette.CURRENT], radii=[0.018]), static=True)
+    recording.log(f"{places.vehicle}/axes", rr.TransformAxes3D(1.05 * reach), static=True)
+    if look.name:
+        label = rr.Points3D([[0, 0, 1.2 * reach]], radii=[0.0], colors=[look.trail], labels=[look.name])
+        recording.log(f"{places.vehicle}/name", label, static=True)
+    recording.log(
+        places.trail,
+        rr.LineStrips3D.from_fields(colors=[look.trail], radii=rr.Radius.ui_points(TRAIL_POINTS)),
+        static=True,
+    )
+    recording.log(places.current, rr.Arrows3D.from_fields(colors=[palette.CURRENT], radii=[0.042 * reach]), static=True)
     # Long enough to be seen from afar, and when the vehicle sits on the target.
     marker = rr.Arrows3D(
-        vectors=[[_MARKER_M, 0, 0]],
+        vectors=[[max(_MARKER_M, 1.7 * reach), 0, 0]],
         colors=[palette.TARGET],
         radii=rr.Radius.ui_points(_MARKER_POINTS),
         labels=["virtual target"],
-        show_labels=True,
+        show_labels=not look.name,
     )
-    recording.log(f"{TARGET}/tangent", marker, static=True)
-    recording.log(f"{TARGET}/frame", rr.TransformAxes3D(0.5), static=True)
-    box = mujoco.mjtGeom.mjGEOM_BOX
-    return [f"{VEHICLE}/body/{shape.name}" for shape in vehicle_shapes(model, vehicle) if shape.kind == box]
+    recording.log(f"{places.target}/tangent", marker, static=True)
+    recording.log(f"{places.target}/frame", rr.TransformAxes3D(max(0.5, 0.5 * reach)), static=True)
 
 
-def log_estimate_styles(recording: rr.RecordingStream) -> None:
+def log_surface(
+    recording: rr.RecordingStream, places: Places, low: NDArray[np.float64], high: NDArray[np.float64]
+) -> None:
+    """Draw the sea surface over what is in sight as a net, which hides nothing below it.
+
+    Args:
+        recording: into which.
+        places: where.
+        low: (3,) corner of what is in sight, world axes [m].
+        high: (3,) the corner opposite.
+    """
+    margin = max(1.0, 0.25 * float((high - low)[:2].max()))
+    xs, ys = (np.linspace(low[i] - margin, high[i] + margin, _NET) for i in (0, 1))
+    along = [[[x, ys[0], 0.0], [x, ys[-1], 0.0]] for x in xs]
+    across = [[[xs[0], y, 0.0], [xs[-1], y, 0.0]] for y in ys]
+    net = rr.LineStrips3D(
+        along + across,
+        colors=[palette.SURFACE],
+        radii=rr.Radius.ui_points(0.5),
+        labels=["sea surface"] + [""] * (2 * _NET - 1),
+        show_labels=False,
+    )
+    recording.log(places.surface, net, static=True)
+    corner = rr.Points3D([[xs[0], ys[-1], 0.0]], radii=[0.0], colors=[palette.SURFACE], labels=["sea surface, z = 0"])
+    recording.log(f"{places.surface}/name", corner, static=True)
+
+
+def log_estimate_styles(recording: rr.RecordingStream, places: Places) -> None:
     """How a navigation estimate looks: its trail, and where the vehicle may be."""
     colours = [palette.ESTIMATE]
-    recording.log(ESTIMATE_TRAIL, rr.LineStrips3D.from_fields(colors=colours, radii=[0.02]), static=True)
+    recording.log(
+        places.estimate_trail,
+        rr.LineStrips3D.from_fields(colors=colours, radii=rr.Radius.ui_points(PATH_POINTS)),
+        static=True,
+    )
+    recording.log(
+        places.fixes, rr.Points3D.from_fields(colors=[palette.PURPLE], radii=rr.Radius.ui_points(2.0)), static=True
+    )
     wires = rr.components.FillMode.MajorWireframe
-    recording.log(ESTIMATE, rr.Ellipsoids3D.from_fields(colors=colours, fill_mode=wires), static=True)
+    recording.log(places.estimate, rr.Ellipsoids3D.from_fields(colors=colours, fill_mode=wires), static=True)
 
 
-def _log_ducts(recording: rr.RecordingStream, mounts: ThrusterMounts) -> None:
+def _log_ducts(recording: rr.RecordingStream, mounts: ThrusterMounts, places: Places) -> None:
     if not mounts.names:
         return
     sized = mounts.sizes[:, 1] > 0
     recording.log(
-        f"{VEHICLE}/thrusters",
-        rr.Cylinders3D(
+        places.thrusters,
+        # Colours and labels change when a thruster fails: what is static would hide that.
+        rr.Cylinders3D.from_fields(
             centers=mounts.positions,
             radii=np.where(sized, mounts.sizes[:, 0], _DUCT_RADIUS),
             lengths=2 * np.where(sized, mounts.sizes[:, 1], _DUCT_HALF_LENGTH),
             quaternions=[_xyzw(frame) for frame in mounts.rotations],
-            colors=[palette.DUCT],
             fill_mode=rr.components.FillMode.Solid,
-            labels=mounts.names,
             show_labels=False,
         ),
         static=True,
@@ -104,10 +195,11 @@ def _log_ducts(recording: rr.RecordingStream, mounts: ThrusterMounts) -> None:
 
 def _log_shape(
     recording: rr.RecordingStream,
-    entity: str,
+    parent: str,
     model: mujoco.MjModel,
     shape: Shape,
     fill: rr.components.FillMode,
+    places: Places,
 ) -> None:
     geom = mujoco.mjtGeom
     colours = [palette.rgba8(shape.rgba)]
@@ -134,9 +226,9 @@ def _log_shape(
     else:
         # Beside the log and not in it: what is static hides what comes later.
         message = rr.TextLog(f"{shape.name} is not drawn: its type is {shape.kind.name}", level="WARN")
-        recording.log(f"{LOG}/model/{shape.name}", message, static=True)
+        recording.log(f"{places.log}/model/{shape.name}", message, static=True)
         return
-    recording.log(entity, drawn, static=True)
+    recording.log(f"{parent}/{shape.name}", drawn, static=True)
 
 
 def _mesh(model: mujoco.MjModel, shape: Shape) -> tuple[NDArray[np.float32], NDArray[np.int32]]:

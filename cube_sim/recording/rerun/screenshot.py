@@ -20,7 +20,7 @@ from pathlib import Path
 from PIL import Image
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.rerun.sink import TIMELINE
+from cube_sim.recording.rerun.drawing import TIMELINE
 
 _MENU_BAR = 36  # pixels
 _NOTICE_S = 10.0  # for so long the viewer shows a notice that it has no screen
