@@ -309,7 +309,7 @@ def test_a_controller_without_an_answer_ends_the_run_as_error_with_the_last_good
         return decision if sum(ticks) < 1.0 else decision._replace(wrench=np.full(6, np.nan))
 
     monkeypatch.setattr(PathFollower, "decide", until_one_second)
-    monkeypatch.setattr(loop, "fly_ticks", lambda *_: None)  # compiled code asks nobody
+    monkeypatch.setattr(loop, "begin_ticks", lambda *_: None)  # compiled code asks nobody
     run = cube_sim.run(HELIX, SHORT, tmp_path / "run")
     assert run.verdict == "ERROR"
     assert all(np.isfinite(rows).all() for name, rows in run.signals.items() if name != "path.points")

@@ -275,11 +275,8 @@ class Allocator:
         if two_parts:
             self._prepare_for_parts()
         codes = SearchCodes(search_address(), 0, 0) if self._fewest_calls is None else limited_search_codes()
-        return FlownAllocator(self._packed, codes, self.answer_size, self._confirmations is not None, self._take_over)
-
-    def _take_over(self, nodes: int, unproven: int, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
-        self._effort.add(nodes, unproven)
-        self.confirm_later(rows, demands)
+        told = self._effort.add, self._confirmations is not None, self.confirm_later
+        return FlownAllocator(self._packed, codes, self.answer_size, *told)
 
     def confirm_later(self, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
         """Let ProxQP solve the subsets of N answers, where the method says so, while the caller goes on.

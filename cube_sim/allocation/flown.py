@@ -34,13 +34,14 @@ class FlownAllocator(NamedTuple):
         packed: all that it answers by and remembers, for the code.
         codes: where the code lies.
         answer_size: numbers in one answer.
+        add_effort: tells it of what the code has done: nodes looked at, and answers not proven.
         confirms: whether it looks at each answer afterwards.
-        take_over: tells it of what the code has done: nodes looked at and answers not proven; answers
-            (N, `answer_size`), and the demands (N, n) that they answer.
+        confirm: hands on answers (N, `answer_size`), and the demands (N, n) that they answer.
     """
 
     packed: NDArray[np.float64]
     codes: SearchCodes
     answer_size: int
+    add_effort: Callable[[int, int], None]
     confirms: bool
-    take_over: Callable[[int, int, NDArray[np.float64], NDArray[np.float64]], None]
+    confirm: Callable[[NDArray[np.float64], NDArray[np.float64]], None]

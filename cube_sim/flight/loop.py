@@ -6,7 +6,7 @@ thruster forces (allocation) -> thruster commands -> one row per channel (record
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sized
 
 import mujoco
 import numpy as np
@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action
-from cube_sim.flight.compiled import BEGIN, JUDGED, engine_of, fly_ticks
+from cube_sim.flight.beside import FlyingBeside
+from cube_sim.flight.compiled import BEGIN, JUDGED, Stretch, begin_ticks, engine_of
 from cube_sim.flight.rows import rows_for, write_power
 from cube_sim.flight.start import described
 from cube_sim.flight.taken_over import NOT_BEGUN, Begun, Watches, take_over
@@ -30,6 +31,13 @@ from cube_sim.verdict import EarlyEnd
 
 PYTHON_TICKS = 10
 """So many ticks are flown in Python before compiled code is tried again."""
+FEW_TICKS, MANY_TICKS = 500, 4000
+"""So many ticks compiled code flies at once: few at first, more when nothing comes between. Longer stretches would
+take some megabytes more and no less time."""
+
+
+def _nobody(t: float) -> None:
+    """Nobody is told how far a flight has come, t [s]."""
 
 
 class Loop:
@@ -59,7 +67,7 @@ class Loop:
         self._wanted: Vector | None = None
         self._watches = Watches.of(mission, store)
         self._period = mission.scenario.control_period_s
-        self._rows, self._python_until = rows_for(mission.channels, 1), 0
+        self._rows, self._python_until, self._at_once = rows_for(mission.channels, 1), 0, FEW_TICKS
         self._engine = engine_of(mission)
 
     @property
@@ -104,54 +112,127 @@ class Loop:
             FlightError: the flight is over.
         """
         self._require_going_on()
-        last = -1.0
+        tell = _each_second(told)
         with collect_warnings() as warnings:
+            # Amid the first second nobody is told: some of its code may have to be loaded yet, or compiled.
+            ticks, amid = self._store.ticks_at_once(self.tick, self._period), _nobody
             while not self.over:
-                self._fly_on(warnings, self.mission.scenario.ticks - self.tick)
-                if told is not None and self.time_s >= last + 1.0:
-                    last = self.time_s
-                    told(last)
+                self._fly_on(warnings, ticks, amid)
+                tell(self.time_s)
+                ticks, amid = self.mission.scenario.ticks - self.tick, tell
             if not self.ended and (begun := self._fly_compiled(warnings, 1, moving=False)) is not None:
                 self.control(warnings, begun=begun)
         self.finish()
 
-    def _fly_on(self, warnings: list[str], ticks: int) -> None:
+    def _fly_on(self, warnings: list[str], ticks: int, tell: Callable[[float], None] = _nobody) -> None:
         """Fly as many control periods as compiled code takes at once, one at least unless the flight ends.
 
         Args:
             warnings: where MuJoCo's arrive; they are moved to the log.
             ticks: at most.
+            tell: called with the simulated time [s] as ticks are flown.
         """
-        begun = self._fly_compiled(warnings, ticks)
+        begun = self._fly_compiled(warnings, ticks, tell=tell)
         if begun is not None:
             self.control(warnings, begun=begun)
             self.advance()
 
-    def _fly_compiled(self, warnings: list[str], ticks: int, moving: bool = True) -> Begun | None:
+    def _fly_compiled(
+        self, warnings: list[str], ticks: int, moving: bool = True, tell: Callable[[float], None] = _nobody
+    ) -> Begun | None:
         """Fly what compiled code can; how far the next tick has come, None where it has all been flown.
 
         Args:
             warnings: of MuJoCo, which Python moves to the log first.
             ticks: at most.
             moving: whether the physics goes on after a tick; if not, there is one tick, and time stands still.
+            tell: called with the simulated time [s] as ticks are flown.
         """
-        mission, tick, period = self.mission, self.tick, self._period
-        most = self._store.ticks_at_once(tick, period), mission.events.ticks_before(tick, period)
+        mission, tick = self.mission, self.tick
+        most = self._at_once, mission.events.ticks_before(tick, self._period)
         ticks = min(ticks, mission.scenario.ticks - tick + (not moving), *most)
         if warnings or tick < self._python_until or ticks <= 0 or not self._watches.surface.under_water:
             return NOT_BEGUN
-        with uninterrupted():  # the parts of a mission go on together, with their rows
+        with uninterrupted() as interrupts:  # the parts of a mission go on together, with their rows
             flying = self._applied, self._watches.surface.boxes, moving
-            flown = fly_ticks(mission, self._engine, tick, ticks, *flying)
-            if flown is None or flown.ticks == 0:
+            stretch = begin_ticks(mission, self._engine, tick, ticks, *flying)
+            if stretch is None:
                 self._python_until = tick + PYTHON_TICKS
-            if flown is None:
                 return NOT_BEGUN
-            begun = take_over(flown, tick, mission, self._watches, self._store)
-            if flown.ticks:
-                self._applied, self._wanted, self._known = flown.applied, flown.wanted, flown.known
-                self.tick += flown.ticks if moving else 0
-        return begun if flown.reached != BEGIN or flown.ticks == 0 else None
+            interrupted: BaseException | None = None
+            if self._store.writes and ticks > 1:
+                begun, interrupted = self._fly_and_record(stretch, warnings, tell, interrupts)
+            else:
+                stretch.fly()
+                stretch.finish()
+                _, begun = self._hand_over(stretch, 0, stretch.ticks, True)
+            if stretch.ticks:
+                self._applied, self._wanted, self._known = stretch.applied, stretch.wanted, stretch.known
+                self.tick += stretch.ticks if moving else 0
+            else:
+                self._python_until = tick + PYTHON_TICKS
+            longer = self._store.writes and stretch.ticks == ticks
+            self._at_once = min(2 * self._at_once, MANY_TICKS) if longer else FEW_TICKS
+        if interrupted is not None:
+            raise interrupted
+        return begun if stretch.reached != BEGIN or stretch.ticks == 0 else None
+
+    def _fly_and_record(
+        self, stretch: Stretch, warnings: list[str], tell: Callable[[float], None], interrupts: Sized
+    ) -> tuple[Begun, BaseException | None]:
+        """Let a thread fly, and hand each second over while it flies the next.
+
+        Args:
+            stretch: that it flies.
+            warnings: where MuJoCo's arrive.
+            tell: called with the simulated time [s] of what is in the record.
+            interrupts: that are held back; upon the first the flight comes to a halt.
+
+        Returns:
+            How far the next tick has come; and what `tell` raised, upon which the flight has come to a halt.
+        """
+        done, over, begun, interrupted = 0, False, NOT_BEGUN, None
+        with FlyingBeside(stretch) as flying:
+            while not over:
+                flown, over = flying.look()
+                if over:
+                    stretch.finish()
+                done, begun = self._hand_over(stretch, done, flown, over)
+                if interrupts:
+                    stretch.stop()
+                elif interrupted is None:
+                    try:
+                        tell((self.tick + done) * self._period)
+                    except BaseException as error:
+                        interrupted = error
+                        stretch.stop()
+        warnings += flying.warnings
+        return begun, interrupted
+
+    def _hand_over(self, stretch: Stretch, done: int, flown: int, over: bool) -> tuple[int, Begun]:
+        """Put ticks of a stretch into the record, as many at a time as it takes.
+
+        Args:
+            stretch: the ticks.
+            done: how many are in the record already.
+            flown: how many there are by now.
+            over: whether these are all; the others wait for their second to be whole.
+
+        Returns:
+            How many are in the record now, and how far the next one has come.
+        """
+        while True:
+            room = self._store.ticks_at_once(self.tick + done, self._period)
+            end, whole = min(done + room, flown), done + room <= flown
+            if not (whole or over):
+                return done, NOT_BEGUN
+            part = stretch.part(done, end, BEGIN if whole else stretch.reached)
+            begun = take_over(part, self.tick + done, self.mission, self._watches, self._store)
+            stretch.confirm(done, end)
+            done = end
+            if not whole:
+                return done, begun
+            self._store.hand_on()
 
     def _require_going_on(self) -> None:
         if self.over:
@@ -222,3 +303,16 @@ class Loop:
         self._store.log(t, "WARNING", f"the path is given up: {reason}" if reason else "the path is followed again")
         if reason and mission.scenario.control.safe_mode.action == "surface" and mission.drop_weight.drop():
             self._store.log(t, "WARNING", "the ballast is dropped")
+
+
+def _each_second(told: Callable[[float], None] | None) -> Callable[[float], None]:
+    """What can be told the simulated time [s] again and again, and passes it on about once a simulated second."""
+    last = -1.0
+
+    def tell(t: float) -> None:
+        nonlocal last
+        if told is not None and t >= last + 1.0:
+            last = t
+            told(t)
+
+    return tell

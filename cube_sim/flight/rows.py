@@ -35,9 +35,9 @@ class TickRows(NamedTuple):
         """Channel and rows, for `SignalStore.extend`."""
         return zip(self._fields, self, strict=True)
 
-    def first(self, count: int) -> TickRows:
-        """The first of them."""
-        return TickRows(*(table[:count] for table in self))
+    def part(self, first: int, end: int) -> TickRows:
+        """Those from one up to another."""
+        return TickRows(*(table[first:end] for table in self))
 
 
 def rows_for(channels: tuple[Channel, ...], count: int) -> TickRows:

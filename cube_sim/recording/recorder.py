@@ -29,8 +29,8 @@ MOST_KEPT_BYTES = 16_000_000
 class Recorder(SignalStore):
     """Records a run into a directory.
 
-    Rows are copied into memory at once and go to the files when their simulated second is over, so a killed
-    process loses less than a simulated second.
+    Rows are copied into memory at once and go to the files when their simulated second is over: a killed process loses
+    less than a simulated second, and what compiled code has flown while the one before was written.
 
     Rows are kept in memory too, for the checks, until they are `MOST_KEPT_BYTES`; from then on `signals` are read from
     the record.

@@ -58,6 +58,11 @@ class SignalStore:
             self._advance(t)
         self._buffer(channel).append(t, values)
 
+    @property
+    def writes(self) -> bool:
+        """Whether each second's rows are waited for by a file."""
+        return bool(self._sinks)
+
     def ticks_at_once(self, tick: int, period: float) -> int:
         """Of how many ticks, from this one on, rows may be handed over at once.
 
@@ -66,6 +71,11 @@ class SignalStore:
             period: of the ticks [s].
         """
         return ticks_left_of_second(tick, period) if self._sinks else TICKS_IN_MEMORY
+
+    def hand_on(self) -> None:
+        """Let the files have what is recorded: its second is over, though no row of the next has come yet."""
+        if self._sinks:
+            self._flush()
 
     def extend(self, first: float, last: float, rows: Iterable[tuple[str, Rows]], ours: bool = False) -> None:
         """Record rows of `ticks_at_once`.
@@ -147,9 +157,9 @@ class SignalStore:
 
     def _flush(self) -> None:
         with uninterrupted():
-            self._hand_on()
+            self._to_sinks()
 
-    def _hand_on(self) -> None:
+    def _to_sinks(self) -> None:
         rows = {name: buffer.take() for name, buffer in self._buffers.items()}
         batch = Batch({name: taken for name, taken in rows.items() if len(taken)}, self._log)
         if not batch.rows and not batch.log:

@@ -21,15 +21,16 @@ COMPILED |= {"infante_spline", "jack_compensation", "jack_contraction", "torpedo
 
 def flown(scenario, settings, compiled, monkeypatch):
     """A flight to its end, its signals and sentences, and how many of its ticks compiled code flew."""
-    one, ticks, fly_ticks = Flight(scenario, settings), [0], loop.fly_ticks
+    one, ticks, take_over = Flight(scenario, settings), [0], loop.take_over
 
-    def counted(*arguments):
-        done = fly_ticks(*arguments) if compiled else None
-        ticks[0] += 0 if done is None else done.ticks
-        return done
+    def counted(done, *others):
+        ticks[0] += done.ticks
+        return take_over(done, *others)
 
     with monkeypatch.context() as patch:
-        patch.setattr(loop, "fly_ticks", counted)
+        patch.setattr(loop, "take_over", counted)
+        if not compiled:
+            patch.setattr(loop, "begin_ticks", lambda *_: None)
         one.fly_to_its_end()
     return one, ticks[0]
 
@@ -226,7 +227,7 @@ def test_both_loops_end_alike_when_something_is_no_number(name, broken, monkeypa
     for compiled in (True, False):
         one = Flight(SCENARIOS / f"{name}.yaml", settings)
         if not compiled:
-            monkeypatch.setattr(loop, "fly_ticks", lambda *_: None)
+            monkeypatch.setattr(loop, "begin_ticks", lambda *_: None)
         while not one.over:
             if one.tick == 50:
                 broken(one.mission)

@@ -1,7 +1,8 @@
 """Many ticks of a flight in one compiled call, over the same stages as the loop in Python."""
 
-from cube_sim.flight.compiled.binding import FlownTicks, engine_of, fly_ticks
+from cube_sim.flight.compiled.binding import begin_ticks, engine_of
 from cube_sim.flight.compiled.first_time import compile_beside
 from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, JUDGED
+from cube_sim.flight.compiled.stretch import FlownTicks, Stretch
 
-__all__ = ["BEGIN", "ESTIMATED", "JUDGED", "FlownTicks", "compile_beside", "engine_of", "fly_ticks"]
+__all__ = ["BEGIN", "ESTIMATED", "JUDGED", "FlownTicks", "Stretch", "begin_ticks", "compile_beside", "engine_of"]

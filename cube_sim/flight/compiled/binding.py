@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
 from cube_sim.control.diagnosis import Diagnosis
-from cube_sim.control.path_follower import PathFollower
-from cube_sim.flight.compiled.loop import JUDGED, fly
 from cube_sim.flight.compiled.parts import Answering, Course, Engine, FaultWatch, Feed, Hull, Notes, Sensing
 from cube_sim.flight.compiled.steering import Steering
-from cube_sim.flight.rows import TickRows, rows_for
+from cube_sim.flight.compiled.stretch import FlyArguments, Stretch
+from cube_sim.flight.rows import rows_for
 from cube_sim.guidance.target_record import RunningParts
 from cube_sim.mission import Mission
 from cube_sim.mission.surface_watch import Boxes
@@ -23,7 +21,7 @@ from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion
 from cube_sim.navigation.navigator import InitialErrors, Navigator
 from cube_sim.navigation.reading import READING
-from cube_sim.spatial import State, Vector
+from cube_sim.spatial import Vector
 from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.plugin import structs
 
@@ -34,38 +32,10 @@ _ADDRESSES: dict[str, int] = {}
 NOTHING_WATCHED = Diagnosis(1.0, 1.0, 1.0, np.zeros(1))
 
 
-class FlownTicks(NamedTuple):
-    """What the compiled loop has done.
-
-    Attributes:
-        ticks: how many it flew.
-        reached: how far the next one has come, as `cube_sim.flight.compiled.loop` names it.
-        rows: of the ticks flown.
-        pace: (ticks,) share of the speed along the path.
-        force_ratio_before: share of their force that the thrusters gave at the tick before.
-        force_ratio: (ticks,) that share at each tick.
-        applied: (6,) wrench allocated over the last one [N, N m].
-        wanted: (4,) the attitude wanted at it; zero where none was flown.
-        known: the state the controller saw at it.
-        sensing: what was estimated; also at the next tick, once its state is.
-    """
-
-    ticks: int
-    reached: int
-    rows: TickRows
-    pace: Vector
-    force_ratio_before: float
-    force_ratio: Vector
-    applied: Vector
-    wanted: Vector
-    known: State
-    sensing: Sensing
-
-
-def fly_ticks(
+def begin_ticks(
     mission: Mission, engine: Engine, tick: int, count: int, applied: Vector, boxes: Boxes, moving: bool = True
-) -> FlownTicks | None:
-    """Fly up to so many ticks, none of which has an event.
+) -> Stretch | None:
+    """Make ready to fly up to so many ticks, none of which has an event.
 
     Args:
         mission: whose parts are moved on.
@@ -79,10 +49,10 @@ def fly_ticks(
     Returns:
         None where a part of it is of a kind that only Python flies.
     """
-    controller, supply = mission.controller, mission.supply
+    supply = mission.supply
     if supply.force_ratio == 0.0 or mission.model.narena < LEAST_ARENA_BYTES or mission.drop_weight.dropped:
         return None
-    by = Steering.of(controller)
+    by = Steering.of(mission.controller)
     running: RunningParts | None = None if by is None else getattr(by.target, "parts", None)
     if by is None or running is None:
         return None
@@ -91,46 +61,37 @@ def fly_ticks(
     sensing = _sensing(mission, count)
     if path is None or evidence is None or flown is None or sensing is None:
         return None
-    (allocator, thrusters), before = flown, supply.force_ratio
-    arc_length, feed = np.array([by.target.arc_length]), _feed(mission)
+    allocator, thrusters = flown
+    arc_length = np.array([by.target.arc_length])
     course = Course(path, *running, by.loss, by.shortage, by.steers, arc_length)
     answering = Answering(by.in_plane, by.coupling, by.yields, by.authority, applied.copy(), np.zeros(4), np.zeros(22))
-    rows = rows_for(mission.channels, count)
     notes = Notes(
         answers=np.zeros((count if allocator.confirms else 1, allocator.answer_size)),
         demands=np.zeros((count, 6)),
         pace=np.zeros(count),
         force_ratio=np.zeros(count),
         effort=np.zeros(2, np.int64),
+        told=np.zeros(2, np.int64),
     )
     codes = *by.addresses, allocator.codes, _estimating_address(sensing) if sensing.navigated else 0
-    physics = engine if moving else engine._replace(steps=0)
-    ticks, reached = fly(
-        codes, count, tick, physics, _hull(mission, boxes), feed, evidence, sensing,
-        course, by.law, by.planar, answering, thrusters, rows, notes,
-    )  # fmt: skip
-    by.target.arc_length = float(arc_length[0])
-    if ticks and isinstance(controller, PathFollower):
-        controller.desired = answering.quaternion
-    supply.power = feed.power
-    if mission.fault_finding is not None:
-        mission.fault_finding.take_over(ticks + (reached >= JUDGED))
-    mission.allocator.take_over(thrusters)
-    nodes, unproven = notes.effort.tolist()
-    allocator.take_over(nodes, unproven, notes.answers[:ticks], notes.demands[:ticks])
-    state = answering.state
-    return FlownTicks(
-        ticks,
-        reached,
-        rows.first(ticks),
-        notes.pace[:ticks],
-        before,
-        notes.force_ratio[:ticks],
-        answering.applied,
-        answering.quaternion,
-        State(state[:3], state[3:7], state[7:16].reshape(3, 3), state[16:19], state[19:]),
+    given = FlyArguments(
+        codes,
+        count,
+        tick,
+        engine if moving else engine._replace(steps=0),
+        _hull(mission, boxes),
+        _feed(mission),
+        evidence,
         sensing,
+        course,
+        by.law,
+        by.planar,
+        answering,
+        thrusters,
+        rows_for(mission.channels, count),
+        notes,
     )
+    return Stretch(mission, allocator, by.target, given)
 
 
 def _estimating_address(sensing: Sensing) -> int:

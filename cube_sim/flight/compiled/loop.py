@@ -23,6 +23,7 @@ from cube_sim.guidance.view_record import VIEW
 from cube_sim.mission.divergence import DIVERGED, all_below
 from cube_sim.mission.surface_watch import EMERGED_M, top_of
 from cube_sim.native.compiled import call_at, compiled, unlocked
+from cube_sim.native.published import publish, published
 from cube_sim.navigation.motion import felt
 from cube_sim.tuples import angle_of_turn, put, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
@@ -35,6 +36,8 @@ from cube_sim.vehicle.state import hull_state
 BEGIN, FORWARDED, JUDGED, ESTIMATED = range(4)
 """How far the tick has come that Python goes on with: not begun; accelerations are up to date; the thrusters are fed
 too, and the evidence of faults is in; and the state is estimated."""
+FLOWN, STOP = range(2)
+"""Places in `Notes.told`."""
 
 
 @compiled
@@ -97,6 +100,9 @@ def fly(
     secondary, parts, sides = np.zeros(6), np.empty(12), np.empty(len(thrusters.which), np.int8)
     disturbance, water, nobody = np.zeros(6), np.empty(3), np.zeros(m, np.bool_)
     for k in range(count):
+        publish(notes.told, FLOWN, k)
+        if published(notes.told, STOP):
+            return k, BEGIN
         t = (tick + k) * dt
         forward(e.model, e.data)
         top = max(e.xpos[body, 2], top_of(e.geom_xpos, e.geom_xmat, hull.geoms, hull.radii, hull.centres, hull.halves))
