@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from traceback import extract_tb
 
 from cube_sim.run_log import LogLine
 
@@ -100,3 +101,15 @@ class RunInterrupted(KeyboardInterrupt):
     def __init__(self, directory: Path, log: tuple[LogLine, ...] = (), recorded: bool = True) -> None:
         self.directory, self.log = directory, log
         super().__init__(f"interrupted; recorded so far: {directory}" if recorded else "interrupted")
+
+
+def told(error: Exception) -> str:
+    """An error in one line: its own, the system's, or of one that nobody foresaw the line of code as well."""
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    said = " ".join(str(error).split())
+    if isinstance(error, CubeSimError):
+        return said
+    places = extract_tb(error.__traceback__)
+    where = f"{Path(places[-1].filename).name}:{places[-1].lineno}: " if places else ""
+    return f"{where}{type(error).__name__}: {said}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -13,21 +13,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.checks import evaluate
-from cube_sim.errors import RecordingError, RunInterrupted
+from cube_sim.errors import RecordingError, RunInterrupted, told
 from cube_sim.flight import Loop
 from cube_sim.mission import Mission, prepare
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
 from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.run_end import How, RunEnd
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_directory import RESOLVED_FILE, claim, require_writable, write_verdict
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
+from cube_sim.uninterrupted import uninterrupted
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 
 Progress = Callable[[float, float], None]
 Kept = Literal["full", "mcap", "none"]
 """What a run leaves beside its verdict: the record and its view, the record alone, nothing."""
+
+
+CTRL_C = "Ctrl-C"
 
 
 @dataclass(frozen=True)
@@ -115,7 +120,7 @@ def fly(
         try:
             return _record_and_judge(loaded, mission, directory, progress, record)
         except OSError as error:
-            raise RecordingError(f"{directory}: cannot be written: {error.strerror or error}") from error
+            raise RecordingError(f"{directory}: cannot be written: {told(error)}") from error
         except RunInterrupted:
             raise
         except KeyboardInterrupt:
@@ -136,21 +141,43 @@ def _record_and_judge(
     """Fly and judge, into a folder that is ours."""
     (directory / RESOLVED_FILE).write_text(loaded.resolved_yaml(directory), encoding="utf-8")
     with _store(directory, loaded, mission, record) as recorder:
-        started = time.perf_counter()
+        flight, started = Loop(mission, recorder), time.perf_counter()
         try:
-            flight = Loop(mission, recorder)
-            whole_s = mission.scenario.duration_s
-            flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
-        except KeyboardInterrupt:
-            raise RunInterrupted(directory, recorder.warnings, record != "none") from None
-        elapsed_s = time.perf_counter() - started
-    signals = recorder.signals
+            stopped = _fly(flight, progress)
+            elapsed_s = time.perf_counter() - started
+            with uninterrupted():  # an end that is begun is brought to its end
+                recorder.settle()
+                early = EarlyEnd(flight.time_s, f"interrupted by {stopped}") if stopped else flight.ended_early
+                results = evaluate(mission.scenario.checks, recorder.signals, duration_s=mission.scenario.duration_s)
+                verdict = overall(results, complete=early is None)
+                recorder.finish(_end(flight, stopped, verdict, results))
+                flown = Flown(flight.time_s, early, recorder.warnings)
+                factor = flight.time_s / elapsed_s
+                write_verdict(directory, to_json(verdict, results, factor, versions(), flown))
+        except Exception as error:
+            reason = told(error)
+            with suppress(OSError, RecordingError):
+                recorder.finish(RunEnd("failed", reason, flight.tick, flight.time_s, flight.given_up))
+            flown = Flown(flight.time_s, EarlyEnd(flight.time_s, reason), recorder.warnings)
+            with suppress(OSError):
+                write_verdict(directory, to_json("ERROR", (), 0.0, versions(), flown))
+            raise
+    if stopped:
+        raise RunInterrupted(directory, flown.log, record != "none")
+    return Run(verdict, results, recorder.signals, directory, factor, versions(), flight.time_s, early, flown.log)
 
-    scenario, simulated_s, ended_early = mission.scenario, flight.time_s, flight.ended_early
-    flown = Flown(simulated_s, ended_early, recorder.warnings)
-    results = evaluate(scenario.checks, signals, duration_s=scenario.duration_s)
-    verdict = overall(results, complete=ended_early is None)
-    factor = simulated_s / elapsed_s
-    text = to_json(verdict, results, factor, versions(), flown)
-    write_verdict(directory, text)
-    return Run(verdict, results, signals, directory, factor, versions(), simulated_s, ended_early, flown.log)
+
+def _fly(flight: Loop, progress: Progress | None) -> str:
+    """Fly to the end; who stopped it before, "" where nobody did."""
+    whole_s = flight.mission.scenario.duration_s
+    try:
+        flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
+    except KeyboardInterrupt:
+        return CTRL_C
+    return ""
+
+
+def _end(flight: Loop, stopped: str, verdict: Verdict, results: tuple[CheckResult, ...]) -> RunEnd:
+    """What the record says of its end."""
+    how: How = "interrupted" if stopped else "ended early" if flight.ended else "completed"
+    return RunEnd(how, stopped or flight.ended, flight.tick, flight.time_s, flight.given_up, verdict, results)

@@ -39,7 +39,7 @@ def evaluate(
     Args:
         checks: the scenario's checks.
         signals: ``channel.field`` -> array (n, 1 + width), column 0 time [s], increasing. `SignalsInBlocks` are looked
-            at block by block: root mean squares and means may then differ in their last bits, nothing else does.
+            at block by block, with the same results to the bit if each block is of whole seconds.
         duration_s: how long the run should have been; a recording that ends earlier is judged by no check.
 
     Returns:

@@ -57,7 +57,9 @@ class ExactWrench:
             self._reasons.note("columns", text)
             return
         A = matrix.reshape(len(times), 6, m)
-        achieved = np.einsum("nij,nj->ni", A, force[:, 1:])
+        achieved = np.zeros((len(times), 6))
+        for j in range(m):  # in one order on every machine: the residual is recorded
+            achieved += A[:, :, j] * force[:, 1 + j, None]
         self._worst.take(np.linalg.norm(achieved - wrench[:, 1:], axis=1), times)
 
     def result(self, recorded: Collection[str], duration_s: float | None) -> CheckResult:

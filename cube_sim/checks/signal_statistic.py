@@ -55,11 +55,11 @@ class SignalStatistic:
         self._final = series[-1]
         match statistic:
             case "rms":
-                self._sum += np.sum(series**2)
+                self._sum = added(self._sum, series**2, times)
                 size = np.abs(series)
                 self._worst.take(size if at_most else -size, times)
             case "mean":
-                self._sum += np.sum(series)
+                self._sum = added(self._sum, series, times)
                 self._worst.take(series if at_most else -series, times)
             case "max":
                 self._worst.take(series, times)
@@ -113,3 +113,17 @@ class SignalStatistic:
                 return float(self._final), self._last
             case _:
                 assert_never(statistic)
+
+
+def added(total: float, values: Array, times: Array) -> float:
+    """A sum and more values (n,), those of each second added up first: blocks of whole seconds give the same bits.
+
+    Args:
+        total: of the values before.
+        values: in the order of time.
+        times: (n,) [s].
+    """
+    starts = np.flatnonzero(np.diff(np.floor(times), prepend=-np.inf))
+    for part in np.add.reduceat(values, starts).tolist():
+        total += part
+    return total

@@ -71,5 +71,5 @@ def export(
         stop(NOT_JUDGED, f"{to}: cannot be written: {error.strerror or error}")
     for file in files:
         typer.echo(str(file))
-    if not recorded.complete and format_ is not Format.INPUTS:
-        typer.echo(f"{recorded.path}: the record ends early, at {recorded.recorded_s:g} s", err=True)
+    if recorded.flaw and format_ is not Format.INPUTS:
+        typer.echo(f"{recorded.path}: {recorded.flaw}", err=True)

@@ -76,6 +76,11 @@ class Loop:
         return self.tick * self.mission.scenario.control_period_s
 
     @property
+    def given_up(self) -> str:
+        """Why the path is given up; "" while it is followed."""
+        return self._given_up
+
+    @property
     def over(self) -> bool:
         """Whether nothing can be stepped any more."""
         return bool(self.ended) or self.tick >= self.mission.scenario.ticks

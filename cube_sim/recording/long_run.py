@@ -24,7 +24,7 @@ class RecordedSignals(Mapping[str, Rows]):
     """Everything recorded, read from the record when it is asked for: "channel.field" -> (n, 1+width).
 
     Args:
-        path: the MCAP file, finished.
+        path: the MCAP file, with all its rows.
         channels: the channel table.
     """
 
@@ -75,6 +75,10 @@ class RecordedSignals(Mapping[str, Rows]):
                 for name, (channel, columns) in places.items()
                 if channel.name in rows
             }
+
+    def finished(self) -> None:
+        """The file has been closed by who wrote it: it is the same, though no longer what it was."""
+        self._written = _identity(self._path)
 
     def _rows(self, channel: Channel) -> Rows:
         if channel.name not in self._kept:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -16,11 +17,13 @@ from cube_sim.recording.geometry import vehicle_name
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.long_run import RecordedSignals
 from cube_sim.recording.mcap.sink import McapSink
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.run_log import LogLine
 
 MCAP_NAME = "run.mcap"
 RRD_NAME = "run.rrd"
-
+REMEDY = "`cube-sim export --format rrd` makes it of the record"
 
 MOST_KEPT_BYTES = 16_000_000
 """Five minutes of an eight-thruster vehicle at 50 Hz."""
@@ -61,41 +64,81 @@ class Recorder(SignalStore):
         """
         super().__init__(channels)
         self._closed, self._kept_bytes = False, 0
+        self._recorded: RecordedSignals | None = None
         self.mcap = directory / MCAP_NAME
         self.rrd = directory / RRD_NAME
-        self._sinks: list[Sink] = [McapSink(self.mcap, header, self._channels, vehicle or vehicle_name(model))]
-        if view:
-            self._sinks.append(SinkBeside(lambda: self._view(header, model, vehicle)))
+        self._record = McapSink(self.mcap, header, self._channels, vehicle or vehicle_name(model))
+        self._shown = SinkBeside(lambda: self._view(header, model, vehicle)) if view else None
+        self._sinks: list[Sink] = [self._record, *([] if self._shown is None else [self._shown])]
 
     def _view(self, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> Sink:
+        # What it cannot write is told once, by `warnings`; unasked, Rerun would tell it in its own words as well.
+        os.environ.setdefault("RUST_LOG", "off")
         # Only a run that wants the view pays for its import.
         from cube_sim.recording.rerun.sink import rerun_sink
 
         return rerun_sink(self.rrd, header, self._channels, model, vehicle)
 
-    def close(self) -> None:
-        """Send the last rows to the files and finish them."""
+    def settle(self) -> None:
+        """Send the last rows to the files, and finish the view: nothing can be added from now on."""
         if self._closed:
             return
         self._closed = True
         try:
             self._flush()
         finally:
-            for sink in self._sinks:
-                sink.close()
+            if self._shown is not None:
+                self._shown.close()
+
+    def finish(self, end: RunEnd) -> None:
+        """Write how the run ended, and close the files; once is enough.
+
+        Raises:
+            OSError: there is no room for it; all that is in the record already stays readable.
+        """
+        try:
+            self.settle()
+        finally:
+            try:
+                self._record.finish(end)
+            finally:
+                self.close()
+
+    def close(self) -> None:
+        """Close the files; a record that was not finished does not say how its run ended."""
+        try:
+            self.settle()
+        finally:
+            self._record.close()
+            if self._recorded is not None:
+                self._recorded.finished()
+
+    @property
+    def warnings(self) -> tuple[LogLine, ...]:
+        """What has been said at the level WARNING or above, and that the view cannot be written, if so.
+
+        That stands in no record: it says nothing of the flight.
+        """
+        failure = "" if self._shown is None else self._shown.failure
+        if not failure:
+            return super().warnings
+        line = LogLine(max(self._time, 0.0), "WARNING", f"{RRD_NAME} cannot be written: {failure}; {REMEDY}")
+        return (*super().warnings, line)
 
     @property
     def signals(self) -> Mapping[str, Rows]:
         """Everything recorded: "channel.field" -> (n, 1+width), column 0 the time [s].
 
         Raises:
-            RecordingError: they have to be read from the record, and it is not closed.
+            RecordingError: they have to be read from the record, and it is not settled.
         """
         if self._kept_bytes <= MOST_KEPT_BYTES:
             return super().signals
         if not self._closed:
-            raise RecordingError(f"the recording {self.mcap} is too long to be kept in memory: close it first")
-        return RecordedSignals(self.mcap, self._channels)
+            raise RecordingError(f"the recording {self.mcap} is too long to be kept in memory: settle it first")
+        if self._recorded is None:
+            self._recorded = RecordedSignals(self.mcap, self._channels)
+        return self._recorded
 
     def _keep(self, batch: Batch) -> None:
         self._kept_bytes += sum(rows.nbytes for rows in batch.rows.values())
@@ -116,5 +159,5 @@ class Recorder(SignalStore):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Finish the files, whatever happened."""
+        """Close the files, whatever happened."""
         self.close()

@@ -12,6 +12,7 @@ from cube_sim.recording.batch import Batch, Rows, Sink, batch_number, signals, t
 from cube_sim.recording.buffer import ChannelBuffer
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.mcap.schemas import LOG_LEVELS
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_log import WEIGHTY, LogLine
 from cube_sim.uninterrupted import uninterrupted
 
@@ -116,6 +117,12 @@ class SignalStore:
         line = LogLine(t, level, text)
         self._log.append(line)
         self._lines.append(line)
+
+    def settle(self) -> None:
+        """Nothing comes any more."""
+
+    def finish(self, end: RunEnd) -> None:
+        """See `Recorder.finish`: here nobody keeps it."""
 
     @property
     def lines(self) -> tuple[LogLine, ...]:

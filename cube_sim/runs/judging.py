@@ -24,9 +24,10 @@ def judged(
     """
     scenario = run.scenario
     results = evaluate(scenario.checks if checks is None else checks, run.signals, duration_s=scenario.duration_s)
-    remarks = []
-    if not run.complete:
-        remarks.append(f"the record ends early, at {run.recorded_s:g} s of {scenario.duration_s:g} s")
-    ends = [line for line in run.log if line.level == "ERROR"]
-    remarks += [f"ended early, at {line.t:g} s: {line.text}" for line in ends[-1:] if line.t < scenario.duration_s]
+    remarks = [run.flaw] if run.flaw else []
+    if run.end is None:
+        ends = [line for line in run.log if line.level == "ERROR"]
+        remarks += [f"ended early, at {line.t:g} s: {line.text}" for line in ends[-1:] if line.t < scenario.duration_s]
+    elif run.end.how == "ended early":
+        remarks.append(f"ended early, at {run.end.simulated_s:g} s: {run.end.reason}")
     return overall(results, complete=not remarks), results, tuple(remarks)

@@ -15,7 +15,8 @@ from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import Field
 from cube_sim.recording.header import RunHeader
-from cube_sim.recording.reading import Recording, read_recording
+from cube_sim.recording.reading import NO_END, Recording, read_recording
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Scenario
@@ -87,17 +88,27 @@ class RecordedRun:
         return self.recording.log
 
     @property
-    def complete(self) -> bool:
-        """Whether the record goes on to its end; False after a crash."""
-        return self.recording.complete
+    def end(self) -> RunEnd | None:
+        """How the run ended; None where the record does not say it, as after a crash and before format 3."""
+        return self.recording.end
 
     @property
-    def goes_to_its_end(self) -> bool:
-        """Whether the record holds all of the flight; False after a crash, and where the run was interrupted."""
-        last_s = self.recorded_s
-        ended_early = any(line.level == "ERROR" and line.t >= last_s for line in self.log)
-        period_s = self.scenario.control_period_s
-        return self.complete and (ended_early or last_s > (self.scenario.ticks - 0.5) * period_s)
+    def complete(self) -> bool:
+        """Whether this is all of a flight that came to its end, as it was recorded; else `flaw` says why not."""
+        return not self.flaw
+
+    @cached_property
+    def flaw(self) -> str:
+        """Why this is not all of what was recorded of a flight that came to its end, in words; "" if it is."""
+        early = f"the record ends early, at {self.recorded_s:g} s of {self.scenario.duration_s:g} s"
+        if self.recording.flaw and self.end is None:
+            return early if self.recording.flaw == NO_END else f"{early}: {self.recording.flaw}"
+        if self.recording.flaw or self.end is not None:
+            return self.recording.flaw
+        # Before format 3 no record says how its run ended.
+        of_itself = any(line.level == "ERROR" and line.t >= self.recorded_s for line in self.log)
+        whole = self.recorded_s > (self.scenario.ticks - 0.5) * self.scenario.control_period_s
+        return "" if of_itself or whole else early
 
     @property
     def recorded_s(self) -> float:

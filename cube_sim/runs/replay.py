@@ -69,7 +69,7 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
         whole_s = loaded.scenario.duration_s
         flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
         inputs = header(loaded, mission.codes)
-    whole = run.goes_to_its_end
+    whole = run.complete
     until_s = max(run.recorded_s, flight.time_s) if whole else run.recorded_s
     again = {name: rows[rows[:, 0] <= until_s] for name, rows in store.signals.items()}
     found = sorted(differences(run.signals, again), key=lambda each: -1.0 if each.first_s is None else each.first_s)

@@ -20,6 +20,7 @@ import pytest
 from support.command_line import call, cube_sim, started
 from support.scenario_files import FLIGHT, MINIMAL, write
 
+from cube_sim import load_run
 from cube_sim.run_directory import FILES
 from cube_sim.scenario import load
 from cube_sim.scenario.json_schema import json_schema
@@ -170,9 +171,26 @@ def test_a_full_disk_is_one_line_and_could_not_be_judged(tmp_path):
 
     done = cube_sim("run", path, "--out", out, "--set", "duration_s=10", cwd=tmp_path, preexec_fn=limit)
     assert (done.returncode, done.stdout) == (3, "")
-    # Rerun says in its own words what it could not write, and when it noticed.
-    said = [line for line in done.stderr.splitlines() if "re_log_encoding" not in line]
-    assert said == [f"{out}: cannot be written: File too large"]
+    assert done.stderr == f"{out}: cannot be written: File too large\n"
+    told = json.loads((out / "verdict.json").read_text())
+    assert (told["verdict"], told["ended_early"]["reason"]) == ("ERROR", "File too large")
+    kept = load_run(out)
+    assert kept.recorded_s > 0.5
+    assert not kept.complete
+
+
+@pytest.mark.flight
+def test_a_view_that_cannot_be_written_is_a_warning(tmp_path):
+    """Of five seconds the record is 0.3 MB and the view 0.7 MB."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (450_000, 450_000))
+
+    done = cube_sim("run", path, "--out", out, "--set", "duration_s=5", cwd=tmp_path, preexec_fn=limit)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "WARNING  run.rrd cannot be written: " in done.stdout
+    assert load_run(out).complete
 
 
 @pytest.mark.flight

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from support.places import HELIX
@@ -34,10 +32,7 @@ def test_signals_read_from_the_record_are_those_kept_in_memory(tmp_path, monkeyp
     assert list(spilt.signals) == list(kept.signals)
     for name, rows in kept.signals.items():
         assert spilt.signals[name].tobytes() == rows.tobytes(), name
-    for there, here in zip(spilt.checks, kept.checks, strict=True):
-        assert there.value == pytest.approx(here.value, rel=1e-12)
-        assert replace(there, value=here.value, margin=here.margin) == here
-    assert [there == here for there, here in zip(spilt.checks, kept.checks, strict=True)].count(False) <= 2  # rms, mean
+    assert spilt.checks == kept.checks
     assert (tmp_path / "kept" / "run.mcap").read_bytes() == (tmp_path / "spilt" / "run.mcap").read_bytes()
     assert len(spilt.signals._kept) == long_run.CHANNELS_KEPT
     with pytest.raises(KeyError):

@@ -1,12 +1,15 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import signal
 import struct
 import subprocess
 import sys
 from contextlib import suppress
+from dataclasses import asdict
+from hashlib import sha256
 from pathlib import Path
 
 import mcap.reader
@@ -17,13 +20,14 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Message, MessageIndex
 from mcap.stream_reader import StreamReader, breakup_chunk, get_chunk_data_stream
-from support.helix_run import DT, HEADER, THRUSTERS, append_tick, fly, model, table
+from support.helix_run import DT, END, HEADER, THRUSTERS, append_tick, fly, model, table
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.channels import Channel, Field
 from cube_sim.recording.mcap.names import EPOCH_NS
 from cube_sim.recording.reading import read_recording, read_signals
 from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.run_end import RunEnd
 
 TICKS = 160  # more than three simulated seconds, the last one begun and not full
 
@@ -33,6 +37,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, np.nd
     directory = tmp_path_factory.mktemp("run")
     with Recorder(directory, HEADER, table(), model()) as recorder:
         fly(recorder, TICKS)
+        recorder.finish(END)
     return recorder.mcap, recorder.signals
 
 
@@ -86,6 +91,7 @@ def test_signals_are_complete_before_the_end_and_reading_them_changes_nothing(tm
 def test_the_same_run_gives_the_same_bytes(run, tmp_path):
     with Recorder(tmp_path, HEADER, table(), model()) as recorder:
         fly(recorder, TICKS)
+        recorder.finish(END)
     assert recorder.mcap.read_bytes() == run[0].read_bytes()
 
 
@@ -142,8 +148,9 @@ def test_the_header_comes_first_and_comes_back(run):
     assert recording.channels == table()
     assert recording.complete
     kinds = [type(record).__name__ for record in StreamReader(io.BytesIO(run[0].read_bytes())).records]
-    first_row = kinds.index("Message")
-    assert not {"Attachment", "Metadata"} & set(kinds[first_row:])
+    first_row, last_row = kinds.index("Message"), len(kinds) - kinds[::-1].index("Message")
+    assert not {"Attachment", "Metadata"} & set(kinds[first_row:last_row])
+    assert kinds[last_row:].count("Metadata") == 1
 
 
 def test_every_summary_number_is_that_of_the_messages(run):
@@ -291,7 +298,11 @@ def test_a_file_cut_anywhere_is_read_as_far_as_it_goes_or_refused(run, tmp_path,
         # Only without its header is a recording none at all.
         assert fraction < 0.5
         return
-    assert not recording.complete
+    # Behind how the run ended there is nothing but the index.
+    assert recording.complete == (recording.end is not None)
+    if recording.complete:
+        assert fraction > 0.8
+        assert recording.rows["pose"].tobytes() == read_recording(run[0]).rows["pose"].tobytes()
 
 
 def test_a_flipped_bit_in_the_head_is_a_damaged_record_or_none_that_is_whole(run, tmp_path):
@@ -376,8 +387,11 @@ def test_a_run_that_raises_leaves_a_whole_file(tmp_path):
     with pytest.raises(ZeroDivisionError):
         interrupted()
     recording = read_recording(tmp_path / "run.mcap")
-    assert recording.complete
+    assert not recording.complete
+    assert recording.end is None
     assert len(recording.rows["pose"]) == 60
+    with (tmp_path / "run.mcap").open("rb") as file:
+        assert mcap.reader.make_reader(file).get_summary() is not None
 
 
 def test_a_fast_channel_outgrows_its_buffer(tmp_path):
@@ -404,3 +418,29 @@ def test_channels_declare_themselves_in_the_file(run):
 def test_a_field_that_contradicts_itself_is_refused(width, columns):
     with pytest.raises(ValueError, match="width"):
         Field("position", width, "m", "somewhere", columns)
+
+
+def test_the_record_says_how_its_run_ended(run):
+    assert read_recording(run[0]).end == END
+    with run[0].open("rb") as file:
+        tables = {each.name: each.metadata for each in mcap.reader.make_reader(file).iter_metadata()}
+    assert json.loads(tables["end"]["how"]) == "completed"
+    digests = json.loads(tables["end"]["digests"])
+    wrench = next(channel for channel in table() if channel.name == "wrench")
+    rows = np.hstack([run[1][f"wrench.{name}"][:, 1:] for name in ("demanded", "allocated", "disturbance")])
+    rows = np.hstack([run[1]["wrench.demanded"][:, :1], rows])
+    text = json.dumps(asdict(wrench), sort_keys=True)
+    assert digests["channels"]["wrench"] == {
+        "rows": TICKS,
+        "sha256": sha256(text.encode() + rows.astype("<f8").tobytes()).hexdigest(),
+    }
+
+
+@pytest.mark.parametrize("how", ["interrupted", "failed", "recovered"])
+def test_a_flight_that_was_stopped_is_not_complete(tmp_path, how):
+    with Recorder(tmp_path, HEADER, table(), model(), view=False) as recorder:
+        fly(recorder, 60)
+        recorder.finish(RunEnd(how, "because", 60, 1.2))
+    recording = read_recording(recorder.mcap)
+    assert (recording.complete, recording.flaw) == (False, f"{how} at 1.2 s: because")
+    assert recording.end == RunEnd(how, "because", 60, 1.2)

@@ -97,8 +97,13 @@ def test_an_interrupted_run_is_replayed_as_far_as_it_goes(tmp_path, monkeypatch,
     with pytest.raises(RunInterrupted):
         cube_sim.run(scenario_with(tmp_path, ""), {"duration_s": 3.0}, tmp_path / "run", interrupt)
     run = cube_sim.load_run(tmp_path / "run")
-    assert run.complete
-    assert not run.goes_to_its_end
+    assert not run.complete
+    assert run.flaw == f"interrupted at {run.end.simulated_s:g} s: Ctrl-C"
+    told = json.loads((tmp_path / "run" / "verdict.json").read_text())
+    assert (told["verdict"], told["ended_early"]["reason"]) == ("ERROR", "interrupted by Ctrl-C")
+    assert run.end.verdict == "ERROR"
+    assert 1.0 <= run.end.simulated_s == told["simulated_s"] < 3.0
+    assert {check["verdict"] for check in told["checks"]} == {"ERROR"}
     code, out, _ = call(monkeypatch, capsys, "replay", tmp_path / "run")
     assert code == 0
     assert out.startswith("identical: ")

@@ -13,6 +13,8 @@ import numpy as np
 from cube_sim.recording.channels import Channel, channel_table
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.recorder import Recorder
+from cube_sim.recording.run_end import RunEnd
+from cube_sim.verdict import CheckResult
 
 DT = 0.02
 THRUSTERS = tuple(f"T{i}" for i in range(1, 9))
@@ -55,6 +57,8 @@ HEADER = RunHeader(
     versions={"numpy": "2", "mujoco": "4"},
     seed=7,
 )
+
+END = RunEnd("completed", "", 160, 3.2, "", "PASS", (CheckResult("it", "PASS", 0.1, "<=", 1.0, 0.9, 2.0, "so"),))
 
 
 def table() -> tuple[Channel, ...]:

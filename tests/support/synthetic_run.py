@@ -9,7 +9,7 @@ import numpy as np
 from cube_sim.recording.channels import channel_table
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.navigation_channels import navigation_channels
-from cube_sim.recording.reading import Recording
+from cube_sim.recording.reading import NO_END, Recording
 from cube_sim.run_log import LogLine
 from cube_sim.runs.recorded_run import RecordedRun
 
@@ -101,4 +101,5 @@ def synthetic_run(
     rows = {name: values[values[:, 0] <= until_s] for name, values in signals.items()}
     rows = {name: values for name, values in rows.items() if len(values)}
     said = None if verdict is None else {"verdict": verdict}
-    return RecordedRun(Path("nowhere/run.mcap"), Recording(header, "hull", table, rows, log, complete), said)
+    recording = Recording(header, "hull", table, rows, log, flaw="" if complete else NO_END)
+    return RecordedRun(Path("nowhere/run.mcap"), recording, said)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from datetime import UTC, datetime
+from typing import get_args
 
 from cube_sim.allocation import Status
 from cube_sim.commands.pages.markdown import block, code, heading, link, table
@@ -15,6 +16,7 @@ from cube_sim.recording.mcap.names import (
     CODE,
     CODE_DIGESTS,
     CODE_METADATA,
+    END_METADATA,
     EPOCH_NS,
     FORMAT,
     LOG_TOPIC,
@@ -27,6 +29,7 @@ from cube_sim.recording.mcap.names import (
 )
 from cube_sim.recording.mcap.schemas import FRAME_TRANSFORM, LOG, LOG_LEVELS, channel_schema_name
 from cube_sim.recording.navigation_channels import READINGS, navigation_channels
+from cube_sim.recording.run_end import How
 from cube_sim.run_log import ALIKE, LogLine
 from cube_sim.verdict import CheckResult, Flown, to_json
 
@@ -103,14 +106,30 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
 - **Times**: simulated time starts at {_EPOCH} in every file. There is no wall clock in it.
 - **Chunks**: one simulated second each, compressed with zstd and handed to the operating system when it is over. A
   killed process loses less than a second. What is whole is read, and the recording is marked incomplete. Messages stand
-  in the order of time, those of one instant in the order of the tables; files in another order are read as well."""
+  in the order of time, those of one instant in the order of the tables. A message's sequence number counts the rows of
+  its channel from 0.
+- **The end**: behind the last chunk, the metadata `{END_METADATA}` says how the run ended. Its values are JSON. `how`
+  is one of {", ".join(f"`{how}`" for how in get_args(How))}; `reason` says why, `ticks` and `simulated_s`
+  what was really flown, `given_up` why the path was given up at the end. `verdict` and `checks` are those of
+  `verdict.json`. `digests` has the SHA-256 of each file and table before the rows, of the log, and of each channel: of
+  the text of its metadata `{CHANNEL_METADATA}`, then of its rows in the order of their sequence numbers, each number as
+  the eight bytes of a double, least significant first, the time first. `sha256` is that of all these texts as one
+  JSON object, keys sorted. It is metadata, for programs that sort, merge or compress a file anew carry that along,
+  and none of them makes such digests.
+
+`load_run(...).complete` says that the end is there, that the flight came to it (`completed` or `ended early`), and that
+all digests fit what was read; `flaw` says what does not. A file that others have sorted, compressed anew or written
+without chunks is read the same. Two runs merged into one file are refused, and so is a chunk that does not fit its
+checksum. Records of formats before {FORMAT} are read as well; they do not say how their run ended, and nobody can tell
+whether their numbers were altered."""
 _VERDICT = f"""\
 `verdict` is PASS when every check was shown to hold, FAIL when one was shown not to, ERROR when none failed but
 something could not be judged. `value` is the worst value, in the unit of what was checked, and `at_s` when it was.
 `margin` is its distance from the limit, positive on the side that passes. What could not be judged is null.
 
 `simulated_s` is the time really flown. `ended_early` is null, or has `time_s` and `reason` of a run that ended before
-its time, because its state left all bounds or the controller had no answer. Its verdict is ERROR.
+its time: its state left all bounds, the controller had no answer, somebody stopped it, or its files could not be
+written. Its verdict is ERROR.
 
 `log` holds what was said at the levels WARNING, ERROR and FATAL: faults, a path given up, a wrench out of reach, a hull
 that comes out of the water, MuJoCo's warnings. What was said again is one entry: how often (`count`), first and last

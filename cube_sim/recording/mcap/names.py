@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
+
 from cube_sim.recording.channels import Channel
 
 # 2000-01-01T00:00:00Z. Simulated time starts here in every recording: a recording has no wall clock.
 EPOCH_NS = 946_684_800 * 1_000_000_000
 
-FORMAT = "2"
-"""1 had the MJCF as `MODEL`, the files it refers to as `ASSETS` and no other inputs."""
+FORMAT = "3"
+"""1 had the MJCF as `MODEL`, the files it refers to as `ASSETS` and no other inputs; 2 did not say how a run ended."""
+WITHOUT_END = ("1", "2")
+FORMATS = (*WITHOUT_END, FORMAT)
+"""Those that are read."""
 TRANSFORM_TOPIC = "/tf"
 LOG_TOPIC = "/log"
 SCENARIO, RESOLVED, CODE = "scenario.yaml", "resolved.yaml", "python/"
 MODEL, ASSETS = "model.xml", "assets/"
 MODEL_NAME = "model"
 RUN_METADATA, VERSIONS_METADATA, CODE_METADATA, CODE_DIGESTS = "cube_sim", "versions", "python", "python_sha256"
+END_METADATA = "end"
 CHANNEL_METADATA = "channel"
 
 
@@ -23,6 +30,16 @@ def topic(channel: Channel) -> str:
     return f"/{channel.name}"
 
 
+def declaration(channel: Channel) -> str:
+    """The table of a channel as JSON, as its metadata has it."""
+    return json.dumps(asdict(channel), sort_keys=True)
+
+
 def stamp_ns(t: float) -> int:
     """Time stamp [ns] of a simulated time t [s]."""
     return EPOCH_NS + round(t * 1e9)
+
+
+def seconds(stamp: int) -> float:
+    """Simulated time [s] of a time stamp [ns]."""
+    return (stamp - EPOCH_NS) / 1e9

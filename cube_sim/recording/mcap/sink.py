@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.recording.batch import Batch
 from cube_sim.recording.channels import Channel
+from cube_sim.recording.digests import ChannelDigest, head_digests, log_digest
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.mcap.encoding import INDEX_ENTRY, INDEX_HEAD, STREAM, ReadyMade, Templates, encode
 from cube_sim.recording.mcap.fixed_width import Layout, channel_layout, message_record
@@ -21,6 +21,7 @@ from cube_sim.recording.mcap.names import (
     CODE,
     CODE_DIGESTS,
     CODE_METADATA,
+    END_METADATA,
     EPOCH_NS,
     FORMAT,
     LOG_TOPIC,
@@ -30,6 +31,7 @@ from cube_sim.recording.mcap.names import (
     SCENARIO,
     TRANSFORM_TOPIC,
     VERSIONS_METADATA,
+    declaration,
     stamp_ns,
     topic,
 )
@@ -42,6 +44,7 @@ from cube_sim.recording.mcap.schemas import (
     log_schema,
 )
 from cube_sim.recording.mcap.writer import McapWriter, Messages
+from cube_sim.recording.run_end import RunEnd, to_texts
 from cube_sim.run_log import LogLine
 
 _NOTHING_SAID = ReadyMade(np.empty(0, np.uint8), np.empty(0, np.int64))
@@ -49,19 +52,21 @@ _POSE = "pose"
 
 
 class McapSink:
-    """Writes a run to an MCAP file: the header first, then one chunk per batch."""
+    """Writes a run to an MCAP file: the header first, then one chunk per batch, at last how the run ended."""
 
     def __init__(self, path: Path, header: RunHeader, channels: Sequence[Channel], vehicle: str) -> None:
         self._writer = McapWriter(path)
         self._vehicle = vehicle
-        self._write_header(header)
+        self._head = self._write_header(header)
+        self._digests = {channel.name: ChannelDigest(channel) for channel in channels}
+        self._said: list[LogLine] = []
         layouts = [(channel_layout(channel), -1) for channel in channels]
         self._ids = [
             self._writer.add_channel(
                 topic(channel),
                 channel_schema_name(channel),
                 channel_schema(channel),
-                {CHANNEL_METADATA: json.dumps(asdict(channel), sort_keys=True)},
+                {CHANNEL_METADATA: declaration(channel)},
             )
             for channel in channels
         ]
@@ -98,6 +103,10 @@ class McapSink:
             streams[-1]["row"], streams[-1]["count"], streams[-1]["width"] = rows, len(batch.log), 1
         if parts:
             self._writer.write_chunk(self._encoded(streams, np.concatenate(parts), said))
+        # What is in the file, no more: a full disk may have kept this batch out of it.
+        for name, table in batch.rows.items():
+            self._digests[name].take(table)
+        self._said += batch.log
 
     def _encoded(self, streams: NDArray[np.void], numbers: NDArray[np.float64], said: ReadyMade) -> Messages:
         counts, ahead = streams["count"], self._writer.ahead
@@ -118,17 +127,27 @@ class McapSink:
         ends = np.cumsum([len(record) for record in records])
         return ReadyMade(np.frombuffer(b"".join(records), np.uint8).copy(), ends)
 
+    def finish(self, end: RunEnd) -> None:
+        """Write how the run ended; nothing but closing comes after, and once it is closed nothing is written."""
+        if self._writer.closed:
+            return
+        channels = {name: digest.told() for name, digest in self._digests.items()}
+        digests = {**self._head, "channels": channels, "log": log_digest(self._said)}
+        self._writer.add_metadata(END_METADATA, to_texts(end, digests))
+
     def close(self) -> None:
         """Write the index and close the file."""
         self._writer.close()
 
-    def _write_header(self, header: RunHeader) -> None:
+    def _write_header(self, header: RunHeader) -> dict[str, Any]:
+        """Write what comes before the rows; returns its digests."""
         run = {"format": FORMAT, "seed": str(header.seed), "vehicle": self._vehicle, MODEL_NAME: header.model}
-        self._writer.add_metadata(RUN_METADATA, run)
-        self._writer.add_metadata(VERSIONS_METADATA, dict(sorted(header.versions.items())))
+        tables = {RUN_METADATA: run, VERSIONS_METADATA: dict(sorted(header.versions.items()))}
         if header.code:
-            self._writer.add_metadata(CODE_METADATA, {code.key: code.name for code in header.code})
-            self._writer.add_metadata(CODE_DIGESTS, {code.key: code.digest for code in header.code})
+            tables[CODE_METADATA] = {code.key: code.name for code in header.code}
+            tables[CODE_DIGESTS] = {code.key: code.digest for code in header.code}
+        for name, table in tables.items():
+            self._writer.add_metadata(name, table)
         files = [
             (SCENARIO, "application/yaml", header.scenario.encode()),
             (RESOLVED, "application/yaml", header.resolved.encode()),
@@ -137,6 +156,7 @@ class McapSink:
         files += [(CODE + code.file, "text/x-python", code.source.encode()) for code in header.code if code.source]
         for name, media_type, data in files:
             self._writer.add_attachment(name, media_type, data, EPOCH_NS)
+        return head_digests(tables, {name: data for name, _, data in files})
 
 
 def _media_type(name: str) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -74,7 +75,7 @@ class McapWriter:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._file = path.open("wb")
+        self._file = path.open("wb", buffering=0)
         self._compressor = zstandard.ZstdCompressor(level=COMPRESSION_LEVEL)
         self._position = 0
         self._crc = 0
@@ -90,7 +91,7 @@ class McapWriter:
         self._write_record(Header(profile="", library=LIBRARY))
 
     def add_metadata(self, name: str, data: Mapping[str, str]) -> None:
-        """Write a named table of texts."""
+        """Write a named table of texts, before the chunks or after them."""
         offset = self._position
         self._write_record(Metadata(name=name, metadata=dict(data)))
         self._metadata.append(MetadataIndex(offset=offset, length=self._position - offset, name=name))
@@ -134,6 +135,11 @@ class McapWriter:
         return number
 
     @property
+    def closed(self) -> bool:
+        """Whether nothing can be written any more."""
+        return self._file.closed
+
+    @property
     def ahead(self) -> int:
         """Bytes of the next chunk that come before its first message."""
         return len(self._declared)
@@ -149,7 +155,9 @@ class McapWriter:
         head = _CHUNK.pack(
             Opcode.CHUNK, length - 9, start, end, size, zlib.crc32(chunk.data), len(_COMPRESSION), _COMPRESSION, packed
         )
-        offsets, at, entries = [], self._position + length, len(messages.index)
+        position, offsets, entries = self._position, [], len(messages.index)
+        at = position + length
+        self._write(b"".join((head, compressed, messages.index.data)))
         for channel_id, count in messages.channels:
             offsets += [channel_id, at]
             at += INDEX_HEAD + INDEX_ENTRY * count
@@ -161,7 +169,7 @@ class McapWriter:
                 64 + len(_COMPRESSION) + 10 * len(messages.channels),
                 start,
                 end,
-                self._position,
+                position,
                 length,
                 10 * len(messages.channels),
                 *offsets,
@@ -172,22 +180,42 @@ class McapWriter:
                 size,
             )
         )
-        self._write(b"".join((head, compressed, messages.index.data)))
         first, last = self._times or (start, end)
         self._times = (min(first, start), max(last, end))
-        self._file.flush()
 
     def close(self) -> None:
-        """Write the summary and close the file."""
+        """Write the summary and close the file.
+
+        Raises:
+            OSError: there is no room for the summary. The file is closed without it, which readers can do without.
+        """
         if self._file.closed:
             return
-        self._write_record(DataEnd(data_section_crc=self._crc))
+        try:
+            self._end()
+        finally:
+            self._file.close()
+
+    def _end(self) -> None:
+        end, crc = self._position, self._crc
+        try:
+            self._file.truncate()  # of what there was no room for, a part may be there
+            self._write_record(DataEnd(data_section_crc=crc))
+            self._write_summary()
+        except OSError:
+            self._file.seek(end)
+            self._file.truncate()
+            with suppress(OSError):
+                footer = _encoded(Footer(summary_start=0, summary_offset_start=0, summary_crc=0))
+                self._write(_encoded(DataEnd(data_section_crc=crc)) + footer + MCAP0_MAGIC)
+            raise
+
+    def _write_summary(self) -> None:
         summary_start, self._crc = self._position, 0  # the second checksum covers what follows up to itself
         offsets = []
         for opcode, records in self._summary():
             start = self._position
-            for record in records:  # one by one: a long run has many chunks
-                self._write(record)
+            self._write(b"".join(records))
             if self._position > start:
                 offsets.append(SummaryOffset(opcode, start, self._position - start))
         offset_start = self._position
@@ -196,7 +224,6 @@ class McapWriter:
         footer = _encoded(Footer(summary_start=summary_start, summary_offset_start=offset_start, summary_crc=0))
         self._write(footer[:-4])
         self._write(self._crc.to_bytes(4, "little") + MCAP0_MAGIC)
-        self._file.close()
 
     def _summary(self) -> list[tuple[Opcode, list[bytes]]]:
         start, end = self._times or (0, 0)
@@ -224,7 +251,14 @@ class McapWriter:
         self._write(_encoded(record))
 
     def _write(self, data: bytes) -> None:
-        self._file.write(data)
+        """Hand bytes to the operating system, all of them; of those that did not go there nothing is counted."""
+        try:
+            rest = memoryview(data)
+            while rest:
+                rest = rest[self._file.write(rest) :]
+        except OSError:
+            self._file.seek(self._position)
+            raise
         self._position += len(data)
         self._crc = zlib.crc32(data, self._crc)
 

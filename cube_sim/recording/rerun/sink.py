@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -32,6 +33,10 @@ def rerun_sink(
     """
     path.write_bytes(b"")  # a place that cannot be written is found out now
     return GatheringSink(RerunSink(lambda stream: stream.save(path), header, channels, model, vehicle), PIECE_S)
+
+
+FLUSH_S = 10.0
+"""So long the end of a view may take to be written: Rerun waits for ever for a file that it could not write."""
 
 
 class RerunSink:
@@ -69,7 +74,13 @@ class RerunSink:
     def close(self) -> None:
         """Finish the file."""
         stream, _ = self._begun or self._begin(Batch({}))
-        stream.flush()
+        try:
+            stream.flush(timeout_sec=FLUSH_S)
+        except Exception:
+            # Whoever lets go of it now, or ends the process, would wait for ever: nobody lets go of it.
+            rr.unregister_shutdown()
+            ctypes.pythonapi.Py_IncRef(ctypes.py_object(stream))
+            raise
         stream.disconnect()
 
     def _begin(self, first: Batch) -> tuple[rr.RecordingStream, RunDrawing]:
