@@ -13,7 +13,20 @@ from typing import Annotated
 
 import typer
 
-from cube_sim.commands import analyze, diff, examples, export, judge, reference, replay, report, run, schema, signals
+from cube_sim.commands import (
+    analyze,
+    diff,
+    examples,
+    export,
+    judge,
+    reference,
+    replay,
+    report,
+    run,
+    schema,
+    signals,
+    view,
+)
 from cube_sim.commands.ending import NOT_JUDGED, leave_on_interrupt, raise_on_interrupt
 
 _TRACEBACK = "CUBE_SIM_TRACEBACK"
@@ -30,6 +43,7 @@ app.command(epilog=replay.EPILOG)(replay.replay)
 app.command(epilog=diff.EPILOG)(diff.diff)
 app.command(epilog=judge.EPILOG)(judge.judge)
 app.command(epilog=report.EPILOG)(report.report)
+app.command(epilog=view.EPILOG)(view.view)
 app.command(epilog=export.EPILOG)(export.export)
 app.command(epilog=signals.EPILOG)(signals.signals)
 app.command(epilog=analyze.EPILOG)(analyze.analyze)

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
+from cube_sim.commands.labels import labels
 from cube_sim.errors import RecordingError
 from cube_sim.run_directory import MCAP_FILE, RESOLVED_FILE
 
@@ -36,7 +37,7 @@ def report(
         recorded = [load_run(run) for run in runs]
         from cube_sim.report.page import report as page
 
-        content = page(recorded, _labels(runs, [run.scenario.name for run in recorded]))
+        content = page(recorded, labels(runs, [run.scenario.name for run in recorded]))
     except RecordingError as error:
         stop(BAD_INPUT, str(error))
     try:
@@ -54,12 +55,3 @@ def _beside(runs: Sequence[Path]) -> Path:
     name = first.name if first.is_dir() else first.stem
     more = f"_and_{len(runs) - 1}_more" if len(runs) > 1 else ""
     return first.with_name(f"{name}{more}.html")
-
-
-def _labels(runs: Sequence[Path], names: Sequence[str]) -> list[str]:
-    """The scenarios' names; where they are the same, those of the folders; where these are as well, letters."""
-    folders = [(run if run.is_dir() else run.absolute().parent).resolve().name for run in runs]
-    for labels in (names, folders):
-        if len({*labels}) == len(labels):
-            return list(labels)
-    return [f"{index}: {name}" for index, name in enumerate(names, 1)]

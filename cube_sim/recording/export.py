@@ -1,18 +1,26 @@
-"""``run.rrd`` made again from ``run.mcap`` alone."""
+"""Views made of records alone: ``run.rrd`` again, or several runs in one."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import mujoco
+import rerun as rr
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import split_into_batches
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.mcap.names import MODEL
-from cube_sim.recording.reading import read_recording
-from cube_sim.recording.rerun.sink import rerun_sink
+from cube_sim.recording.reading import Recording, read_recording
+from cube_sim.recording.rerun.drawing import RunDrawing
+from cube_sim.recording.rerun.drawn import drawn_from
+from cube_sim.recording.rerun.gathering import gathered
+from cube_sim.recording.rerun.side_by_side import looks, side_by_side
+from cube_sim.recording.rerun.sink import PIECE_S, rerun_sink
+from cube_sim.recording.rerun.story import story_of
 from cube_sim.recording.saved_inputs import save_inputs
 
 
@@ -26,17 +34,66 @@ def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
     Raises:
         RecordingError: the record cannot be read, or its model cannot be compiled.
     """
-    recording = read_recording(mcap)
-    header = recording.header
-    try:
-        model = _compiled(header)
-    except ValueError as error:
-        raise RecordingError(f"{mcap}: the recorded model does not compile: {error}") from None
-    named = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, recording.vehicle) >= 0
-    sink = rerun_sink(rrd, header, recording.channels, model, recording.vehicle if named else None)
+    opened = _Opened.read(mcap)
+    recording = opened.recording
+    sink = rerun_sink(rrd, recording.header, recording.channels, opened.model, opened.vehicle)
     for batch in split_into_batches(recording.rows, recording.log):
         sink.write(batch)
     sink.close()
+
+
+def rrd_from_records(mcaps: Sequence[Path], names: Sequence[str], rrd: Path) -> None:
+    """Write one Rerun recording that shows several records on one time.
+
+    Args:
+        mcaps: up to `MOST_RUNS` records.
+        names: of the runs, all different.
+        rrd: file to write.
+
+    Raises:
+        RecordingError: a record cannot be read, or its model cannot be compiled.
+    """
+    opened = [_Opened.read(mcap) for mcap in mcaps]
+    pieces = [gathered(split_into_batches(o.recording.rows, o.recording.log), PIECE_S) for o in opened]
+    shown = [
+        drawn_from(o.recording.channels, o.model, o.vehicle, story_of(o.recording.header), batches[0], places, look)
+        for o, batches, (places, look) in zip(opened, pieces, looks(names), strict=True)
+    ]
+    stream = rr.RecordingStream("cube_sim side by side", send_properties=False)
+    stream.save(rrd)
+    for o, batches, drawn in zip(opened, pieces, shown, strict=True):
+        drawing = RunDrawing(stream, drawn, o.model, o.vehicle)
+        for batch in batches:
+            drawing.write(batch)
+    stream.send_recording_name(" beside ".join(names))
+    stream.send_blueprint(side_by_side(shown), make_active=True)
+    stream.flush()
+    stream.disconnect()
+
+
+@dataclass(frozen=True)
+class _Opened:
+    """A record and its compiled model.
+
+    Attributes:
+        recording: the record.
+        model: compiled.
+        vehicle: the body that swims; None for the first that can.
+    """
+
+    recording: Recording
+    model: mujoco.MjModel
+    vehicle: str | None
+
+    @classmethod
+    def read(cls, mcap: Path) -> _Opened:
+        recording = read_recording(mcap)
+        try:
+            model = _compiled(recording.header)
+        except ValueError as error:
+            raise RecordingError(f"{mcap}: the recorded model does not compile: {error}") from None
+        named = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, recording.vehicle) >= 0
+        return cls(recording, model, recording.vehicle if named else None)
 
 
 def _compiled(header: RunHeader) -> mujoco.MjModel:

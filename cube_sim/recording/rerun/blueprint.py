@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import log10
 
 import numpy as np
@@ -39,7 +39,7 @@ _SMALLEST_RADIUS = 1.5  # m
 _CLOSE_UP = (-2.3, -2.65, 1.75)  # in multiples of the vehicle's reach, body axes
 _HULLS_IN_SIGHT = 3.0  # so many times the vehicle's reach is in sight at least
 
-_CLOSE_ERROR = 0.12  # m, what the second plot of the path error shows either side of 0
+CLOSE_ERROR_M = 0.12  # m, what the second plot of the path error shows either side of 0
 _LEGEND = 0.3  # of the run's duration: free time after it, where the legends of the plots stand clear of the curves
 
 
@@ -48,7 +48,7 @@ def blueprint(drawn: Drawn) -> rrb.Blueprint:
     places, story = drawn.places, drawn.story
     names = {channel.name for channel in drawn.channels}
     left = rrb.Vertical(
-        _scene([drawn]),
+        scene([drawn]),
         rrb.Horizontal(_close_up(drawn), _messages(drawn, names), column_shares=[4.0, 5.0]),
         row_shares=[0.85, 1.0],
     )
@@ -71,7 +71,7 @@ def whole(content: rrb.View | rrb.Container) -> rrb.Blueprint:
 
 def _messages(drawn: Drawn, names: Collection[str]) -> rrb.Container:
     """How the vehicle flies, what was said, and what the scenario asks for."""
-    places, time = drawn.places, _time(drawn.story.duration_s)
+    places, time = drawn.places, time_axis(drawn.story.duration_s)
     views: list[rrb.View] = []
     if "allocation" in names:
         views.append(rrb.StateTimelineView(origin=places.at(LANES), name="Allocation", time_view=time))
@@ -86,7 +86,7 @@ def _messages(drawn: Drawn, names: Collection[str]) -> rrb.Container:
 def _plots(plot: Plots, drawn: Drawn, names: Collection[str]) -> Iterator[rrb.View | rrb.Container | None]:
     """Rows of plots, those that belong together behind one another."""
     if "path_error" in names:
-        size = shown_error_m(drawn.story, _CLOSE_ERROR)
+        size = shown_error_m(drawn.story, CLOSE_ERROR_M)
         close = plot.close_up(ERROR, f"within {100 * size:.3g} cm", size)
         errors = rrb.Tabs(plot(ERROR, "Path error [m]"), plot(ATTITUDE, "Attitude error [rad]"), active_tab=0)
         yield rrb.Horizontal(errors, close)
@@ -113,11 +113,12 @@ def _plots(plot: Plots, drawn: Drawn, names: Collection[str]) -> Iterator[rrb.Vi
     )
 
 
-def _scene(runs: Sequence[Drawn], origin: str | None = None) -> rrb.Spatial3DView:
+def scene(runs: Sequence[Drawn], origin: str | None = None) -> rrb.Spatial3DView:
+    """All that is to be seen of some runs, from where it is in sight; by default what is below the first's world."""
     points = np.vstack([drawn.points for drawn in runs])
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
     centre = (low + high) / 2
-    story = runs[0].story
+    names = [name for name in (drawn.look.name or drawn.story.name for drawn in runs) if name]
     reach = max(drawn.measures.reach for drawn in runs)
     radius = max(float(np.linalg.norm(high - low)) / 2, _SMALLEST_RADIUS, _HULLS_IN_SIGHT * reach)
     eye = rrb.EyeControls3D(
@@ -130,7 +131,7 @@ def _scene(runs: Sequence[Drawn], origin: str | None = None) -> rrb.Spatial3DVie
     trails = [entity for drawn in runs for entity in _trails(drawn)]
     return rrb.Spatial3DView(
         origin=runs[0].places.world if origin is None else origin,
-        name=": ".join(part for part in (story.name, "vehicle, path and virtual target") if part),
+        name=": ".join([*([" beside ".join(names)] if names else []), "vehicle, path and virtual target"]),
         background=rrb.Background(color=[*palette.WATER, 255]),
         line_grid=rrb.LineGrid3D(
             visible=True,
@@ -201,8 +202,22 @@ class Plots:
         return rrb.TimeSeriesView(
             origin=self._places.at(plot),
             name=name,
-            axis_x=_time(self._duration_s, _LEGEND),
+            axis_x=time_axis(self._duration_s, _LEGEND),
             plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=True),
+        )
+
+    def of(
+        self, name: str, entities: Sequence[str], colours: Mapping[str, rr.SeriesLines], size: float | None = None
+    ) -> rrb.TimeSeriesView:
+        """Some curves in colours of their own, from -size to size where that is given."""
+        return rrb.TimeSeriesView(
+            origin="/",
+            contents=list(entities),
+            name=name,
+            axis_x=time_axis(self._duration_s, _LEGEND if size is None else 0.0),
+            axis_y=None if size is None else rrb.ScalarAxis(range=(-size, size)),
+            plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=size is None),
+            overrides={**colours},
         )
 
     def close_up(self, plot: str, name: str, size: float) -> rrb.TimeSeriesView:
@@ -210,13 +225,13 @@ class Plots:
         return rrb.TimeSeriesView(
             origin=self._places.at(plot),
             name=name,
-            axis_x=_time(self._duration_s),
+            axis_x=time_axis(self._duration_s),
             axis_y=rrb.ScalarAxis(range=(-size, size)),
             plot_legend=rrb.PlotLegend(visible=False),
         )
 
 
-def _time(duration_s: float | None, beyond: float = 0.0) -> rrb.TimeAxis:
+def time_axis(duration_s: float | None, beyond: float = 0.0) -> rrb.TimeAxis:
     """All of a run's time, and a share of it more after its end."""
     if duration_s is None:
         start = end = rrb.TimeRangeBoundary.infinite()

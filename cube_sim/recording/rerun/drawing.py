@@ -56,7 +56,7 @@ class RunDrawing:
         if ("health", "efficiency") not in self._columns and mounts.names:
             healthy = rr.Cylinders3D.from_fields(colors=[palette.DUCT], labels=mounts.names)
             recording.log(self._places.thrusters, healthy, static=True)
-        if len(drawn.points):
+        if len(drawn.points) and drawn.look.surface:
             log_surface(recording, drawn.places, drawn.points.min(axis=0), drawn.points.max(axis=0))
         self._log_styles()
         log_guides(recording, drawn, self._curves, TIMELINE)

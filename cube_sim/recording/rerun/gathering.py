@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from cube_sim.recording.batch import Batch, Rows, Sink, batch_number
@@ -43,6 +45,29 @@ class GatheringSink:
             rows = {name: np.concatenate(parts) for name, parts in self._rows.items()}
             batch, self._rows, self._log = Batch(rows, self._log), {}, []
             self._sink.write(batch)
+
+
+def gathered(batches: Iterable[Batch], seconds: int) -> list[Batch]:
+    """The same rows in pieces of so many simulated seconds, at least one piece."""
+    pieces = _Pieces()
+    sink = GatheringSink(pieces, seconds)
+    for batch in batches:
+        sink.write(batch)
+    sink.close()
+    return pieces.taken or [Batch({})]
+
+
+class _Pieces:
+    """Keeps what it is handed."""
+
+    def __init__(self) -> None:
+        self.taken: list[Batch] = []
+
+    def write(self, batch: Batch) -> None:
+        self.taken.append(batch)
+
+    def close(self) -> None:
+        pass
 
 
 def _start(batch: Batch) -> float:

@@ -46,11 +46,13 @@ class Look:
         trail: colour of its trail.
         path: colour of its path.
         name: shown at the vehicle; "" where it is alone.
+        surface: whether the sea surface is drawn with it.
     """
 
     trail: palette.Rgb = palette.TRAIL
     path: palette.Rgb = palette.PATH
     name: str = ""
+    surface: bool = True
 
 
 @dataclass(frozen=True)

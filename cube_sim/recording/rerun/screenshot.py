@@ -6,14 +6,10 @@ Pictures of one recording at one instant are alike to the pixel, but for the str
 
 from __future__ import annotations
 
-import os
-import socket
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 
@@ -21,6 +17,7 @@ from PIL import Image
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.rerun.drawing import TIMELINE
+from cube_sim.recording.rerun.viewer import LOCAL, free_port, start
 
 _MENU_BAR = 36  # pixels
 _NOTICE_S = 10.0  # for so long the viewer shows a notice that it has no screen
@@ -62,39 +59,14 @@ def screenshot(
 
 @contextmanager
 def _viewer(size: tuple[int, int]) -> Iterator[tuple[int, subprocess.Popen[bytes]]]:
-    """Run the viewer's own binary; its Python wrapper would leave it behind."""
-    port = _free_port()
-    process = subprocess.Popen(
-        [
-            _executable(),
-            "--headless",
-            *("--bind", "127.0.0.1", "--port", str(port)),
-            *("--window-size", f"{size[0]}x{size[1]}"),
-            "--hide-welcome-screen",
-        ],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        env={**os.environ, "TELEMETRY_ENABLED": "false"},
-    )
+    """Run the viewer without a window."""
+    port = free_port()
+    process = start(["--headless", "--window-size", f"{size[0]}x{size[1]}", "--hide-welcome-screen"], port)
     try:
         yield port, process
     finally:
         process.terminate()
         process.wait(timeout=30)
-
-
-def _executable() -> str:
-    spec = find_spec("rerun_cli")
-    if spec is None or not spec.submodule_search_locations:
-        raise RecordingError("the rerun viewer is not installed")
-    name = "rerun.exe" if sys.platform == "win32" else "rerun"
-    return str(Path(spec.submodule_search_locations[0]) / name)
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def _connect(client_class: type, port: int, process: subprocess.Popen[bytes]):
@@ -103,7 +75,7 @@ def _connect(client_class: type, port: int, process: subprocess.Popen[bytes]):
         if process.poll() is not None:
             raise RecordingError(f"the viewer ended with code {process.returncode}; is there a Vulkan driver?")
         try:
-            client = client_class.connect(f"rerun+http://127.0.0.1:{port}/proxy")
+            client = client_class.connect(f"rerun+http://{LOCAL}:{port}/proxy")
             client.get_state()
         except Exception:
             time.sleep(0.5)

@@ -1,0 +1,82 @@
+"""``cube-sim view``: a run in the Rerun viewer, or several in one view."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import typer
+
+from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, raise_on_interrupt, stop
+from cube_sim.commands.labels import labels
+from cube_sim.errors import RecordingError
+
+EPILOG = (
+    "The view is made of run.mcap, whether run.rrd is beside it or not. Exit code: 0 looked at, 2 bad input, 3 there "
+    "is nothing to show it with."
+)
+
+
+def view(
+    runs: Annotated[
+        list[Path],
+        typer.Argument(metavar="RUN...", help="Folders of runs, or their run.mcap; several are shown in one view."),
+    ],
+    web: Annotated[
+        bool, typer.Option("--web", help="Serve the view to a browser on this machine, until Ctrl-C.")
+    ] = False,
+    save: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.rrd", help="Write the view to a file instead; an earlier one is replaced."),
+    ] = None,
+) -> None:
+    """Look at a run, or at several on one time, in the Rerun viewer."""
+    try:
+        from cube_sim.recording.rerun.viewer import WebViewer, has_display, open_window
+
+        if not web and save is None and not has_display():
+            stop(NOT_JUDGED, "there is no screen here; --web serves the view to a browser, --save FILE.rrd writes it")
+        with TemporaryDirectory() as folder:
+            rrd = Path(folder) / "run.rrd" if save is None else save
+            _write(runs, rrd)
+            if save is not None:
+                typer.echo(str(save))
+                return
+            raise_on_interrupt()
+            if not web:
+                return open_window(rrd)
+            viewer = WebViewer(rrd)
+            typer.echo(f"{viewer.url}\nCtrl-C ends it")
+            viewer.serve()
+    except RecordingError as error:
+        stop(NOT_JUDGED, str(error))
+    except KeyboardInterrupt:
+        raise typer.Exit from None
+
+
+def _write(runs: list[Path], rrd: Path) -> None:
+    """Make the view; bad input ends the command."""
+    from cube_sim.recording.export import rrd_from_mcap, rrd_from_records
+    from cube_sim.recording.rerun.side_by_side import MOST_RUNS
+    from cube_sim.runs.recorded_run import load_run
+
+    try:
+        if len(runs) > MOST_RUNS:
+            raise RecordingError(f"{len(runs)} runs; a view shows up to {MOST_RUNS}")
+        recorded = [load_run(run) for run in runs]
+        if rrd.is_dir():
+            raise RecordingError(f"{rrd}: is a folder; give the name of a file")
+        if len(runs) == 1:
+            rrd_from_mcap(recorded[0].path, rrd)
+        else:
+            names = labels(runs, [run.scenario.name for run in recorded])
+            rrd_from_records([run.path for run in recorded], names, rrd)
+    except RecordingError as error:
+        stop(BAD_INPUT, str(error))
+    except (OSError, RuntimeError) as error:  # what Rerun says of a place that cannot be written is the second
+        said = getattr(error, "strerror", None) or str(error)
+        stop(NOT_JUDGED, f"{rrd}: cannot be written: {said}")
+    for run in recorded:
+        if not run.complete:
+            typer.echo(f"{run.path}: the record ends early, at {run.recorded_s:g} s", err=True)
