@@ -114,6 +114,6 @@ def _print_table(name: str, duration_s: float, result: Run, record: Recorded) ->
     kept = "verdict" if record is Recorded.NONE else "recording"
     lines = [*section("log:", log_lines(result.log)), "", f"{kept}: {result.directory}"]
     if record is Recorded.FULL:
-        lines.append(f"look at it: rerun {shlex.quote(str(result.directory / 'run.rrd'))}")
+        lines.append(f"look at it: cube-sim view {shlex.quote(str(result.directory))}")
     for line in lines:
         console.print(line, soft_wrap=True, markup=False, highlight=False)

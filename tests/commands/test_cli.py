@@ -218,7 +218,7 @@ def test_the_result_fits_a_screen_and_says_how_to_look_at_the_recording(tmp_path
     assert stdout.startswith("FAIL  short_flight: 0.5 s simulated")
     assert "max of path_error.cross_track" in stdout
     assert "FAIL max of path_error.cross_track: 26 samples" in " ".join(stdout.split())
-    assert stdout.splitlines()[-1] == f"look at it: rerun '{out}/run.rrd'"
+    assert stdout.splitlines()[-1] == f"look at it: cube-sim view '{out}'"
 
 
 def test_an_early_end_says_when_and_why(tmp_path, monkeypatch, capsys):
