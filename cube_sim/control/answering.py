@@ -169,7 +169,7 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio)
         begin_centre(p.left, p.centre, R, q, desired[0].quaternion)
     if s.balanced:
         facets = p.balanced_normals, p.balanced_bounds, p.balanced_shares
-        balance(hull, p.balancing, *facets, p.balanced, desired, R, p.memory, current, dt, force_ratio)
+        balance(hull, p.balancing, *facets, p.balanced, desired, view, R, p.memory, current, dt, force_ratio)
     follow(
         hull,
         p.loops,

@@ -12,7 +12,7 @@ from cube_sim.spatial import Matrix, Vector
 DESIRED = np.dtype([("quaternion", np.float64, 4), ("rates", np.float64, 3)])
 """`DesiredAttitude` as compiled laws fill it."""
 STILL: Vector = np.zeros(3)
-"""No flow [m/s]."""
+"""At rest [m/s]."""
 
 
 class DesiredAttitude(NamedTuple):
@@ -38,7 +38,7 @@ class Situation(NamedTuple):
         current: the current (3,) [m/s] as estimated, world axes.
         effort: Q (6,6) of the thrusters that still work, see `cube_sim.control.effort`.
         force_ratio: share of their force that the supply leaves the thrusters.
-        flow: the wanted velocity relative to the water (3,) [m/s], world axes.
+        velocity: the wanted velocity over ground (3,) [m/s], world axes.
     """
 
     view: TargetView
@@ -48,7 +48,7 @@ class Situation(NamedTuple):
     current: Vector
     effort: Matrix
     force_ratio: float = 1.0
-    flow: Vector = STILL
+    velocity: Vector = STILL
 
 
 class AttitudeMode(Protocol):

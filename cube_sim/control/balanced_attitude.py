@@ -12,11 +12,13 @@ from __future__ import annotations
 import numpy as np
 
 from cube_sim.control.asked import MEMORY as ASKED
-from cube_sim.control.attitude_mode import DESIRED, STILL, AttitudeMode, DesiredAttitude, Situation
+from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
 from cube_sim.control.balancing import BALANCE, MEMORY, NEVER_SEEN_RAD, balance
+from cube_sim.control.course_trim import seeks_trim
 from cube_sim.control.loop_times import FASTEST_TURN
 from cube_sim.control.pace import NO_BUDGET, ForceBudget
+from cube_sim.guidance.view_record import VIEW, record_of
 from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.vehicle.dynamics import Dynamics
 
@@ -68,6 +70,7 @@ class BalancedAttitude:
         parameters["lost"][:, :count], parameters["constants"][:count] = left.lost, left.constants
         parameters["count"], parameters["level"] = count, left.level
         parameters["time"], parameters["wish_time"], parameters["most_rate"] = time, wish_time, most_rate
+        self.parameters["watched"] = seeks_trim(left)
         self.wished: Vector = np.array([1.0, 0.0, 0.0, 0.0])
         self.memory: Record = np.zeros(1, MEMORY)
         self.memory["rotation"], self.memory["off"], self.memory["astray"] = rotation, np.inf, NEVER_SEEN_RAD
@@ -78,6 +81,25 @@ class BalancedAttitude:
         return bool(self.memory["short"][0])
 
     @property
+    def stale(self) -> bool:
+        """Whether the course, or what is wished for on it, has become another than was judged."""
+        return bool(self.memory["stale"][0])
+
+    @property
+    def trim(self) -> Matrix | None:
+        """The attitude (3,3) it wishes for, body axes in those of the course, in place of the mission's; or None."""
+        return self.parameters["trim"][0].copy() if self.parameters["trimmed"][0] else None
+
+    def wish_for(self, trim: Matrix | None, judged: Record) -> None:
+        """Wish for a trim, None for what the mission wishes, on the course that a record `MEMORY` holds."""
+        p = self.parameters
+        p["judged_wish"], p["judged_speed"], p["judged_climb"] = judged["course_wish"], judged["speed"], judged["climb"]
+        p["trimmed"] = trim is not None
+        if trim is not None:
+            p["trim"] = trim
+        self.memory["since"], self.memory["stale"] = 0.0, False
+
+    @property
     def off(self) -> float:
         """How far the attitude found is from the wish [rad]."""
         return float(self.memory["off"][0])
@@ -85,7 +107,8 @@ class BalancedAttitude:
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """See `AttitudeMode.attitude`."""
         asked, desired = np.zeros(1, ASKED), np.zeros(1, DESIRED)
-        asked["velocity"], asked["force"], asked["torque"] = situation.flow, situation.force, situation.torque
+        asked["velocity"] = situation.velocity
+        asked["force"], asked["torque"] = situation.force, situation.torque
         desired[0] = tuple(self._wish.attitude(situation, dt))
         self.wished = desired["quaternion"][0].copy()
         balance(
@@ -94,9 +117,10 @@ class BalancedAttitude:
             *self.budget,
             self.memory,
             desired,
+            np.zeros(1, VIEW) if situation.view is None else record_of(situation.view),
             situation.rotation,
             asked,
-            STILL,
+            situation.current,
             dt,
             situation.force_ratio,
         )

@@ -6,6 +6,7 @@ from math import acos, sqrt
 
 import numpy as np
 
+from cube_sim.control.course_wish import wish_for_trim
 from cube_sim.control.damped_inverse import damped_inverse
 from cube_sim.control.pace import facet_excess
 from cube_sim.control.turning_on import turn_on
@@ -58,10 +59,18 @@ BALANCE = np.dtype(
         ("time", np.float64),
         ("wish_time", np.float64),
         ("most_rate", np.float64),
+        ("watched", np.bool_),
+        ("trimmed", np.bool_),
+        ("trim", np.float64, (3, 3)),
+        ("judged_wish", np.float64, (3, 3)),
+        ("judged_speed", np.float64),
+        ("judged_climb", np.float64),
     ]
 )
 """Numbers of `BalancedAttitude`: N (6, count) and b (count,) of the lost combinations, the rest of zeros; whether it
-turns in a level plane only; the times [s] and the bound [rad/s]."""
+turns in a level plane only; the times [s] and the bound [rad/s]. Whether its wish is judged by the trims of the course,
+and whether it wishes for one of them instead, `trim`; the wish, in the axes of the course, the speed [m/s] and the
+angle above the horizontal [rad] that were judged."""
 MEMORY = np.dtype(
     [
         ("rotation", np.float64, (3, 3)),
@@ -76,11 +85,19 @@ MEMORY = np.dtype(
         ("short", np.bool_),
         ("off", np.float64),
         ("astray", np.float64),
+        ("heading", np.float64, 2),
+        ("course_wish", np.float64, (3, 3)),
+        ("speed", np.float64),
+        ("climb", np.float64),
+        ("since", np.float64),
+        ("stale", np.bool_),
     ]
 )
 """What it remembers: R, the averages of U and F_W (once, twice, over the time of a shortage), those of M_0, the
 derivatives of U, F_W and M_0 as led, whether there was a tick before, whether W exceeds what is attainable, how far R
-is from the wish and how far the hull was from R, averaged [rad]."""
+is from the wish and how far the hull was from R, averaged [rad]. Of the course through the water its horizontal
+direction, the mission's wish in its axes, its speed [m/s] and angle above the horizontal [rad], for how long they are
+judged [s], and whether they have become others since."""
 
 
 @compiled
@@ -92,6 +109,7 @@ def balance(
     held_shares,
     memory,
     desired,
+    view,
     R_now,
     asked,
     current_W,
@@ -108,6 +126,7 @@ def balance(
         held_shares: of it.
         memory: record `MEMORY`, moved on.
         desired: record of `cube_sim.control.attitude_mode.DESIRED`: what the mission asks for, then what is found.
+        view: record of `cube_sim.guidance.view_record.VIEW`.
         R_now: R_WB (3,3) of the hull.
         asked: record of `cube_sim.control.asked.MEMORY`: velocity, force and torque of the tick before.
         current_W: (3,) [m/s], world axes.
@@ -115,6 +134,8 @@ def balance(
         force_ratio: share of their force that the supply leaves the thrusters.
     """
     p, m, out, before = parameters[0], memory[0], desired[0], asked[0]
+    if p.watched:
+        wish_for_trim(p, m, out, view, R_now, length(triple(before.velocity)), current_W, dt)
     flow_W = minus(triple(before.velocity), triple(current_W))
     flow, up = to_body(R_now, flow_W), (R_now[2, 0], R_now[2, 1], R_now[2, 2])
     steady = to_world(R_now, steady_wrench(hull, flow, up)[:3])

@@ -10,9 +10,11 @@ from cube_sim.control.asked import MEMORY
 from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Authority, Capability, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
+from cube_sim.control.balancing import FARTHEST_RAD
 from cube_sim.control.closing import closing_speed
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
+from cube_sim.control.course_trim import CourseTrims
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
@@ -27,7 +29,7 @@ from cube_sim.control.shortage import SHORTAGE, watch_shortage
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.guidance.view_record import record_of, see_level, view_of
-from cube_sim.spatial import Record, State, Vector, rotation_from_quaternion
+from cube_sim.spatial import Matrix, Record, State, Vector, rotation_from_quaternion
 from cube_sim.tuples import turned_to_world
 
 SLOWER = 3.0
@@ -243,7 +245,7 @@ class PathFollower:
             current,
             self.capability.effort,
             force_ratio,
-            before["velocity"] - current,
+            before["velocity"].copy(),
         )
 
     def _safe_mode_goal(self, state: State, view: TargetView, dt: float) -> SafeModeGoal | None:
@@ -265,17 +267,35 @@ class PathFollower:
             return self._refuge.attitude
         if self.capability.steers_by_attitude or self.pressed:
             if self.balanced is None:
-                self.balanced = BalancedAttitude(
-                    self.capability,
-                    self.loops.dynamics,
-                    state.rotation,
-                    self.balancing_time * (SLOWER_AT_TRIM if self.capability.authority is Authority.TRIM else 1.0),
-                    self.attitude if self._goal is None else self._goal.attitude,
-                    most_rate=self.loops.most_rate,
-                )
+                self.balanced = self._balanced_from(state.rotation)
+            elif self.balanced.stale and self._goal is None:
+                self.balanced = self._judged_again(self.balanced, state.rotation)
             return self.balanced
         self.balanced = None
         return self.attitude if self._goal is None else self._goal.attitude
+
+    def _balanced_from(self, rotation: Matrix) -> BalancedAttitude:
+        """A search for balance that begins in an attitude."""
+        return BalancedAttitude(
+            self.capability,
+            self.loops.dynamics,
+            rotation,
+            self.balancing_time * (SLOWER_AT_TRIM if self.capability.authority is Authority.TRIM else 1.0),
+            self.attitude if self._goal is None else self._goal.attitude,
+            most_rate=self.loops.most_rate,
+        )
+
+    def _judged_again(self, balanced: BalancedAttitude, rotation: Matrix) -> BalancedAttitude:
+        """The same with the wish that suits its course, or a search that begins anew where that is far from before."""
+        judged, before = balanced.memory[0], balanced.trim
+        trims = CourseTrims.of(self.capability, self.loops.dynamics, float(judged["speed"]), float(judged["climb"]))
+        trim = None if trims is None else trims.nearest(judged["course_wish"], before)
+        old, new = (judged["course_wish"] if R is None else R for R in (before, trim))
+        following = balanced
+        if np.trace(old.T @ new) < 1.0 + 2.0 * np.cos(FARTHEST_RAD):
+            following = self._balanced_from(rotation)
+        following.wish_for(trim, judged)
+        return following
 
     def _is_under_way(self, state: State, force_ratio: float) -> bool:
         """Whether the hull is far from the attitude its mission asks for, and the thrusters have enough once there."""
@@ -321,6 +341,8 @@ class PathFollower:
         """What one compiled call a tick goes on with as it stands; None where Python has something to say."""
         balanced = self.capability.steers_by_attitude or self.pressed
         if self._goal is not None or self._refuge.taken or (self.balanced is not None) != balanced:
+            return None
+        if self.balanced is not None and self.balanced.stale:
             return None
         return self._compiled
 

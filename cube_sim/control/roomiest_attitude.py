@@ -37,12 +37,12 @@ def roomiest_attitude(hull: Record, facets: Facets, force_ratio: float, flow_W: 
     Returns:
         None where they can in the present one, and where they can in none.
     """
-    excess = excesses(hull, *facets, force_ratio, flow_W, np.concatenate([near[None], _spread()]))
+    excess = excesses(hull, *facets, force_ratio, flow_W, np.concatenate([near[None], spread_attitudes()]))
     enough = excess <= _spare(facets)
     if enough[0] or not enough.any():
         return None
-    closeness = np.einsum("kij,ij->k", _spread(), near)
-    return _spread()[int(np.argmax(np.where(enough[1:], closeness, -np.inf)))]
+    closeness = np.einsum("kij,ij->k", spread_attitudes(), near)
+    return spread_attitudes()[int(np.argmax(np.where(enough[1:], closeness, -np.inf)))]
 
 
 def has_enough(hull: Record, facets: Facets, force_ratio: float, flow_W: Vector, attitude: Matrix) -> bool:
@@ -70,7 +70,7 @@ def excesses(hull, normals, bounds, held_shares, force_ratio, flow_W, attitudes)
 
 
 @cache
-def _spread() -> Matrix:
+def spread_attitudes() -> Matrix:
     """Attitudes (k,3,3) spread evenly by super-Fibonacci spirals (M. Alexa, CVPR 2022)."""
     phi, psi = sqrt(2.0), 1.533751168755204288118041
     s = np.arange(ATTITUDES) + 0.5

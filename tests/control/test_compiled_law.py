@@ -125,10 +125,10 @@ def test_the_balanced_attitude(rng, hull, room, level, started):
     parameters["time"], parameters["wish_time"], parameters["most_rate"] = 0.5, 2.0, 0.4
     memory = filled(rng, balancing.MEMORY)
     memory["rotation"], memory["started"] = random_rotation(rng), started
-    asked, flow = filled(rng, ASKED), rng.normal(size=3)
+    asked, flow, view = filled(rng, ASKED), rng.normal(size=3), seen(rng)
 
     def arguments(memory, wanted):
-        return hull, parameters, *of_facets, memory, wanted, R, asked, flow, 0.02, 0.9
+        return hull, parameters, *of_facets, memory, wanted, view, R, asked, flow, 0.02, 0.9
 
     same("balance", balancing.balance, arguments, [memory, desired(rng)])
 

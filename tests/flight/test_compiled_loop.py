@@ -106,6 +106,16 @@ def test_both_loops_navigate_the_same(settings, monkeypatch):
     assert assert_same_flight(scenario, {"duration_s": 12.0, "checks": CHECKS, **settings}, monkeypatch) > 0.3
 
 
+@pytest.mark.flight
+def test_both_loops_wish_for_the_same_trims(monkeypatch):
+    """A current turns the course through the water, so that trims are looked for more than once."""
+    lost = {"kind": "thrusters", "at_s": 1.0, "thrusters": ["T5"], "state": "dead"}
+    path = {"type": "circle", "centre_m": [0.0, 2.0, -5.0], "radius_m": 2.0}
+    settings = {"path": path, "events": [lost], "guidance.speed_m_s": 0.7, "current_m_s": [0.2, 0.0, 0.0]}
+    scenario = SCENARIOS / "bluerov2_vectored_line.yaml"
+    assert assert_same_flight(scenario, {"duration_s": 25.0, "checks": CHECKS, **settings}, monkeypatch) > 0.7
+
+
 FAULT = {"kind": "thrusters", "at_s": 3.0, "thrusters": ["T1"]}
 
 

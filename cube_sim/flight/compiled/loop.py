@@ -206,4 +206,6 @@ def fly(
         step(e.model, e.data, e.steps, e.classical)
         if course.shortage[0].pressed != pressed and not course.steers:
             return k + 1, BEGIN
+        if law.settings[0].balanced and law.balanced[0].stale:
+            return k + 1, BEGIN
     return count, BEGIN

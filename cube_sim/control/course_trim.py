@@ -1,0 +1,132 @@
+"""The attitude for a straight course where the one a mission wishes is not held by the water, or steers badly.
+
+A vehicle that points its thrust takes an attitude in which its steady wrench has nothing of what its thrusters lack.
+There may be many of them, and not all are alike. In some the Munk moment outgrows the righting one, and the hull leaves
+them about an axis that is left to the water. In some the force that is needed hardly changes as the hull turns, so that
+a small disturbance asks for a large turn. To go to the nearest to the wish by steps ends in whichever comes first; so
+they are looked for from all attitudes, in the axes of the course.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.actuation.path_following.trim import CourseAttitudes
+from cube_sim.control.authority import Authority, Capability
+from cube_sim.control.roomiest_attitude import spread_attitudes
+from cube_sim.spatial import Matrix, Vector
+from cube_sim.vehicle.dynamics import Dynamics
+
+EVERY = 3
+"""Of the attitudes spread over all there are, one in so many is a start of the search (a choice)."""
+ENOUGH = 1.3
+"""Share of the steady wrench that the thrusters attain in a trim that is chosen (a choice). One that is kept may have
+less: from what they are short of the search for balance turns away by itself."""
+FIRM, HARDLY_FIRM = 0.25, 0.0
+"""Share of the righting moment by which a small tilt about an axis left to the water is turned back: in a trim that is
+chosen, in one that is kept (choices)."""
+SHARP, BLUNT = 2.5, 4.0
+"""The turn by which a disturbance is pointed against [rad], per share of the steady force, likewise: 1 for a ball."""
+JUDGED_RAD = 1.2
+"""A trim that is farther than this from the wish says little about where the search for balance will end (a choice)."""
+ROUNDING = 1e-8
+"""How much of a wrench counts as none, per newton of the largest that comes up."""
+
+
+def seeks_trim(left: Capability) -> bool:
+    """Whether its attitude points the thrust, in all axes; with a thruster stuck its trims are not known."""
+    return left.authority in (Authority.PLANE, Authority.LINE) and not bool(np.any(left.held))
+
+
+@dataclass(frozen=True)
+class CourseTrims:
+    """Trims of a vehicle on a course, and how good they are.
+
+    Attributes:
+        left: what the thrusters can still do; it points their thrust, and none is stuck.
+        attitudes: those on the course.
+        torques: which of the directions that yield are torques, (k,).
+        righting: size of the righting moment [N m].
+    """
+
+    left: Capability
+    attitudes: CourseAttitudes
+    torques: NDArray[np.bool_]
+    righting: float
+
+    @staticmethod
+    def of(left: Capability, hull: Dynamics, speed_m_s: float, inclination_rad: float) -> CourseTrims | None:
+        """On a course at this speed through the water and angle above the horizontal; None where no trim is sought."""
+        if not seeks_trim(left) or not speed_m_s > 0.0:
+            return None
+        velocity = speed_m_s * np.array([np.cos(inclination_rad), 0.0, np.sin(inclination_rad)])
+        righting = float(np.linalg.norm(hull.righting_moment))
+        level = float(np.linalg.norm(hull.steady_wrenches(velocity[None], np.eye(3)[2:])))
+        rounding = ROUNDING * max(1.0, level, righting)
+        lost = np.ascontiguousarray(left.lost.T)
+        attitudes = CourseAttitudes(hull, velocity, tuple(range(6)), np.eye(3), lost, rounding)
+        return CourseTrims(left, attitudes, np.linalg.norm(left.yielding[3:], axis=0) > 0.0, righting)
+
+    def nearest(self, wish: Matrix, before: Matrix | None = None) -> Matrix | None:
+        """The trim (3,3) to wish for instead; None where the one next to the wish will do, and where there is none.
+
+        Args:
+            wish: the attitude (3,3) the mission asks for, body axes in those of the course.
+            before: the trim wished for until now, in those of its course; it is kept as long as it will do.
+        """
+        R, found = self.attitudes.trimmed(wish[None])
+        if found[0] and self.good(R, kept=before is None)[0]:
+            return None
+        if before is None and (not found[0] or np.trace(wish.T @ R[0]) < 1.0 + 2.0 * np.cos(JUDGED_RAD)):
+            return None
+        if before is not None:
+            R, found = self.attitudes.trimmed(before[None])
+            if found[0] and self.good(R, kept=True)[0]:
+                return R[0]
+        R, found = self.attitudes.trimmed(spread_attitudes()[::EVERY])
+        R = R[found]
+        R = R[self.good(R)]
+        if not len(R):
+            return None
+        return R[int(np.argmax(np.einsum("kij,ij->k", R, wish)))]
+
+    def good(self, R: Matrix, kept: bool = False) -> NDArray[np.bool_]:
+        """Whether attitudes (q,3,3) in trim are within the limits, held by the water and steered well, (q,)."""
+        share, stiffness, turn, decay = self.qualities(R)
+        if kept:
+            return (stiffness > HARDLY_FIRM * self.righting) & (turn <= BLUNT)
+        return (share >= ENOUGH) & (stiffness > FIRM * self.righting) & (turn <= SHARP) & (decay > 0.0)
+
+    def qualities(self, R: Matrix) -> tuple[Vector, Vector, Vector, Vector]:
+        """Of attitudes (q,3,3) in trim, each (q,).
+
+        The share that the thrusters attain; the stiffness about the axes left to the water [N m/rad]; the turn that
+        points against a disturbance [rad]; and the rate at which a slip that is not pushed against decays while the
+        thrusters hold the attitude, with the force that this torque brings along [1/s].
+        """
+        wrenches, slopes = self.attitudes.wrenches(R), self.attitudes.slopes(R)
+        shares = np.full(len(R), np.inf)
+        if self.left.budget is not None:
+            used = wrenches @ self.left.budget.normals.T / np.maximum(self.left.budget.bounds, np.finfo(float).tiny)
+            shares = 1.0 / np.maximum(np.max(used, axis=1, initial=0.0), np.finfo(float).tiny)
+        lost, yielding = self.left.lost, self.left.yielding
+        # What is missing, in terms of what yields: its size along each direction of length 1.
+        missing = np.linalg.solve(lost.T @ yielding, lost.T) * np.linalg.norm(yielding, axis=0)[:, None]
+        stiffness = np.full(len(R), np.inf)
+        if np.any(self.torques):
+            axes = yielding[3:, self.torques] / np.linalg.norm(yielding[3:, self.torques], axis=0)
+            stiffness = np.min(np.linalg.eigvals(missing[self.torques] @ slopes @ axes).real, axis=1)
+        turns, decays = np.zeros(len(R)), np.zeros(len(R))
+        if not len(R):
+            return shares, stiffness, turns, decays
+        turning = np.linalg.pinv(lost.T @ slopes) @ lost[:3].T
+        turns = np.linalg.norm(wrenches[:, :3], axis=1) * np.linalg.norm(turning, ord=2, axis=(1, 2))
+        hull, pointed = self.attitudes.hull, ~self.torques
+        slips, inertia = yielding[:3, pointed], missing[pointed] @ hull.total_mass[:, :3]
+        nu = np.pad(self.attitudes.velocity @ R, ((0, 0), (0, 3)))
+        damping = np.array([missing[pointed] @ hull.steady_wrench_slope(x)[:, :3] @ slips for x in nu])
+        decays = np.min(np.linalg.eigvals(np.linalg.solve(inertia @ slips, damping)).real, axis=1)
+        return shares, stiffness, turns, decays

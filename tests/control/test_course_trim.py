@@ -1,0 +1,116 @@
+"""The trim of a course that is wished for where the one next to the mission's wish is not held, or steers badly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.flights import FORCES_ONLY
+from support.places import SCENARIOS
+from support.vehicles import vehicle
+
+import cube_sim
+from cube_sim.control.authority import remaining_capability
+from cube_sim.control.course_trim import BLUNT, ENOUGH, FIRM, SHARP, CourseTrims, seeks_trim
+from cube_sim.control.roomiest_attitude import spread_attitudes
+from cube_sim.control.yielding import WaterHold
+from cube_sim.wrench.health import Health
+
+LEVEL = np.eye(3)
+
+
+def left_of(hull, dead, speed_m_s, stuck_N=None):
+    """What is left of a vehicle without some thrusters; those stuck at a force are not without."""
+    names = hull.thrusters.names
+    efficiency = np.array([0.0 if name in dead else 1.0 for name in names])
+    stuck = np.array([np.nan if stuck_N is None or name not in stuck_N else stuck_N[name] for name in names])
+    hold = WaterHold.of(hull.dynamics, speed_m_s)
+    return remaining_capability(hull.actuation_matrix, hull.thrusters.limits, Health(efficiency, stuck), hold=hold)
+
+
+def trims_of(name, dead, speed_m_s, climb_rad=0.0):
+    hull = vehicle(name)
+    trims = CourseTrims.of(left_of(hull, dead, speed_m_s), hull.dynamics, speed_m_s, climb_rad)
+    assert trims is not None
+    return trims
+
+
+def test_where_the_munk_moment_outgrows_the_righting_one_another_trim_is_wished_for():
+    """Nothing pitches this hull but the water, and at 0.7 m/s level ahead that turns it further."""
+    trims = trims_of("bluerov2_vectored", ["T5"], 0.7)
+    _, stiffness, _, _ = trims.qualities(LEVEL[None])
+    assert stiffness[0] < 0.0
+    trim = trims.nearest(LEVEL)
+    share, stiffness, turn, decay = trims.qualities(trim[None])
+    assert share[0] >= ENOUGH
+    assert stiffness[0] > FIRM * trims.righting
+    assert turn[0] <= SHARP
+    assert decay[0] > 0.0
+    assert np.max(np.abs(trims.attitudes.wrenches(trim[None]) @ trims.left.lost)) <= trims.attitudes.rounding
+
+
+def test_where_the_force_hardly_turns_with_the_hull_another_trim_is_wished_for():
+    """Without three horizontal thrusters it can go nose up; but then a share of its force asks for five of a turn."""
+    trims = trims_of("bluerov2_heavy", ["T1", "T2", "T3"], 0.1)
+    R, found = trims.attitudes.trimmed(LEVEL[None])
+    assert found[0]
+    assert trims.qualities(R)[2][0] > BLUNT
+    assert trims.qualities(trims.nearest(LEVEL)[None])[2][0] <= SHARP
+
+
+def test_where_the_trim_next_to_the_wish_will_do_the_wish_is_kept():
+    """The hull of the first test, going slowly."""
+    hull = vehicle("bluerov2_vectored")
+    slow = CourseTrims.of(left_of(hull, ["T5"], 0.7), hull.dynamics, 0.2, 0.0)
+    assert slow is not None
+    assert slow.nearest(LEVEL) is None
+
+
+def test_the_stiffness_is_the_torque_that_the_water_turns_back_with():
+    """Pitched by a little at rest, nothing but the righting moment r sin(angle) is there."""
+    hull = vehicle("bluerov2_vectored")
+    trims = CourseTrims.of(left_of(hull, ["T5"], 0.7), hull.dynamics, 1e-6, 0.0)
+    assert trims is not None
+    assert trims.qualities(LEVEL[None])[1][0] == pytest.approx(trims.righting, rel=1e-4)
+
+
+def test_a_trim_that_will_do_is_kept_where_others_are_nearer_to_the_wish():
+    """Nose up with a roll to the one side or the other: whichever it was, it stays."""
+    fast, slower = trims_of("bluerov2_vectored", ["T5"], 0.7), trims_of("bluerov2_vectored", ["T5"], 0.68)
+    first = fast.nearest(LEVEL)
+    R, found = fast.attitudes.trimmed(spread_attitudes())
+    R = R[found][fast.good(R[found])]
+    farthest = R[np.argmin(np.einsum("kij,ij->k", R, first))]
+    assert np.trace(first.T @ farthest) < 1.0
+    for before in (first, farthest):
+        after = slower.nearest(LEVEL, before)
+        assert np.trace(before.T @ after) > 1.0 + 2.0 * np.cos(0.1)
+
+
+def test_none_is_sought_with_all_components_nor_with_a_thruster_stuck():
+    cube = vehicle("cube")
+    assert not seeks_trim(left_of(cube, [], 0.4))
+    hull = vehicle("bluerov2_vectored")
+    assert seeks_trim(left_of(hull, ["T5"], 0.7))
+    assert not seeks_trim(left_of(hull, ["T5"], 0.7, {"T5": 5.0}))
+
+
+@pytest.mark.flight
+def test_a_hull_that_does_not_hold_level_flies_a_circle_in_another_trim(tmp_path):
+    """Wishing for level at all times, it swings about its circle by 24 cm RMS."""
+    settings = {
+        "path": {
+            "type": "circle",
+            "centre_m": [0.0, 0.0, -20.0],
+            "radius_m": 9.8,
+            "axis": [0.17, -0.07, 0.98],
+            "start_angle_deg": -45.0,
+        },
+        "initial": {"position_m": [6.6, -7.4, -21.7], "attitude_deg": [0.0, 0.0, -44.0]},
+        "guidance.speed_m_s": 0.69,
+        "events": [{"kind": "thrusters", "at_s": 0.0, "thrusters": ["T5"], "state": "dead"}],
+        "duration_s": 80.0,
+        "checks": FORCES_ONLY,
+    }
+    run = cube_sim.run(SCENARIOS / "bluerov2_vectored_line.yaml", settings, out=tmp_path / "run")
+    late = run.signals["path_error.cross_track"]
+    assert np.sqrt(np.mean(late[late[:, 0] >= 45.0, 1] ** 2)) < 0.05
