@@ -18,6 +18,9 @@ OTHER_SPEED = 0.25
 """As is a speed that has changed by this share."""
 SELDOM_S = 4.0
 """But not before so long [s] (a choice)."""
+ENDING_S = 30.0
+"""Nor once its path ends within so long [s] at the present speed, or has ended (a choice): it slows down then, and to
+turn over for what is left would move it farther than the trim it has."""
 
 
 @compiled
@@ -45,6 +48,7 @@ def wish_for_trim(p, m, out, view, R_now, speed, current_W, dt):
         current_W: (3,) [m/s], world axes.
         dt: [s].
     """
+    ending = view[0].arc_length > 0.0 and view[0].remaining < ENDING_S * speed
     if not view[0].remaining > 0.0:
         speed = 0.0  # a point, or past the end: its direction is none to go in
     frame = view[0].frame
@@ -72,7 +76,7 @@ def wish_for_trim(p, m, out, view, R_now, speed, current_W, dt):
         turned = acos(min(max((trace - 1.0) / 2.0, -1.0), 1.0))
         other = abs(m.speed - p.judged_speed) > OTHER_SPEED * p.judged_speed
         other = other or turned > OTHER_RAD or abs(m.climb - p.judged_climb) > OTHER_RAD
-        m.stale = other and (p.judged_speed == 0.0 or m.since > SELDOM_S)
+        m.stale = other and (p.judged_speed == 0.0 or (m.since > SELDOM_S and not ending))
     if p.trimmed:
         R = R_now.copy()
         for j in range(3):

@@ -9,10 +9,14 @@ from support.places import SCENARIOS
 from support.vehicles import vehicle
 
 import cube_sim
+from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.authority import remaining_capability
+from cube_sim.control.balancing import BALANCE, MEMORY
 from cube_sim.control.course_trim import BLUNT, ENOUGH, FIRM, SHARP, CourseTrims, seeks_trim
+from cube_sim.control.course_wish import ENDING_S, SELDOM_S, wish_for_trim
 from cube_sim.control.roomiest_attitude import spread_attitudes
 from cube_sim.control.yielding import WaterHold
+from cube_sim.guidance.view_record import VIEW
 from cube_sim.wrench.health import Health
 
 LEVEL = np.eye(3)
@@ -92,6 +96,29 @@ def test_none_is_sought_with_all_components_nor_with_a_thruster_stuck():
     hull = vehicle("bluerov2_vectored")
     assert seeks_trim(left_of(hull, ["T5"], 0.7))
     assert not seeks_trim(left_of(hull, ["T5"], 0.7, {"T5": 5.0}))
+
+
+def stale(remaining_m, arc_length_m, since_s=60.0):
+    """Whether a course that has turned by a right angle from the one judged is judged anew, at 0.4 m/s."""
+    p, m, out, view = np.zeros(1, BALANCE), np.zeros(1, MEMORY), np.zeros(1, DESIRED), np.zeros(1, VIEW)
+    p["judged_wish"], p["judged_speed"], m["since"] = LEVEL, 0.4, since_s
+    out["quaternion"] = np.sqrt([0.5, 0.0, 0.0, 0.5])
+    view["frame"], view["remaining"], view["arc_length"] = LEVEL, remaining_m, arc_length_m
+    wish_for_trim(p[0], m[0], out[0], view, np.eye(3), 0.4, np.array([0.4, 0.0, 0.0]) * (remaining_m <= 0.0), 0.02)
+    return bool(m["stale"][0])
+
+
+def test_a_course_is_judged_anew_as_it_turns_but_not_at_once_nor_where_its_path_ends():
+    """To turn over for what is left of a path would move the hull farther off it than the trim it has."""
+    seconds_left = 0.4 * ENDING_S
+    assert stale(seconds_left + 1.0, 20.0)
+    assert not stale(seconds_left + 1.0, 20.0, since_s=0.5 * SELDOM_S)
+    assert not stale(seconds_left - 1.0, 20.0)
+    assert not stale(-0.1, 20.0)
+
+
+def test_at_a_point_it_is_judged_anew_as_the_current_turns():
+    assert stale(0.0, 0.0)
 
 
 @pytest.mark.flight
