@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from cube_sim.checks import evaluate
 from cube_sim.errors import ScenarioError
-from cube_sim.flight import Loop
-from cube_sim.mission import prepare
+from cube_sim.flight import Loop, prepared
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
@@ -188,7 +187,7 @@ def _outcome(
             raise _StoppedError
 
     try:
-        mission = prepare(loaded)
+        mission = prepared(loaded)
     except ScenarioError as error:
         raise _named(index, error) from None
     known = [f"{channel.name}.{field.name}" for channel in mission.channels for field in channel.fields]

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from cube_sim.checks import evaluate
 from cube_sim.errors import RecordingError, RunInterrupted, told
-from cube_sim.flight import Loop
-from cube_sim.mission import Mission, prepare
+from cube_sim.flight import Loop, prepared
+from cube_sim.mission import Mission
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
 from cube_sim.recording.recorder import Recorder
@@ -115,7 +115,7 @@ def fly(
     wanted = None if out is None else Path(out)
     if wanted is not None:
         require_writable(wanted)
-    mission = prepare(loaded)
+    mission = prepared(loaded)
     with claim(wanted, loaded.scenario.name) as directory:
         try:
             return _record_and_judge(loaded, mission, directory, progress, record)

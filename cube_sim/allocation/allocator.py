@@ -13,14 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.allocation.allocation import Allocation, Allocations, Status
 from cube_sim.allocation.effort import Effort
-from cube_sim.allocation.exact.code import search_address
-from cube_sim.allocation.exact.fewest_calls import FewestCalls, Solved, limited_search_codes
+from cube_sim.allocation.exact.fewest_calls import FewestCalls, Solved, limited_search_codes, search_codes
 from cube_sim.allocation.exact.packing import pack, previous_answer_rows
 from cube_sim.allocation.exact.problem import closest_wrench_data, make_problem
 from cube_sim.allocation.exact.solutions import force_solutions, wrench_metric
 from cube_sim.allocation.exact.solve import answer_size, solve_each
 from cube_sim.allocation.exact.step import HISTORY, no_previous_answer
-from cube_sim.allocation.flown import FlownAllocator, SearchCodes
+from cube_sim.allocation.flown import FlownAllocator
 from cube_sim.allocation.objectives import side_targets
 from cube_sim.allocation.options import WEIGHTS_SPAN, Method, Objective, Unattainable
 from cube_sim.allocation.previous import PreviousForces
@@ -274,7 +273,7 @@ class Allocator:
             return None
         if two_parts:
             self._prepare_for_parts()
-        codes = SearchCodes(search_address(), 0, 0) if self._fewest_calls is None else limited_search_codes()
+        codes = search_codes if self._fewest_calls is None else limited_search_codes
         told = self._effort.add, self._confirmations is not None, self.confirm_later
         return FlownAllocator(self._packed, codes, self.answer_size, *told)
 

@@ -32,7 +32,7 @@ class FlownAllocator(NamedTuple):
 
     Attributes:
         packed: all that it answers by and remembers, for the code.
-        codes: where the code lies.
+        codes: finds out where the code lies, and compiles it where there is none.
         answer_size: numbers in one answer.
         add_effort: tells it of what the code has done: nodes looked at, and answers not proven.
         confirms: whether it looks at each answer afterwards.
@@ -40,7 +40,7 @@ class FlownAllocator(NamedTuple):
     """
 
     packed: NDArray[np.float64]
-    codes: SearchCodes
+    codes: Callable[[], SearchCodes]
     answer_size: int
     add_effort: Callable[[int, int], None]
     confirms: bool

@@ -9,6 +9,20 @@ from collections.abc import Callable, Iterator
 
 from cube_sim.commands.ending import raise_on_interrupt
 
+COMPILES = "compiling for this machine, once after an installation or an update: about a minute"
+
+
+def begin_compiling(*, hidden: bool) -> None:
+    """Begin to make the machine code of a flight where there is none yet, and say so.
+
+    Args:
+        hidden: whether nothing is said; nor is it where stderr is no terminal.
+    """
+    from cube_sim.flight.compiled import compile_beside
+
+    if compile_beside() and not hidden and sys.stderr.isatty():
+        print(COMPILES, file=sys.stderr, flush=True)
+
 
 @contextlib.contextmanager
 def flight_progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[Callable[[float, float], None]]:

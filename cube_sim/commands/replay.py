@@ -9,7 +9,7 @@ import typer
 
 from cube_sim.commands.ending import BAD_INPUT, FAIL, INTERRUPTED, NOT_JUDGED, PASS, stop
 from cube_sim.commands.output import print_json
-from cube_sim.commands.progress import flight_progress
+from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.errors import CubeSimError, ModelError, RecordingError, ScenarioError
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def replay(
         recorded = load_run(run)
         from cube_sim.runs.replay import replay as fly_again
 
+        begin_compiling(hidden=quiet or json)
         scenario = recorded.scenario
         with flight_progress(scenario.name, scenario.duration_s, hidden=quiet or json) as progress:
             result = fly_again(recorded, progress)

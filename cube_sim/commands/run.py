@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,14 +12,13 @@ import typer
 from cube_sim.commands.account import early_end, lasted, log_lines, section
 from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, INTERRUPTED, NOT_JUDGED, stop
 from cube_sim.commands.output import print_json
-from cube_sim.commands.progress import flight_progress
+from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides
 from cube_sim.errors import CubeSimError, DirectoryError, ModelError, RunInterrupted, ScenarioError
 
 if TYPE_CHECKING:
     from cube_sim.simulation import Run
 
-COMPILES = "compiling for this machine, once after an installation or an update: about a minute"
 EPILOG = (
     "Exit code: 0 PASS, every check was shown to hold; 1 FAIL, one was shown not to, whatever else could not be "
     "judged; 2 bad input, nothing is written; 3 ERROR, nothing failed but something could not be judged, or the run "
@@ -78,10 +76,8 @@ def _fly(
             # Before anything slow is imported; the run looks again.
             require_writable(out)
         from cube_sim import simulation
-        from cube_sim.flight.compiled import compile_beside
 
-        if compile_beside() and not hidden and sys.stderr.isatty():
-            print(COMPILES, file=sys.stderr, flush=True)
+        begin_compiling(hidden=hidden)
         name, duration_s = loaded.scenario.name, loaded.scenario.duration_s
         with flight_progress(name, duration_s, hidden=hidden) as progress:
             return name, duration_s, simulation.fly(loaded, out=out, progress=progress, record=record.value)

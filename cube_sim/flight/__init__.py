@@ -4,5 +4,6 @@ from cube_sim.flight.flight import Flight
 from cube_sim.flight.loop import Loop
 from cube_sim.flight.observation import Observation
 from cube_sim.flight.snapshot import Snapshot
+from cube_sim.flight.start import prepared
 
-__all__ = ["Flight", "Loop", "Observation", "Snapshot"]
+__all__ = ["Flight", "Loop", "Observation", "Snapshot", "prepared"]

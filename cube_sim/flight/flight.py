@@ -18,8 +18,7 @@ from cube_sim.flight.action import action_of
 from cube_sim.flight.loop import Loop
 from cube_sim.flight.observation import Observation
 from cube_sim.flight.snapshot import Snapshot
-from cube_sim.flight.start import described, foreseen_attitude, placed
-from cube_sim.mission import prepare
+from cube_sim.flight.start import described, foreseen_attitude, placed, prepared
 from cube_sim.mission.copying import integration_state, packed, set_integration_state, unpacked
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.recording.signal_store import SignalStore
@@ -67,7 +66,7 @@ class Flight(Loop):
             ScenarioError: the scenario cannot be flown; one line per mistake.
         """
         loaded = loaded_with(scenario, overrides, controller, allocator, path)
-        mission = prepare(loaded)
+        mission = prepared(loaded)
         self._loaded = loaded
         super().__init__(mission, SignalStore(mission.channels))
         try:
@@ -105,7 +104,7 @@ class Flight(Loop):
         if self._start is not None:
             self.restore(self._start)
         else:
-            self._stand(prepare(self._loaded), self._store)
+            self._stand(prepared(self._loaded), self._store)
         if seed is not None:
             mission = self.mission
             for part in (mission.estimation, mission.fault_finding):

@@ -7,11 +7,23 @@ from pickle import PicklingError
 import numpy as np
 
 from cube_sim.errors import CubeSimError, FlightError
-from cube_sim.mission import PATH_POINTS, Mission
+from cube_sim.flight.compiled import compile_beside
+from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.surface_watch import path_above_surface
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.scenario import Loaded
 from cube_sim.spatial import State, Vector, rotation_from_quaternion
+
+
+def prepared(loaded: Loaded) -> Mission:
+    """A mission built, while another process compiles what takes longest where there is no machine code yet.
+
+    Raises:
+        ScenarioError: the model does not fit the scenario; with position.
+    """
+    compile_beside()
+    return prepare(loaded)
 
 
 def described(mission: Mission, store: SignalStore) -> None:

@@ -9,23 +9,24 @@ import sys
 _running: dict[str, subprocess.Popen[bytes]] = {}
 
 
-def begin(function: str) -> None:
-    """Let another process call a function, which leaves its machine code on disk.
+def begin(*functions: str) -> None:
+    """Let another process call functions, one after the other, which leave their machine code on disk.
 
     Nothing depends on it: what it does not leave behind is compiled here.
 
     Args:
-        function: "module:name", without arguments.
+        functions: "module:name" each, without arguments.
     """
-    if function in _running or (os.cpu_count() or 1) < 2:
+    if functions[0] in _running or (os.cpu_count() or 1) < 2:
         return
-    module, name = function.split(":")
-    command = [sys.executable, "-c", f"from {module} import {name}; {name}()"]
+    parts = [function.split(":") for function in functions]
+    command = [sys.executable, "-c", "\n".join(f"from {module} import {name}; {name}()" for module, name in parts)]
     silent = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     try:
-        _running[function] = subprocess.Popen(command, **silent)  # type: ignore[call-overload]
+        process = subprocess.Popen(command, **silent)  # type: ignore[call-overload]
     except OSError:
         return
+    _running.update(dict.fromkeys(functions, process))
 
 
 def finish(function: str) -> None:

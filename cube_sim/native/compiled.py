@@ -23,6 +23,7 @@ from types import CodeType
 from typing import Any
 
 import numba
+import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.extending import _Intrinsic
@@ -91,14 +92,16 @@ def call_at(typingctx: Any, function: Any, address: Any, arguments: Any) -> Any:
 
     Args:
         typingctx: numba's, not given by the caller.
-        function: that is called; or the type it answers, None for nothing, for one that need not be compiled by whoever
-            does not call it.
+        function: that is called; or the type it answers, a tuple of types, or None for nothing: then it need not be
+            compiled by whoever calls it.
         address: of its code, `address_of` arguments of these types.
         arguments: a tuple.
     """
     kinds = tuple(types.unliteral(kind) for kind in arguments)
     if isinstance(function, types.NumberClass):
         result = function.instance_type
+    elif isinstance(function, types.BaseTuple):
+        result = types.Tuple([kind.instance_type for kind in function])
     elif function is types.none:
         result = types.none
     else:
@@ -138,12 +141,34 @@ def call_in_c(typingctx: Any, address: Any, given: Any, answer: Any) -> Any:
     return types.int64(types.int64, given, answer), codegen
 
 
-def address_of(function: Any, *arguments: Any) -> int:
-    """Where the code of a compiled function lies for arguments of the types of these."""
+def compile_for(function: Any, *arguments: Any) -> Any:
+    """Compile a function for arguments of the types of these; what numba knows of the result."""
     kinds = tuple(numba.typeof(argument) for argument in arguments)
     function.compile(kinds)
-    overload = function.overloads[kinds]
+    return function.overloads[kinds]
+
+
+def address_of(function: Any, *arguments: Any, answers: Any = None) -> int:
+    """Where the code of a compiled function lies for arguments of the types of these.
+
+    Args:
+        function: the function.
+        arguments: of it.
+        answers: what it answers, as `call_at` is told: a numpy type, a tuple of them, or None for nothing.
+
+    Raises:
+        TypeError: it answers something else.
+    """
+    overload = compile_for(function, *arguments)
+    told = answers if isinstance(answers, tuple) else (answers,)
+    said = overload.signature.return_type
+    if (list(said) if isinstance(said, types.BaseTuple) else [said]) != [_kind(each) for each in told]:
+        raise TypeError(f"{function.py_func.__qualname__} answers {said}, not {answers}")
     return int(overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name))
+
+
+def _kind(kind: Any) -> Any:
+    return types.none if kind is None else numba.from_dtype(np.dtype(kind))
 
 
 def on_disk(function: Any) -> bool:

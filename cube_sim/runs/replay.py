@@ -9,8 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from cube_sim.errors import ScenarioError
-from cube_sim.flight import Loop
-from cube_sim.mission import prepare
+from cube_sim.flight import Loop, prepared
 from cube_sim.mission.run_header import header
 from cube_sim.recording.saved_inputs import save_inputs
 from cube_sim.recording.signal_store import SignalStore
@@ -60,7 +59,7 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
         place = save_inputs(run.header, Path(folder))
         try:
             loaded = replace(load(place), text=run.header.scenario)
-            mission = prepare(loaded)
+            mission = prepared(loaded)
         except ScenarioError as error:
             lines = [line.replace(f"{folder}/", f"{run.path}: ") for line in str(error).splitlines()]
             raise ScenarioError(lines) from None

@@ -119,4 +119,4 @@ def flown_by(packed: NDArray[np.float64]) -> FlownAllocator:
     from cube_sim.allocation.exact.solve import answer_size
 
     size = answer_size(int(packed[1]), int(packed[2]))
-    return FlownAllocator(packed, baseline_codes(), size, lambda *_: None, False, lambda *_: None)
+    return FlownAllocator(packed, baseline_codes, size, lambda *_: None, False, lambda *_: None)

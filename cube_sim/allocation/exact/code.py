@@ -8,20 +8,18 @@ import numpy as np
 
 from cube_sim.allocation.exact.solve import solve_each
 from cube_sim.native.apart import finish
-from cube_sim.native.compiled import address_of
+from cube_sim.native.compiled import address_of, on_disk
 
-SEARCH = f"{__name__}:search_code"
+SEARCH = f"{__name__}:search_address"
 """What compiles the search, for `cube_sim.native.apart`."""
-
-
-def search_code() -> None:
-    """Have the code of `solve_each` on disk."""
-    search_address()
+SEARCHED = (np.float64, np.float64, np.int64, np.int64, np.int64)
+"""Types of what `solve_each` answers."""
 
 
 @cache
 def search_address() -> int:
-    """Where the code of `solve_each` lies, which is large."""
-    finish(SEARCH)
+    """Where the code of `solve_each` lies, which is large and answers `SEARCHED`."""
+    if not on_disk(solve_each):
+        finish(SEARCH)
     numbers = np.zeros(1)
-    return address_of(solve_each, numbers, numbers, numbers, np.zeros(1, np.int8))
+    return address_of(solve_each, numbers, numbers, numbers, np.zeros(1, np.int8), answers=SEARCHED)

@@ -26,7 +26,7 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.code import search_address
+from cube_sim.allocation.exact.code import SEARCHED, search_address
 from cube_sim.allocation.exact.minimum_cost import minimum_cost_forces
 from cube_sim.allocation.exact.origins import attainable_origin
 from cube_sim.allocation.exact.packing import (
@@ -37,7 +37,7 @@ from cube_sim.allocation.exact.packing import (
     unpack_previous_answer,
     unpack_workspace,
 )
-from cube_sim.allocation.exact.solve import answer_of, answer_size, solve_each
+from cube_sim.allocation.exact.solve import answer_of, answer_size
 from cube_sim.allocation.exact.stages import EXACT, UNPROVEN
 from cube_sim.allocation.exact.step import HISTORY, REACH, step_limits
 from cube_sim.allocation.flown import SearchCodes
@@ -91,7 +91,7 @@ def travel_in_calls(code, packed, goal, calls, limit, travel):
         travel: (m,) out [N].
     """
     set_reach(packed, calls * limit)
-    return call_at(travel_in_reach, code, (packed, goal, travel))
+    return call_at(np.bool_, code, (packed, goal, travel))
 
 
 @compiled
@@ -116,7 +116,7 @@ def narrow_reach(search, travel_code, packed, demands, before):
     put_matrix(after, rows[:4])
     put_matrix(rows[:4], before)
     set_reach(packed, inf)
-    _, _, _, nodes, _ = call_at(solve_each, search, (packed, demands, row, sides))
+    _, _, _, nodes, _ = call_at(SEARCHED, search, (packed, demands, row, sides))
     goal, travel, nearer = answer_of(row, n, m).wrench, np.empty(m), np.empty(m)
     put(travel, rows[2])
     # Least number of calls to forces that make the goal: what is reached in some calls is reached in more.
@@ -159,7 +159,7 @@ def solve_in_reach(search, travel_code, packed, demands, row, sides, effort):
     rows = answer_rows(packed)
     before = np.empty((4, rows.shape[1]))
     put_matrix(before, rows[:4])
-    _, _, status, nodes, doubts = call_at(solve_each, search, (packed, demands, row, sides))
+    _, _, status, nodes, doubts = call_at(SEARCHED, search, (packed, demands, row, sides))
     effort[0] += nodes
     effort[1] += doubts
     if status in (EXACT, UNPROVEN):
@@ -167,17 +167,22 @@ def solve_in_reach(search, travel_code, packed, demands, row, sides, effort):
     again, nodes = narrow_reach(search, travel_code, packed, demands, before)
     effort[0] += nodes
     if again:
-        _, _, _, nodes, doubts = call_at(solve_each, search, (packed, demands, row, sides))
+        _, _, _, nodes, doubts = call_at(SEARCHED, search, (packed, demands, row, sides))
         effort[0] += nodes
         effort[1] += doubts
     set_reach(packed, unpack(packed).change_limit)
+
+
+def search_codes() -> SearchCodes:
+    """Where the code lies that answers demands without a change limit."""
+    return SearchCodes(search_address(), 0, 0)
 
 
 @cache
 def limited_search_codes() -> SearchCodes:
     """Where all code lies that answers demands under a change limit; it is compiled only for those who set one."""
     search, numbers, sides = search_address(), np.zeros(1), np.zeros(1, np.int8)
-    travel = address_of(travel_in_reach, numbers, numbers, numbers)
+    travel = address_of(travel_in_reach, numbers, numbers, numbers, answers=np.bool_)
     in_reach = address_of(solve_in_reach, 0, 0, numbers, numbers, numbers, sides, np.zeros(2, np.int64))
     return SearchCodes(search, in_reach, travel)
 

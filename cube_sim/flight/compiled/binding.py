@@ -7,7 +7,9 @@ from functools import cache
 import mujoco
 import numpy as np
 
+from cube_sim.allocation.flown import SearchCodes
 from cube_sim.control.diagnosis import Diagnosis
+from cube_sim.flight.compiled.loop import fly
 from cube_sim.flight.compiled.parts import Answering, Course, Engine, FaultWatch, Feed, Hull, Notes, Sensing
 from cube_sim.flight.compiled.steering import Steering
 from cube_sim.flight.compiled.stretch import FlyArguments, Stretch
@@ -15,7 +17,7 @@ from cube_sim.flight.rows import rows_for
 from cube_sim.guidance.target_record import RunningParts
 from cube_sim.mission import Mission
 from cube_sim.mission.surface_watch import Boxes
-from cube_sim.native.compiled import address_of
+from cube_sim.native.compiled import address_of, compile_for
 from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters, estimate
 from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion
@@ -28,7 +30,7 @@ from cube_sim.vehicle.plugin import structs
 NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
 LEAST_ARENA_BYTES = 1_000_000
 """With less, contacts may need more memory than there is; MuJoCo ends the process then, but for calls from Python."""
-_ADDRESSES: dict[str, int] = {}
+NO_CODES = 0, 0, SearchCodes(0, 0, 0), 0
 NOTHING_WATCHED = Diagnosis(1.0, 1.0, 1.0, np.zeros(1))
 
 
@@ -73,9 +75,8 @@ def begin_ticks(
         effort=np.zeros(2, np.int64),
         told=np.zeros(2, np.int64),
     )
-    codes = *by.addresses, allocator.codes, _estimating_address(sensing) if sensing.navigated else 0
     given = FlyArguments(
-        codes,
+        NO_CODES,
         count,
         tick,
         engine if moving else engine._replace(steps=0),
@@ -91,16 +92,18 @@ def begin_ticks(
         rows_for(mission.channels, count),
         notes,
     )
-    return Stretch(mission, allocator, by.target, given)
+    if not fly.overloads:
+        compile_for(fly, *given)  # another process may still compile what lies at the addresses
+    codes = *by.addresses, allocator.codes(), estimating_address() if sensing.navigated else 0
+    return Stretch(mission, allocator, by.target, given._replace(codes=codes))
 
 
-def _estimating_address(sensing: Sensing) -> int:
+@cache
+def estimating_address() -> int:
     """Where the code of the navigation lies; it is compiled only for those who navigate."""
-    if "estimate" not in _ADDRESSES:
-        truth = np.zeros(3), np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3)
-        into = sensing.answers[:1], sensing.errors[:1], sensing.arrived[0]
-        _ADDRESSES["estimate"] = address_of(estimate, sensing.parameters, sensing.memory, *truth, *into)
-    return _ADDRESSES["estimate"]
+    truth = np.zeros(3), np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3)
+    into = np.zeros(1, ESTIMATE), np.zeros(1, ERROR), np.zeros(1, READING)
+    return address_of(estimate, *_nothing_sensed(), *truth, *into, answers=np.int64)
 
 
 @cache

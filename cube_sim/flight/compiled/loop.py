@@ -7,7 +7,6 @@ from math import isfinite
 import numpy as np
 
 from cube_sim.allocation.responsive import allocate_responsive
-from cube_sim.control.answering import answer
 from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.diagnosis import enter_pair, speaks_against
 from cube_sim.control.following import FOLLOWED
@@ -165,7 +164,7 @@ def fly(
             put(current, planar.estimated[0].current)
         else:
             motion = R, known[3:7], speed, rates
-            call_at(answer, codes[0], (law, *records, *motion, answering.applied, dt, force_ratio))
+            call_at(None, codes[0], (law, *records, *motion, answering.applied, dt, force_ratio))
             if law.settings[0].disturbance_time > 0.0:
                 put(disturbance, law.disturbance[0].estimate)
             if law.settings[0].current_time > 0.0:

@@ -19,10 +19,9 @@ from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode
 from cube_sim.control.shortage import SHORTAGE
 from cube_sim.guidance.law import Target
 from cube_sim.guidance.view_record import VIEW
-from cube_sim.native.compiled import address_of
+from cube_sim.native.apart import finish
+from cube_sim.native.compiled import address_of, on_disk
 from cube_sim.spatial import Matrix, Record
-
-_ADDRESSES: dict[str, int] = {}
 
 
 class Steering(NamedTuple):
@@ -69,25 +68,28 @@ class Steering(NamedTuple):
     @property
     def addresses(self) -> tuple[int, int]:
         """Where the code of either law lies; that of the one at rest is not asked for, nor compiled for that."""
-        return (0, _planar_address(self.planar)) if self.in_plane else (_law_address(self.law), 0)
+        return (0, planar_law_address()) if self.in_plane else (law_address(), 0)
 
 
-def _law_address(law: LawParts) -> int:
-    """Where the code of the law for all axes lies, which is large."""
-    if "law" not in _ADDRESSES:
-        motion = np.eye(3), np.zeros(4), np.zeros(3), np.zeros(3)
-        _ADDRESSES["law"] = address_of(answer, law, *_tick_records(), *motion, np.zeros(6), 1.0, 1.0)
-    return _ADDRESSES["law"]
-
-
-def _planar_address(parts: PlanarParts) -> int:
-    """Where the code of the planar law lies; it is compiled only for those who fly by it."""
-    if "planar" not in _ADDRESSES:
-        motion = np.eye(3), np.zeros(3), np.zeros(3)
-        _ADDRESSES["planar"] = address_of(steer, parts, *_tick_records(), *motion, np.zeros(6), 1.0)
-    return _ADDRESSES["planar"]
+LAW = f"{__name__}:law_address"
+"""What compiles the law for all axes, for `cube_sim.native.apart`."""
 
 
 @cache
+def law_address() -> int:
+    """Where the code of the law for all axes lies, which is large."""
+    if not on_disk(answer):
+        finish(LAW)
+    motion = np.eye(3), np.zeros(4), np.zeros(3), np.zeros(3)
+    return address_of(answer, resting_law(), *_tick_records(), *motion, np.zeros(6), 1.0, 1.0)
+
+
+@cache
+def planar_law_address() -> int:
+    """Where the code of the planar law lies; it is compiled only for those who fly by it."""
+    motion = np.eye(3), np.zeros(3), np.zeros(3)
+    return address_of(steer, resting_planar_law(), *_tick_records(), *motion, np.zeros(6), 1.0)
+
+
 def _tick_records() -> tuple[Record, ...]:
     return tuple(np.zeros(1, kind) for kind in (VIEW, DESIRED, FOLLOWED))
