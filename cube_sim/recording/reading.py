@@ -107,8 +107,7 @@ def read_recording(path: str | Path) -> Recording:
         rows={name: rows for name, rows in messages.rows().items() if len(rows)},
         log=messages.lines(),
     )
-    end, flaw = _end(contents, read)
-    return replace(read, end=end, flaw=flaw)
+    return read_end(contents, read)
 
 
 def read_channels(path: Path, names: Collection[str], chunks_at_once: int | None = None) -> Iterator[dict[str, Rows]]:
@@ -163,6 +162,12 @@ def read_header(contents: McapContents) -> tuple[RunHeader, str]:
         raise RecordingError(f"{path} is damaged: its inputs cannot be read") from error
 
 
+def read_end(contents: McapContents, read: Recording) -> Recording:
+    """A recording with how its run ended, and with its flaw if it has one."""
+    end, flaw = _end(contents, read)
+    return replace(read, end=end, flaw=flaw)
+
+
 def _end(contents: McapContents, read: Recording) -> tuple[RunEnd | None, str]:
     """How the run ended, and why what was read is not all of a flight that came to its end."""
     texts = contents.metadata.get(END_METADATA)
@@ -178,7 +183,7 @@ def _end(contents: McapContents, read: Recording) -> tuple[RunEnd | None, str]:
     if other:
         return end, f"the record was altered: {other}"
     if not end.of_itself:
-        when = "" if end.simulated_s is None else f" at {end.simulated_s:g} s"
+        when = "" if end.simulated_s is None or end.how == "recovered" else f" at {end.simulated_s:g} s"
         return end, f"{end.how}{when}{f': {end.reason}' if end.reason else ''}"
     return end, ""
 

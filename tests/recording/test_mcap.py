@@ -442,5 +442,6 @@ def test_a_flight_that_was_stopped_is_not_complete(tmp_path, how):
         fly(recorder, 60)
         recorder.finish(RunEnd(how, "because", 60, 1.2))
     recording = read_recording(recorder.mcap)
-    assert (recording.complete, recording.flaw) == (False, f"{how} at 1.2 s: because")
+    when = "" if how == "recovered" else " at 1.2 s"
+    assert (recording.complete, recording.flaw) == (False, f"{how}{when}: because")
     assert recording.end == RunEnd(how, "because", 60, 1.2)

@@ -26,7 +26,7 @@ from cube_sim.recording.mcap.names import seconds
 Record = TypeVar("Record", Attachment, Channel, Chunk, DataEnd, Metadata)
 _PREFIX = 9  # opcode and length of a record
 _SAME = 11  # and the channel id of a message
-_LOOSE = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
+LOOSE = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
 """What stands outside chunks where a writer makes none."""
 
 
@@ -85,7 +85,7 @@ def read_contents(path: Path) -> McapContents:
     data = read_bytes(path)
     contents = McapContents(path, _data=data)
     for position, opcode, end in records(data, len(MCAP0_MAGIC)):
-        if opcode in _LOOSE:
+        if opcode in LOOSE:
             if contents._loose and contents._loose[-1][1] == position:
                 position = contents._loose.pop()[0]
             contents._loose.append((position, end))
