@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from signal import SIGINT, Signals
 from traceback import extract_tb
 
 from cube_sim.run_log import LogLine
@@ -91,16 +92,20 @@ class DirectoryError(RecordingError):
 
 
 class RunInterrupted(KeyboardInterrupt):
-    """Ctrl-C during a flight.
+    """Ctrl-C during a flight, SIGTERM or SIGHUP.
 
     Attributes:
         directory: where the recording of what was flown is, closed and readable, if there was to be one.
         log: what had been said at the level WARNING or above, in the order of time.
+        number: of the signal.
     """
 
-    def __init__(self, directory: Path, log: tuple[LogLine, ...] = (), recorded: bool = True) -> None:
-        self.directory, self.log = directory, log
-        super().__init__(f"interrupted; recorded so far: {directory}" if recorded else "interrupted")
+    def __init__(
+        self, directory: Path, log: tuple[LogLine, ...] = (), recorded: bool = True, number: int = SIGINT
+    ) -> None:
+        self.directory, self.log, self.number = directory, log, number
+        said = "interrupted" if number == SIGINT else f"interrupted by {Signals(number).name}"
+        super().__init__(f"{said}; recorded so far: {directory}" if recorded else said)
 
 
 def told(error: Exception) -> str:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from signal import SIGINT, Signals
 from typing import Any, Literal
 
 import numpy as np
@@ -24,15 +25,12 @@ from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_directory import RESOLVED_FILE, claim, require_writable, write_verdict
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
-from cube_sim.uninterrupted import uninterrupted
+from cube_sim.uninterrupted import StoppedError, stoppable, uninterrupted
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 
 Progress = Callable[[float, float], None]
 Kept = Literal["full", "mcap", "none"]
 """What a run leaves beside its verdict: the record and its view, the record alone, nothing."""
-
-
-CTRL_C = "Ctrl-C"
 
 
 @dataclass(frozen=True)
@@ -82,7 +80,7 @@ def run(
         ScenarioError: the scenario cannot be run; one line per mistake, nothing is written.
         DirectoryError: `out` holds something else, cannot be written, or another run is writing there.
         RecordingError: the disk is full, or gone.
-        RunInterrupted: Ctrl-C; what was flown is recorded.
+        RunInterrupted: Ctrl-C, SIGTERM or SIGHUP; what was flown is recorded.
     """
     return fly(scenario, overrides, out=out, progress=progress, record=record)
 
@@ -123,8 +121,9 @@ def fly(
             raise RecordingError(f"{directory}: cannot be written: {told(error)}") from error
         except RunInterrupted:
             raise
-        except KeyboardInterrupt:
-            raise RunInterrupted(directory, recorded=record != "none") from None
+        except KeyboardInterrupt as error:
+            number = error.number if isinstance(error, StoppedError) else SIGINT
+            raise RunInterrupted(directory, recorded=record != "none", number=number) from None
 
 
 def _store(directory: Path, loaded: Loaded, mission: Mission, record: Kept) -> AbstractContextManager[SignalStore]:
@@ -140,10 +139,11 @@ def _record_and_judge(
 ) -> Run:
     """Fly and judge, into a folder that is ours."""
     (directory / RESOLVED_FILE).write_text(loaded.resolved_yaml(directory), encoding="utf-8")
-    with _store(directory, loaded, mission, record) as recorder:
+    with _store(directory, loaded, mission, record) as recorder, ExitStack() as stack:
         flight, started = Loop(mission, recorder), time.perf_counter()
         try:
-            stopped = _fly(flight, progress)
+            number = _fly(flight, _teller(stack, progress, mission.scenario.duration_s))
+            stopped = "Ctrl-C" if number == SIGINT else Signals(number).name if number else ""
             elapsed_s = time.perf_counter() - started
             with uninterrupted():  # an end that is begun is brought to its end
                 recorder.settle()
@@ -163,18 +163,40 @@ def _record_and_judge(
                 write_verdict(directory, to_json("ERROR", (), 0.0, versions(), flown))
             raise
     if stopped:
-        raise RunInterrupted(directory, flown.log, record != "none")
+        raise RunInterrupted(directory, flown.log, record != "none", number)
     return Run(verdict, results, recorder.signals, directory, factor, versions(), flight.time_s, early, flown.log)
 
 
-def _fly(flight: Loop, progress: Progress | None) -> str:
-    """Fly to the end; who stopped it before, "" where nobody did."""
-    whole_s = flight.mission.scenario.duration_s
+def _fly(flight: Loop, tell: Callable[[float], None]) -> int:
+    """Fly to the end; the number of the signal that stopped it before, 0 where none did."""
     try:
-        flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
+        flight.fly_to_its_end(tell)
+    except StoppedError as stopped:
+        return stopped.number
     except KeyboardInterrupt:
-        return CTRL_C
-    return ""
+        return SIGINT
+    return 0
+
+
+def _teller(stack: ExitStack, progress: Progress | None, whole_s: float) -> Callable[[float], None]:
+    """What is told the simulated time about once a second; from the first on there is something to bring to an end.
+
+    Args:
+        stack: unwound once it is.
+        progress: of whoever watches.
+        whole_s: to be simulated [s].
+    """
+    begun = False
+
+    def tell(t: float) -> None:
+        nonlocal begun
+        if not begun:
+            begun = True
+            stack.enter_context(stoppable())
+        if progress is not None:
+            progress(t, whole_s)
+
+    return tell
 
 
 def _end(flight: Loop, stopped: str, verdict: Verdict, results: tuple[CheckResult, ...]) -> RunEnd:

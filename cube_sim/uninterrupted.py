@@ -1,4 +1,4 @@
-"""Pieces of work that an interrupt may come before or after, not amid."""
+"""What ends a process from outside: pieces of work that it may come before or after, not amid."""
 
 from __future__ import annotations
 
@@ -8,25 +8,64 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+_TERMINATIONS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+
+class StoppedError(KeyboardInterrupt):
+    """A signal that asks the process to end, raised as Ctrl-C is.
+
+    Attributes:
+        number: of the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        super().__init__(signal.Signals(number).name)
+
+
+def _stop(number: int, _: Any) -> None:
+    raise StoppedError(number)
+
+
+@contextmanager
+def stoppable() -> Iterator[None]:
+    """While this lasts, SIGTERM and SIGHUP are a `StoppedError`: there is something to bring to an end.
+
+    Where somebody else has said what becomes of them, as nohup does, it stays.
+    """
+    taken: list[int] = []
+    if threading.current_thread() is threading.main_thread():
+        taken = [number for number in _TERMINATIONS if signal.getsignal(number) is signal.SIG_DFL]
+    for number in taken:
+        signal.signal(number, _stop)
+    try:
+        yield
+    finally:
+        for number in taken:
+            signal.signal(number, signal.SIG_DFL)
+
 
 @contextmanager
 def uninterrupted() -> Iterator[list[Any]]:
     """Hold back Ctrl-C while this lasts, then raise it: for short pieces that must not be left half done.
 
-    Where somebody else handles SIGINT, as the command line does, it is left to them.
+    So are SIGTERM and SIGHUP within `stoppable`. Where somebody else handles one of them, it is left to them.
 
     Yields:
         What is held back by now, for pieces that can be made shorter still.
     """
-    ours = threading.current_thread() is threading.main_thread()
-    if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield []
-        return
+    ours = {}
+    if threading.current_thread() is threading.main_thread():
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *_TERMINATIONS)}
+        ours = {number: how for number, how in handlers.items() if how in (signal.default_int_handler, _stop)}
     caught: list[Any] = []
-    signal.signal(signal.SIGINT, lambda *told: caught.append(told))
+    for number in ours:
+        signal.signal(number, lambda *told: caught.append(told))
     try:
         yield caught
     finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        for number, handler in ours.items():
+            signal.signal(number, handler)
         if caught:
-            raise KeyboardInterrupt
+            number = caught[0][0]
+            raise KeyboardInterrupt if number == signal.SIGINT else StoppedError(number)

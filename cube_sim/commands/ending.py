@@ -5,18 +5,23 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from contextlib import suppress
 from typing import NoReturn
 
 import typer
 
-PASS, FAIL, BAD_INPUT, NOT_JUDGED, INTERRUPTED = 0, 1, 2, 3, 130
+PASS, FAIL, BAD_INPUT, NOT_JUDGED = 0, 1, 2, 3
+SIGNALLED = 128
+"""And the number of the signal, where one ends the process."""
+INTERRUPTED = SIGNALLED + signal.SIGINT
 EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
 """Of each verdict."""
 
 
 def stop(code: int, message: str) -> NoReturn:
     """Say on stderr why the command ends, and end it with an exit code."""
-    typer.echo(message, err=True)
+    with suppress(OSError):  # a terminal that was closed
+        typer.echo(message, err=True)
     raise typer.Exit(code)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cube_sim.commands.account import early_end, lasted, log_lines, section
-from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, INTERRUPTED, NOT_JUDGED, stop
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, SIGNALLED, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 EPILOG = (
     "Exit code: 0 PASS, every check was shown to hold; 1 FAIL, one was shown not to, whatever else could not be "
     "judged; 2 bad input, nothing is written; 3 ERROR, nothing failed but something could not be judged, or the run "
-    "ended early; 130 interrupted, what was recorded stays."
+    "ended early; 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP: what was recorded is closed and stays."
 )
 
 
@@ -87,7 +87,7 @@ def _fly(
         stop(NOT_JUDGED, str(error))
     except RunInterrupted as interrupt:
         said = [] if hidden else log_lines(interrupt.log)
-        stop(INTERRUPTED, "\n".join([*said, str(interrupt)]))
+        stop(SIGNALLED + interrupt.number, "\n".join([*said, str(interrupt)]))
 
 
 def _print_json(result: Run) -> None:

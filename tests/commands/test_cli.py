@@ -17,6 +17,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
 from support.command_line import call, cube_sim, started
 from support.scenario_files import FLIGHT, MINIMAL, write
 
@@ -319,8 +320,12 @@ def test_a_terminal_sees_progress_and_then_the_result(tmp_path):
 
 
 @pytest.mark.flight
-def test_an_interrupted_run_closes_its_recording(tmp_path):
-    """A real Ctrl-C in the middle of an hour's flight."""
+@pytest.mark.parametrize(
+    ("number", "code", "told"),
+    [(signal.SIGINT, 130, "Ctrl-C"), (signal.SIGTERM, 143, "SIGTERM"), (signal.SIGHUP, 129, "SIGHUP")],
+)
+def test_an_interrupted_run_closes_its_recording(tmp_path, number, code, told):
+    """A real signal in the middle of an hour's flight."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
     with started("run", path, "--out", out, "--set", "duration_s=3600", cwd=tmp_path) as process:
         recording = out / "run.mcap"
@@ -329,15 +334,18 @@ def test_an_interrupted_run_closes_its_recording(tmp_path):
             assert process.poll() is None, process.communicate()
             assert time.monotonic() < give_up, "the run did not begin to record"
             time.sleep(0.05)
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         stdout, stderr = process.communicate(timeout=30)
-    assert (process.returncode, stdout) == (130, "")
-    assert stderr == f"interrupted; recorded so far: {out}\n"
-    from cube_sim.recording.reading import read_signals
-
-    # An indexed file, read back as any finished one.
-    times = read_signals(recording)["pose.position"][:, 0]
-    assert len(times) > 50
+    assert (process.returncode, stdout) == (code, "")
+    by = "" if number == signal.SIGINT else f" by {told}"
+    assert stderr == f"interrupted{by}; recorded so far: {out}\n"
+    kept = load_run(out)
+    assert len(kept.signals["pose.position"]) > 50
+    assert (kept.end.how, kept.end.reason, kept.end.verdict) == ("interrupted", told, "ERROR")
+    assert kept.end.simulated_s == pytest.approx(kept.recorded_s, abs=0.021)
+    assert kept.verdict["ended_early"]["reason"] == f"interrupted by {told}"
+    with recording.open("rb") as file:  # an indexed file, as any finished one
+        assert make_reader(file).get_summary() is not None
 
 
 @pytest.mark.flight

@@ -228,3 +228,44 @@ def test_a_scenario_of_another_version_is_one_line(flown, monkeypatch, capsys):
     for command in ("replay", "judge", "report"):
         code, out, err = call(monkeypatch, capsys, command, flown.directory)
         assert (code, out, err.count("\n")) == (2, "", 1), (command, err)
+
+
+def test_what_is_left_of_a_damaged_record_is_recovered(flown, tmp_path, monkeypatch, capsys):
+    folder = tmp_path / "damaged"
+    folder.mkdir()
+    data = bytearray((flown.directory / "run.mcap").read_bytes())
+    places = [k for k in range(len(data)) if data[k : k + 8] == b"\x04\0\0\0zstd"]
+    data[places[1] + 100] ^= 4
+    (folder / "run.mcap").write_bytes(data)
+    code, _, err = call(monkeypatch, capsys, "judge", folder)
+    assert (code, err.count("\n"), "from 1 s to 1.98 s" in err, "`cube-sim recover`" in err) == (2, 1, True, True)
+    code, out, err = call(monkeypatch, capsys, "recover", folder)
+    saved = tmp_path / "damaged_recovered"
+    assert (code, err) == (0, "")
+    assert out.splitlines() == [
+        f"recovered up to 3 s: {saved}",
+        "  dropped: the chunk from 1 s to 1.98 s does not fit its checksum",
+        "  missing: 1 s to 2 s",
+    ]
+    assert (saved / "run.rrd").stat().st_size > 10_000
+    run = cube_sim.load_run(saved)
+    assert (run.complete, run.end.how, run.end.missing_s) == (False, "recovered", ((1.0, 2.0),))
+    assert run.flaw == "recovered: the chunk from 1 s to 1.98 s does not fit its checksum"
+    pose = flown.signals["pose.position"]
+    assert run.signals["pose.position"].tobytes() == pose[(pose[:, 0] < 1.0) | (pose[:, 0] >= 2.0)].tobytes()
+    code, out, _ = call(monkeypatch, capsys, "judge", saved, "--json")
+    assert (code, json.loads(out)["verdict"]) == (3, "ERROR")
+
+
+def test_what_a_kill_left_is_recovered_and_what_is_whole_is_left_alone(flown, tmp_path, monkeypatch, capsys):
+    code, out, _ = call(monkeypatch, capsys, "recover", cut(flown, tmp_path), "--output", tmp_path / "saved")
+    assert code == 0
+    assert out.splitlines()[-1].endswith(" s to 3 s")
+    assert cube_sim.load_run(tmp_path / "saved").recorded_s < 2.5
+    code, out, _ = call(monkeypatch, capsys, "recover", flown.directory, "--output", tmp_path / "none")
+    assert (code, "is complete; there is nothing to recover" in out) == (0, True)
+    assert not (tmp_path / "none").exists()
+    (tmp_path / "head").mkdir()
+    (tmp_path / "head" / "run.mcap").write_bytes((flown.directory / "run.mcap").read_bytes()[:300])
+    code, out, err = call(monkeypatch, capsys, "recover", tmp_path / "head")
+    assert (code, out, err.count("\n")) == (2, "", 1)

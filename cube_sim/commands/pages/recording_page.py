@@ -120,8 +120,9 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
 `load_run(...).complete` says that the end is there, that the flight came to it (`completed` or `ended early`), and that
 all digests fit what was read; `flaw` says what does not. A file that others have sorted, compressed anew or written
 without chunks is read the same. Two runs merged into one file are refused, and so is a chunk that does not fit its
-checksum. Records of formats before {FORMAT} are read as well; they do not say how their run ended, and nobody can tell
-whether their numbers were altered."""
+checksum: `cube-sim recover` writes the others into a new record, which is never complete. Records of formats before
+{FORMAT} are read as well; they do not say how their run ended, and nobody can tell whether their numbers were
+altered."""
 _VERDICT = f"""\
 `verdict` is PASS when every check was shown to hold, FAIL when one was shown not to, ERROR when none failed but
 something could not be judged. `value` is the worst value, in the unit of what was checked, and `at_s` when it was.
