@@ -6,7 +6,8 @@ thruster forces (allocation) -> thruster commands -> one row per channel (record
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sized
+from collections.abc import Callable, Iterator, Sized
+from contextlib import contextmanager
 
 import mujoco
 import numpy as np
@@ -15,12 +16,13 @@ from numpy.typing import NDArray
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action
 from cube_sim.flight.beside import FlyingBeside
-from cube_sim.flight.compiled import BEGIN, JUDGED, Stretch, begin_ticks, engine_of
+from cube_sim.flight.compiled import BEGIN, FAILED, JUDGED, Stretch, begin_ticks, engine_of
 from cube_sim.flight.rows import rows_for, write_power
 from cube_sim.flight.start import described
 from cube_sim.flight.taken_over import NOT_BEGUN, Begun, Watches, take_over
 from cube_sim.flight.tick import NotANumberError, tick
 from cube_sim.mission import Mission
+from cube_sim.mission.copying import integration_state, set_integration_state
 from cube_sim.mission.divergence import divergence
 from cube_sim.mission.fault_response import record_actuation, respond_to_faults
 from cube_sim.recording.signal_store import SignalStore
@@ -176,11 +178,15 @@ class Loop:
                 self.tick += stretch.ticks if moving else 0
             else:
                 self._python_until = tick + PYTHON_TICKS
+            if stretch.reached == FAILED:
+                self._break_off(stretch.last_words)
             longer = self._store.writes and stretch.ticks == ticks
             self._at_once = min(2 * self._at_once, MANY_TICKS) if longer else FEW_TICKS
         if interrupted is not None:
             raise interrupted
-        return begun if stretch.reached != BEGIN or stretch.ticks == 0 else None
+        if stretch.reached == FAILED or (stretch.reached == BEGIN and stretch.ticks):
+            return None
+        return begun
 
     def _fly_and_record(
         self, stretch: Stretch, warnings: list[str], tell: Callable[[float], None], interrupts: Sized
@@ -251,6 +257,10 @@ class Loop:
             action: in place of the loop's own answer.
             begun: how far the tick has come in the compiled loop.
         """
+        with self._broken_off_on_errors():
+            self._control(warnings, action, begun)
+
+    def _control(self, warnings: list[str], action: Action, begun: Begun) -> None:
         mission, store, t = self.mission, self._store, self.time_s
         if begun.reached == BEGIN:
             for message in mission.events.apply_due(t):
@@ -285,8 +295,24 @@ class Loop:
         """The physics up to the next tick."""
         if self.ended:
             return
-        mujoco.mj_step(self.mission.model, self.mission.data, nstep=self.mission.scenario.steps_per_tick)
+        with self._broken_off_on_errors():
+            mujoco.mj_step(self.mission.model, self.mission.data, nstep=self.mission.scenario.steps_per_tick)
         self.tick += 1
+
+    @contextmanager
+    def _broken_off_on_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except mujoco.FatalError as error:
+            self._break_off(str(error))
+
+    def _break_off(self, said: str) -> None:
+        """End the flight early, because MuJoCo has said that it cannot go on."""
+        self.ended = f"MuJoCo cannot go on: {' '.join(said.split())}"
+        model, data = self.mission.model, self.mission.data
+        state = integration_state(model, data)
+        mujoco.mj_resetData(model, data)  # it was left in the middle of something
+        set_integration_state(model, data, state)
 
     def finish(self) -> None:
         """Say at the end what there is to say of the whole flight, and let no answer go unconfirmed."""

@@ -100,8 +100,8 @@ def emit(text: str, symbol: str, name: str, leaning: bool = False) -> bytes | No
     )
     module = llvm.parse_assembly(text)
     module.get_function(symbol).name = name
-    machine = _machine()
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    target = machine()
+    builder = llvm.create_pass_builder(target, llvm.create_pipeline_tuning_options(speed_level=3))
     builder.getModulePassManager().run(module, builder)
     module.verify()
     outside = [f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")]
@@ -111,7 +111,7 @@ def emit(text: str, symbol: str, name: str, leaning: bool = False) -> bytes | No
             return None
         if llvm.address_of_symbol(other) is None:
             return None
-    return machine.emit_object(module)
+    return target.emit_object(module)
 
 
 def _initialise() -> None:
@@ -119,7 +119,9 @@ def _initialise() -> None:
     llvm.initialize_native_asmprinter()
 
 
-def _machine():
+def machine() -> Any:
+    """What makes code for this processor."""
+    _initialise()
     return llvm.Target.from_default_triple().create_target_machine(
         cpu=llvm.get_host_cpu_name(),
         features=llvm.get_host_cpu_features().flatten(),
@@ -131,7 +133,7 @@ def _machine():
 
 
 def _link(code: bytes, name: str) -> int:
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     _engines.append(engine)

@@ -2,7 +2,17 @@
 
 from cube_sim.flight.compiled.binding import begin_ticks, engine_of
 from cube_sim.flight.compiled.first_time import compile_beside
-from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, JUDGED
+from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, FAILED, JUDGED
 from cube_sim.flight.compiled.stretch import FlownTicks, Stretch
 
-__all__ = ["BEGIN", "ESTIMATED", "JUDGED", "FlownTicks", "Stretch", "begin_ticks", "compile_beside", "engine_of"]
+__all__ = [
+    "BEGIN",
+    "ESTIMATED",
+    "FAILED",
+    "JUDGED",
+    "FlownTicks",
+    "Stretch",
+    "begin_ticks",
+    "compile_beside",
+    "engine_of",
+]

@@ -26,10 +26,11 @@ from cube_sim.navigation.reading import READING
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.plugin import structs
+from cube_sim.vehicle.plugin.guard import TEXT_BYTES, guards
 
 NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
 LEAST_ARENA_BYTES = 1_000_000
-"""With less, contacts may need more memory than there is; MuJoCo ends the process then, but for calls from Python."""
+"""With less, contacts may need more memory than there is; MuJoCo ends the process then, where nothing guards it."""
 NO_CODES = 0, 0, SearchCodes(0, 0, 0), 0
 NOTHING_WATCHED = Diagnosis(1.0, 1.0, 1.0, np.zeros(1))
 
@@ -52,7 +53,9 @@ def begin_ticks(
         None where a part of it is of a kind that only Python flies.
     """
     supply = mission.supply
-    if supply.force_ratio == 0.0 or mission.model.narena < LEAST_ARENA_BYTES or mission.drop_weight.dropped:
+    if supply.force_ratio == 0.0 or mission.drop_weight.dropped:
+        return None
+    if mission.model.narena < LEAST_ARENA_BYTES and not guards():
         return None
     by = Steering.of(mission.controller)
     running: RunningParts | None = None if by is None else getattr(by.target, "parts", None)
@@ -151,6 +154,7 @@ def engine_of(mission: Mission) -> Engine:
     return Engine(
         model=mission.model._address,
         data=data._address,
+        text=np.zeros(TEXT_BYTES, np.uint8),
         time=structs.number(data, "time"),
         warnings=data.warning.number,
         qpos=data.qpos,

@@ -35,6 +35,8 @@ from cube_sim.vehicle.state import hull_state
 BEGIN, FORWARDED, JUDGED, ESTIMATED = range(4)
 """How far the tick has come that Python goes on with: not begun; accelerations are up to date; the thrusters are fed
 too, and the evidence of faults is in; and the state is estimated."""
+FAILED = -1
+"""MuJoCo cannot go on; its words are in the engine's text."""
 FLOWN, STOP = range(2)
 """Places in `Notes.told`."""
 
@@ -93,7 +95,7 @@ def fly(
         How many were flown, and how far the next one has come.
     """
     e, dt, m = engine, engine.period, len(feed.actuators)
-    body, warned = e.hull[2], e.warnings.sum()
+    body, warned, text = e.hull[2], e.warnings.sum(), e.text.ctypes.data
     view, desired, followed = np.zeros(1, VIEW), np.zeros(1, DESIRED), np.zeros(1, FOLLOWED)
     given, activation, force, current = np.empty(m), np.empty(m), np.empty(m), np.zeros(3)
     secondary, parts, sides = np.zeros(6), np.empty(12), np.empty(len(thrusters.which), np.int8)
@@ -103,7 +105,8 @@ def fly(
         if published(notes.told, STOP):
             return k, BEGIN
         t = (tick + k) * dt
-        forward(e.model, e.data)
+        if not forward(e.model, e.data, text):
+            return k, FAILED
         top = max(e.xpos[body, 2], top_of(e.geom_xpos, e.geom_xmat, hull.geoms, hull.radii, hull.centres, hull.halves))
         if e.warnings.sum() != warned or not all_below(DIVERGED, e.qpos, e.qvel, e.qacc) or top > EMERGED_M:
             return k, FORWARDED
@@ -117,7 +120,8 @@ def fly(
             supply.charge = charge
             drawn = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
             sag(feed.supply, feed.packed, feed.supply_at, drawn)
-            forward_again(e.model, e.data)
+            if not forward_again(e.model, e.data, text):
+                return k, FAILED
             for i in range(m):
                 given[i] = e.actuator_force[feed.actuators[i]]
         power = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
@@ -202,7 +206,8 @@ def fly(
         pressed = course.shortage[0].pressed
         if law.settings[0].budgeted:
             watch_shortage(course.shortage, out.enough, law.settings[0].balanced, law.balanced, dt)
-        step(e.model, e.data, e.steps, e.classical)
+        if not step(e.model, e.data, text, e.steps, e.classical):
+            return k + 1, FAILED
         if course.shortage[0].pressed != pressed and not course.steers:
             return k + 1, BEGIN
         if law.settings[0].balanced and law.balanced[0].stale:

@@ -23,6 +23,7 @@ class Engine(NamedTuple):
     Attributes:
         model: address of the mjModel.
         data: address of the mjData.
+        text: (`TEXT_BYTES`,) of `cube_sim.vehicle.plugin.guard`, MuJoCo's words when it cannot go on.
         time: (1,) of it [s].
         warnings: (w,) how often it has warned of each kind.
         qpos: MuJoCo's, like all that follow but the last three.
@@ -44,6 +45,7 @@ class Engine(NamedTuple):
 
     model: int
     data: int
+    text: NDArray[np.uint8]
     time: Vector
     warnings: NDArray[np.int32]
     qpos: Vector

@@ -135,6 +135,11 @@ class Stretch:
         )
 
     @property
+    def last_words(self) -> str:
+        """Of MuJoCo, where it cannot go on."""
+        return bytes(self._given.engine.text).partition(b"\0")[0].decode(errors="replace")
+
+    @property
     def applied(self) -> Vector:
         """(6,) wrench allocated over the last one [N, N m]."""
         return self._given.answering.applied
