@@ -19,6 +19,7 @@ from cube_sim.commands import (
     examples,
     export,
     judge,
+    plot,
     recover,
     reference,
     replay,
@@ -45,6 +46,7 @@ app.command(epilog=diff.EPILOG)(diff.diff)
 app.command(epilog=judge.EPILOG)(judge.judge)
 app.command(epilog=report.EPILOG)(report.report)
 app.command(epilog=view.EPILOG)(view.view)
+app.command(epilog=plot.EPILOG)(plot.plot)
 app.command(epilog=export.EPILOG)(export.export)
 app.command(epilog=recover.EPILOG)(recover.recover)
 app.command(epilog=signals.EPILOG)(signals.signals)

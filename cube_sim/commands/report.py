@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from cube_sim.commands.beside import beside
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
 from cube_sim.commands.labels import labels
 from cube_sim.errors import RecordingError
-from cube_sim.run_directory import MCAP_FILE, RESOLVED_FILE
 
 EPILOG = "Exit code: 0 written, whatever the verdict; 2 bad input; 3 it cannot be written."
 
@@ -28,7 +27,8 @@ def report(
     ] = None,
 ) -> None:
     """Write a run as one HTML page with all it needs inside; several runs side by side on one."""
-    file = _beside(runs) if out is None else out
+    more = f"_and_{len(runs) - 1}_more" if len(runs) > 1 else ""
+    file = beside(runs[0], ".html", more) if out is None else out
     try:
         if file.is_dir():
             raise RecordingError(f"{file}: is a folder; give the name of a file")
@@ -45,13 +45,3 @@ def report(
     except OSError as error:
         stop(NOT_JUDGED, f"{file}: cannot be written: {error.strerror or error}")
     typer.echo(str(file))
-
-
-def _beside(runs: Sequence[Path]) -> Path:
-    """Not inside a run's folder, which holds nothing but what the run writes there."""
-    first = runs[0].resolve() if runs[0].name in ("", "..") else runs[0]
-    if first.name == MCAP_FILE and first.with_name(RESOLVED_FILE).is_file():
-        first = first.absolute().parent
-    name = first.name if first.is_dir() else first.stem
-    more = f"_and_{len(runs) - 1}_more" if len(runs) > 1 else ""
-    return first.with_name(f"{name}{more}.html")

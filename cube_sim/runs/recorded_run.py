@@ -115,6 +115,32 @@ class RecordedRun:
         """The time of the last row [s]; 0 without rows."""
         return max((float(rows[-1, 0]) for rows in self.recording.rows.values() if len(rows)), default=0.0)
 
+    def to_pandas(self, channel: str) -> Any:
+        """The rows of a channel as a DataFrame, named as by `cube-sim export`, with units: the time is "t [s]".
+
+        Args:
+            channel: its name, for example path_error.
+
+        Raises:
+            RecordingError: no such channel, or pandas is not installed.
+        """
+        from cube_sim.runs.tables import pandas_frame, table_of
+
+        return pandas_frame(table_of(self, channel))
+
+    def to_polars(self, channel: str) -> Any:
+        """The same for polars.
+
+        Args:
+            channel: its name, for example path_error.
+
+        Raises:
+            RecordingError: no such channel, or polars is not installed.
+        """
+        from cube_sim.runs.tables import polars_frame, table_of
+
+        return polars_frame(table_of(self, channel))
+
     def column_names(self, signal: str) -> tuple[str, ...]:
         """A name for each number of a signal, as tables have it: with its field's name, and its unit in brackets."""
         field = self.fields[signal]

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows
+from cube_sim.recording.channels import Channel
 from cube_sim.runs.recorded_run import RecordedRun
 
 TIME = "t [s]"
@@ -38,9 +44,56 @@ def tables_of(run: RecordedRun, wanted: Sequence[str] = ()) -> Iterator[Table]:
         rows = run.recording.rows.get(channel.name)
         if rows is None or (wanted and channel.name not in wanted):
             continue
-        names = (name for field in channel.fields for name in run.column_names(f"{channel.name}.{field.name}"))
-        short = (name.removeprefix(f"{channel.name}.") for name in names)
-        yield Table(channel.name, (TIME, *short), rows)
+        yield Table(channel.name, _columns(run, channel), rows)
+
+
+def table_of(run: RecordedRun, channel: str) -> Table:
+    """The table of one channel, without rows where none were recorded.
+
+    Raises:
+        RecordingError: no such channel.
+    """
+    known = {each.name: each for each in run.recording.channels}
+    if channel not in known:
+        near = get_close_matches(channel, known, 1)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+        raise RecordingError(f"{run.path}: no channel {channel!r}; {hint}")
+    rows = run.recording.rows.get(channel, np.empty((0, 1 + known[channel].width)))
+    return Table(channel, _columns(run, known[channel]), rows)
+
+
+def pandas_frame(table: Table) -> Any:
+    """A table as a frame of pandas.
+
+    Raises:
+        RecordingError: pandas is not installed.
+    """
+    return _library("pandas").DataFrame(_by_name(table))
+
+
+def polars_frame(table: Table) -> Any:
+    """A table as a frame of polars.
+
+    Raises:
+        RecordingError: polars is not installed.
+    """
+    return _library("polars").DataFrame(_by_name(table))
+
+
+def _library(name: str) -> Any:
+    try:
+        return import_module(name)
+    except ImportError:
+        raise RecordingError(f"{name} is not installed: pip install {name}") from None
+
+
+def _by_name(table: Table) -> dict[str, Rows]:
+    return {name: table.rows[:, index] for index, name in enumerate(table.columns)}
+
+
+def _columns(run: RecordedRun, channel: Channel) -> tuple[str, ...]:
+    names = (name for field in channel.fields for name in run.column_names(f"{channel.name}.{field.name}"))
+    return (TIME, *(name.removeprefix(f"{channel.name}.") for name in names))
 
 
 def write_csv(table: Table, folder: Path) -> Path:
@@ -67,6 +120,5 @@ def write_parquet(table: Table, folder: Path) -> Path:
     import pyarrow.parquet
 
     file = folder / f"{table.name}.parquet"
-    columns = {name: table.rows[:, index] for index, name in enumerate(table.columns)}
-    pyarrow.parquet.write_table(pyarrow.table(columns), file)
+    pyarrow.parquet.write_table(pyarrow.table(_by_name(table)), file)
     return file

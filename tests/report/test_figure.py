@@ -1,0 +1,89 @@
+"""`cube-sim plot` as people call it: what is in the figure, that it is the same again, and what is refused."""
+
+from __future__ import annotations
+
+import pytest
+from PIL import Image
+from support.command_line import call
+from support.own_code import scenario_with
+
+import cube_sim
+
+TOLD = {
+    "duration_s": 4.0,
+    "events": [{"kind": "thrusters", "at_s": 2.0, "thrusters": ["T1"], "state": "dead"}],
+    "checks": [{"kind": "signal", "signal": "path_error.cross_track", "statistic": "max", "at_most": 9.0}],
+}
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("flown")
+    return cube_sim.run(scenario_with(folder, ""), TOLD, folder / "run", record="mcap").directory
+
+
+@pytest.mark.flight
+def test_the_usual_figure_is_written_beside_the_run(flown, monkeypatch, capsys):
+    code, out, err = call(monkeypatch, capsys, "plot", flown)
+    file = flown.with_name("run.png")
+    assert (code, out, err) == (0, f"{file}\n", "")
+    with Image.open(file) as picture:
+        assert picture.width == pytest.approx(170 / 25.4 * 300, abs=1)
+        assert len(picture.convert("RGB").resize((200, 150)).getcolors(30_000)) > 50
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+def test_the_same_run_gives_the_same_bytes(flown, tmp_path, suffix, monkeypatch, capsys):
+    files = [tmp_path / f"{name}{suffix}" for name in "ab"]
+    for file in files:
+        assert call(monkeypatch, capsys, "plot", flown, "--out", file)[0] == 0
+    one, other = (file.read_bytes() for file in files)
+    assert one == other
+    for stamp in (b"CreationDate", b"<dc:date>", b"tIME"):
+        assert stamp not in one
+
+
+@pytest.mark.flight
+def test_curves_are_those_asked_for_with_their_units_limits_and_events(flown, tmp_path, monkeypatch):
+    from matplotlib import figure as drawing
+
+    from cube_sim.report.figure import save_figure
+    from cube_sim.report.subject import Subject
+
+    made = []
+    monkeypatch.setattr(drawing.Figure, "savefig", lambda self, *_, **__: made.append(self))
+    run = cube_sim.load_run(flown)
+    signals = ["path_error.cross_track", "thrusters.force", "pose.position.z"]
+    save_figure(Subject(run, "run", "#000000"), signals, tmp_path / "a.pdf", 85.0, (1.0, 3.0))
+    ((error, forces, height),) = [figure.axes for figure in made]
+    assert error.get_ylabel() == "path error cross track [m]"
+    assert (forces.get_ylabel(), height.get_ylabel()) == ("thrusters force [N]", "pose.position.z [m]")
+    assert height.get_xlabel() == "time [s]"
+    t, drawn = error.lines[0].get_data()
+    rows = run.signals["path_error.cross_track"]
+    rows = rows[(rows[:, 0] >= 1.0) & (rows[:, 0] <= 3.0)]
+    assert (t.tolist(), drawn.tolist()) == (rows[:, 0].tolist(), rows[:, 1].tolist())
+    assert [list(line.get_ydata()) for line in error.lines if line.get_label() == "max ≤ 9"] == [[9.0, 9.0]]
+    assert [text.get_text() for text in error.texts] == ["T1: dead"]
+    for axes in (error, forces, height):
+        assert 2.0 in [line.get_xdata()[0] for line in axes.lines]
+    named = [line.get_label() for line in forces.lines if not line.get_label().startswith("_")]
+    assert named == list(run.fields["thrusters.force"].columns)
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["path_error.cros_track"], "no signal 'path_error.cros_track'; did you mean path_error.cross_track?"),
+        (["--out", "a.jpg"], "a.jpg: a figure is one of .png, .svg, .pdf"),
+        (["--from-s", "3", "--to-s", "2"], "there is nothing to draw from 3 s to 2 s"),
+    ],
+)
+def test_mistakes_are_one_line(flown, arguments, said, monkeypatch, capsys):
+    assert call(monkeypatch, capsys, "plot", flown, *arguments) == (2, "", f"{said}\n")
+
+
+def test_what_is_no_run_is_one_line(tmp_path, monkeypatch, capsys):
+    assert call(monkeypatch, capsys, "plot", tmp_path) == (2, "", f"{tmp_path}: no run.mcap here\n")
