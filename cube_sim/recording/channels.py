@@ -47,6 +47,14 @@ class Field:
             raise ValueError(f"field {self.name!r} has width {self.width} but {len(self.columns)} column names")
 
     @property
+    def units(self) -> tuple[str, ...]:
+        """The unit of each of its numbers."""
+        units = self.unit.split(", ")
+        if len(units) != self.width:  # one for all, or one for each half: forces and torques
+            units = [units[0]] * (self.width // 2) + [units[-1]] * (self.width - self.width // 2)
+        return tuple(units)
+
+    @property
     def is_single_number(self) -> bool:
         """Whether it is one number by its nature, not a list that happens to have one entry (one thruster)."""
         return self.width == 1 and not self.columns

@@ -12,14 +12,13 @@ import numpy as np
 from google.protobuf import descriptor_pool, message_factory
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from mcap.records import Channel as McapChannel
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import Channel, Field
-from cube_sim.recording.mcap.fixed_width import MESSAGE_HEADER, channel_layout
-from cube_sim.recording.mcap.names import CHANNEL_METADATA, EPOCH_NS, LOG_TOPIC
+from cube_sim.recording.mcap.fixed_width import MESSAGE_HEADER, Layout, channel_layout, packed_layout
+from cube_sim.recording.mcap.names import CHANNEL_METADATA, EARLIER, EPOCH_NS, LOG_TOPIC
 from cube_sim.recording.mcap.reader import places_of
 from cube_sim.recording.mcap.schemas import LOG, LOG_LEVELS, log_schema
 from cube_sim.run_log import LogLine
@@ -34,15 +33,17 @@ class RecordedMessages:
         channels: by name, in the order in which they are declared.
     """
 
-    def __init__(self, path: Path, only: Collection[str] | None = None) -> None:
+    def __init__(self, path: Path, format_: str, only: Collection[str] | None = None) -> None:
         """Begin.
 
         Args:
             path: of the file, for what is said of it.
+            format_: of the recording.
             only: the channels that are wanted; None for all, and the log.
         """
         self.channels: dict[str, Channel] = {}
         self._path, self._only = path, only
+        self._layout_of = packed_layout if format_ in EARLIER else channel_layout
         self._columns: dict[str, _Columns] = {}
         self._of: dict[int, _Columns] = {}  # by the id that a file gives to a channel
         self._logs: set[int] = set()
@@ -57,12 +58,11 @@ class RecordedMessages:
         places = places_of(self._path, chunk)
         for declared in places.channels:
             self.declare(declared)
-        bytes_of = np.frombuffer(chunk, np.uint8)
         lines: list[int] = []
         for (number, size), starts in places.messages.items():
             if number in self._of:
-                records = sliding_window_view(bytes_of, size)[np.array(starts)]
-                self._of[number].take(records)
+                windows = np.ndarray((len(chunk) - size + 1, size), np.uint8, chunk, 0, (1, 1))
+                self._of[number].take(windows[np.array(starts)])
             elif number in self._logs:
                 lines += starts
         self._lines += [self._line(chunk, start) for start in sorted(lines)]
@@ -82,9 +82,14 @@ class RecordedMessages:
                 return
             if self.channels.setdefault(channel.name, channel) != channel:
                 raise RecordingError(f"{self._path} holds two runs: there are two channels {channel.name!r}")
-            self._of[declared.id] = self._columns.setdefault(channel.name, _Columns(self._path, channel))
+            self._of[declared.id] = self._columns_of(channel)
         elif declared.topic == LOG_TOPIC and self._only is None:
             self._logs.add(declared.id)
+
+    def _columns_of(self, channel: Channel) -> _Columns:
+        if channel.name not in self._columns:
+            self._columns[channel.name] = _Columns(self._path, channel, self._layout_of(channel))
+        return self._columns[channel.name]
 
     def rows(self) -> dict[str, Rows]:
         """Hand over the rows that have come, (n, 1+width) of each channel.
@@ -118,8 +123,8 @@ class RecordedMessages:
 class _Columns:
     """The rows of one channel, as they come."""
 
-    def __init__(self, path: Path, channel: Channel) -> None:
-        self._path, self._channel, self._layout = path, channel, channel_layout(channel)
+    def __init__(self, path: Path, channel: Channel, layout: Layout) -> None:
+        self._path, self._channel, self._layout = path, channel, layout
         self._records: list[NDArray[np.uint8]] = []
         self._rows: list[Rows] = []
         self._numbers: list[NDArray[np.uint32]] = []

@@ -33,6 +33,8 @@ READINGS = {
 }
 """What each sensor beside the inertial unit reads, by its name."""
 
+OUTCOMES = ("FUSED", "REJECTED", "ACCEPTED_AFTER_REJECTIONS")
+
 
 NONE_OF_ONES_OWN: Mapping[str, Field] = MappingProxyType({})
 
@@ -93,7 +95,7 @@ def _sensor(name: str, rate_hz: float, reading: Field) -> Channel:
             Field("taken_at", 1, "s", "when the sensor looked; the row's own time is when the reading was there"),
             Field("innovation", reading.width, reading.unit, "what it said beyond the estimate", reading.columns),
             Field("surprise", 1, "1", "the innovation's square in units of its covariance, chi-square"),
-            Field("outcome", 1, "1", "0 fused, 1 kept out by the gate, 2 fused although the gate would not"),
+            Field("outcome", 1, "1", "fused, kept out by the gate, or fused although the gate would not", (), OUTCOMES),
         ),
         rate_hz,
     )

@@ -15,7 +15,9 @@ from cube_sim.recording.mcap.names import (
     ASSETS,
     CODE,
     CODE_METADATA,
+    EARLIER,
     END_METADATA,
+    FORMAT,
     FORMATS,
     MODEL,
     MODEL_NAME,
@@ -23,7 +25,6 @@ from cube_sim.recording.mcap.names import (
     RUN_METADATA,
     SCENARIO,
     VERSIONS_METADATA,
-    WITHOUT_END,
 )
 from cube_sim.recording.mcap.reader import McapContents, chunks_of, read_contents
 from cube_sim.recording.messages import RecordedMessages
@@ -97,7 +98,7 @@ def read_recording(path: str | Path) -> Recording:
     path = Path(path)
     contents = read_contents(path)
     header, vehicle = read_header(contents)
-    messages = RecordedMessages(path)
+    messages = RecordedMessages(path, contents.metadata[RUN_METADATA]["format"])
     for chunk in contents.chunks():
         messages.take(chunk)
     read = Recording(
@@ -124,7 +125,7 @@ def read_channels(path: Path, names: Collection[str], chunks_at_once: int | None
     Raises:
         RecordingError: the file cannot be read, or it is damaged.
     """
-    messages = RecordedMessages(path, names)
+    messages = RecordedMessages(path, FORMAT, names)
     for number, chunk in enumerate(chunks_of(path)):
         if chunks_at_once is not None and number and number % chunks_at_once == 0:
             yield messages.rows()
@@ -172,7 +173,7 @@ def _end(contents: McapContents, read: Recording) -> tuple[RunEnd | None, str]:
     """How the run ended, and why what was read is not all of a flight that came to its end."""
     texts = contents.metadata.get(END_METADATA)
     if texts is None:
-        whole = contents.complete and contents.metadata[RUN_METADATA]["format"] in WITHOUT_END
+        whole = contents.complete and contents.metadata[RUN_METADATA]["format"] in EARLIER
         return None, "" if whole else NO_END
     try:
         end, digests = from_texts(texts)

@@ -13,6 +13,7 @@ from mcap.writer import MCAP0_MAGIC
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows
+from cube_sim.recording.mcap.names import RUN_METADATA
 from cube_sim.recording.mcap.reader import (
     LOOSE,
     McapContents,
@@ -57,15 +58,16 @@ def salvage(path: Path) -> Salvaged:
     """
     parts = _Parts(path)
     header, vehicle = read_header(parts.contents)
+    format_ = parts.contents.metadata[RUN_METADATA]["format"]
     channels: list[Channel] = []
     for chunk in parts.chunks:
         channels += places_of(path, chunk).channels
     channels += parts.channels
     rows: dict[str, list[Rows]] = {}
     lines: list[LogLine] = []
-    messages = RecordedMessages(path)
+    messages = RecordedMessages(path, format_)
     for chunk in parts.chunks:
-        messages = RecordedMessages(path)
+        messages = RecordedMessages(path, format_)
         try:
             for channel in channels:
                 messages.declare(channel)

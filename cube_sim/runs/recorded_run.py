@@ -144,12 +144,9 @@ class RecordedRun:
     def column_names(self, signal: str) -> tuple[str, ...]:
         """A name for each number of a signal, as tables have it: with its field's name, and its unit in brackets."""
         field = self.fields[signal]
-        units = field.unit.split(", ") if ", " in field.unit else [field.unit] * field.width
-        if len(units) != field.width:
-            units = [units[0]] * (field.width // 2) + [units[-1]] * (field.width - field.width // 2)
         parts = field.columns or tuple(map(str, range(field.width)))
         names = (signal,) if field.is_single_number else tuple(f"{signal}.{part}" for part in parts)
-        return tuple(f"{name} [{unit}]" for name, unit in zip(names, units, strict=True))
+        return tuple(f"{name} [{unit}]" for name, unit in zip(names, field.units, strict=True))
 
 
 def load_run(path: str | Path) -> RecordedRun:

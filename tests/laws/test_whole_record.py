@@ -6,6 +6,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from mcap.reader import make_reader
 from mcap.writer import Writer
@@ -14,7 +15,9 @@ from support.own_code import PID, scenario_with
 from support.places import CUBE
 
 import cube_sim
+from cube_sim.recording.channels import Channel
 from cube_sim.recording.export import rrd_from_mcap
+from cube_sim.recording.mcap.fixed_width import channel_layout, packed_layout
 from cube_sim.recording.reading import read_recording
 from cube_sim.recording.saved_inputs import save_inputs
 from cube_sim.scenario import load
@@ -92,8 +95,19 @@ def test_what_is_recorded_flies_again_to_the_same_bytes(sources, tmp_path):
     assert (again.directory / "run.mcap").read_bytes() == before
 
 
+def packed(channel: Channel, message: bytes) -> bytes:
+    """A message of now as one without names."""
+    row = channel_layout(channel).read(np.frombuffer(message, np.uint8)[None], channel.width)[0]
+    layout = packed_layout(channel)
+    data = layout.template.copy()
+    for start, column, count in layout.spans:
+        data[start : start + 8 * count] = row[column : column + count].view(np.uint8)
+    return data.tobytes()
+
+
 def as_earlier_versions_wrote(source: Path, target: Path) -> None:
-    """The MJCF as model.xml, the files it refers to as assets/NAME, no other inputs."""
+    """The MJCF as model.xml, the files it refers to as assets/NAME, no other inputs; numbers without names, no end."""
+    table = {f"/{channel.name}": channel for channel in read_recording(source).channels}
     reader = make_reader(source.open("rb"))
     summary = reader.get_summary()
     assert summary is not None
@@ -104,6 +118,8 @@ def as_earlier_versions_wrote(source: Path, target: Path) -> None:
             name = {"model/cube.xml": "model.xml"}.get(each.name, each.name)
             writer.add_attachment(each.create_time, each.log_time, name, each.media_type, each.data)
         for each in reader.iter_metadata():
+            if each.name == "end":
+                continue
             kept = {key: value for key, value in each.metadata.items() if key != "model"}
             writer.add_metadata(each.name, {**kept, "format": "1"} if "format" in kept else kept)
         ids = {}
@@ -112,7 +128,8 @@ def as_earlier_versions_wrote(source: Path, target: Path) -> None:
             of = writer.register_schema(schema.name, schema.encoding, schema.data)
             ids[channel.id] = writer.register_channel(channel.topic, "protobuf", of, channel.metadata)
         for _, channel, message in reader.iter_messages():
-            writer.add_message(ids[channel.id], message.log_time, message.data, message.publish_time, message.sequence)
+            data = packed(table[channel.topic], message.data) if channel.topic in table else message.data
+            writer.add_message(ids[channel.id], message.log_time, data, message.publish_time, message.sequence)
         writer.finish()
 
 
@@ -127,6 +144,8 @@ def test_a_record_of_an_earlier_version_is_read(tmp_path):
     assert found.header.resolved == expected.header.resolved
     for name, rows in expected.rows.items():
         assert found.rows[name].tobytes() == rows.tobytes()
+    assert found.complete
+    assert found.end is None
     rrd_from_mcap(old, tmp_path / "old.rrd")
     assert (tmp_path / "old.rrd").stat().st_size > 10_000
 

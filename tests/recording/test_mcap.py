@@ -24,6 +24,7 @@ from support.helix_run import DT, END, HEADER, THRUSTERS, append_tick, fly, mode
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.channels import Channel, Field
+from cube_sim.recording.mcap.named_fields import parts_of
 from cube_sim.recording.mcap.names import EPOCH_NS
 from cube_sim.recording.reading import read_recording, read_signals
 from cube_sim.recording.recorder import Recorder
@@ -104,16 +105,50 @@ def test_any_protobuf_reader_decodes_a_channel(run):
         assert message.sequence == k
         assert row.t == k * DT
         for field in ("demanded", "allocated", "disturbance"):
-            assert list(getattr(row, field)) == list(signals[f"wrench.{field}"][k, 1:])
+            group = getattr(row, field)
+            named = [getattr(group, name) for name in ("Fx_N", "Fy_N", "Fz_N", "Mx_N_m", "My_N_m", "Mz_N_m")]
+            assert named == list(signals[f"wrench.{field}"][k, 1:])
     (_, row), *_ = messages(path, "/allocation")
-    assert isinstance(row.cost, float)
+    assert row.cost_N2 == signals["allocation.cost"][0, 1]
+    assert signals["allocation.subset"][0, 3] == row.subset.T3
+    (_, row), *_ = messages(path, "/path")
+    assert (row.points[7].x_m, row.points[7].z_m) == tuple(signals["path.points"][0, [22, 24]])
+    (_, row), *_ = messages(path, "/actuation")
+    assert row.limits.T2.F_max_plus_N == signals["actuation.limits"][0, 8] == 50.0
+    assert row.matrix.Mz.T8_N_m_N == signals["actuation.matrix"][0, 48]
+
+
+def test_codes_are_enums_with_their_labels(run):
+    path, signals = run
+    decoded = messages(path, "/allocation")
+    status = decoded[0][1].DESCRIPTOR.fields_by_name["status"].enum_type
+    assert [(value.number, value.name) for value in status.values] == [(0, "exact"), (1, "nearest")]
+    assert [row.status for _, row in decoded] == signals["allocation.status"][:, 1].tolist()
+    assert {row.status for _, row in decoded} == {0, 1}
+
+
+@pytest.mark.parametrize("code", [0.5, -1.0, 128.0, float("nan")])
+def test_a_code_that_is_none_is_refused(tmp_path, code):
+    with Recorder(tmp_path, HEADER, table(), model(), view=False) as recorder:
+        recorder.append("allocation", 0.0, 0.0, 0.0, code, np.zeros(8))
+        with pytest.raises(RecordingError, match="a code is a whole number from 0 to 127"):
+            recorder.append("allocation", 1.0, 0.0, 0.0, 0.0, np.zeros(8))
+
+
+def test_names_that_protobuf_does_not_allow_are_told_apart():
+    odd = Field("speed", 4, "m/s", "of some", ("hélice 1", "hélice-1", "2nd", "T+"))
+    (group,) = parts_of(Channel("c", (odd,)))
+    assert [number.name for number in group.elements[0]] == [
+        "h_lice_1_m_s",
+        "h_lice_1_m_s_2",
+        "n2nd_m_s",
+        "T_plus_m_s",
+    ]
 
 
 def test_rows_are_canonical_protobuf_but_for_zeros(run):
-    for _, row in messages(run[0], "/velocity")[1:]:
-        assert row.ByteSize() == len(row.SerializeToString())
-    message, row = messages(run[0], "/velocity")[5]
-    assert row.SerializeToString() == message.data
+    for message, row in messages(run[0], "/wrench")[1:]:
+        assert row.SerializeToString() == message.data
 
 
 def test_the_vehicle_is_a_foxglove_frame_transform(run):

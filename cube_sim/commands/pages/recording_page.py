@@ -98,9 +98,11 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
   names by key, `{CODE_DIGESTS}` the SHA-256 of their files.
 - **A topic per channel**: `{topic(_POSE)}` for the channel `{_POSE.name}`. A row is one protobuf message, called
   `{channel_schema_name(_PATH_ERROR)}` for the channel `{_PATH_ERROR.name}`. Its field 1 is `t`, the simulated time [s].
-  The channel's fields follow as 2, 3 ... in the order of the tables below: a double, or packed repeated doubles where
-  there are several columns. The descriptors are in the file. The channel's metadata `{CHANNEL_METADATA}` is its table
-  as JSON: names, widths, units, descriptions, columns, labels.
+  The channel's fields follow as 2, 3 ... in the order of the tables below, and every number has its name and unit, as
+  in `/path_error.cross_track_m`, `/pose.position.x_m`, `/thrusters.force_demanded.T1_N`, `/wrench.demanded.Mz_N_m`: a
+  double, or a message of doubles named after the columns (`Fx/T1` is a message `Fx` with a `T1` in it, `0/x` one of a
+  list). A code is an enum: `/allocation.status` reads `EXACT`. The descriptors are in the file. The channel's metadata
+  `{CHANNEL_METADATA}` is its table as JSON: names, widths, units, descriptions with frames, columns, labels.
 - **For other programs' viewers**: `{TRANSFORM_TOPIC}` is the pose once more, as `{FRAME_TRANSFORM}`. `{LOG_TOPIC}` is
   what was said, as `{LOG}` with the levels {", ".join(LOG_LEVELS[1:])}.
 - **Times**: simulated time starts at {_EPOCH} in every file. There is no wall clock in it.

@@ -49,7 +49,8 @@ class Templates(NamedTuple):
 
     Attributes:
         records: bytes of one record of each channel.
-        spans: (k, 3) for each run of adjacent numbers: first byte in the record, first column, number of columns.
+        spans: (k, 3) for each run of adjacent numbers: first byte in the record, first column, number of columns; 0 for
+            a code, which is one byte.
     """
 
     records: NDArray[np.uint8]
@@ -82,7 +83,7 @@ def stamp_of(t):
 
 
 @compiled
-def put_record(out, at, stream, templates, k, stamp, numbers):
+def put_record(out, at, stream, templates, k, stamp, rows, numbers):
     """Write the k-th record of a channel.
 
     Args:
@@ -92,7 +93,8 @@ def put_record(out, at, stream, templates, k, stamp, numbers):
         templates: `Templates`.
         k: which of its rows.
         stamp: [ns].
-        numbers: bytes of all rows.
+        rows: all rows, as numbers.
+        numbers: the same as bytes.
     """
     copy_bytes(out, at, templates.records, stream.template, stream.length)
     put_integer(out, at + _SEQUENCE, np.uint32(stream.sequence + k))
@@ -104,7 +106,10 @@ def put_record(out, at, stream, templates, k, stamp, numbers):
     row = stream.row + k * stream.width
     for j in range(stream.span, stream.span_end):
         start, column, count = templates.spans[j]
-        copy_bytes(out, at + start, numbers, 8 * (row + column), 8 * count)
+        if count:
+            copy_bytes(out, at + start, numbers, 8 * (row + column), 8 * count)
+        else:
+            out[at + start] = np.uint8(rows[row + column])
 
 
 @unlocked
@@ -153,7 +158,7 @@ def encode(streams, templates, times, numbers, ready, ahead, out, index):
                 put_integer(index, entries[s] + 8, at)
                 entries[s] += INDEX_ENTRY
                 if stream.template >= 0:
-                    put_record(out, at, stream, templates, k, stamp, numbers)
+                    put_record(out, at, stream, templates, k, stamp, times, numbers)
                     at += stream.length
                 else:
                     start = ready.ends[k - 1] if k else 0

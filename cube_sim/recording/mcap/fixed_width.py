@@ -1,12 +1,13 @@
 """Protobuf messages of constant length: where their numbers lie.
 
-A channel's message is flat: ``double t = 1`` and then each field as ``double`` or packed ``repeated double``.
-Tags and lengths then never change, so n messages are an (n, L) array of bytes in which only the columns of the numbers
+A channel's message is ``double t = 1`` and then each field, its numbers by name (`named_fields`). Whatever a row holds,
+tags and lengths never change, so n messages are an (n, L) array of bytes in which only the columns of the numbers
 differ. Any protobuf reader decodes it; none is needed to write it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +16,10 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.channels import Channel
+from cube_sim.recording.mcap.named_fields import Code, Group, Numbers, Part, parts_of
 
-_DOUBLE, _BYTES = 1, 2  # protobuf wire types: 64 bits, length-delimited
+Span = tuple[int, int, int]
+_VARINT, _DOUBLE, _BYTES = 0, 1, 2  # protobuf wire types: small integers, 64 bits, length-delimited
 
 MESSAGE_HEADER = np.dtype(
     [
@@ -64,7 +67,8 @@ class Layout:
 
     Attributes:
         template: (L,) uint8, one message with zero numbers.
-        spans: for each run of adjacent numbers: first byte, first column, number of columns.
+        spans: for each run of adjacent numbers: first byte, first column, number of columns; 0 for a code, which is one
+            byte.
         constant: (L,) bool, True where the bytes are the same in every message.
     """
 
@@ -94,9 +98,27 @@ class Layout:
             raise RecordingError("a message does not have the layout its channel declares")
         rows = np.empty((len(data), 1 + width))
         for start, column, count in self.spans:
-            numbers = np.ascontiguousarray(data[:, start : start + 8 * count])
-            rows[:, column : column + count] = numbers.view("<f8")
+            if count:
+                rows[:, column : column + count] = data[:, start : start + 8 * count].view("<f8")
+            else:
+                rows[:, column] = data[:, start]
         return rows
+
+    def require_codes(self, rows: NDArray[np.float64]) -> None:
+        """Make sure that the codes among the numbers fit into their bytes.
+
+        Args:
+            rows: (n, 1+width).
+
+        Raises:
+            RecordingError: one is no whole number from 0 to 127.
+        """
+        codes = rows[:, [column for _, column, count in self.spans if not count]]
+        # Written this way round, a NaN is refused too.
+        if not np.all((codes >= 0) & (codes <= 0x7F) & (codes == np.floor(codes))):
+            raise RecordingError(
+                f"a code is a whole number from 0 to 127; a row at {rows[0, 0]:g} s or later has another"
+            )
 
 
 def message_record(channel_id: int, message: bytes, sequence: int = 0, stamp_ns: int = 0) -> bytes:
@@ -114,13 +136,48 @@ def message_record(channel_id: int, message: bytes, sequence: int = 0, stamp_ns:
 
 def channel_layout(channel: Channel) -> Layout:
     """Lay out the message of a channel: ``t`` is field 1, the channel's fields are 2, 3, ... in order."""
-    message = bytearray(double_tag(1) + bytes(8))
-    spans = [(1, 0, 1)]
+    message, spans = _laid_out(parts_of(channel), 2)
+    return _layout(double_tag(1) + bytes(8) + message, [(1, 0, 1), *_shifted(spans, 9)])
+
+
+def packed_layout(channel: Channel) -> Layout:
+    """The same as formats 1 and 2 had it: a double, or packed ``repeated double`` without names."""
+    message, spans = b"", []
     for number, (field, columns) in enumerate(zip(channel.fields, channel.columns, strict=True), start=2):
         message += double_tag(number) if field.width == 1 else length_prefix(number, 8 * field.width)
         spans.append((len(message), columns.start, field.width))
         message += bytes(8 * field.width)
+    return _layout(double_tag(1) + bytes(8) + message, [(1, 0, 1), *_shifted(spans, 9)])
+
+
+def _laid_out(parts: Sequence[Part], first: int) -> tuple[bytes, list[Span]]:
+    """A message with zero numbers and where they lie, its fields numbered from one on."""
+    message, spans = b"", []
+    for number, part in enumerate(parts, start=first):
+        if isinstance(part, Group):
+            for element in part.elements:
+                inner, within = _laid_out(element, 1)
+                message += length_prefix(number, len(inner))
+                spans += _shifted(within, len(message))
+                message += inner
+        elif isinstance(part, Code):
+            message += tag(number, _VARINT)
+            spans.append((len(message), part.column, 0))
+            message += bytes(1)
+        else:
+            count = part.width if isinstance(part, Numbers) else 1
+            message += length_prefix(number, 8 * count) if isinstance(part, Numbers) else double_tag(number)
+            spans.append((len(message), part.column, count))
+            message += bytes(8 * count)
+    return message, spans
+
+
+def _shifted(spans: Sequence[Span], by: int) -> list[Span]:
+    return [(start + by, column, count) for start, column, count in spans]
+
+
+def _layout(message: bytes, spans: Sequence[Span]) -> Layout:
     constant = np.ones(len(message), dtype=bool)
     for start, _, count in spans:
-        constant[start : start + 8 * count] = False
-    return Layout(np.frombuffer(bytes(message), np.uint8), tuple(spans), constant)
+        constant[start : start + (8 * count or 1)] = False
+    return Layout(np.frombuffer(message, np.uint8), tuple(spans), constant)

@@ -11,9 +11,10 @@ from cube_sim.recording.channels import Channel
 EPOCH_NS = 946_684_800 * 1_000_000_000
 
 FORMAT = "3"
-"""1 had the MJCF as `MODEL`, the files it refers to as `ASSETS` and no other inputs; 2 did not say how a run ended."""
-WITHOUT_END = ("1", "2")
-FORMATS = (*WITHOUT_END, FORMAT)
+"""1 had the MJCF as `MODEL`, the files it refers to as `ASSETS` and no other inputs. Up to 2, the numbers of a message
+had no names, and nothing said how the run ended."""
+EARLIER = ("1", "2")
+FORMATS = (*EARLIER, FORMAT)
 """Those that are read."""
 TRANSFORM_TOPIC = "/tf"
 LOG_TOPIC = "/log"

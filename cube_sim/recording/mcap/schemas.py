@@ -7,6 +7,8 @@ knows them shows the vehicle and the log of a run without knowing this program.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from google.protobuf import timestamp_pb2
 from google.protobuf.descriptor_pb2 import (
     DescriptorProto,
@@ -16,6 +18,7 @@ from google.protobuf.descriptor_pb2 import (
 )
 
 from cube_sim.recording.channels import Channel
+from cube_sim.recording.mcap.named_fields import Code, Group, Numbers, Part, identifier, parts_of
 
 PACKAGE = "cube_sim"
 FRAME_TRANSFORM = "foxglove.FrameTransform"
@@ -35,12 +38,39 @@ def channel_schema(channel: Channel) -> bytes:
     file = _file(PACKAGE, channel.name)
     message = file.message_type.add(name=_camel(channel.name))
     _scalar(message, 1, "t", FieldDescriptorProto.TYPE_DOUBLE)
-    for number, field in enumerate(channel.fields, start=2):
-        declared = _scalar(message, number, field.name, FieldDescriptorProto.TYPE_DOUBLE)
-        if field.width > 1:
-            declared.label = FieldDescriptorProto.LABEL_REPEATED
-            declared.options.packed = True
+    _declare(message, parts_of(channel), 2, f".{channel_schema_name(channel)}")
     return _set(file)
+
+
+def _declare(message: DescriptorProto, parts: Sequence[Part], first: int, scope: str) -> None:
+    """Add fields to a message, and what they are made of.
+
+    Args:
+        message: the message.
+        parts: the fields.
+        first: number of the first.
+        scope: full name of the message.
+    """
+    for number, part in enumerate(parts, start=first):
+        name = identifier(part.name)
+        if isinstance(part, Group):
+            inner = message.nested_type.add(name=f"{_camel(name)}Columns")
+            _message(message, number, name, f"{scope}.{inner.name}")
+            if part.listed:
+                message.field[-1].label = FieldDescriptorProto.LABEL_REPEATED
+            _declare(inner, part.elements[0], 1, f"{scope}.{inner.name}")
+        elif isinstance(part, Code):
+            inner = message.nested_type.add(name=f"{_camel(name)}Code")  # labels of two codes may be the same
+            values = inner.enum_type.add(name="Code")
+            for value, label in enumerate(part.labels):
+                values.value.add(name=identifier(label), number=value)
+            field = _scalar(message, number, name, FieldDescriptorProto.TYPE_ENUM)
+            field.type_name = f"{scope}.{inner.name}.Code"
+        else:
+            field = _scalar(message, number, name, FieldDescriptorProto.TYPE_DOUBLE)
+            if isinstance(part, Numbers):
+                field.label = FieldDescriptorProto.LABEL_REPEATED
+                field.options.packed = True
 
 
 def frame_transform_schema() -> bytes:

@@ -70,6 +70,11 @@ class McapSink:
             )
             for channel in channels
         ]
+        self._codes = {  # those that have any
+            channel.name: layout
+            for channel, (layout, _) in zip(channels, layouts, strict=True)
+            if not all(count for _, _, count in layout.spans)
+        }
         self._numbers = {channel.name: k for k, channel in enumerate(channels)}
         layouts.append(frame_transform_layout(vehicle))
         self._ids.append(self._writer.add_channel(TRANSFORM_TOPIC, FRAME_TRANSFORM, frame_transform_schema()))
@@ -82,6 +87,8 @@ class McapSink:
         """Write a batch as one chunk and hand it to the operating system."""
         parts, places, which, rows = [], {}, [], 0
         for name, table in batch.rows.items():
+            if name in self._codes:
+                self._codes[name].require_codes(table)
             number = self._numbers[name]
             places[number] = rows, *table.shape
             parts.append(table.reshape(-1))

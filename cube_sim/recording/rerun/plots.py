@@ -217,7 +217,7 @@ def lanes(channels: Sequence[Channel]) -> list[Lane]:
                     Lane(channel.name, field.name, i, f"{LANES}/{name}", _SIDES, thruster=i)
                     for i, name in enumerate(field.columns)
                 ]
-            elif field.labels:
+            elif field.labels and not channel.name.startswith("sensor_"):  # what became of readings has its plot
                 states = {code: (label, _CODES.get(label, palette.ORANGE)) for code, label in enumerate(field.labels)}
                 name = channel.name if field.name == "status" else field.name
                 found.append(Lane(channel.name, field.name, 0, f"{LANES}/{name}", states))
