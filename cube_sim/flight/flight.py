@@ -21,6 +21,7 @@ from cube_sim.flight.snapshot import Snapshot
 from cube_sim.flight.start import described, foreseen_attitude, placed, prepared
 from cube_sim.mission.copying import integration_state, packed, set_integration_state, unpacked
 from cube_sim.mission.own.given import AnyScenario, loaded_with
+from cube_sim.native.forked import flying
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
 from cube_sim.spatial import State
@@ -137,7 +138,7 @@ class Flight(Loop):
         """
         self._require_going_on()
         action = action_of(len(self.mission.vehicle.thrusters.names), wrench, forces, commands)
-        with collect_warnings() as warnings:
+        with flying(), collect_warnings() as warnings:
             self.control(warnings, action)
             self.advance()
         return self.observation()

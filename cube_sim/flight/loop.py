@@ -25,6 +25,7 @@ from cube_sim.mission import Mission
 from cube_sim.mission.copying import integration_state, set_integration_state
 from cube_sim.mission.divergence import divergence
 from cube_sim.mission.fault_response import record_actuation, respond_to_faults
+from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.spatial import State, Vector
 from cube_sim.uninterrupted import uninterrupted
@@ -105,7 +106,7 @@ class Loop:
             raise FlightError(f"fly whole ticks, at least one tick, not {ticks}")
         self._require_going_on()
         end = min(self.tick + ticks, self.mission.scenario.ticks)
-        with collect_warnings() as warnings:
+        with flying(), collect_warnings() as warnings:
             while self.tick < end and not self.ended:
                 self._fly_on(warnings, end - self.tick)
 
@@ -120,7 +121,7 @@ class Loop:
         """
         self._require_going_on()
         tell = _each_second(told)
-        with collect_warnings() as warnings:
+        with flying(), collect_warnings() as warnings:
             # Amid the first second nobody is told: some of its code may have to be loaded yet, or compiled.
             ticks, amid = self._store.ticks_at_once(self.tick, self._period), _nobody
             while not self.over:
@@ -246,6 +247,7 @@ class Loop:
             self._store.hand_on()
 
     def _require_going_on(self) -> None:
+        require_its_own_threads()
         if self.over:
             raise FlightError(f"the flight is over{f': {self.ended}' if self.ended else ''}; reset it")
 

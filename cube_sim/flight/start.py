@@ -11,6 +11,7 @@ from cube_sim.flight.compiled import compile_beside
 from cube_sim.mission import PATH_POINTS, Mission, prepare
 from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.surface_watch import path_above_surface
+from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Loaded
 from cube_sim.spatial import State, Vector, rotation_from_quaternion
@@ -21,9 +22,12 @@ def prepared(loaded: Loaded) -> Mission:
 
     Raises:
         ScenarioError: the model does not fit the scenario; with position.
+        FlightError: this process was forked off while threads of its parent flew.
     """
-    compile_beside()
-    return prepare(loaded)
+    require_its_own_threads()
+    with flying():
+        compile_beside()
+        return prepare(loaded)
 
 
 def described(mission: Mission, store: SignalStore) -> None:
