@@ -111,7 +111,7 @@ def statistics_of(signals: Signals) -> dict[str, float]:
         "attitude_error_rms_rad", "attitude_error_max_rad": between desired and actual attitude;
         "speed_mean_m_s": over ground;
         "travelled_m": arc length that the target has run;
-        "energy_J": drawn by the thrusters;
+        "energy_J": drawn by the thrusters; NaN where the model does not state it;
         "residual_max_N": of the allocation;
         "thrusters_lost": believed dead or stuck at the end.
     """
@@ -130,7 +130,7 @@ def statistics_of(signals: Signals) -> dict[str, float]:
         off.max(),
         np.linalg.norm(column("velocity.linear"), axis=1).mean(),
         arc_length[-1, 0] - arc_length[0, 0],
-        column("power.energy")[-1, 0],
+        column("power.energy")[-1, 0] if "power.energy" in signals else nan,
         column("allocation.residual").max(),
         np.count_nonzero(column("health.believed")[-1] == 0.0),
     )

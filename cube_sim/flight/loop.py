@@ -284,7 +284,7 @@ class Loop:
             given = t, self._applied, action, begun.known
             decision, allocation, self._known = tick(mission, self._rows, store, *given)
         except (NotANumberError, OwnCodeError) as error:
-            store.extend(t, t, [("power", self._rows.power)])
+            store.extend(t, t, [(name, rows) for name, rows in self._rows.named() if name == "power"])
             self.ended = str(error)
             return
         self._applied, self._wanted = allocation.wrench, decision.quaternion

@@ -10,14 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.native.compiled import compiled
-from cube_sim.recording.channels import Channel
+from cube_sim.recording.channels import SUPPLY, Channel
 from cube_sim.tuples import quaternion_from_matrix
 
 Table = NDArray[np.float64]
 
 
 class TickRows(NamedTuple):
-    """Rows of the channels that get one at every tick: (n, 1 + width) each, column 0 the time [s]."""
+    """Rows of the channels that get one at every tick: (n, 1 + width) each, column 0 the time [s].
+
+    Attributes:
+        supply: (4,) columns of `power` where power, energy, voltage and charge are; 0 for what is not recorded.
+    """
+
+    supply: NDArray[np.int64]
 
     pose: Table
     velocity: Table
@@ -33,17 +39,24 @@ class TickRows(NamedTuple):
 
     def named(self) -> Iterator[tuple[str, Table]]:
         """Channel and rows, for `SignalStore.extend`."""
-        return zip(self._fields, self, strict=True)
+        return ((name, table) for name, table in zip(self._fields[1:], self[1:], strict=True) if table.shape[1] > 1)
 
     def part(self, first: int, end: int) -> TickRows:
         """Those from one up to another."""
-        return TickRows(*(table[first:end] for table in self))
+        return TickRows(self.supply, *(table[first:end] for table in self[1:]))
 
 
 def rows_for(channels: tuple[Channel, ...], count: int) -> TickRows:
     """So many rows, to be written."""
     widths = {channel.name: 1 + channel.width for channel in channels}
-    return TickRows(*(np.empty((count, widths[name])) for name in TickRows._fields))
+    starts = {
+        field.name: columns.start
+        for channel in channels
+        if channel.name == "power"
+        for field, columns in zip(channel.fields, channel.columns, strict=True)
+    }
+    supply = np.array([starts.get(name, 0) for name in SUPPLY])
+    return TickRows(supply, *(np.empty((count, widths.get(name, 1))) for name in TickRows._fields[1:]))
 
 
 @compiled
@@ -59,11 +72,17 @@ def write_power(rows, k, t, power, energy, voltage, charge):
         voltage: [V].
         charge: share that is left.
     """
-    row, m = rows.power[k], len(power)
+    row, at = rows.power[k], rows.supply
+    if at[0]:
+        for i in range(len(power)):
+            row[at[0] + i] = power[i]
+    if at[1]:
+        row[at[1]] = energy
+    if at[2]:
+        row[at[2]] = voltage
+    if at[3]:
+        row[at[3]] = charge
     row[0] = t
-    for i in range(m):
-        row[1 + i] = power[i]
-    row[1 + m], row[2 + m], row[3 + m] = energy, voltage, charge
 
 
 @compiled

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from cube_sim.allocation import Status
 from cube_sim.control.authority import Authority
 from cube_sim.mission.navigation import channels_of
-from cube_sim.recording.channels import Channel, channel_table
+from cube_sim.recording.channels import SUPPLY, Channel, channel_table
 from cube_sim.scenario import Scenario
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -20,4 +22,23 @@ def recorded_channels(scenario: Scenario, vehicle: Vehicle) -> tuple[Channel, ..
         PATH_POINTS,
         tuple(status.name for status in Status),
         tuple(authority.name for authority in Authority),
+        tuple(name for name in SUPPLY if not why_unknown(name, scenario, vehicle)),
     ) + channels_of(scenario.navigation)
+
+
+def why_unknown(quantity: str, scenario: Scenario, vehicle: Vehicle) -> str:
+    """Why a quantity of the supply is not modelled, and so not recorded; "" if it is.
+
+    Args:
+        quantity: one of `SUPPLY`.
+        scenario: to be flown.
+        vehicle: with its thrusters.
+    """
+    thrusters = vehicle.thrusters
+    if quantity in ("motor", "energy"):
+        stated = bool(np.all(thrusters.power_coefficients > 0.0))
+        return "" if stated else "the model does not state the power of each thruster (NAME:thruster_power)"
+    if quantity == "voltage":
+        stated = np.isfinite(thrusters.voltage).all() and len(np.unique(thrusters.voltage)) == 1
+        return "" if stated else "the model does not state one voltage for all thrusters (NAME:thruster_voltage)"
+    return "" if scenario.battery is not None else "the scenario has no battery"

@@ -94,7 +94,7 @@ def prepare(loaded: Loaded) -> Mission:
     model, vehicle = flown
     path = path_of(loaded, codes)
     channels = recorded_channels(scenario, vehicle)
-    require_signals(loaded, channels)
+    require_signals(loaded, vehicle, channels)
     require_possible_events(loaded, vehicle)
     require_a_value_per_thruster(loaded, vehicle)
     allocator = allocator_of(loaded, believed.vehicle, codes)

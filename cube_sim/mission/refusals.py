@@ -7,7 +7,8 @@ from difflib import get_close_matches
 
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
-from cube_sim.recording.channels import Channel
+from cube_sim.mission.channels import why_unknown
+from cube_sim.recording.channels import SUPPLY, Channel
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.event_blocks import ThrusterEventBlock
 from cube_sim.vehicle.vehicle import Vehicle
@@ -16,8 +17,8 @@ SAME_DEPTH_M = 0.05
 """By how much a vehicle that cannot change depth may start above or below its path."""
 
 
-def require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
-    """Refuse checks of signals that no run records."""
+def require_signals(loaded: Loaded, vehicle: Vehicle, channels: tuple[Channel, ...]) -> None:
+    """Refuse checks of signals that no run records, or no run of this vehicle."""
     widths = {f"{channel.name}.{field.name}": field.width for channel in channels for field in channel.fields}
     mistakes = []
     for i, check in enumerate(loaded.scenario.checks):
@@ -25,6 +26,11 @@ def require_signals(loaded: Loaded, channels: tuple[Channel, ...]) -> None:
             continue
         signal, component = check.named_signal
         if signal not in widths:
+            channel, _, quantity = signal.partition(".")
+            if channel == "power" and quantity in SUPPLY:
+                why = why_unknown(quantity, loaded.scenario, vehicle)
+                mistakes.append(loaded.mistake(f"checks.{i}.signal", f"'{signal}' is not recorded: {why}"))
+                continue
             near = get_close_matches(signal, widths, n=1)
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(widths)}"
             mistakes.append(loaded.mistake(f"checks.{i}.signal", f"no signal '{signal}' is recorded, {hint}"))

@@ -88,11 +88,27 @@ class Channel:
         return tuple(slice(a, b) for a, b in pairwise(ends))
 
 
+SUPPLY = ("motor", "energy", "voltage", "charge")
+"""Fields of the channel `power`, in their order."""
+
+
+def _power(thrusters: tuple[str, ...], known: tuple[str, ...]) -> tuple[Channel, ...]:
+    fields = (
+        Field("motor", len(thrusters), "W", "electrical power of each motor", thrusters),
+        Field("energy", 1, "J", "what the motors have drawn since the start"),
+        Field("voltage", 1, "V", "what feeds the motors"),
+        Field("charge", 1, "1", "share of the battery's capacity left"),
+    )
+    recorded = tuple(field for field in fields if field.name in known)
+    return (Channel("power", recorded),) if recorded else ()
+
+
 def channel_table(
     thrusters: tuple[str, ...],
     path_points: int,
     allocation_status: tuple[str, ...] = (),
     authority: tuple[str, ...] = (),
+    supply: tuple[str, ...] = SUPPLY,
 ) -> tuple[Channel, ...]:
     """Declare what a run of a vehicle with these thrusters records.
 
@@ -101,6 +117,7 @@ def channel_table(
         path_points: n, the points of the polyline by which the path is displayed.
         allocation_status: what the status codes 0, 1, 2 ... of the allocation mean.
         authority: what the codes of the vehicle's authority mean.
+        supply: which of `SUPPLY` are known; the others are not recorded.
 
     Returns:
         The channels in the order in which they are written.
@@ -190,15 +207,7 @@ def channel_table(
                 Field("force", m, "N", "force each motor produces, after its lag and characteristic", thrusters),
             ),
         ),
-        Channel(
-            "power",
-            (
-                Field("motor", m, "W", "electrical power of each motor", thrusters),
-                Field("energy", 1, "J", "what the motors have drawn since the start"),
-                Field("voltage", 1, "V", "what feeds the motors; 0 where the model does not state it"),
-                Field("charge", 1, "1", "share of the battery's capacity left, 1 without a battery"),
-            ),
-        ),
+        *_power(thrusters, supply),
         Channel(
             "health",
             (

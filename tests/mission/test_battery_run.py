@@ -75,7 +75,7 @@ def test_without_a_battery_the_voltage_is_the_characteristics(tmp_path):
     run = cube_sim.run(HELIX, {**SHORT, "duration_s": 1.0}, tmp_path / "out")
     s = values(run)
     assert np.all(s["power.voltage"] == 16.0)
-    assert np.all(s["power.charge"] == 1.0)
+    assert "power.charge" not in s
     power = k_power(s["thrusters.force"])
     np.testing.assert_allclose(s["power.motor"], power, rtol=1e-12)
     assert s["power.energy"][-1, 0] == pytest.approx(0.02 * 0.5 * (power[1:] + power[:-1]).sum(), rel=1e-12)
@@ -154,3 +154,19 @@ def test_batteries_that_make_no_sense(scenario, battery, reason, tmp_path):
     with pytest.raises(ScenarioError, match=reason):
         cube_sim.run(SCENARIOS / f"{scenario}.yaml", {"battery": battery}, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.flight
+def test_what_nobody_knows_is_not_recorded_and_no_check_can_be_made_of_it(tmp_path):
+    """The jack's thrusters say neither power nor voltage."""
+    path, flown = SCENARIOS / "jack_exact.yaml", {"duration_s": 0.5, "checks": FORCES_ONLY}
+    run = cube_sim.run(path, flown, tmp_path / "out")
+    assert not [name for name in run.signals if name.startswith("power")]
+    for quantity, why in {
+        "energy": "the model does not state the power of each thruster",
+        "voltage": "the model does not state one voltage for all thrusters",
+        "charge": "the scenario has no battery",
+    }.items():
+        check = {"kind": "signal", "signal": f"power.{quantity}", "statistic": "final", "at_most": 100}
+        with pytest.raises(ScenarioError, match=rf"checks\.0\.signal: 'power\.{quantity}' is not recorded: {why}"):
+            cube_sim.run(path, {**flown, "checks": [check]}, tmp_path / "none")

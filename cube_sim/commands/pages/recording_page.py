@@ -142,7 +142,9 @@ of these. The terminal, a failing pytest item and the properties of its JUnit ca
 _CHANNELS = f"""\
 *m* is the number of thrusters, in the order of the columns of A. World axes are ENU, body axes FLU, units SI. The unit
 1 is a pure number. Quaternions are w, x, y, z. "Every period" is a row for each control period, {TICK_HZ:g} Hz unless
-the scenario sets `control_period_s`. A row "on change" holds until the next; no check can be made of it."""
+the scenario sets `control_period_s`. A row "on change" holds until the next; no check can be made of it. What is not
+modelled is not recorded: `power` has the quantities that the model and the scenario state, `charge` with a `battery`
+alone."""
 
 
 def recording_page() -> str:
