@@ -2,23 +2,70 @@
 
 from __future__ import annotations
 
+import ctypes
 import platform
 from functools import cache
 from importlib.metadata import version
+from pathlib import Path
 
+import numpy as np
+
+from cube_sim.build import commit, source_digest
 from cube_sim.mission.input_files import input_files
 from cube_sim.mission.own.code import NO_CODES, Codes
-from cube_sim.recording.header import RecordedCode, RunHeader
+from cube_sim.recording.header import COMMIT, SOURCE, RecordedCode, RunHeader
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.resolved import to_yaml
 
-PACKAGES = ("cube-sim", "mujoco", "numba", "numpy", "proxsuite", "mcap", "rerun-sdk")
+PACKAGES = (
+    "cube-sim",
+    "llvmlite",
+    "mcap",
+    "mujoco",
+    "numba",
+    "numpy",
+    "protobuf",
+    "proxsuite",
+    "rerun-sdk",
+    "ruamel.yaml",
+    "scipy",
+    "zstandard",
+)
 
 
 @cache
 def versions() -> dict[str, str]:
-    """Version of each package that takes part in the numbers or their recording, and of Python."""
-    return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
+    """All that has a part in the numbers or in the bytes that record them, by name.
+
+    Versions of packages and of Python, the source of cube_sim by its digest, the processor that its laws are compiled
+    for, the kernel that OpenBLAS takes on it, and the C library with its sines.
+    """
+    from llvmlite.binding import get_host_cpu_name
+
+    built = commit()
+    library, release = platform.libc_ver()
+    found = {
+        "python": platform.python_version(),
+        SOURCE: source_digest(),
+        COMMIT: built or "",
+        "processor": f"{platform.machine()} {get_host_cpu_name()}",
+        "openblas kernel": _openblas_kernel(),
+        "libc": f"{library} {release}".strip(),
+        **{name: version(name) for name in PACKAGES},
+    }
+    return {name: told for name, told in found.items() if told}
+
+
+def _openblas_kernel() -> str:
+    """The name that numpy's OpenBLAS has for the kernel it has chosen; "" where numpy has no OpenBLAS of its own."""
+    for library in sorted((Path(np.__file__).parents[1] / "numpy.libs").glob("libscipy_openblas64_*")):
+        try:
+            name = ctypes.CDLL(str(library)).scipy_openblas_get_corename64_
+        except (OSError, AttributeError):
+            continue
+        name.restype = ctypes.c_char_p
+        return name().decode(errors="replace")
+    return ""
 
 
 def header(loaded: Loaded, codes: Codes = NO_CODES) -> RunHeader:

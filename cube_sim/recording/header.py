@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 
+SOURCE, COMMIT = "cube-sim source", "cube-sim commit"
+"""Among the versions: the SHA-256 of the program's own source; its commit, where it ran from a checkout."""
+
 
 @dataclass(frozen=True)
 class RecordedCode:
@@ -44,7 +47,7 @@ class RunHeader:
         model: name of the MJCF among the inputs.
         inputs: contents of each file that `resolved` names but for Python, and of those these refer to, by name.
         code: code of the user's own that took part.
-        versions: version of each package that takes part in the numbers.
+        versions: of each package that takes part in the numbers, and what else does: `SOURCE`, the processor ...
         seed: seed of the run's random numbers.
     """
 

@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from cube_sim.errors import ScenarioError
 from cube_sim.flight import Loop, prepared
 from cube_sim.mission.run_header import header
+from cube_sim.recording.header import COMMIT, SOURCE
 from cube_sim.recording.saved_inputs import save_inputs
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
@@ -79,8 +80,17 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
 
 
 def _other_versions(then: Mapping[str, str], now: Mapping[str, str]) -> tuple[str, ...]:
-    names = [name for name in sorted({*then, *now}) if then.get(name) != now.get(name)]
-    return tuple(f"{name} {then.get(name, 'none')}, now {now.get(name, 'none')}" for name in names)
+    names = [name for name in sorted({*then, *now} - {SOURCE, COMMIT}) if then.get(name) != now.get(name)]
+    lines = [f"{name} {then.get(name, 'none')}, now {now.get(name, 'none')}" for name in names]
+    if then.get(SOURCE) != now.get(SOURCE):  # another commit of the same code is no difference
+        lines.insert(0, f"the code of cube_sim is not the same: {_build(then)}, now {_build(now)}")
+    return tuple(lines)
+
+
+def _build(versions: Mapping[str, str]) -> str:
+    source, commit = versions.get(SOURCE, ""), versions.get(COMMIT, "")
+    at = f" (commit {commit[:12]}{commit[40:]})" if commit else ""
+    return f"source {source[:12]}{at}" if source else "not recorded"
 
 
 def _first_other(then: Sequence[LogLine], now: Sequence[LogLine]) -> tuple[str, str] | None:

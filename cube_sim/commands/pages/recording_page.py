@@ -11,6 +11,7 @@ from cube_sim.commands.pages.markdown import block, code, heading, link, table
 from cube_sim.control.authority import Authority
 from cube_sim.mission.channels import PATH_POINTS
 from cube_sim.recording.channels import ON_CHANGE, TICK_HZ, Channel, Field, channel_table
+from cube_sim.recording.header import SOURCE
 from cube_sim.recording.mcap.names import (
     CHANNEL_METADATA,
     CODE,
@@ -94,7 +95,9 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
   Saved into a folder as they are called, they can be run again; no name depends on the machine.
   `cube-sim replay` runs that Python: replay a record of somebody else's only if you would run their code.
 - **Metadata**: `{RUN_METADATA}` has the format ({FORMAT}), the seed and the vehicle's name, `{VERSIONS_METADATA}` the
-  version of each package that takes part in the numbers. Where Python of the user's own flew, `{CODE_METADATA}` has its
+  version of each package that takes part in the numbers, and what else does: `{SOURCE}`, the SHA-256 of the program's
+  own source, its commit where it ran from a checkout, the processor, OpenBLAS's kernel, the C library.
+  Where Python of the user's own flew, `{CODE_METADATA}` has its
   names by key, `{CODE_DIGESTS}` the SHA-256 of their files.
 - **A topic per channel**: `{topic(_POSE)}` for the channel `{_POSE.name}`. A row is one protobuf message, called
   `{channel_schema_name(_PATH_ERROR)}` for the channel `{_PATH_ERROR.name}`. Its field 1 is `t`, the simulated time [s].
