@@ -21,6 +21,7 @@ from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
+from cube_sim.control.pointing_zero import pointing_time
 from cube_sim.control.priority import force_with_torque, yield_attitude
 from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.roomiest_attitude import has_enough
@@ -105,9 +106,10 @@ class PathFollower:
         if left.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE):
             # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
             slower = max(self.loops.velocity_time, SLOWER * self.loops.attitude_time)
-            self._loops = replace(self.loops, velocity_time=slower)
             if isinstance(self.approach, Approach):
+                slower = max(slower, pointing_time(left, self.loops.dynamics, self.approach.most_speed))
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
+            self._loops = replace(self.loops, velocity_time=slower)
         elif isinstance(self.approach, Approach):
             affords = closing_speed(left, self.loops.dynamics, self.approach.lateral_time)
             self._approach = self.approach.at_closing_speed(affords)

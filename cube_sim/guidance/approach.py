@@ -61,6 +61,11 @@ class Approach:
         return faster
 
     @property
+    def most_speed(self) -> float:
+        """The path's highest speed [m/s]."""
+        return self._profile.most
+
+    @property
     def least_closing(self) -> float:
         """The share of its closing speed that the path's own speed is: what it may fall to, 1 where it is no faster."""
         return min(1.0, self._profile.most / self._closing_speed) if self._closing_speed > 0.0 else 1.0
