@@ -32,6 +32,9 @@ from cube_sim.vehicle.laws.hull_motion import steady_wrench, steady_wrench_slope
 
 SOFTNESS_N = 0.6
 """Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
+YIELDING_N = 0.1
+"""The same for what the mission wishes: down to this it gives way to the balance. As soft as the balance itself, half
+of a pull gets past it at a force of `SOFTNESS_N`, and the hull stands beside its path, turned to the wished side."""
 SHORTAGE_TIME = 2.0
 """Over which the force that is compared with what is attainable is averaged, and in which the vehicle turns [s]."""
 LEAST_TWIST = 1e-3
@@ -234,9 +237,10 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
         for k in range(rows):
             about = J[k, 0] * z[0] + J[k, 1] * z[1] + J[k, 2] * z[2]
             J[k, 0], J[k, 1], J[k, 2] = about * z[0], about * z[1], about * z[2]
-    second = _towards(m, R, desired, p.wish_time)
+    second, against = _towards(m, R, desired, p.wish_time), np.empty(7)
     for k in range(rows):
-        imbalance[k] = imbalance[k] + J[k, 0] * second[0] + J[k, 1] * second[1] + J[k, 2] * second[2]
+        against[k] = J[k, 0] * second[0] + J[k, 1] * second[1] + J[k, 2] * second[2]
+    second = minus(second, damped_inverse(J, against, rows, YIELDING_N * YIELDING_N))
     rates = minus(second, damped_inverse(J, imbalance, rows, SOFTNESS_N * SOFTNESS_N))
     return times(dot(z, rates), z) if p.level else rates
 

@@ -1,4 +1,4 @@
-"""A force that turns evenly with the path is pointed without lag."""
+"""A force that turns evenly with the path is pointed without lag, and a weak one whatever the mission looks at."""
 
 from __future__ import annotations
 
@@ -54,6 +54,12 @@ def test_the_angle_by_which_a_slow_law_lags_is_of_third_order(time):
     """2 x_1 - x_2 is turned back by 2 (TURN time)^3; with a derivative that lags by two times it would be more."""
     left, R, _, force = pointed("jack", [1, 2], turning_force, seconds=20.0, time=time)
     assert imbalance("jack", left, R, force) < 2.2 * (TURN * time) ** 3
+
+
+def test_a_weak_force_is_pointed_although_the_mission_wishes_to_look_elsewhere():
+    """At the size at which the balance is soft the wish still gives way to it; as soft, it turns the force by 0.09."""
+    left, R, _, force = pointed("jack", [1, 2], lambda t: np.array([0.0, 0.7, 0.0]), seconds=10.0, time=0.8)
+    assert imbalance("jack", left, R, force) < 0.01
 
 
 def test_a_force_that_stops_turning_is_not_overshot_for_long():

@@ -1,0 +1,83 @@
+"""A force that the hull is turned to point is asked for no faster than it can be pointed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.catalogue.vehicles import catalogue
+from support.flights import FORCES_ONLY
+
+import cube_sim
+from cube_sim.control.authority import remaining_capability
+from cube_sim.control.pointing_zero import inverse_zeros, pointing_time
+from cube_sim.control.yielding import WaterHold
+from cube_sim.wrench.health import Health
+
+
+def left_of(name, folder, speed_m_s, dead=()):
+    """The hull and what is left of a vehicle of the catalogue without some thrusters."""
+    model = folder / "model.xml"
+    model.write_text(catalogue()[name].make())
+    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(str(model)))
+    working = np.array([0.0 if thruster in dead else 1.0 for thruster in vehicle.thrusters.names])
+    health = Health(working, np.full(len(working), np.nan))
+    hold = WaterHold.of(vehicle.dynamics, speed_m_s)
+    return vehicle.dynamics, remaining_capability(vehicle.actuation_matrix, vehicle.thrusters.limits, health, hold=hold)
+
+
+def given_way(left):
+    return np.linalg.solve(left.lost.T @ left.yielding, left.lost.T)
+
+
+@pytest.mark.parametrize("speed_m_s", [0.1, 0.3])
+def test_a_turn_that_grows_at_the_rate_of_a_zero_asks_for_no_force(speed_m_s, tmp_path):
+    """Level ahead, its yaw growing as exp(z t): the fins' torque and the force that comes with it do not move it."""
+    hull, left = left_of("torpedo_four_fins", tmp_path, speed_m_s)
+    ahead = np.array([speed_m_s, 0.0, 0.0])
+    slowest = float(max(inverse_zeros(left, hull, ahead, np.eye(3)[2]).real))
+    assert np.isclose(slowest, pointing_time(left, hull, speed_m_s), rtol=1e-3)
+    z = 1.0 / slowest
+
+    def pushed(rate, yaw=1e-6):
+        turn, spin, change = np.array([[1.0, -yaw, 0.0], [yaw, 1.0, 0.0], [0.0, 0.0, 1.0]]), yaw * rate, yaw * rate**2
+        flow = turn.T @ ahead
+        kept = -np.cross([0.0, 0.0, spin], flow)
+        wrench = hull.wrench(turn, np.r_[flow, 0.0, 0.0, spin], np.r_[kept, 0.0, 0.0, change], np.zeros(3))
+        still = hull.wrench(np.eye(3), np.r_[ahead, np.zeros(3)], np.zeros(6), np.zeros(3))
+        return float((given_way(left) @ (wrench - still))[0]) / yaw
+
+    assert abs(pushed(z)) < 1e-4 * abs(pushed(0.0))
+    assert pushed(0.5 * z) * pushed(2.0 * z) < 0.0
+
+
+def test_where_more_water_is_accelerated_ahead_than_aside_turning_moves_the_hull_outwards_first(tmp_path):
+    """Without one of two thrusters astern it goes with its deck ahead: M_x x'' + D_x x' = (M_x - M_z) u q + D_x u a."""
+    hull, left = left_of("six_two_astern_four_up", tmp_path, 0.2, dead=["T2"])
+    M, D = np.diag(hull.total_mass), np.diag(hull.linear_damping)
+    assert np.isclose(pointing_time(left, hull, 0.2), (M[2] - M[0]) / D[0], rtol=0.02)
+
+
+def test_none_where_the_hull_is_pushed_the_right_way_at_once(tmp_path):
+    for name in ("three_astern_up", "cube"):
+        hull, left = left_of(name, tmp_path, 0.4)
+        assert pointing_time(left, hull, 0.4) == 0.0
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("attitude", [{"mode": "along_path"}, {"mode": "fixed", "attitude_deg": [0.0, 0.0, 121.0]}])
+def test_a_slow_torpedo_keeps_to_its_circle(attitude, tmp_path):
+    """Asked for forces as quickly as at its own speed, it swings through half a radian, metres beside its path."""
+    (tmp_path / "model.xml").write_text(catalogue()["torpedo_four_fins"].make())
+    scenario = tmp_path / "slow.yaml"
+    scenario.write_text("schema_version: 1\nname: slow\ndescription: A slow circle.\nmodel: model.xml\n")
+    settings = {
+        "path": {"type": "circle", "centre_m": [0.0, 0.0, -20.0], "radius_m": 4.3, "direction": "right"},
+        "initial": {"position_m": [4.6, 0.5, -18.5], "attitude_deg": [0.0, 0.0, -120.0]},
+        "guidance.speed_m_s": 0.1,
+        "control.attitude": attitude,
+        "duration_s": 170.0,
+        "checks": FORCES_ONLY,
+    }
+    run = cube_sim.run(scenario, settings, out=tmp_path / "run")
+    late = run.signals["path_error.cross_track"]
+    assert np.sqrt(np.mean(late[late[:, 0] >= 130.0, 1] ** 2)) < 0.05
