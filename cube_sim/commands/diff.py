@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,7 +20,10 @@ if TYPE_CHECKING:
     from cube_sim.runs.comparison import SignalDifference
     from cube_sim.runs.recorded_run import RecordedRun
 
-EPILOG = "Exit code: 0 the same within the tolerances; 1 something differs; 2 bad input."
+EPILOG = (
+    "Exit code: 0 the same within the tolerances, as far as both go; 1 something differs; 2 bad input. A record "
+    "that is not complete is told on stderr."
+)
 
 
 def diff(
@@ -46,6 +50,9 @@ def diff(
         found = list(differences(runs[0].signals, runs[1].signals, allowed.__getitem__))
     except (RecordingError, ValueError) as error:
         stop(BAD_INPUT, str(error))
+    for run in runs:
+        if run.flaw:
+            typer.echo(f"{run.path}: {run.flaw}", err=True)
     if json:
         print_json([each.to_dict() for each in found])
     elif found:
@@ -79,8 +86,9 @@ def _tolerances(given: Sequence[str], run: RecordedRun) -> _Tolerances:
             value = float(number)
         except ValueError:
             value = -1.0
-        if not value >= 0.0 or (equals and not name):
-            raise ValueError(f"--tolerance {argument}: write SIGNAL=NUMBER, 0 or more, for example pose.position=1e-9")
+        if not 0.0 <= value < inf or (equals and not name):
+            text = "write SIGNAL=NUMBER, 0 or more and finite, for example pose.position=1e-9"
+            raise ValueError(f"--tolerance {argument}: {text}")
         if name and name not in known:
             near = get_close_matches(name, known, n=1)
             meant = f"; did you mean {near[0]}?" if near else ""

@@ -56,7 +56,8 @@ class ActionScale(NamedTuple):
         """
         share = np.asarray(action, dtype=np.float64)
         if share.shape != self.low.shape:
-            raise FlightError(f"the action has shape {share.shape}; it takes {len(self.low)} numbers")
+            wanted = "1 number" if len(self.low) == 1 else f"{len(self.low)} numbers"
+            raise FlightError(f"the action has shape {share.shape}; it takes {wanted}, {self.low.shape}")
         share = np.clip(share, -1.0, 1.0)
         return np.where(share < 0.0, -share * self.low, share * self.high)
 

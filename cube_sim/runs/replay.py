@@ -8,10 +8,11 @@ from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from cube_sim.errors import ScenarioError
+from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.flight import Loop, prepared
 from cube_sim.mission.run_header import header
 from cube_sim.recording.header import COMMIT, SOURCE
+from cube_sim.recording.mcap.names import MODEL
 from cube_sim.recording.saved_inputs import save_inputs
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
@@ -56,6 +57,9 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
         RecordingError: the record does not hold what flies.
         ScenarioError: this version of cube_sim cannot fly it.
     """
+    if run.header.model == MODEL:
+        lacks = "it lacks files that its scenario names; it can be read, not flown"
+        raise RecordingError(f"{run.path}: is a record of format 1: {lacks}")
     with TemporaryDirectory() as folder:
         place = save_inputs(run.header, Path(folder))
         try:

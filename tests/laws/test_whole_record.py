@@ -15,11 +15,13 @@ from support.own_code import PID, scenario_with
 from support.places import CUBE
 
 import cube_sim
+from cube_sim.errors import RecordingError
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.export import rrd_from_mcap
 from cube_sim.recording.mcap.fixed_width import channel_layout, packed_layout
 from cube_sim.recording.reading import read_recording
 from cube_sim.recording.saved_inputs import save_inputs
+from cube_sim.runs.replay import replay
 from cube_sim.scenario import load
 
 CORNERS = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
@@ -146,6 +148,8 @@ def test_a_record_of_an_earlier_version_is_read(tmp_path):
         assert found.rows[name].tobytes() == rows.tobytes()
     assert found.complete
     assert found.end is None
+    with pytest.raises(RecordingError, match=r"old\.mcap: is a record of format 1: it lacks files"):
+        replay(cube_sim.load_run(old))
     rrd_from_mcap(old, tmp_path / "old.rrd")
     assert (tmp_path / "old.rrd").stat().st_size > 10_000
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import pickle
 import re
@@ -20,9 +21,11 @@ import cube_sim
 from cube_sim.control.controller import Decision
 from cube_sim.errors import FlightError, ScenarioError
 from cube_sim.mission.own.code import source_file
+from cube_sim.mission.own.given import options_of
 from cube_sim.mission.own.law import rotation_between
 from cube_sim.recording.mcap.reader import read_contents
 from cube_sim.recording.reading import read_recording
+from cube_sim.runs.replay import replay
 from cube_sim.spatial import rotation_from_quaternion
 
 LAW = "{law: {python: 'own.py:make'}}"
@@ -297,3 +300,21 @@ def test_what_a_program_hands_over_is_refused_in_one_line():
 
 def test_a_partial_function_is_found_in_the_file_of_the_whole():
     assert source_file(partial(partial(pid, kp=3.0), ki=0.1)) == source_file(pid) != ""
+
+
+@pytest.mark.flight
+def test_the_keywords_of_a_partial_function_are_recorded_and_flown_again(tmp_path):
+    path = scenario_with(tmp_path, PID)
+    spec = importlib.util.spec_from_file_location("own_partial", tmp_path / "own.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    flown = cube_sim.fly(path, controller=partial(module.pid, kp=np.float64(3.0)), out=tmp_path / "run")
+    other = cube_sim.fly(path, controller=module.pid, out=tmp_path / "other")
+    recorded = cube_sim.load_run(tmp_path / "run")
+    assert recorded.scenario.control.law.options == {"kp": 3.0}
+    assert replay(recorded).identical
+    assert not np.array_equal(flown.signals["wrench.demanded"], other.signals["wrench.demanded"])
+    assert options_of(partial(pid, 1.0, a=[1, (2.0,)], b=object(), c={"d": None})) == {
+        "a": [1, [2.0]],
+        "c": {"d": None},
+    }

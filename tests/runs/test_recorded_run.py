@@ -145,12 +145,25 @@ def test_diff_names_signals_and_keeps_to_tolerances(flown, other, monkeypatch, c
 
 @pytest.mark.parametrize(
     ("argument", "told"),
-    [("pose.positon=1", "did you mean pose.position?"), ("x", "write SIGNAL"), ("=1", "wr")],
+    [
+        ("pose.positon=1", "did you mean pose.position?"),
+        ("x", "write SIGNAL"),
+        ("=1", "write SIGNAL"),
+        ("inf", "write SIGNAL=NUMBER, 0 or more and finite"),
+        ("pose=nan", "write SIGNAL"),
+    ],
 )
 def test_a_tolerance_that_is_none_is_one_line(argument, told, flown, monkeypatch, capsys):
     code, out, err = call(monkeypatch, capsys, "diff", flown.directory, flown.directory, "--tolerance", argument)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert told in err
+
+
+def test_diff_says_that_a_record_ends_early(flown, tmp_path, monkeypatch, capsys):
+    short = cut(flown, tmp_path)
+    code, _, err = call(monkeypatch, capsys, "diff", flown.directory, short)
+    assert (code, err.count("\n")) == (1, 1)
+    assert err.startswith(f"{short / 'run.mcap'}: the record ends early, at ")
 
 
 def test_judged_again_the_verdict_is_the_same(flown, monkeypatch, capsys):

@@ -114,7 +114,10 @@ def own_code(loaded: Loaded, key: str, block: PythonBlock) -> OwnCode:
     shown = Path(place).name if place.endswith(".py") else place
     if given is not None:
         file = source_file(given)
-        return OwnCode(key, f"{shown}:{name}", file, _text(file), given, block.options)
+        # The keywords of a partial function are in it: the scenario has them for whoever flies it again.
+        within = given.keywords if isinstance(given, partial) else {}
+        options = {name: value for name, value in block.options.items() if name not in within}
+        return OwnCode(key, f"{shown}:{name}", file, _text(file), given, options)
     try:
         module = _module_of_file(Path(place)) if place.endswith(".py") else importlib.import_module(place)
     except ModuleNotFoundError as error:
@@ -166,7 +169,9 @@ def numbers_of(code: OwnCode, answer: Any, shape: tuple[int, ...], what: str) ->
     Raises:
         OwnCodeError: the answer is something else.
     """
-    wanted = f"{' x '.join(map(str, shape))} numbers" if shape else "a number"
+    wanted = (
+        f"{' x '.join(map(str, shape))} numbers" if shape not in ((), (1,)) else "a number" if not shape else "1 number"
+    )
     try:
         numbers = np.array(answer, dtype=np.float64)
     except (TypeError, ValueError):

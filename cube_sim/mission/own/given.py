@@ -6,9 +6,12 @@ import inspect
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import Any
+
+import numpy as np
 
 from cube_sim.mission.own.code import source_file
 from cube_sim.scenario import Loaded, load, load_mapping
@@ -42,7 +45,10 @@ def loaded_with(
     """
     wanted = {"control.law": controller, "allocation.method": allocator, "path": path}
     given = {key: thing for key, thing in wanted.items() if thing is not None}
-    named = {key: {"python": name_of(thing)} for key, thing in given.items()}
+    named: dict[str, dict[str, Any]] = {key: {"python": name_of(thing)} for key, thing in given.items()}
+    for key, thing in given.items():
+        if options := options_of(thing):
+            named[key]["options"] = options
     if "path" in named:
         named["path"]["type"] = "python"
     all_overrides = {**(overrides or {}), **named}
@@ -53,6 +59,33 @@ def loaded_with(
     else:
         loaded = load(scenario, all_overrides)
     return replace(loaded, given={**loaded.given, **given})
+
+
+def options_of(thing: Any) -> dict[str, Any]:
+    """The keywords of a partial function that a scenario can hold: numbers, texts, and lists and mappings of them."""
+    keywords = thing.keywords if isinstance(thing, partial) else {}
+    found = {}
+    for name, value in keywords.items():
+        with suppress(TypeError):
+            found[name] = _plain(value)
+    return found
+
+
+def _plain(value: Any) -> Any:
+    """A value as YAML has it.
+
+    Raises:
+        TypeError: YAML has none.
+    """
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, dict) and all(isinstance(key, str) for key in value):
+        return {key: _plain(each) for key, each in value.items()}
+    raise TypeError(f"no scenario holds a {type(value).__name__}")
 
 
 def name_of(thing: Any) -> str:
