@@ -3,8 +3,9 @@
     python benchmarks/loop.py [--vehicles NAME ...] [--seconds S] [--rounds N] [--enumeration]
                               [--json FILE] [--plot FILE]
 
-Variants of one scenario per vehicle, in turn, round by round. Processor time is that of all threads together; ratios
-and real-time factors are those of the clock, as ProxQP and the view have threads of their own: let the machine be idle.
+Variants of one scenario per vehicle, in turn, round by round, the floor before each of them. Processor time is that of
+all threads together; ratios and real-time factors are those of the clock, as the flight, ProxQP and the view have
+threads of their own: let the machine be idle. A round ends when every answer is confirmed.
 
     bare MuJoCo          the same model stepped alone, its commands constant: the floor
     plain Python         the foil: a PID to the next point of the path and a clipped pseudo-inverse, in plain numpy
@@ -54,6 +55,8 @@ VEHICLES = {
     "infante": "infante_line",
 }
 WARM_TICKS = 25
+PAUSE_S = 0.05
+"""For the view's thread to come to its end, between a variant and the next floor."""
 ENUMERATED_TICKS = 2
 """Ticks with every subset asked for: thousands of problems each."""
 
@@ -77,6 +80,7 @@ def flying(flown: Loop, by_python: bool = False) -> Ticks:
         while flown.tick < end:
             flown.control(warnings)
             flown.advance()
+        flown.mission.allocator.settle()
 
     return ticks
 
@@ -218,11 +222,16 @@ def measured(name: str, seconds: float, rounds: int, enumeration: bool, folder: 
     for ticks in variants.values():
         ticks(WARM_TICKS)
     times: dict[str, list[tuple[float, float]]] = {variant: [] for variant in variants}
+    shares: dict[str, list[float]] = {variant: [] for variant in variants}
     for _ in range(rounds):
         for variant, ticks in variants.items():
+            time.sleep(PAUSE_S)
+            _, floor = timed(variants["bare MuJoCo"], count)  # at the same moment: others use the machine too
             times[variant].append(timed(ticks, count))
+            shares[variant].append(floor / times[variant][-1][1])
     if enumeration:
         times["enumeration"] = [timed(loop(scenario, "enumerate"), ENUMERATED_TICKS)]
+        shares["enumeration"] = [times["bare MuJoCo"][-1][1] / times["enumeration"][0][1]]
     processor, clock = (
         {variant: median(pair[k] for pair in pairs) for variant, pairs in times.items()} for k in (0, 1)
     )
@@ -231,7 +240,8 @@ def measured(name: str, seconds: float, rounds: int, enumeration: bool, folder: 
         "period_us": period * 1e6,
         "tick_us": processor,
         "clock_us": clock,
-        "of_bare": {variant: clock["bare MuJoCo"] / value for variant, value in clock.items()},
+        "of_bare": {variant: median(each) for variant, each in shares.items()},
+        "of_bare_from_to": {variant: (min(each), max(each)) for variant, each in shares.items()},
         "real_time_factor": {variant: period * 1e6 / value for variant, value in clock.items()},
         "stages_us": by_stage(scenario, count),
     }
@@ -241,11 +251,12 @@ def report(results: dict[str, dict[str, Any]]) -> None:
     """Print the tables."""
     for name, result in results.items():
         print(f"\n{name} ({result['scenario']})")
-        print(f"{'':24s}{'us a tick':>12s}{'by the clock':>14s}{'of bare MuJoCo':>16s}{'x real time':>14s}")
+        print(f"{'':24s}{'us a tick':>12s}{'by the clock':>14s}{'of bare MuJoCo':>24s}{'x real time':>14s}")
         for variant, value in result["tick_us"].items():
             clock, share = result["clock_us"][variant], result["of_bare"][variant]
             factor = result["real_time_factor"][variant]
-            print(f"{variant:24s}{value:12.1f}{clock:14.1f}{share:16.3f}{factor:14.0f}")
+            low, high = result["of_bare_from_to"][variant]
+            print(f"{variant:24s}{value:12.1f}{clock:14.1f}{share:10.3f} ({low:.2f} to {high:.2f}){factor:13.0f}")
         print("  a tick in Python by stage:")
         for label, value in sorted(result["stages_us"].items(), key=lambda pair: -pair[1]):
             print(f"  {label:24s}{value:10.1f}")
