@@ -11,14 +11,22 @@ from typing import Any
 import numpy as np
 
 from cube_sim.actuation import Analysis, PathRequirements, Survivability, analyse, survivability
+from cube_sim.actuation.attainable.attainable_set import attainable_set
 from cube_sim.actuation.attainable.extents import Extent
 from cube_sim.actuation.path_following.requirements import SPEEDS_M_S
+from cube_sim.actuation.path_following.steady_turn import TurningTrim, turning_trim
+from cube_sim.actuation.path_following.trim import CourseAttitudes
 from cube_sim.actuation.path_following.verdict import Verdict
 from cube_sim.actuation.survivability import LossCase
+from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.turning_limit import turning_of
+from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ActuationError
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, Matrix
+from cube_sim.wrench.health import Health
 
 MOST_LOSSES = 3
 ROUNDING = 1e-12
@@ -33,6 +41,7 @@ class Report:
         title: what to call the vehicle: the model, and its hull when that was asked for by name.
         vehicle: the hull that was analysed.
         analysis: of the thrusters that are left.
+        turning: how tightly it turns, where it follows a path; None where it follows none.
         table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
             was wanted.
     """
@@ -41,6 +50,7 @@ class Report:
     title: str
     vehicle: Vehicle
     analysis: Analysis
+    turning: TurningTrim | None
     table: Survivability | None
 
 
@@ -100,6 +110,7 @@ def report_on(
     analysis = analysis_of(A)
     if not planar and not analysis.verdict.follows and analysis_of(_in_plane(A)).verdict.follows:
         analysis = replace(analysis, verdict=_with_hint(analysis.verdict))
+    turning = _turning(analysis, vehicle, requirements.speed_m_s, cost_limit) if analysis.verdict.follows else None
     most = MOST_LOSSES if picture is not None else losses
     table = (
         survivability(
@@ -118,7 +129,24 @@ def report_on(
     )
     if picture is not None and table is not None:
         save_picture(picture, A, limits, table, names=names, title=title)
-    return Report(model, title, vehicle, analysis, table)
+    return Report(model, title, vehicle, analysis, turning, table)
+
+
+def _turning(analysis: Analysis, vehicle: Vehicle, speed_m_s: float, cost_limit: float | None) -> TurningTrim | None:
+    """How tightly what is left of a vehicle turns, as a run judges it; in the plane by the matrix alone."""
+    hull, known = vehicle.dynamics, next(t.condition for t in analysis.verdict.trims if not t.condition.inclination_rad)
+    lost = [name in analysis.lost for name in vehicle.thrusters.names]
+    limits = vehicle.thrusters.limits
+    if analysis.subspaces.axes is PLANAR:
+        allowed = AllowedForces.from_limits(limits[np.invert(lost)], len(analysis.names), dead_zones=False)
+        straight = CourseAttitudes.on(hull, analysis.subspaces, speed_m_s, 0.0)
+        return turning_trim(straight, attainable_set(analysis.subspaces, allowed), known)
+    health = Health.whole(len(lost))
+    for i in np.flatnonzero(lost).tolist():
+        health = health.with_thruster(i, 0.0)
+    hold = WaterHold.of(hull, speed_m_s)
+    left = remaining_capability(vehicle.actuation_matrix, limits, health, cost_limit, hold)
+    return None if left.authority is Authority.SAFE else turning_of(left, hull, speed_m_s, known)
 
 
 def _in_plane(A: Matrix) -> Matrix:
@@ -182,6 +210,7 @@ def to_dict(report: Report) -> dict[str, Any]:
         "extents": [_extent(e) for e in a.extents or ()],
         "indices": asdict(a.indices),
         "verdict": _verdict(a.verdict),
+        "turning": _turning_trim(report.turning),
         "losses": None if report.table is None else [_case(case) for case in report.table.cases],
     }
     return _plain(content)
@@ -216,6 +245,12 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
             for trim in verdict.trims
         ],
     }
+
+
+def _turning_trim(turning: TurningTrim | None) -> dict[str, Any] | None:
+    if turning is None:
+        return None
+    return {"radius_m": turning.radius_m, "heading_rad": turning.heading_rad, "up": turning.attitude[2]}
 
 
 def _case(case: LossCase) -> dict[str, Any]:

@@ -9,9 +9,13 @@ from rich.table import Table
 
 from cube_sim.actuation import Analysis, PathRequirements, Survivability
 from cube_sim.actuation.path_following.controllable_trim import FURTHEST
+from cube_sim.actuation.path_following.steady_turn import TIGHTEST_M
 from cube_sim.commands.analysis_report import Report
 from cube_sim.commands.output import console_for_tables
 from cube_sim.wrench.axes import PLANAR
+
+NOSE_AHEAD_DEG = 3.0
+"""Angles of less than this are not worth a word."""
 
 
 def print_report(report: Report) -> None:
@@ -43,6 +47,21 @@ def print_report(report: Report) -> None:
         for losses in range(1, report.table.most + 1):
             line(_count(report.table, losses))
     line(f"path following: {'yes' if a.verdict.follows else 'no'} ({a.verdict.outcome.value}). {a.verdict.reason}")
+    if a.verdict.follows:
+        line(f"turning: {_turning(report)}")
+
+
+def _turning(report: Report) -> str:
+    """Which level turns are kept, and how the hull lies on its course for them."""
+    turning = report.turning
+    if turning is None or np.isinf(turning.radius_m):
+        return "no; straight courses only"
+    tilt, ahead = np.degrees(np.arccos(np.clip(turning.attitude[2, 2], -1.0, 1.0))), np.degrees(turning.heading_rad)
+    side = "left" if ahead > 0.0 else "right"
+    nose = "nose ahead" if abs(ahead) < NOSE_AHEAD_DEG else f"nose {abs(ahead):.0f} deg to the {side} of the course"
+    lies = f"{nose}, tilted by {tilt:.0f} deg" if tilt >= NOSE_AHEAD_DEG else nose
+    tighter = " or less" if turning.radius_m <= TIGHTEST_M else ""
+    return f"yes, to both sides within {turning.radius_m:.2g} m{tighter}; on a straight course {lies}"
 
 
 def _components(a: Analysis) -> Table:

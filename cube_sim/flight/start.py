@@ -36,6 +36,8 @@ def described(mission: Mission, store: SignalStore) -> None:
     store.append("path", 0.0, points.ravel())
     if (warning := path_above_surface(points)) is not None:
         store.log(0.0, "WARNING", warning)
+    if (warning := mission.ability.too_tight(mission.ability.within_limit)) is not None:
+        store.log(0.0, "WARNING", warning)
     length = mission.path.length
     store.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
     for key, code in mission.codes.items():

@@ -21,6 +21,8 @@ SAMPLES = 32
 MAX_SAMPLES = 100_000
 """Samples of a whole path beyond which there are fewer between two edges, at least `MIN_SAMPLES`."""
 MIN_SAMPLES = 4
+STRAIGHT = 1e-9
+"""A curvature that is less counts as none [1/m]."""
 ALIKE = 1e-6
 """Share of itself by which a curvature may vary that counts as one."""
 
@@ -170,6 +172,14 @@ def speed_at(profile, nodes, square, s):
     if value > last:
         value, slope = last, -1.0 / p.time
     return value, slope
+
+
+def tightest_radius(path: Path) -> float:
+    """The smallest radius of curvature of a path [m]; infinite where it is straight, or a point."""
+    if path.length <= 0.0:
+        return inf
+    largest = float(np.max(_sampled_curvature(path, 0.0)[1]))
+    return 1.0 / largest if largest > STRAIGHT else inf
 
 
 def _sampled_curvature(path: Path, turning_length: float) -> tuple[Array, Array]:

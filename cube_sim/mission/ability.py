@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 from cube_sim.allocation import FaultTolerant
 from cube_sim.control.authority import Capability, remaining_capability
+from cube_sim.control.turning_limit import too_tight
 from cube_sim.control.yielding import WaterHold
+from cube_sim.guidance.path import Path
+from cube_sim.guidance.speed import tightest_radius
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Matrix
 from cube_sim.vehicle.dynamics import Dynamics
@@ -21,6 +24,8 @@ class Ability:
         A: (6,m) of all thrusters, as the controller believes.
         limits: (m,4) of whole ones, as the allocation keeps them [N].
         hold: what the water holds of the hull.
+        speed_m_s: along the path.
+        radius_m: of the path's tightest turn; infinite where it has none.
         cost_limit: `control.cost_limit` [N/N].
         whole: what it can do at any cost that is not `DEAR`.
         within_limit: what it can do within `cost_limit`; `whole` where there is none.
@@ -29,26 +34,34 @@ class Ability:
     A: Matrix
     limits: Matrix
     hold: WaterHold
+    speed_m_s: float
+    radius_m: float
     cost_limit: float | None
     whole: Capability
     within_limit: Capability
 
     @classmethod
-    def of(cls, allocator: FaultTolerant, dynamics: Dynamics, scenario: Scenario) -> Ability:
+    def of(cls, allocator: FaultTolerant, dynamics: Dynamics, scenario: Scenario, path: Path) -> Ability:
         """Judge a vehicle.
 
         Args:
             allocator: over its thrusters.
             dynamics: the equations of motion the controller reckons with.
             scenario: whose speed and cost limit count.
+            path: whose turns it is asked for.
         """
         A, limits, cost_limit = allocator.A, allocator.limits, scenario.control.cost_limit
         hold = WaterHold.of(dynamics, scenario.guidance.speed_m_s)
         everything = Health.whole(A.shape[1])
         whole = remaining_capability(A, limits, everything, hold=hold)
         within = whole if cost_limit is None else remaining_capability(A, limits, everything, cost_limit, hold)
-        return cls(A, limits, hold, cost_limit, whole, within)
+        radius = tightest_radius(path)
+        return cls(A, limits, hold, scenario.guidance.speed_m_s, radius, cost_limit, whole, within)
 
     def left(self, health: Health) -> Capability:
         """What it can do, within the cost limit, with thrusters in the state believed."""
         return remaining_capability(self.A, self.limits, health, self.cost_limit, self.hold)
+
+    def too_tight(self, left: Capability) -> str | None:
+        """Words for turns of the path that are too tight for what is left; None where they are kept."""
+        return None if self.hold.hull is None else too_tight(left, self.hold.hull, self.speed_m_s, self.radius_m)

@@ -38,7 +38,8 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
     left = mission.ability.left(health)
     mission.controller.reconfigure(left)
     text = health.describe(mission.vehicle.thrusters.names)
-    recorder.log(t, "WARNING", f"{text}; {left.authority.name}: {left.reason}")
+    tight = mission.ability.too_tight(left)
+    recorder.log(t, "WARNING", f"{text}; {left.authority.name}: {left.reason}{'' if tight is None else f'; {tight}'}")
     return True
 
 

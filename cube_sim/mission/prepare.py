@@ -99,7 +99,7 @@ def prepare(loaded: Loaded) -> Mission:
     require_a_value_per_thruster(loaded, vehicle)
     allocator = allocator_of(loaded, believed.vehicle, codes)
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
-    ability = Ability.of(allocator, dynamics, scenario)
+    ability = Ability.of(allocator, dynamics, scenario, path)
     data = initial_state(model, vehicle, scenario)
     mujoco.mj_kinematics(model, data)
     start = read_truth(read_state(vehicle, data), data, vehicle).motion

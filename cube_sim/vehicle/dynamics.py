@@ -119,6 +119,19 @@ class Dynamics:
         """
         return steady_wrenches(self.record, np.ascontiguousarray(velocities), np.array(ups))
 
+    def turning_wrenches(self, nus: Matrix, rotations: Matrix) -> Matrix:
+        """The wrenches (q,6) [N, N m] under which q motions stand still in body axes, in still water.
+
+        Where they turn, that is a steady turn or a helix about the vertical.
+
+        Args:
+            nus: [v; w] (q,6) [m/s, rad/s], body axes.
+            rotations: R_WB (q,3,3).
+        """
+        still, water = np.zeros(6), np.zeros(3)
+        wrenches = [self.wrench(R, nu, still, water) for R, nu in zip(rotations, nus, strict=True)]
+        return np.array(wrenches).reshape(-1, 6)
+
     def steady_wrench_slope(self, nu: Vector, swing: Vector | None = None) -> Matrix:
         """(6,6) derivative by nu of the wrench that keeps nu steady in still water: of C(nu) nu + D nu + D_q |nu| nu.
 

@@ -79,6 +79,7 @@ class CourseAttitudes:
         unreachable: (d,n) combinations of the wrench that the thrusters cannot produce [1] for forces, [1/m] for
             torques.
         rounding: how much of such a combination counts as none [N].
+        turning_rad_s: rate at which the course turns about the vertical; 0 where it is straight.
     """
 
     hull: Dynamics
@@ -87,12 +88,28 @@ class CourseAttitudes:
     turns: Matrix
     unreachable: Matrix
     rounding: float
+    turning_rad_s: float = 0.0
 
     @staticmethod
     def on(hull: Dynamics, actuation: Subspaces, speed_m_s: float, inclination_rad: float) -> CourseAttitudes:
         """Those on a course at this speed and angle above the horizontal; 3 components are motion in the plane."""
-        planar = len(actuation.matrix) == 3
-        rows = actuation.axes.rows
+        unreachable = np.array([c.coefficients for c in actuation.unreachable]).reshape(-1, len(actuation.matrix))
+        return CourseAttitudes.without(hull, unreachable.T, actuation.axes.rows, speed_m_s, inclination_rad)
+
+    @staticmethod
+    def without(
+        hull: Dynamics, lost: Matrix, rows: tuple[int, ...], speed_m_s: float, inclination_rad: float = 0.0
+    ) -> CourseAttitudes:
+        """Those of a body whose thrusters cannot make some combinations of its wrench.
+
+        Args:
+            hull: the body.
+            lost: (n,d) the combinations.
+            rows: which components of the wrench these are of; three are motion in the plane.
+            speed_m_s: over the course.
+            inclination_rad: angle of the course above the horizontal.
+        """
+        planar = len(rows) == 3
         velocity = speed_m_s * np.array([np.cos(inclination_rad), 0.0, np.sin(inclination_rad)])
         level = float(np.linalg.norm(hull.steady_wrenches(velocity[None], np.eye(3)[2:])[:, rows]))
         offset = float(np.linalg.norm(hull.centre_of_buoyancy - hull.centre_of_mass))
@@ -101,12 +118,15 @@ class CourseAttitudes:
             velocity=velocity,
             rows=rows,
             turns=np.eye(3)[2:] if planar else np.eye(3),
-            unreachable=np.array([c.coefficients for c in actuation.unreachable]).reshape(-1, len(rows)),
+            unreachable=np.ascontiguousarray(lost.T),
             rounding=_BALANCED * max(1.0, level, hull.buoyancy * offset),
         )
 
     def wrenches(self, R: Matrix) -> Matrix:
         """(q,n) what keeps the body on its course in attitudes R (q,3,3) [N, N m]."""
+        if self.turning_rad_s:
+            nus = np.hstack([self.velocity @ R, self.turning_rad_s * R[:, 2]])
+            return self.hull.turning_wrenches(nus, R)[:, self.rows]
         return self.hull.steady_wrenches(self.velocity @ R, R[:, 2])[:, self.rows]
 
     def slopes(self, R: Matrix) -> Matrix:
