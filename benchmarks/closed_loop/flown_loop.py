@@ -92,12 +92,17 @@ class FlownLoop:
             folder: an empty one to write the mission's files into.
             control: further keys of the scenario's `control` block.
         """
-        (folder / "model.xml").write_text(straight_thrusters(entry.make()))
+        text = entry.make()
+        (folder / "model.xml").write_text(text)
         (folder / "mission.yaml").write_text(json.dumps(_scenario(speed_m_s, condition, control or {})))
+        times, pointing = _times(prepare(load(folder / "mission.yaml")).controller, entry)
+        (folder / "model.xml").write_text(straight_thrusters(text))
+        (folder / "mission.yaml").write_text(json.dumps(_scenario(speed_m_s, condition, times | (control or {}))))
         mission = prepare(load(folder / "mission.yaml"))
-        if not isinstance(mission.controller, PathFollower):
-            raise TypeError(f"{entry.name} is flown by another law: {type(mission.controller).__name__}")
+        assert isinstance(mission.controller, PathFollower)
         self.controller: PathFollower = mission.controller
+        self.controller.pointing_time = pointing
+        self.controller.reconfigure(self.controller.capability)
         self.period = mission.scenario.control_period_s
         self._model, self._data, self._vehicle = mission.model, mission.data, mission.vehicle
         self._steps = mission.scenario.steps_per_tick
@@ -207,6 +212,23 @@ class FlownLoop:
         if self._balanced is not None:
             self._balanced.memory["rotation"][0] = point.rotations[1]
         return values[9 + m : 15 + m].copy()
+
+
+def _times(controller: Any, entry: Entry) -> tuple[dict[str, float], float]:
+    """How fast the loops are with the thrusters as they are: without limits of theirs they would be quicker.
+
+    Returns:
+        Keys of `control`, and the time of a loop whose attitude points the thrust [s].
+    """
+    if not isinstance(controller, PathFollower):
+        raise TypeError(f"{entry.name} is flown by another law: {type(controller).__name__}")
+    loops = controller.loops
+    times = {
+        "velocity_time_s": loops.velocity_time,
+        "attitude_time_s": loops.attitude_time,
+        "rate_time_s": loops.rate_time,
+    }
+    return times, controller.pointing_time
 
 
 def straight_thrusters(text: str) -> str:

@@ -10,14 +10,16 @@ they are looked for from all attitudes, in the axes of the course.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.actuation.path_following.steady_turn import tightest_turn
 from cube_sim.actuation.path_following.trim import CourseAttitudes
 from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.roomiest_attitude import spread_attitudes
-from cube_sim.spatial import Matrix, Vector
+from cube_sim.spatial import Matrix, Vector, skew
 from cube_sim.vehicle.dynamics import Dynamics
 
 EVERY = 3
@@ -32,6 +34,8 @@ SHARP, BLUNT = 2.5, 4.0
 """The turn by which a disturbance is pointed against [rad], per share of the steady force, likewise: 1 for a ball."""
 JUDGED_RAD = 1.2
 """A trim that is farther than this from the wish says little about where the search for balance will end (a choice)."""
+FREE_RAD_S = 1e-3
+"""A motion that is slower is none: the hull is free to turn so."""
 ROUNDING = 1e-8
 """How much of a wrench counts as none, per newton of the largest that comes up."""
 
@@ -70,17 +74,23 @@ class CourseTrims:
         attitudes = CourseAttitudes(hull, velocity, tuple(range(6)), np.eye(3), lost, rounding)
         return CourseTrims(left, attitudes, np.linalg.norm(left.yielding[3:], axis=0) > 0.0, righting)
 
-    def nearest(self, wish: Matrix, before: Matrix | None = None) -> Matrix | None:
+    def nearest(self, wish: Matrix, before: Matrix | None = None, radius_m: float = inf) -> Matrix | None:
         """The trim (3,3) to wish for instead; None where the one next to the wish will do, and where there is none.
+
+        Where no trim is near the wish, the search for balance ends in any of them. Then one is wished for if the path
+        turns: not all go on into its turns. With one line of force there is hardly a choice.
 
         Args:
             wish: the attitude (3,3) the mission asks for, body axes in those of the course.
             before: the trim wished for until now, in those of its course; it is kept as long as it will do.
+            radius_m: of the tightest turn of the path; infinite where it has none.
         """
-        R, found = self.attitudes.trimmed(wish[None])
-        if found[0] and self.good(R, kept=before is None)[0]:
-            return None
-        if before is None and (not found[0] or np.trace(wish.T @ R[0]) < 1.0 + 2.0 * np.cos(JUDGED_RAD)):
+        R, found, far = self._next_to(wish)
+        searched = far and np.isfinite(radius_m) and self.left.authority is Authority.PLANE
+        if found[0] and self.good(R, kept=before is None and not searched)[0]:
+            if not searched or self._turns(R[0], radius_m):
+                return None
+        elif before is None and far and not searched:
             return None
         if before is not None:
             R, found = self.attitudes.trimmed(before[None])
@@ -89,9 +99,51 @@ class CourseTrims:
         R, found = self.attitudes.trimmed(spread_attitudes()[::EVERY])
         R = R[found]
         R = R[self.good(R)]
-        if not len(R):
-            return None
-        return R[int(np.argmax(np.einsum("kij,ij->k", R, wish)))]
+        for i in np.argsort(-np.einsum("kij,ij->k", R, wish), kind="stable"):
+            if self._turns(R[i], radius_m):
+                return R[i]
+        return None
+
+    def slowest_elsewhere_rad_s(self, wish: Matrix, radius_m: float) -> float | None:
+        """How slowly it must be steered in the trim it takes for a path that turns; None where one is near the wish.
+
+        See `nearest` for the arguments, `slowest_rad_s` for the answer.
+        """
+        _, _, far = self._next_to(wish)
+        trim = self.nearest(wish, None, radius_m) if far else None
+        return None if trim is None else self.slowest_rad_s(trim)
+
+    def slowest_rad_s(self, R: Matrix) -> float:
+        """The slowest motion of the attitude about a trim (3,3) while the hull's place is held [rad/s], or infinity.
+
+        With the place held, forces follow from the attitude, and the torques they bring along turn it: N' W = 0 is
+        P theta'' + Q theta' + S theta = 0. These are the zeros from a pointed force to the place. The loop that points
+        it has to be slower: what it does faster than that moves the hull by turning it, not by the force it points.
+        """
+        hull, lost = self.attitudes.hull, self.left.lost
+        J = lost.T @ self.attitudes.slopes(R[None])[0]
+        axes = np.linalg.svd(J)[2][: len(J)].T
+        v = self.attitudes.velocity @ R
+        turned = np.concatenate([np.zeros((3, axes.shape[1])), axes])
+        slips = np.concatenate([skew(v) @ axes, np.zeros((3, axes.shape[1]))])
+        slope = hull.steady_wrench_slope(np.pad(v, (0, 3)))
+        P, Q, S = lost.T @ hull.total_mass @ turned, lost.T @ (hull.total_mass @ slips + slope @ turned), J @ axes
+        k = len(P)
+        motion = np.block([[np.zeros((k, k)), np.eye(k)], [-np.linalg.pinv(P) @ S, -np.linalg.pinv(P) @ Q]])
+        rates = np.abs(np.linalg.eigvals(motion))
+        return float(np.min(rates[rates > FREE_RAD_S], initial=np.inf))
+
+    def _next_to(self, wish: Matrix) -> tuple[Matrix, NDArray[np.bool_], bool]:
+        """Where Newton's method leads from a wish, (1,3,3), whether that is a trim, and whether none is near."""
+        R, found = self.attitudes.trimmed(wish[None])
+        return R, found, not found[0] or bool(np.trace(wish.T @ R[0]) < 1.0 + 2.0 * np.cos(JUDGED_RAD))
+
+    def _turns(self, R: Matrix, radius_m: float) -> bool:
+        """Whether a trim (3,3) goes on into turns of this radius to both sides; any does where the path is straight."""
+        if np.isinf(radius_m):
+            return True
+        attainable = None if self.left.budget is None else self.left.budget.attainable
+        return tightest_turn(self.attitudes, attainable, R, radius_m) <= radius_m
 
     def good(self, R: Matrix, kept: bool = False) -> NDArray[np.bool_]:
         """Whether attitudes (q,3,3) in trim are within the limits, held by the water and steered well, (q,)."""

@@ -19,6 +19,9 @@ COMMON_ERROR = 0.5
 """An attitude error that the torque still turns back without saturating [rad]."""
 POINTING_ERROR = 0.8
 """The same for a vehicle whose attitude points its thrust, and so turns at every error of its path [rad]."""
+POINTING_SLOWER = 1.6
+"""A loop whose attitude points the thrust is no quicker than this many times the quickest of others: the force that is
+pointed answers the very turn that points it, as a hull slips where it turns to, which takes 20 degrees of its phase."""
 NO_TORQUE = 1e-6
 """Share of the largest torque that counts as none."""
 
@@ -32,6 +35,7 @@ class LoopTimes:
         velocity: the velocity.
         attitude: the attitude.
         rate: the angular rate.
+        pointing: the attitude, where it points the thrust.
         turn: not a time: how fast the vehicle is asked to turn at most [rad/s].
     """
 
@@ -39,6 +43,7 @@ class LoopTimes:
     velocity: float
     attitude: float
     rate: float
+    pointing: float
     turn: float = FASTEST_TURN
 
     @staticmethod
@@ -57,13 +62,15 @@ class LoopTimes:
             turning: angular acceleration that the thrusters' torque gives [rad/s^2].
             pointing: whether the attitude points the thrust.
         """
-        attitude = max(0.5, 10.0 * delay_s, sqrt((POINTING_ERROR if pointing else COMMON_ERROR) / turning))
+        quickest = max(0.5, 10.0 * delay_s)
+        attitude = max(quickest, sqrt((POINTING_ERROR if pointing else COMMON_ERROR) / turning))
         velocity = max(0.5, 6.0 * delay_s)
         return LoopTimes(
             lateral=4.0 * velocity,
             velocity=velocity,
             attitude=attitude,
             rate=0.3 * attitude,
+            pointing=max(POINTING_SLOWER * quickest, attitude),
             turn=min(FASTEST_TURN, turning * attitude),
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from math import inf
 
 import numpy as np
 
@@ -37,8 +38,12 @@ SLOWER = 3.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
 SLOWER_ACROSS = 2.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
+BALANCING = 0.5
+"""Share of the time of the attitude's loop in which the balance of force and torque is sought."""
 SLOWER_AT_TRIM = 2.0
 """Where roll or pitch is left to the water, the balance of force and torque is sought this many times more slowly."""
+MOST_WAITING = 4.0
+"""The loop whose attitude points the thrust is made no slower than this many times its time (a choice)."""
 UNDER_WAY_RAD = 0.7
 """Farther than this from that attitude a hull is on its way there; to be short of force on the way will pass."""
 
@@ -52,11 +57,13 @@ class PathFollower:
         approach: the desired velocity.
         attitude: the desired attitude.
         loops: desired motion to wrench.
-        balancing_time: of `BalancedAttitude` [s].
+        pointing_time: of the attitude's loop, where the attitude points the thrust [s].
         observer: the disturbance estimate, None for none.
         current_observer: reads that estimate; None to take the water to be at rest.
         safe_mode: what to do when the path cannot be followed.
         most_rest: how much of a force that could not be made is asked for again at the next tick [N].
+        speed: along the path [m/s], for which that time is found; 0 leaves it as it is.
+        radius: of the tightest turn of the path [m]; infinite where it has none.
         waits: whether the speed along the path falls to what the thrusters can keep.
         capability: what the thrusters can still do; demands are projected onto it.
         path_first: whether the attitude gives way to the path when the thrusters cannot serve both. Where the attitude
@@ -67,11 +74,13 @@ class PathFollower:
     approach: MotionLaw
     attitude: AttitudeMode
     loops: MotionLoops
-    balancing_time: float
+    pointing_time: float
     observer: DisturbanceObserver | None
     current_observer: CurrentObserver | None
     safe_mode: SafeMode
     most_rest: float = 0.0
+    speed: float = 0.0
+    radius: float = inf
     waits: bool = True
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
     path_first: bool = False
@@ -105,11 +114,12 @@ class PathFollower:
             self._goal.set_reason(left.reason)
         if left.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE):
             # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
-            slower = max(self.loops.velocity_time, SLOWER * self.loops.attitude_time)
+            pointing = self._pointing_time(left)
+            slower = max(self.loops.velocity_time, SLOWER * pointing)
             if isinstance(self.approach, Approach):
                 slower = max(slower, pointing_time(left, self.loops.dynamics, self.approach.most_speed))
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
-            self._loops = replace(self.loops, velocity_time=slower)
+            self._loops = replace(self.loops, velocity_time=slower, attitude_time=pointing)
         elif isinstance(self.approach, Approach):
             affords = closing_speed(left, self.loops.dynamics, self.approach.lateral_time)
             self._approach = self.approach.at_closing_speed(affords)
@@ -276,13 +286,24 @@ class PathFollower:
         self.balanced = None
         return self.attitude if self._goal is None else self._goal.attitude
 
+    def _pointing_time(self, left: Capability) -> float:
+        """How fast the attitude points the thrust [s]: where turning pushes the hull in another trim, no faster."""
+        if not (self.dragged and self.speed > 0.0 and self.radius < inf):
+            return self.pointing_time
+        trims = CourseTrims.of(left, self.loops.dynamics, self.speed, 0.0)
+        slowest = None if trims is None else trims.slowest_elsewhere_rad_s(np.eye(3), self.radius)
+        wanted = 0.0 if slowest is None else 1.0 / slowest
+        return min(max(self.pointing_time, wanted), MOST_WAITING * self.pointing_time)
+
     def _balanced_from(self, rotation: Matrix) -> BalancedAttitude:
         """A search for balance that begins in an attitude."""
         return BalancedAttitude(
             self.capability,
             self.loops.dynamics,
             rotation,
-            self.balancing_time * (SLOWER_AT_TRIM if self.capability.authority is Authority.TRIM else 1.0),
+            BALANCING
+            * self._loops.attitude_time
+            * (SLOWER_AT_TRIM if self.capability.authority is Authority.TRIM else 1.0),
             self.attitude if self._goal is None else self._goal.attitude,
             most_rate=self.loops.most_rate,
         )
@@ -291,7 +312,7 @@ class PathFollower:
         """The same with the wish that suits its course, or a search that begins anew where that is far from before."""
         judged, before = balanced.memory[0], balanced.trim
         trims = CourseTrims.of(self.capability, self.loops.dynamics, float(judged["speed"]), float(judged["climb"]))
-        trim = None if trims is None else trims.nearest(judged["course_wish"], before)
+        trim = None if trims is None else trims.nearest(judged["course_wish"], before, self.radius)
         old, new = (judged["course_wish"] if R is None else R for R in (before, trim))
         following = balanced
         if np.trace(old.T @ new) < 1.0 + 2.0 * np.cos(FARTHEST_RAD):

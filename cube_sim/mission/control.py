@@ -102,11 +102,13 @@ def controller_of(
         approach=approach,
         attitude=attitude,
         loops=MotionLoops(dynamics, times.velocity, times.attitude, times.rate, times.turn),
-        balancing_time=0.5 * times.attitude,
+        pointing_time=times.pointing if pointing or whole.level else times.attitude,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
         safe_mode=_safe_mode(control.safe_mode),
         most_rest=REST * float(np.abs(believed.vehicle.thrusters.limits[:, 1:3]).max(initial=0.0)),
+        speed=scenario.guidance.speed_m_s if control.attitude_time_s is None else 0.0,
+        radius=ability.radius_m,
         waits=scenario.guidance.wait_for_thrusters,
         capability=within_limit,
         path_first=is_path_first(control),
@@ -136,6 +138,7 @@ def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics, pointing: b
         velocity=velocity,
         attitude=default.attitude if control.attitude_time_s is None else control.attitude_time_s,
         rate=default.rate if control.rate_time_s is None else control.rate_time_s,
+        pointing=default.pointing if control.attitude_time_s is None else control.attitude_time_s,
         turn=default.turn,
     )
 

@@ -61,7 +61,7 @@ def follower(vehicle, attitude) -> PathFollower:
         approach=Approach(ConstantSpeed(0.4), 1.0, 0.5, 2.0),
         attitude=attitude,
         loops=MotionLoops(dynamics, 1.0, 1.0, 0.3),
-        balancing_time=0.5,
+        pointing_time=1.0,
         observer=None,
         current_observer=None,
         safe_mode=SafeMode(None, 0.2, 1e3, 1.0),
