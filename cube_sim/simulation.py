@@ -66,6 +66,7 @@ def run(
     out: str | Path | None = None,
     progress: Progress | None = None,
     record: Kept = "full",
+    live: int | None = None,
 ) -> Run:
     """Fly a scenario file, record it and judge its checks.
 
@@ -75,6 +76,8 @@ def run(
         out: directory to write into: new, empty, or an earlier run's, which is replaced. Default: a new one in logs/.
         progress: called about once per simulated second with (simulated time, whole time) [s].
         record: "full" for run.mcap and its view run.rrd, "mcap" without the view, "none" for the verdict alone.
+        live: port of this machine at which a viewer shows the run while it flies, 9876 for Rerun's; that it lags, is
+            absent or dies changes nothing. It needs a record.
 
     Raises:
         ScenarioError: the scenario cannot be run; one line per mistake, nothing is written.
@@ -82,7 +85,7 @@ def run(
         RecordingError: the disk is full, or gone.
         RunInterrupted: Ctrl-C, SIGTERM or SIGHUP; what was flown is recorded.
     """
-    return fly(scenario, overrides, out=out, progress=progress, record=record)
+    return fly(scenario, overrides, out=out, progress=progress, record=record, live=live)
 
 
 def fly(
@@ -95,6 +98,7 @@ def fly(
     out: str | Path | None = None,
     progress: Progress | None = None,
     record: Kept = "full",
+    live: int | None = None,
 ) -> Run:
     """Fly a scenario, with code of one's own in it where that is given; result and errors are those of `run`.
 
@@ -108,6 +112,7 @@ def fly(
         out: as for `run`.
         progress: as for `run`.
         record: as for `run`.
+        live: as for `run`.
     """
     loaded = loaded_with(scenario, overrides, controller, allocator, path)
     wanted = None if out is None else Path(out)
@@ -116,7 +121,7 @@ def fly(
     mission = prepared(loaded)
     with claim(wanted, loaded.scenario.name) as directory:
         try:
-            return _record_and_judge(loaded, mission, directory, progress, record)
+            return _record_and_judge(loaded, mission, directory, progress, record, live)
         except OSError as error:
             raise RecordingError(f"{directory}: cannot be written: {told(error)}") from error
         except RunInterrupted:
@@ -126,20 +131,22 @@ def fly(
             raise RunInterrupted(directory, recorded=record != "none", number=number) from None
 
 
-def _store(directory: Path, loaded: Loaded, mission: Mission, record: Kept) -> AbstractContextManager[SignalStore]:
+def _store(
+    directory: Path, loaded: Loaded, mission: Mission, record: Kept, live: int | None
+) -> AbstractContextManager[SignalStore]:
     """Where the rows go."""
     if record == "none":
         return nullcontext(SignalStore(mission.channels))
     inputs, view = header(loaded, mission.codes), record == "full"
-    return Recorder(directory, inputs, mission.channels, mission.model, view, mission.vehicle.name)
+    return Recorder(directory, inputs, mission.channels, mission.model, view, mission.vehicle.name, live)
 
 
 def _record_and_judge(
-    loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None, record: Kept
+    loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None, record: Kept, live: int | None
 ) -> Run:
     """Fly and judge, into a folder that is ours."""
     (directory / RESOLVED_FILE).write_text(loaded.resolved_yaml(directory), encoding="utf-8")
-    with _store(directory, loaded, mission, record) as recorder, ExitStack() as stack:
+    with _store(directory, loaded, mission, record, live) as recorder, ExitStack() as stack:
         flight, started = Loop(mission, recorder), time.perf_counter()
         try:
             number = _fly(flight, _teller(stack, progress, mission.scenario.duration_s))

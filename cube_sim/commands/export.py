@@ -22,6 +22,7 @@ class Format(Enum):
     PARQUET = "parquet"
     RRD = "rrd"
     INPUTS = "inputs"
+    LAYOUT = "layout"
 
 
 def export(
@@ -32,7 +33,8 @@ def export(
         typer.Option(
             "--format",
             help="csv and parquet: a file per channel, names and units in its header. rrd: the view for the Rerun "
-            "viewer. inputs: the scenario and every file it flies on, ready to be run.",
+            "viewer. inputs: the scenario and every file it flies on, ready to be run. layout: how Foxglove and "
+            "Lichtblick show run.mcap.",
         ),
     ] = Format.CSV,
     channels: Annotated[
@@ -60,6 +62,11 @@ def export(
             from cube_sim.recording.saved_inputs import save_inputs
 
             files = [save_inputs(recorded.header, to)]
+        elif format_ is Format.LAYOUT:
+            from cube_sim.recording.mcap.viewer_layout import viewer_layout
+
+            files = [to / "layout.json"]
+            files[0].write_text(viewer_layout(recorded.recording.channels, recorded.recording.vehicle))
         else:
             from cube_sim.runs.tables import tables_of, write_csv, write_parquet
 
@@ -71,5 +78,5 @@ def export(
         stop(NOT_JUDGED, f"{to}: cannot be written: {error.strerror or error}")
     for file in files:
         typer.echo(str(file))
-    if recorded.flaw and format_ is not Format.INPUTS:
+    if recorded.flaw and format_ not in (Format.INPUTS, Format.LAYOUT):
         typer.echo(f"{recorded.path}: {recorded.flaw}", err=True)

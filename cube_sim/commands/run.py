@@ -51,11 +51,20 @@ def run(
             "none: the verdict alone."
         ),
     ] = Recorded.FULL,
+    live: Annotated[
+        bool,
+        typer.Option(
+            "--live",
+            help="Show the flight in a Rerun viewer on this machine while it flies. A viewer that lags, is absent or "
+            "dies changes nothing.",
+        ),
+    ] = False,
+    live_port: Annotated[int, typer.Option(min=1, max=65535, help="Where that viewer listens.")] = 9876,
     json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show neither progress nor result.")] = False,
 ) -> None:
     """Fly a scenario, record it, judge its checks."""
-    name, duration_s, result = _fly(scenario, settings, out, record, hidden=quiet)
+    name, duration_s, result = _fly(scenario, settings, out, record, live_port if live else None, hidden=quiet)
     if json:
         _print_json(result)
     elif not quiet:
@@ -64,7 +73,7 @@ def run(
 
 
 def _fly(
-    scenario: Path, settings: list[str] | None, out: Path | None, record: Recorded, *, hidden: bool
+    scenario: Path, settings: list[str] | None, out: Path | None, record: Recorded, live: int | None, *, hidden: bool
 ) -> tuple[str, float, Run]:
     """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
     from cube_sim.run_directory import require_writable
@@ -75,12 +84,15 @@ def _fly(
         if out is not None:
             # Before anything slow is imported; the run looks again.
             require_writable(out)
+        if live is not None:
+            _require_a_record(record)
+            _say_if_nobody_listens(live)
         from cube_sim import simulation
 
         begin_compiling(hidden=hidden)
         name, duration_s = loaded.scenario.name, loaded.scenario.duration_s
         with flight_progress(name, duration_s, hidden=hidden) as progress:
-            return name, duration_s, simulation.fly(loaded, out=out, progress=progress, record=record.value)
+            return name, duration_s, simulation.fly(loaded, out=out, progress=progress, record=record.value, live=live)
     except (ScenarioError, ModelError, DirectoryError) as error:
         stop(BAD_INPUT, str(error))
     except CubeSimError as error:
@@ -88,6 +100,18 @@ def _fly(
     except RunInterrupted as interrupt:
         said = [] if hidden else log_lines(interrupt.log)
         stop(SIGNALLED + interrupt.number, "\n".join([*said, str(interrupt)]))
+
+
+def _require_a_record(record: Recorded) -> None:
+    if record is Recorded.NONE:
+        stop(BAD_INPUT, "--live shows what is recorded; it does not go with --record none")
+
+
+def _say_if_nobody_listens(port: int) -> None:
+    from cube_sim.recording.live import somebody_listens
+
+    if not somebody_listens(port):
+        typer.echo(f"no viewer listens at port {port}, one is started by: rerun; flying on without it", err=True)
 
 
 def _print_json(result: Run) -> None:

@@ -15,7 +15,9 @@ from cube_sim.recording.beside import SinkBeside
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
 from cube_sim.recording.header import RunHeader
+from cube_sim.recording.live import LiveSink
 from cube_sim.recording.long_run import RecordedSignals
+from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.sink import McapSink
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.signal_store import SignalStore
@@ -51,6 +53,7 @@ class Recorder(SignalStore):
         model: mujoco.MjModel,
         view: bool = True,
         vehicle: str | None = None,
+        live: int | None = None,
     ) -> None:
         """Start the files.
 
@@ -61,15 +64,19 @@ class Recorder(SignalStore):
             model: the compiled model, for what there is to draw.
             view: whether the Rerun view is written beside the record.
             vehicle: the body whose pose is recorded; None for the first that swims.
+            live: port of this machine at which a viewer shows the run while it flies; None for no such viewer.
         """
         super().__init__(channels)
         self._closed, self._kept_bytes = False, 0
         self._recorded: RecordedSignals | None = None
         self.mcap = directory / MCAP_NAME
         self.rrd = directory / RRD_NAME
-        self._record = McapSink(self.mcap, header, self._channels, vehicle or vehicle_name(model))
+        name = vehicle or vehicle_name(model)
+        scene = SceneRows(self._channels, model, vehicle, name)
+        self._record = McapSink(self.mcap, header, self._channels, name, scene)
         self._shown = SinkBeside(lambda: self._view(header, model, vehicle)) if view else None
-        self._sinks: list[Sink] = [self._record, *([] if self._shown is None else [self._shown])]
+        self._live = None if live is None else LiveSink(lambda: self._streamed(live, header, model, vehicle))
+        self._sinks: list[Sink] = [each for each in (self._record, self._shown, self._live) if each is not None]
 
     def _view(self, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> Sink:
         # What it cannot write is told once, by `warnings`; unasked, Rerun would tell it in its own words as well.
@@ -79,6 +86,12 @@ class Recorder(SignalStore):
 
         return rerun_sink(self.rrd, header, self._channels, model, vehicle)
 
+    def _streamed(self, port: int, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> Sink:
+        os.environ.setdefault("RUST_LOG", "off")  # a viewer that is not there is no news to Rerun alone
+        from cube_sim.recording.rerun.sink import live_sink
+
+        return live_sink(port, header, self._channels, model, vehicle)
+
     def settle(self) -> None:
         """Send the last rows to the files, and finish the view: nothing can be added from now on."""
         if self._closed:
@@ -87,6 +100,8 @@ class Recorder(SignalStore):
         try:
             self._flush()
         finally:
+            if self._live is not None:
+                self._live.close()
             if self._shown is not None:
                 self._shown.close()
 

@@ -107,7 +107,11 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
   list). A code is an enum: `/allocation.status` reads `EXACT`. The descriptors are in the file. The channel's metadata
   `{CHANNEL_METADATA}` is its table as JSON: names, widths, units, descriptions with frames, columns, labels.
 - **For other programs' viewers**: `{TRANSFORM_TOPIC}` is the pose once more, as `{FRAME_TRANSFORM}`. `{LOG_TOPIC}` is
-  what was said, as `{LOG}` with the levels {", ".join(LOG_LEVELS[1:])}.
+  what was said, as `{LOG}` with the levels {", ".join(LOG_LEVELS[1:])}. What there is to see comes as
+  `foxglove.SceneUpdate`: `/scene` the hull, `/scene/path` the path, each one message; `/scene/thrust` the forces of the
+  thrusters, ten times a second; `/scene/trail` where the vehicle was, every five seconds. `/tf/target` is the frame of
+  the virtual target. They are 2.3 % of the file, rounded, and no signals: nothing is read back of them.
+  `cube-sim export --format layout` writes a layout that shows them in Foxglove and Lichtblick.
 - **Times**: simulated time starts at {_EPOCH} in every file. There is no wall clock in it.
 - **Chunks**: one simulated second each, compressed with zstd and handed to the operating system when it is over. A
   killed process loses less than a second. What is whole is read, and the recording is marked incomplete. Messages stand

@@ -1,15 +1,15 @@
 """Protobuf schemas of what a recording holds, as the descriptor sets an MCAP carries.
 
-A channel's schema follows from the channel table. ``foxglove.FrameTransform`` and ``foxglove.Log`` are the
-public schemas of those names (github.com/foxglove/foxglove-sdk, schemas/proto/foxglove): any viewer that
-knows them shows the vehicle and the log of a run without knowing this program.
+A channel's schema follows from the channel table. ``foxglove.FrameTransform``, ``foxglove.Log`` and, but for texts and
+models, ``foxglove.SceneUpdate`` are the public schemas of those names (github.com/foxglove/foxglove-sdk,
+schemas/proto/foxglove): any viewer that knows them shows the vehicle and the log of a run without knowing this program.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from google.protobuf import timestamp_pb2
+from google.protobuf import duration_pb2, timestamp_pb2
 from google.protobuf.descriptor_pb2 import (
     DescriptorProto,
     FieldDescriptorProto,
@@ -23,9 +23,17 @@ from cube_sim.recording.mcap.named_fields import Code, Group, Numbers, Part, ide
 PACKAGE = "cube_sim"
 FRAME_TRANSFORM = "foxglove.FrameTransform"
 LOG = "foxglove.Log"
+SCENE_UPDATE = "foxglove.SceneUpdate"
 LOG_LEVELS = ("UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL")
 
 _Kind = FieldDescriptorProto.Type.ValueType
+_DOUBLE, _STRING, _BOOL = (
+    FieldDescriptorProto.TYPE_DOUBLE,
+    FieldDescriptorProto.TYPE_STRING,
+    FieldDescriptorProto.TYPE_BOOL,
+)
+_INT, _FIXED32 = FieldDescriptorProto.TYPE_INT32, FieldDescriptorProto.TYPE_FIXED32
+_DELETION = ("SceneEntityDeletion", ("MATCHING_ID", "ALL"))
 
 
 def channel_schema_name(channel: Channel) -> str:
@@ -89,6 +97,70 @@ def frame_transform_schema() -> bytes:
     return _set(_timestamp_file(), file)
 
 
+def scene_update_schema() -> bytes:
+    """Serialise the descriptor set of ``foxglove.SceneUpdate``, whole but for what takes an entity away again."""
+    file = _file("foxglove", "SceneUpdate", timestamp_pb2.DESCRIPTOR.name, duration_pb2.DESCRIPTOR.name)
+    parts = {
+        "Vector3": [("x", _DOUBLE), ("y", _DOUBLE), ("z", _DOUBLE)],
+        "Point3": [("x", _DOUBLE), ("y", _DOUBLE), ("z", _DOUBLE)],
+        "Quaternion": [("x", _DOUBLE), ("y", _DOUBLE), ("z", _DOUBLE), ("w", _DOUBLE)],
+        "Color": [("r", _DOUBLE), ("g", _DOUBLE), ("b", _DOUBLE), ("a", _DOUBLE)],
+        "Pose": [("position", "Vector3"), ("orientation", "Quaternion")],
+        "ArrowPrimitive": [
+            *(("pose", "Pose"), ("shaft_length", _DOUBLE), ("shaft_diameter", _DOUBLE), ("head_length", _DOUBLE)),
+            *(("head_diameter", _DOUBLE), ("color", "Color")),
+        ],
+        "CubePrimitive": [("pose", "Pose"), ("size", "Vector3"), ("color", "Color")],
+        "SpherePrimitive": [("pose", "Pose"), ("size", "Vector3"), ("color", "Color")],
+        "CylinderPrimitive": [
+            *(("pose", "Pose"), ("size", "Vector3"), ("bottom_scale", _DOUBLE), ("top_scale", _DOUBLE)),
+            ("color", "Color"),
+        ],
+        "LinePrimitive": [
+            *(("type", _INT), ("pose", "Pose"), ("thickness", _DOUBLE), ("scale_invariant", _BOOL)),
+            *(("points", "Point3*"), ("color", "Color"), ("colors", "Color*"), ("indices", _FIXED32)),
+        ],
+        "TriangleListPrimitive": [
+            *(("pose", "Pose"), ("points", "Point3*"), ("color", "Color"), ("colors", "Color*")),
+            ("indices", _FIXED32),
+        ],
+        "KeyValuePair": [("key", _STRING), ("value", _STRING)],
+        "SceneEntity": [
+            *(("timestamp", "Timestamp"), ("frame_id", _STRING), ("id", _STRING), ("lifetime", "Duration")),
+            *(("frame_locked", _BOOL), ("metadata", "KeyValuePair*"), ("arrows", "ArrowPrimitive*")),
+            *(("cubes", "CubePrimitive*"), ("spheres", "SpherePrimitive*"), ("cylinders", "CylinderPrimitive*")),
+            *(("lines", "LinePrimitive*"), ("triangles", "TriangleListPrimitive*")),
+        ],
+        "SceneEntityDeletion": [("timestamp", "Timestamp"), ("type", _INT), ("id", _STRING)],
+        "SceneUpdate": [("deletions", "SceneEntityDeletion*"), ("entities", "SceneEntity*")],
+    }
+    for name, fields in parts.items():
+        part = file.message_type.add(name=name)
+        for number, (field, kind) in enumerate(fields, start=1):
+            _declare_part(part, number, field, kind)
+    for name, values in (("LinePrimitive", ("LINE_STRIP", "LINE_LOOP", "LINE_LIST")), _DELETION):
+        (part,) = (each for each in file.message_type if each.name == name)
+        kinds = part.enum_type.add(name="Type")
+        for number, value in enumerate(values):
+            kinds.value.add(name=value, number=number)
+        (field,) = (each for each in part.field if each.name == "type")
+        field.type, field.type_name = FieldDescriptorProto.TYPE_ENUM, f".foxglove.{name}.Type"
+    return _set(_duration_file(), _timestamp_file(), file)
+
+
+def _declare_part(part: DescriptorProto, number: int, field: str, kind: str | _Kind) -> None:
+    if not isinstance(kind, str):
+        declared = _scalar(part, number, field, kind)
+        if kind == _FIXED32:
+            declared.label = FieldDescriptorProto.LABEL_REPEATED
+        return
+    name = kind.rstrip("*")
+    package = "google.protobuf" if name in ("Timestamp", "Duration") else "foxglove"
+    _message(part, number, field, f".{package}.{name}")
+    if kind.endswith("*"):
+        part.field[-1].label = FieldDescriptorProto.LABEL_REPEATED
+
+
 def log_schema() -> bytes:
     """Serialise the descriptor set of ``foxglove.Log``."""
     file = _file("foxglove", "Log", timestamp_pb2.DESCRIPTOR.name)
@@ -117,6 +189,12 @@ def _file(package: str, name: str, *imports: str) -> FileDescriptorProto:
 def _timestamp_file() -> FileDescriptorProto:
     file = FileDescriptorProto()
     timestamp_pb2.DESCRIPTOR.CopyToProto(file)
+    return file
+
+
+def _duration_file() -> FileDescriptorProto:
+    file = FileDescriptorProto()
+    duration_pb2.DESCRIPTOR.CopyToProto(file)
     return file
 
 

@@ -35,6 +35,7 @@ from cube_sim.recording.mcap.names import (
     stamp_ns,
     topic,
 )
+from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.schemas import (
     FRAME_TRANSFORM,
     LOG,
@@ -54,7 +55,9 @@ _POSE = "pose"
 class McapSink:
     """Writes a run to an MCAP file: the header first, then one chunk per batch, at last how the run ended."""
 
-    def __init__(self, path: Path, header: RunHeader, channels: Sequence[Channel], vehicle: str) -> None:
+    def __init__(
+        self, path: Path, header: RunHeader, channels: Sequence[Channel], vehicle: str, scene: SceneRows | None = None
+    ) -> None:
         self._writer = McapWriter(path)
         self._vehicle = vehicle
         self._head = self._write_header(header)
@@ -76,6 +79,11 @@ class McapSink:
             if not all(count for _, _, count in layout.spans)
         }
         self._numbers = {channel.name: k for k, channel in enumerate(channels)}
+        self._scene = scene
+        for drawn in () if scene is None else scene.topics:
+            self._numbers[drawn.topic] = len(layouts)
+            layouts.append((drawn.layout, drawn.seconds))
+            self._ids.append(self._writer.add_channel(drawn.topic, drawn.schema_name, drawn.schema))
         layouts.append(frame_transform_layout(vehicle))
         self._ids.append(self._writer.add_channel(TRANSFORM_TOPIC, FRAME_TRANSFORM, frame_transform_schema()))
         self._log_id = self._writer.add_channel(LOG_TOPIC, LOG, log_schema())
@@ -86,7 +94,8 @@ class McapSink:
     def write(self, batch: Batch) -> None:
         """Write a batch as one chunk and hand it to the operating system."""
         parts, places, which, rows = [], {}, [], 0
-        for name, table in batch.rows.items():
+        drawn = {} if self._scene is None else self._scene.of(batch)
+        for name, table in [*batch.rows.items(), *drawn.items()]:
             if name in self._codes:
                 self._codes[name].require_codes(table)
             number = self._numbers[name]

@@ -6,6 +6,7 @@ import ctypes
 import hashlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from uuid import uuid4
 
 import mujoco
 import rerun as rr
@@ -18,6 +19,7 @@ from cube_sim.recording.rerun.drawing import RunDrawing
 from cube_sim.recording.rerun.drawn import Drawn, drawn_from
 from cube_sim.recording.rerun.gathering import GatheringSink
 from cube_sim.recording.rerun.story import story_of
+from cube_sim.recording.rerun.viewer import LOCAL
 
 PIECE_S = 80
 """Long pieces cost less, in time, in bytes and in what Rerun remembers of each to the end. Of more than 4096 rows the
@@ -39,6 +41,14 @@ FLUSH_S = 10.0
 """So long the end of a view may take to be written: Rerun waits for ever for a file that it could not write."""
 
 
+def live_sink(
+    port: int, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel, vehicle: str | None = None
+) -> Sink:
+    """Show a run in a viewer that listens at a port of this machine, while it flies."""
+    url = f"rerun+http://{LOCAL}:{port}/proxy"
+    return RerunSink(lambda stream: stream.connect_grpc(url), header, channels, model, vehicle, live=True)
+
+
 class RerunSink:
     """Writes a run to wherever a Rerun stream goes.
 
@@ -52,6 +62,7 @@ class RerunSink:
         channels: Sequence[Channel],
         model: mujoco.MjModel,
         vehicle: str | None = None,
+        live: bool = False,
     ) -> None:
         """Nothing is sent before the first batch.
 
@@ -61,7 +72,9 @@ class RerunSink:
             channels: the channel table.
             model: the compiled model.
             vehicle: the body that swims; None for the first that can.
+            live: whether it is watched while it flies: a recording of its own beside that of the file.
         """
+        self._live = live
         self._send_to, self._header, self._channels = send_to, header, channels
         self._model, self._vehicle = model, vehicle
         self._begun: tuple[rr.RecordingStream, RunDrawing] | None = None
@@ -86,12 +99,14 @@ class RerunSink:
     def _begin(self, first: Batch) -> tuple[rr.RecordingStream, RunDrawing]:
         """Name the recording and its layout: only the first batch says what the run is like."""
         story, identity = story_of(self._header), _identity(self._header, first)
+        identity = uuid4().hex if self._live else identity
         drawn = drawn_from(self._channels, self._model, self._vehicle, story, first)
         # No property but its name is sent: Rerun would put the wall clock into the others.
         stream = rr.RecordingStream(application_id(drawn), recording_id=identity[:32], send_properties=False)
         self._send_to(stream)
         drawing = RunDrawing(stream, drawn, self._model, self._vehicle)
-        stream.send_recording_name(f"{story.name or 'run'}, seed {self._header.seed}, {identity[:4]}")
+        said = "live" if self._live else identity[:4]
+        stream.send_recording_name(f"{story.name or 'run'}, seed {self._header.seed}, {said}")
         stream.send_blueprint(blueprint(drawn), make_active=True)
         self._begun = stream, drawing
         return self._begun

@@ -1,0 +1,82 @@
+"""Protobuf messages put together of pieces that know where their changing numbers lie."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.recording.mcap.fixed_width import Layout, double_tag, length_prefix, tag, varint
+
+_VARINT = 0
+
+Numbers = Sequence[float] | NDArray[np.float64]
+
+
+class Piece(NamedTuple):
+    """Some bytes of a message.
+
+    Attributes:
+        data: the bytes; changing numbers are zero.
+        slots: first byte of each changing number, in the order in which a row has them.
+    """
+
+    data: bytes
+    slots: tuple[int, ...] = ()
+
+
+def together(pieces: Iterable[Piece]) -> Piece:
+    """Pieces one after another."""
+    data, slots = bytearray(), []
+    for piece in pieces:
+        slots += [len(data) + slot for slot in piece.slots]
+        data += piece.data
+    return Piece(bytes(data), tuple(slots))
+
+
+def message(number: int, *pieces: Piece) -> Piece:
+    """A field that is a message of these pieces."""
+    inside = together(pieces)
+    return together((Piece(length_prefix(number, len(inside.data))), inside))
+
+
+def double(number: int, value: float | None) -> Piece:
+    """A number; None for one that changes."""
+    data = double_tag(number) + np.array(value or 0.0, "<f8").tobytes()
+    return Piece(data, (len(data) - 8,) if value is None else ())
+
+
+def doubles(values: Numbers | None, count: int) -> Piece:
+    """Numbers in the fields 1, 2 ...; None for as many that change."""
+    return together(double(i + 1, None if values is None else float(values[i])) for i in range(count))
+
+
+def text(number: int, value: str) -> Piece:
+    """A string."""
+    data = value.encode()
+    return Piece(length_prefix(number, len(data)) + data)
+
+
+def integer(number: int, value: int) -> Piece:
+    """An integer that is not negative, an enumeration or a truth value."""
+    return Piece(tag(number, _VARINT) + varint(value))
+
+
+def packed_fixed32(number: int, values: Sequence[int] | NDArray[np.int32]) -> Piece:
+    """A list of integers of 32 bits."""
+    data = np.asarray(values, "<u4").tobytes()
+    return Piece(length_prefix(number, len(data)) + data)
+
+
+def layout_of(piece: Piece, columns: Sequence[int]) -> Layout:
+    """Where the numbers of a row are written.
+
+    Args:
+        piece: the message.
+        columns: of each changing number the column of a row, the time being column 0.
+    """
+    spans = tuple((slot, column, 1) for slot, column in zip(piece.slots, columns, strict=True))
+    template = np.frombuffer(piece.data, np.uint8)
+    return Layout(template, spans, np.zeros(len(template), bool))
