@@ -86,7 +86,7 @@ def _fly(
             require_writable(out)
         if live is not None:
             _require_a_record(record)
-            _say_if_nobody_listens(live)
+            live = live if _somebody_listens(live) else None
         from cube_sim import simulation
 
         begin_compiling(hidden=hidden)
@@ -107,11 +107,14 @@ def _require_a_record(record: Recorded) -> None:
         stop(BAD_INPUT, "--live shows what is recorded; it does not go with --record none")
 
 
-def _say_if_nobody_listens(port: int) -> None:
+def _somebody_listens(port: int) -> bool:
+    """Whether there is a viewer; says so where there is none."""
     from cube_sim.recording.live import somebody_listens
 
-    if not somebody_listens(port):
+    found = somebody_listens(port)
+    if not found:
         typer.echo(f"no viewer listens at port {port}, one is started by: rerun; flying on without it", err=True)
+    return found
 
 
 def _print_json(result: Run) -> None:
