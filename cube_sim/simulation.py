@@ -162,10 +162,11 @@ def _record_and_judge(
                 factor = flight.time_s / elapsed_s
                 write_verdict(directory, to_json(verdict, results, factor, versions(), flown))
         except Exception as error:
-            reason = told(error)
+            reason, period_s = told(error), mission.scenario.control_period_s
+            ticks = max(flight.tick, round(recorder.last_s / period_s))  # amid a stretch the flight does not count on
             with suppress(OSError, RecordingError):
-                recorder.finish(RunEnd("failed", reason, flight.tick, flight.time_s, flight.given_up))
-            flown = Flown(flight.time_s, EarlyEnd(flight.time_s, reason), recorder.warnings)
+                recorder.finish(RunEnd("failed", reason, ticks, ticks * period_s, flight.given_up))
+            flown = Flown(ticks * period_s, EarlyEnd(ticks * period_s, reason), recorder.warnings)
             with suppress(OSError):
                 write_verdict(directory, to_json("ERROR", (), 0.0, versions(), flown))
             raise

@@ -130,13 +130,14 @@ def _print_table(name: str, duration_s: float, result: Run, record: Recorded) ->
     from rich.console import Console
 
     from cube_sim.commands.result_table import result_table
+    from cube_sim.run_directory import RRD_FILE
 
     console = Console()
     title = f"{name}: {lasted(result, duration_s)}, {result.real_time_factor:.1f} x real time"
     console.print(result_table(title, result.verdict, result.checks, early_end(result)))
     kept = "verdict" if record is Recorded.NONE else "recording"
     lines = [*section("log:", log_lines(result.log)), "", f"{kept}: {result.directory}"]
-    if record is Recorded.FULL:
+    if record is Recorded.FULL and not any(line.text.startswith(RRD_FILE) for line in result.log):
         lines.append(f"look at it: cube-sim view {shlex.quote(str(result.directory))}")
     for line in lines:
         console.print(line, soft_wrap=True, markup=False, highlight=False)

@@ -137,7 +137,7 @@ class Recorder(SignalStore):
         failure = "" if self._shown is None else self._shown.failure
         if not failure:
             return super().warnings
-        line = LogLine(max(self._time, 0.0), "WARNING", f"{RRD_NAME} cannot be written: {failure}; {REMEDY}")
+        line = LogLine(self.last_s, "WARNING", f"{RRD_NAME} cannot be written: {failure}; {REMEDY}")
         return (*super().warnings, line)
 
     @property

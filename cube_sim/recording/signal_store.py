@@ -125,6 +125,11 @@ class SignalStore:
         """See `Recorder.finish`: here nobody keeps it."""
 
     @property
+    def last_s(self) -> float:
+        """Time of the last row or sentence [s]; 0 before the first."""
+        return max(self._time, 0.0)
+
+    @property
     def lines(self) -> tuple[LogLine, ...]:
         """What has been said, in the order of time."""
         return tuple(self._lines)

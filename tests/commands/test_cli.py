@@ -178,6 +178,9 @@ def test_a_full_disk_is_one_line_and_could_not_be_judged(tmp_path):
     kept = load_run(out)
     assert kept.recorded_s > 0.5
     assert not kept.complete
+    if kept.end is not None:  # there was room for it where the last second was not
+        assert (kept.end.how, kept.end.reason) == ("failed", "File too large")
+        assert kept.end.simulated_s >= kept.recorded_s
 
 
 @pytest.mark.flight
