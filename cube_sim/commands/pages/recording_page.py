@@ -69,7 +69,7 @@ A run writes four files into its folder.
 
 | file | what it holds |
 | --- | --- |
-| `run.mcap` | the record: inputs, versions, every signal, what was said. The same scenario gives the same bytes. |
+| `run.mcap` | the record: inputs, versions, every signal, what was said, how it ended; the same bytes on one machine |
 | `run.rrd` | the same for the Rerun viewer: a function of `run.mcap`, from which `cube-sim view` makes it anew |
 | `{RESOLVED}` | the scenario with every default written out; run as it is, it gives the same signals |
 | `verdict.json` | the verdict, of each check value, relation, limit, margin, time and reason, and the log's warnings |

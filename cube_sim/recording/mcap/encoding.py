@@ -95,6 +95,9 @@ def put_record(out, at, stream, templates, k, stamp, rows, numbers):
         stamp: [ns].
         rows: all rows, as numbers.
         numbers: the same as bytes.
+
+    Returns:
+        Whether its codes are whole numbers from 0 to 127, and so fit into their bytes.
     """
     copy_bytes(out, at, templates.records, stream.template, stream.length)
     put_integer(out, at + _SEQUENCE, np.uint32(stream.sequence + k))
@@ -103,13 +106,16 @@ def put_record(out, at, stream, templates, k, stamp, rows, numbers):
     if stream.seconds >= 0:
         put_padded(out, at + stream.seconds, stamp // 1_000_000_000)
         put_padded(out, at + stream.seconds + 6, stamp % 1_000_000_000)
-    row = stream.row + k * stream.width
+    row, fits = stream.row + k * stream.width, True
     for j in range(stream.span, stream.span_end):
         start, column, count = templates.spans[j]
         if count:
             copy_bytes(out, at + start, numbers, 8 * (row + column), 8 * count)
         else:
-            out[at + start] = np.uint8(rows[row + column])
+            code = rows[row + column]
+            fits &= code >= 0.0 and code <= 127.0 and code == np.floor(code)  # a NaN does not fit
+            out[at + start] = np.uint8(code) if fits else 0
+    return fits
 
 
 @unlocked
@@ -127,7 +133,7 @@ def encode(streams, templates, times, numbers, ready, ahead, out, index):
         index: bytes of the message index records of all streams, filled.
 
     Returns:
-        The first and the last time stamp.
+        The first and the last time stamp, and whether every code fits into its byte.
     """
     n, at = len(streams), ahead
     done, entries = np.zeros(n, np.int64), np.empty(n, np.int64)
@@ -140,14 +146,14 @@ def encode(streams, templates, times, numbers, ready, ahead, out, index):
         put_integer(index, place + 11, np.uint32(size))
         entries[s] = place + INDEX_HEAD
         place += INDEX_HEAD + size
-    first, last = stamp_of(times[streams[0].row]), np.int64(0)
+    first, last, fit = stamp_of(times[streams[0].row]), np.int64(0), True
     while True:
         now = inf
         for s in range(n):
             if done[s] < streams[s].count:
                 now = min(now, times[streams[s].row + done[s] * streams[s].width])
         if now == inf:
-            return first, last
+            return first, last, fit
         stamp = stamp_of(now)
         first, last = min(first, stamp), max(last, stamp)
         for s in range(n):
@@ -158,7 +164,7 @@ def encode(streams, templates, times, numbers, ready, ahead, out, index):
                 put_integer(index, entries[s] + 8, at)
                 entries[s] += INDEX_ENTRY
                 if stream.template >= 0:
-                    put_record(out, at, stream, templates, k, stamp, times, numbers)
+                    fit &= put_record(out, at, stream, templates, k, stamp, times, numbers)
                     at += stream.length
                 else:
                     start = ready.ends[k - 1] if k else 0

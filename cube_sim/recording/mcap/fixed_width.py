@@ -104,22 +104,6 @@ class Layout:
                 rows[:, column] = data[:, start]
         return rows
 
-    def require_codes(self, rows: NDArray[np.float64]) -> None:
-        """Make sure that the codes among the numbers fit into their bytes.
-
-        Args:
-            rows: (n, 1+width).
-
-        Raises:
-            RecordingError: one is no whole number from 0 to 127.
-        """
-        codes = rows[:, [column for _, column, count in self.spans if not count]]
-        # Written this way round, a NaN is refused too.
-        if not np.all((codes >= 0) & (codes <= 0x7F) & (codes == np.floor(codes))):
-            raise RecordingError(
-                f"a code is a whole number from 0 to 127; a row at {rows[0, 0]:g} s or later has another"
-            )
-
 
 def message_record(channel_id: int, message: bytes, sequence: int = 0, stamp_ns: int = 0) -> bytes:
     """The MCAP record of a message.

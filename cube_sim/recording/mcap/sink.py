@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Batch
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.digests import ChannelDigest, head_digests, log_digest
@@ -73,11 +74,6 @@ class McapSink:
             )
             for channel in channels
         ]
-        self._codes = {  # those that have any
-            channel.name: layout
-            for channel, (layout, _) in zip(channels, layouts, strict=True)
-            if not all(count for _, _, count in layout.spans)
-        }
         self._numbers = {channel.name: k for k, channel in enumerate(channels)}
         self._scene = scene
         for drawn in () if scene is None else scene.topics:
@@ -96,8 +92,6 @@ class McapSink:
         parts, places, which, rows = [], {}, [], 0
         drawn = {} if self._scene is None else self._scene.of(batch)
         for name, table in [*batch.rows.items(), *drawn.items()]:
-            if name in self._codes:
-                self._codes[name].require_codes(table)
             number = self._numbers[name]
             places[number] = rows, *table.shape
             parts.append(table.reshape(-1))
@@ -129,7 +123,11 @@ class McapSink:
         chunk = np.empty(ahead + int(counts @ streams["length"]) + len(said.records), np.uint8)
         index = np.empty(len(streams) * INDEX_HEAD + INDEX_ENTRY * int(counts.sum()), np.uint8)
         numbers = np.asarray(numbers, "<f8")
-        start, end = encode(streams, self._templates, numbers, numbers.view(np.uint8), said, ahead, chunk, index)
+        start, end, fit = encode(streams, self._templates, numbers, numbers.view(np.uint8), said, ahead, chunk, index)
+        if not fit:
+            raise RecordingError(
+                f"{self._writer.path}: a code is a whole number from 0 to 127; one of this second is none"
+            )
         channels = list(zip(streams["channel_id"].tolist(), counts.tolist(), strict=True))
         return Messages(chunk, index, channels, start, end)
 
