@@ -22,7 +22,7 @@ from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
-from cube_sim.control.pointing_zero import pointing_time
+from cube_sim.control.pointing_zero import slowest_zero_time
 from cube_sim.control.priority import force_with_torque, yield_attitude
 from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.roomiest_attitude import has_enough
@@ -117,7 +117,7 @@ class PathFollower:
             pointing = self._pointing_time(left)
             slower = max(self.loops.velocity_time, SLOWER * pointing)
             if isinstance(self.approach, Approach):
-                slower = max(slower, pointing_time(left, self.loops.dynamics, self.approach.most_speed))
+                slower = max(slower, slowest_zero_time(left, self.loops.dynamics, self.approach.most_speed))
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
             self._loops = replace(self.loops, velocity_time=slower, attitude_time=pointing)
         elif isinstance(self.approach, Approach):

@@ -20,7 +20,7 @@ _AT_REST = 1e-9
 """Share below which a zero's inverse counts as none: it is at infinity."""
 
 
-def pointing_time(left: Capability, hull: Dynamics, speed_m_s: float) -> float:
+def slowest_zero_time(left: Capability, hull: Dynamics, speed_m_s: float) -> float:
     """1 / z [s], z the slowest zero in the right half plane on a level course in trim; 0 where there is none."""
     trims = CourseTrims.of(left, hull, speed_m_s, 0.0)
     if trims is None:

@@ -9,7 +9,7 @@ from support.flights import FORCES_ONLY
 
 import cube_sim
 from cube_sim.control.authority import remaining_capability
-from cube_sim.control.pointing_zero import inverse_zeros, pointing_time
+from cube_sim.control.pointing_zero import inverse_zeros, slowest_zero_time
 from cube_sim.control.yielding import WaterHold
 from cube_sim.wrench.health import Health
 
@@ -35,7 +35,7 @@ def test_a_turn_that_grows_at_the_rate_of_a_zero_asks_for_no_force(speed_m_s, tm
     hull, left = left_of("torpedo_four_fins", tmp_path, speed_m_s)
     ahead = np.array([speed_m_s, 0.0, 0.0])
     slowest = float(max(inverse_zeros(left, hull, ahead, np.eye(3)[2]).real))
-    assert np.isclose(slowest, pointing_time(left, hull, speed_m_s), rtol=1e-3)
+    assert np.isclose(slowest, slowest_zero_time(left, hull, speed_m_s), rtol=1e-3)
     z = 1.0 / slowest
 
     def pushed(rate, yaw=1e-6):
@@ -54,13 +54,13 @@ def test_where_more_water_is_accelerated_ahead_than_aside_turning_moves_the_hull
     """Without one of two thrusters astern it goes with its deck ahead: M_x x'' + D_x x' = (M_x - M_z) u q + D_x u a."""
     hull, left = left_of("six_two_astern_four_up", tmp_path, 0.2, dead=["T2"])
     M, D = np.diag(hull.total_mass), np.diag(hull.linear_damping)
-    assert np.isclose(pointing_time(left, hull, 0.2), (M[2] - M[0]) / D[0], rtol=0.02)
+    assert np.isclose(slowest_zero_time(left, hull, 0.2), (M[2] - M[0]) / D[0], rtol=0.02)
 
 
 def test_none_where_the_hull_is_pushed_the_right_way_at_once(tmp_path):
     for name in ("three_astern_up", "cube"):
         hull, left = left_of(name, tmp_path, 0.4)
-        assert pointing_time(left, hull, 0.4) == 0.0
+        assert slowest_zero_time(left, hull, 0.4) == 0.0
 
 
 @pytest.mark.flight
