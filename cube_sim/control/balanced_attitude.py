@@ -100,6 +100,11 @@ class BalancedAttitude:
         self.memory["since"], self.memory["stale"] = 0.0, False
 
     @property
+    def judged(self) -> bool:
+        """Whether a course has been looked at before."""
+        return bool(self.parameters["judged_speed"][0] != 0.0)
+
+    @property
     def off(self) -> float:
         """How far the attitude found is from the wish [rad]."""
         return float(self.memory["off"][0])

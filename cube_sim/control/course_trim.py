@@ -77,8 +77,9 @@ class CourseTrims:
     def nearest(self, wish: Matrix, before: Matrix | None = None, radius_m: float = inf) -> Matrix | None:
         """The trim (3,3) to wish for instead; None where the one next to the wish will do, and where there is none.
 
-        Where no trim is near the wish, the search for balance ends in any of them. Then one is wished for if the path
-        turns: not all go on into its turns. With one line of force there is hardly a choice.
+        Where no trim is near a wish along the course, the search for balance ends in any of them. Then one is wished
+        for if the path turns: not all go on into its turns. A wish across the course is another one as the path turns.
+        With one line of force there is hardly a choice.
 
         Args:
             wish: the attitude (3,3) the mission asks for, body axes in those of the course.
@@ -86,7 +87,8 @@ class CourseTrims:
             radius_m: of the tightest turn of the path; infinite where it has none.
         """
         R, found, far = self._next_to(wish)
-        searched = far and np.isfinite(radius_m) and self.left.authority is Authority.PLANE
+        along = _near(np.eye(3), wish)
+        searched = far and along and np.isfinite(radius_m) and self.left.authority is Authority.PLANE
         if found[0] and self.good(R, kept=before is None and not searched)[0]:
             if not searched or self._turns(R[0], radius_m):
                 return None
@@ -136,7 +138,7 @@ class CourseTrims:
     def _next_to(self, wish: Matrix) -> tuple[Matrix, NDArray[np.bool_], bool]:
         """Where Newton's method leads from a wish, (1,3,3), whether that is a trim, and whether none is near."""
         R, found = self.attitudes.trimmed(wish[None])
-        return R, found, not found[0] or bool(np.trace(wish.T @ R[0]) < 1.0 + 2.0 * np.cos(JUDGED_RAD))
+        return R, found, not (found[0] and _near(wish, R[0]))
 
     def _turns(self, R: Matrix, radius_m: float) -> bool:
         """Whether a trim (3,3) goes on into turns of this radius to both sides; any does where the path is straight."""
@@ -182,3 +184,8 @@ class CourseTrims:
         damping = np.array([missing[pointed] @ hull.steady_wrench_slope(x)[:, :3] @ slips for x in nu])
         decays = np.min(np.linalg.eigvals(np.linalg.solve(inertia @ slips, damping)).real, axis=1)
         return shares, stiffness, turns, decays
+
+
+def _near(R: Matrix, other: Matrix) -> bool:
+    """Whether attitudes (3,3) differ by less than `JUDGED_RAD`."""
+    return bool(np.trace(R.T @ other) >= 1.0 + 2.0 * np.cos(JUDGED_RAD))

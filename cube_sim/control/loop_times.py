@@ -20,8 +20,9 @@ COMMON_ERROR = 0.5
 POINTING_ERROR = 0.8
 """The same for a vehicle whose attitude points its thrust, and so turns at every error of its path [rad]."""
 POINTING_SLOWER = 1.6
-"""A loop whose attitude points the thrust is no quicker than this many times the quickest of others: the force that is
-pointed answers the very turn that points it, as a hull slips where it turns to, which takes 20 degrees of its phase."""
+"""A loop whose heading points the thrust is no quicker than this many times the quickest of others: the force that is
+pointed answers the very turn that points it, as a hull slips where it turns to, which takes 20 degrees of its phase.
+Out of the plane it is no slower: a vehicle that points its thrust in all axes lags behind a path that turns as it is."""
 NO_TORQUE = 1e-6
 """Share of the largest torque that counts as none."""
 
@@ -35,7 +36,7 @@ class LoopTimes:
         velocity: the velocity.
         attitude: the attitude.
         rate: the angular rate.
-        pointing: the attitude, where it points the thrust.
+        pointing: the attitude of a vehicle for a level plane, where its heading points the thrust.
         turn: not a time: how fast the vehicle is asked to turn at most [rad/s].
     """
 

@@ -312,7 +312,8 @@ class PathFollower:
         """The same with the wish that suits its course, or a search that begins anew where that is far from before."""
         judged, before = balanced.memory[0], balanced.trim
         trims = CourseTrims.of(self.capability, self.loops.dynamics, float(judged["speed"]), float(judged["climb"]))
-        trim = None if trims is None else trims.nearest(judged["course_wish"], before, self.radius)
+        radius = inf if balanced.judged else self.radius  # one under way stays in the trim that it has come to
+        trim = None if trims is None else trims.nearest(judged["course_wish"], before, radius)
         old, new = (judged["course_wish"] if R is None else R for R in (before, trim))
         following = balanced
         if np.trace(old.T @ new) < 1.0 + 2.0 * np.cos(FARTHEST_RAD):

@@ -102,7 +102,7 @@ def controller_of(
         approach=approach,
         attitude=attitude,
         loops=MotionLoops(dynamics, times.velocity, times.attitude, times.rate, times.turn),
-        pointing_time=times.pointing if pointing or whole.level else times.attitude,
+        pointing_time=times.pointing if whole.level else times.attitude,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
         safe_mode=_safe_mode(control.safe_mode),
