@@ -22,7 +22,7 @@ POINTING_ERROR = 0.8
 POINTING_SLOWER = 1.6
 """A loop whose heading points the thrust is no quicker than this many times the quickest of others: the force that is
 pointed answers the very turn that points it, as a hull slips where it turns to, which takes 20 degrees of its phase.
-Out of the plane it is no slower: a vehicle that points its thrust in all axes lags behind a path that turns as it is."""
+Out of the plane it is no slower: as it is, a vehicle that points its thrust in all axes lags behind a turning path."""
 NO_TORQUE = 1e-6
 """Share of the largest torque that counts as none."""
 

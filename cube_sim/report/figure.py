@@ -57,7 +57,7 @@ _NO_DATES: dict[str, dict[str, Any]] = {
 
 
 @dataclass(frozen=True)
-class Panel:
+class Plot:
     """Curves over time in one frame.
 
     Attributes:
@@ -116,7 +116,7 @@ def save_figure(
 
 
 def _stack(
-    figure: Figure, places: Sequence, panels: Sequence[Panel], subject: Subject, window_s: tuple[float, float] | None
+    figure: Figure, places: Sequence, panels: Sequence[Plot], subject: Subject, window_s: tuple[float, float] | None
 ) -> None:
     """Panels above one another on one time."""
     first: Axes | None = None
@@ -129,7 +129,7 @@ def _stack(
 
 def _over_time(
     axes: Axes,
-    panel: Panel,
+    panel: Plot,
     subject: Subject,
     window_s: tuple[float, float] | None,
     told: bool = False,
@@ -205,10 +205,10 @@ def _plan(axes: Axes, subject: Subject, window_s: tuple[float, float] | None) ->
     axes.legend(loc="best")
 
 
-def _usual(subject: Subject) -> list[Panel]:
+def _usual(subject: Subject) -> list[Plot]:
     """Errors, force, thrusters: of what is recorded."""
     made = (
-        Panel(
+        Plot(
             "path error [m]",
             tuple(
                 (name, _column(subject, f"path_error.{field}", 0))
@@ -216,7 +216,7 @@ def _usual(subject: Subject) -> list[Panel]:
             ),
             "path_error.cross_track",
         ),
-        Panel(
+        Plot(
             "force demanded [N]",
             tuple((name, _column(subject, "wrench.demanded", i)) for i, name in enumerate(("Fx", "Fy", "Fz"))),
         ),
@@ -225,13 +225,13 @@ def _usual(subject: Subject) -> list[Panel]:
     return [panel for panel in made if any(len(rows) for _, rows in panel.curves)]
 
 
-def _height(subject: Subject) -> Panel:
+def _height(subject: Subject) -> Plot:
     target = _column(subject, "target.position", 2)
     curves = [(_TARGET, target)] if len(target) else []
-    return Panel("height z [m]", (*curves, ("vehicle", _column(subject, "pose.position", 2))))
+    return Plot("height z [m]", (*curves, ("vehicle", _column(subject, "pose.position", 2))))
 
 
-def _of_signal(subject: Subject, name: str) -> Panel:
+def _of_signal(subject: Subject, name: str) -> Plot:
     """A panel of channel.field, or of one of its columns."""
     if name in subject.run.fields:
         panel = _whole(subject, name)
@@ -242,20 +242,20 @@ def _of_signal(subject: Subject, name: str) -> Panel:
             raise RecordingError(f"no signal {name!r}{_hint(subject, name)}")
         index = columns.index(part)
         full = subject.run.column_names(signal)[index]
-        panel = Panel(full, ((full.partition(" [")[0], _column(subject, signal, index)),), name)
+        panel = Plot(full, ((full.partition(" [")[0], _column(subject, signal, index)),), name)
     if not any(len(rows) for _, rows in panel.curves):
         raise RecordingError(f"{name}: is declared, but nothing was recorded of it")
     return panel
 
 
-def _whole(subject: Subject, signal: str) -> Panel:
+def _whole(subject: Subject, signal: str) -> Plot:
     columns = subject.columns(signal)
     field = subject.run.fields.get(signal)
     if field is None:
-        return Panel(signal, ())
+        return Plot(signal, ())
     names = (signal,) if field.is_single_number else columns
     curves = tuple((name, _column(subject, signal, index)) for index, name in enumerate(names))
-    return Panel(f"{signal.replace('_', ' ').replace('.', ' ')} [{field.unit}]", curves, signal)
+    return Plot(f"{signal.replace('_', ' ').replace('.', ' ')} [{field.unit}]", curves, signal)
 
 
 def _column(subject: Subject, signal: str, index: int) -> Rows:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from support.catalogue.vehicles import catalogue
@@ -85,3 +87,24 @@ def test_a_hull_that_turns_in_one_trim_only_takes_that_one(tmp_path):
     )
     rows = run.signals["path_error.cross_track"]
     assert np.sqrt(np.mean(rows[rows[:, 0] >= 70.0, 1] ** 2)) < 0.03
+
+
+@pytest.mark.flight
+def test_an_attitude_that_is_not_along_the_course_is_left_to_the_search_for_balance(tmp_path):
+    """The wish is ahead at one side of the circle and astern at the other; a trim for each makes it jump, 0.7 m off."""
+    (tmp_path / "hull.xml").write_text(catalogue()["torpedo_four_fins"].make())
+    mission = {
+        "schema_version": 1,
+        "name": "across",
+        "model": "hull.xml",
+        "duration_s": 120.0,
+        "path": {"type": "circle", "centre_m": [0.0, 0.0, -20.0], "radius_m": 4.33, "direction": "right"}
+        | {"axis": [0.19, 0.01, 0.98], "start_angle_deg": 168.5},
+        "initial": {"position_m": [-3.98, 0.54, -18.24], "attitude_deg": [0.0, 0.0, 196.6]},
+        "guidance": {"speed_m_s": 0.1},
+        "control": {"attitude": {"mode": "fixed", "attitude_deg": [0.0, 0.0, 121.2]}},
+        "checks": FORCES_ONLY,
+    }
+    (tmp_path / "across.yaml").write_text(json.dumps(mission))
+    rows = cube_sim.run(tmp_path / "across.yaml").signals["path_error.cross_track"]
+    assert np.sqrt(np.mean(rows[rows[:, 0] >= 70.0, 1] ** 2)) < 0.02
