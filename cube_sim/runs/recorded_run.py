@@ -100,15 +100,22 @@ class RecordedRun:
     @cached_property
     def flaw(self) -> str:
         """Why this is not all of what was recorded of a flight that came to its end, in words; "" if it is."""
-        early = f"the record ends early, at {self.recorded_s:g} s of {self.scenario.duration_s:g} s"
         if self.recording.flaw and self.end is None:
-            return early if self.recording.flaw == NO_END else f"{early}: {self.recording.flaw}"
+            return self._early if self.recording.flaw == NO_END else f"{self._early}: {self.recording.flaw}"
         if self.recording.flaw or self.end is not None:
             return self.recording.flaw
         # Before format 3 no record says how its run ended.
         of_itself = any(line.level == "ERROR" and line.t >= self.recorded_s for line in self.log)
         whole = self.recorded_s > (self.scenario.ticks - 0.5) * self.scenario.control_period_s
-        return "" if of_itself or whole else early
+        return "" if of_itself or whole else self._early
+
+    @property
+    def _early(self) -> str:
+        early = f"the record ends early, at {self.recorded_s:g} s"
+        try:
+            return f"{early} of {self.scenario.duration_s:g} s"
+        except RecordingError:  # a scenario of another version can be looked at all the same
+            return early
 
     @property
     def recorded_s(self) -> float:

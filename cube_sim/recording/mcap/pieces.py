@@ -15,7 +15,7 @@ _VARINT = 0
 Numbers = Sequence[float] | NDArray[np.float64]
 
 
-class Piece(NamedTuple):
+class Fragment(NamedTuple):
     """Some bytes of a message.
 
     Attributes:
@@ -27,50 +27,50 @@ class Piece(NamedTuple):
     slots: tuple[int, ...] = ()
 
 
-def together(pieces: Iterable[Piece]) -> Piece:
+def together(pieces: Iterable[Fragment]) -> Fragment:
     """Pieces one after another."""
     data, slots = bytearray(), []
     for piece in pieces:
         slots += [len(data) + slot for slot in piece.slots]
         data += piece.data
-    return Piece(bytes(data), tuple(slots))
+    return Fragment(bytes(data), tuple(slots))
 
 
-def message(number: int, *pieces: Piece) -> Piece:
+def message(number: int, *pieces: Fragment) -> Fragment:
     """A field that is a message of these pieces."""
     inside = together(pieces)
-    return together((Piece(length_prefix(number, len(inside.data))), inside))
+    return together((Fragment(length_prefix(number, len(inside.data))), inside))
 
 
-def double(number: int, value: float | None) -> Piece:
+def double(number: int, value: float | None) -> Fragment:
     """A number; None for one that changes."""
     data = double_tag(number) + np.array(value or 0.0, "<f8").tobytes()
-    return Piece(data, (len(data) - 8,) if value is None else ())
+    return Fragment(data, (len(data) - 8,) if value is None else ())
 
 
-def doubles(values: Numbers | None, count: int) -> Piece:
+def doubles(values: Numbers | None, count: int) -> Fragment:
     """Numbers in the fields 1, 2 ...; None for as many that change."""
     return together(double(i + 1, None if values is None else float(values[i])) for i in range(count))
 
 
-def text(number: int, value: str) -> Piece:
+def text(number: int, value: str) -> Fragment:
     """A string."""
     data = value.encode()
-    return Piece(length_prefix(number, len(data)) + data)
+    return Fragment(length_prefix(number, len(data)) + data)
 
 
-def integer(number: int, value: int) -> Piece:
+def integer(number: int, value: int) -> Fragment:
     """An integer that is not negative, an enumeration or a truth value."""
-    return Piece(tag(number, _VARINT) + varint(value))
+    return Fragment(tag(number, _VARINT) + varint(value))
 
 
-def packed_fixed32(number: int, values: Sequence[int] | NDArray[np.int32]) -> Piece:
+def packed_fixed32(number: int, values: Sequence[int] | NDArray[np.int32]) -> Fragment:
     """A list of integers of 32 bits."""
     data = np.asarray(values, "<u4").tobytes()
-    return Piece(length_prefix(number, len(data)) + data)
+    return Fragment(length_prefix(number, len(data)) + data)
 
 
-def layout_of(piece: Piece, columns: Sequence[int]) -> Layout:
+def layout_of(piece: Fragment, columns: Sequence[int]) -> Layout:
     """Where the numbers of a row are written.
 
     Args:

@@ -19,8 +19,8 @@ from cube_sim.recording.mcap.fixed_width import Layout
 from cube_sim.recording.mcap.foxglove import WORLD_FRAME, frame_transform_layout
 from cube_sim.recording.mcap.names import EPOCH_NS
 from cube_sim.recording.mcap.pieces import (
+    Fragment,
     Numbers,
-    Piece,
     double,
     doubles,
     integer,
@@ -188,27 +188,27 @@ def _rounded(numbers: NDArray[np.float64], fineness: float = _FINENESS) -> NDArr
     return np.round(numbers * fineness) / fineness
 
 
-def _counted(piece: Piece) -> Layout:
+def _counted(piece: Fragment) -> Layout:
     """A layout whose numbers stand in a row as in the message."""
     return layout_of(piece, range(1, 1 + len(piece.slots)))
 
 
-def _entity(name: str, frame: str, *pieces: Piece) -> Piece:
+def _entity(name: str, frame: str, *pieces: Fragment) -> Fragment:
     """An entity that goes along with its frame until one of the same name takes its place."""
     seconds, nanoseconds = divmod(EPOCH_NS, 1_000_000_000)
     stamp = message(1, integer(1, seconds), integer(2, nanoseconds))
     return message(2, stamp, text(2, frame), text(3, name), integer(5, 1), *pieces)
 
 
-def _pose(position: Numbers, xyzw: Numbers | None) -> Piece:
+def _pose(position: Numbers, xyzw: Numbers | None) -> Fragment:
     return message(1, message(1, doubles(position, 3)), message(2, doubles(xyzw, 4)))
 
 
-def _colour(number: int, rgba: Numbers) -> Piece:
+def _colour(number: int, rgba: Numbers) -> Fragment:
     return message(number, doubles(rgba, 4))
 
 
-def _line(name: str, kind: int, points: int, pixels: float, rgba: Numbers) -> Piece:
+def _line(name: str, kind: int, points: int, pixels: float, rgba: Numbers) -> Fragment:
     """Points that change, joined, in world axes."""
     pose = message(2, message(1, doubles((0, 0, 0), 3)), message(2, doubles((0, 0, 0, 1), 4)))
     ends = (message(5, doubles(None, 3)) for _ in range(points))
@@ -216,7 +216,7 @@ def _line(name: str, kind: int, points: int, pixels: float, rgba: Numbers) -> Pi
     return _entity(name, WORLD_FRAME, line)
 
 
-def _arrows(positions: NDArray[np.float64], frame: str, reach: float) -> Piece:
+def _arrows(positions: NDArray[np.float64], frame: str, reach: float) -> Fragment:
     return _entity("thrust", frame, *(_arrow(position, None, None, reach, _ORANGE) for position in positions))
 
 
@@ -226,12 +226,12 @@ def _arrow(
     length: float | None,
     reach: float,
     rgba: Numbers,
-) -> Piece:
+) -> Fragment:
     shape = (double(2, length), double(3, 0.05 * reach), double(4, 0.15 * reach), double(5, 0.12 * reach))
     return message(7, _pose(position, xyzw), *shape, _colour(6, rgba))
 
 
-def _hull(model: mujoco.MjModel, vehicle: str | None, frame: str, reach: float) -> Piece:
+def _hull(model: mujoco.MjModel, vehicle: str | None, frame: str, reach: float) -> Fragment:
     """Shapes and thrusters in the vehicle's frame, and an arrow along the path in the target's."""
     shapes = [_shape(model, shape) for shape in vehicle_shapes(model, vehicle)]
     mounts = thruster_mounts(model, vehicle)
@@ -245,7 +245,7 @@ def _hull(model: mujoco.MjModel, vehicle: str | None, frame: str, reach: float) 
     return together((hull, _entity("target", TARGET_FRAME, marker)))
 
 
-def _shape(model: mujoco.MjModel, shape: Shape) -> Piece | None:
+def _shape(model: mujoco.MjModel, shape: Shape) -> Fragment | None:
     """A geom as a primitive; None where there is none like it."""
     geom, x, xyzw = mujoco.mjtGeom, shape.size, _xyzw(shape.rotation)
     pose, colour = _pose(shape.position, xyzw), shape.rgba
@@ -266,7 +266,7 @@ def _shape(model: mujoco.MjModel, shape: Shape) -> Piece | None:
     return None
 
 
-def _cylinder(position: Numbers, rotation: NDArray[np.float64], size: Numbers, rgba: Numbers) -> Piece:
+def _cylinder(position: Numbers, rotation: NDArray[np.float64], size: Numbers, rgba: Numbers) -> Fragment:
     pose, ends = _pose(position, _xyzw(rotation)), (double(3, 1.0), double(4, 1.0))
     return message(10, pose, message(2, doubles(size, 3)), *ends, _colour(5, rgba))
 
