@@ -31,7 +31,7 @@ from cube_sim.actuation.path_following.verdict import judge
 from cube_sim.control.effort import effort_matrix
 from cube_sim.control.levelling import UP
 from cube_sim.control.pace import ForceBudget
-from cube_sim.control.yielding import FORCES_YIELD, WaterHold, yielding_directions
+from cube_sim.control.yielding import FORCES_YIELD, MAX_TILT_SINE, WaterHold, yielding_directions
 from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, SPATIAL, WrenchAxes
@@ -48,6 +48,8 @@ FASTEST_JUDGED_M_S = 0.3
 NEARLY_LEVEL = 0.05
 """A thruster that pushes at the drag of a mission lifts by less than this share of it, and tilts the hull by less than
 this [rad], where it counts as one for a level plane (a choice)."""
+LITTLE_TILT = MAX_TILT_SINE
+"""Sine of the tilt at which stuck thrusters may leave a hull that is flown at trim: the other half is for its drag."""
 LEAST_SHARE = 0.1
 """A thruster that gives less than this share of a whole one's largest force is no way of moving."""
 
@@ -198,8 +200,8 @@ def remaining_capability(
     held = A @ np.nan_to_num(health.stuck)
     left = capability(A[:, counts], held, cost_limit=cost_limit, whole=A, hold=hold)
     stuck = not np.all(np.isnan(health.stuck))
-    if stuck and left.authority is Authority.TRIM:
-        # What stuck thrusters hold would tilt the hull for good: where the attitude can point the thrust, it does.
+    if stuck and left.authority is Authority.TRIM and not (hold is not None and _tilts_little(left, hold)):
+        # What stuck thrusters hold would tilt the hull far: where the attitude can point the thrust, it does.
         pointed = capability(A[:, counts], held, cost_limit=cost_limit, whole=A)
         left = left if pointed.authority is Authority.SAFE else pointed
     if not counts.any():
@@ -221,6 +223,12 @@ def remaining_capability(
     if hold.speed > slow and judge(found, hold.hull, allowed, PathRequirements(speed_m_s=hold.speed)).follows:
         return left
     return replace(left, authority=Authority.SAFE, reason=f"{verdict.reason}: the path cannot be followed")
+
+
+def _tilts_little(left: Capability, hold: WaterHold) -> bool:
+    """Whether the water holds what stuck thrusters make of the torques that are left to it, at a small tilt."""
+    torque = left.onto_range[1][3:]
+    return float(np.hypot(torque[0], torque[1])) <= LITTLE_TILT * float(hold.righting[2])
 
 
 def capability(
