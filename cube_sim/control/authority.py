@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property
+from math import inf
 from typing import NamedTuple, TypedDict
 
 import numpy as np
@@ -101,6 +102,7 @@ class Capability:
         held: (6,) [N, N m] the wrench of thrusters that are stuck; it comes on top of whatever the others do.
         within_cost_limit: (6,6) projector onto the wrenches within the cost limit; None where no direction exceeds it.
         budget: what they can make; None where their limits are not known.
+        largest_N: force of the strongest of all thrusters, as they were whole [N]; infinite where it is not known.
     """
 
     authority: Authority
@@ -113,6 +115,7 @@ class Capability:
     held: Vector
     within_cost_limit: Matrix | None = None
     budget: ForceBudget | None = None
+    largest_N: float = inf
 
     @property
     def lost(self) -> Matrix:
@@ -209,7 +212,8 @@ def remaining_capability(
     weakened = limits[counts] * health.efficiency[counts, None]
     allowed = AllowedForces.from_limits(weakened, len(weakened), dead_zones=False)
     found = subspaces(A[:, counts], length_m=lever_arm(A, SPATIAL))
-    left = replace(left, budget=ForceBudget(attainable_set(found, allowed), left.held))
+    largest = float(np.max(np.abs(limits), initial=0.0))
+    left = replace(left, budget=ForceBudget(attainable_set(found, allowed), left.held), largest_N=largest)
     if stuck or hold is None or hold.hull is None:
         return left
     if left.authority not in (Authority.TRIM, Authority.PLANE, Authority.LINE):

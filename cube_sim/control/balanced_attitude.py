@@ -14,7 +14,7 @@ import numpy as np
 from cube_sim.control.asked import MEMORY as ASKED
 from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Capability
-from cube_sim.control.balancing import BALANCE, MEMORY, NEVER_SEEN_RAD, balance
+from cube_sim.control.balancing import BALANCE, MEMORY, NEVER_SEEN_RAD, SOFT_SHARE, SOFTNESS_N, balance
 from cube_sim.control.course_trim import seeks_trim
 from cube_sim.control.loop_times import FASTEST_TURN
 from cube_sim.control.pace import NO_BUDGET, ForceBudget
@@ -70,6 +70,7 @@ class BalancedAttitude:
         parameters["lost"][:, :count], parameters["constants"][:count] = left.lost, left.constants
         parameters["count"], parameters["level"] = count, left.level
         parameters["time"], parameters["wish_time"], parameters["most_rate"] = time, wish_time, most_rate
+        parameters["softness"] = min(SOFTNESS_N, SOFT_SHARE * left.largest_N)
         self.parameters["watched"] = seeks_trim(left)
         self.wished: Vector = np.array([1.0, 0.0, 0.0, 0.0])
         self.memory: Record = np.zeros(1, MEMORY)

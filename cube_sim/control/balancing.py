@@ -30,11 +30,13 @@ from cube_sim.tuples import (
 )
 from cube_sim.vehicle.laws.hull_motion import steady_wrench, steady_wrench_slope, turning_slope
 
-SOFTNESS_N = 0.6
-"""Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little."""
-YIELDING_N = 0.1
-"""The same for what the mission wishes: down to this it gives way to the balance. As soft as the balance itself, half
-of a pull gets past it at a force of `SOFTNESS_N`, and the hull stands beside its path, turned to the wished side."""
+SOFTNESS_N, SOFT_SHARE = 0.6, 0.012
+"""Damping of the inverse: forces of this size and less hardly turn the vehicle, as their direction means little; of
+a vehicle with small thrusters, of this share of what the strongest makes (choices)."""
+YIELDING = 1.0 / 6.0
+"""The same for what the mission wishes, as a share of it: down to this it gives way to the balance. As soft as the
+balance itself, half of a pull gets past it at such a force, and the hull stands beside its path, turned to the wished
+side."""
 SHORTAGE_TIME = 2.0
 """Over which the force that is compared with what is attainable is averaged, and in which the vehicle turns [s]."""
 LEAST_TWIST = 1e-3
@@ -60,6 +62,7 @@ BALANCE = np.dtype(
         ("count", np.int64),
         ("level", np.bool_),
         ("time", np.float64),
+        ("softness", np.float64),
         ("wish_time", np.float64),
         ("most_rate", np.float64),
         ("watched", np.bool_),
@@ -71,7 +74,7 @@ BALANCE = np.dtype(
     ]
 )
 """Numbers of `BalancedAttitude`: N (6, count) and b (count,) of the lost combinations, the rest of zeros; whether it
-turns in a level plane only; the times [s] and the bound [rad/s]. Whether its wish is judged by the trims of the course,
+turns in a level plane only; the times [s], the damping of the inverse [N] and the bound [rad/s]. Whether its wish is judged by the trims of the course,
 and whether it wishes for one of them instead, `trim`; the wish, in the axes of the course, the speed [m/s] and the
 angle above the horizontal [rad] that were judged."""
 MEMORY = np.dtype(
@@ -240,8 +243,8 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
     second, against = _towards(m, R, desired, p.wish_time), np.empty(7)
     for k in range(rows):
         against[k] = J[k, 0] * second[0] + J[k, 1] * second[1] + J[k, 2] * second[2]
-    second = minus(second, damped_inverse(J, against, rows, YIELDING_N * YIELDING_N))
-    rates = minus(second, damped_inverse(J, imbalance, rows, SOFTNESS_N * SOFTNESS_N))
+    second = minus(second, damped_inverse(J, against, rows, (YIELDING * p.softness) ** 2))
+    rates = minus(second, damped_inverse(J, imbalance, rows, p.softness**2))
     return times(dot(z, rates), z) if p.level else rates
 
 
