@@ -102,7 +102,7 @@ class Capability:
         held: (6,) [N, N m] the wrench of thrusters that are stuck; it comes on top of whatever the others do.
         within_cost_limit: (6,6) projector onto the wrenches within the cost limit; None where no direction exceeds it.
         budget: what they can make; None where their limits are not known.
-        largest_N: force of the strongest of all thrusters, as they were whole [N]; infinite where it is not known.
+        strongest: force of the strongest of all thrusters, as they were whole [N]; infinite where it is not known.
     """
 
     authority: Authority
@@ -115,7 +115,7 @@ class Capability:
     held: Vector
     within_cost_limit: Matrix | None = None
     budget: ForceBudget | None = None
-    largest_N: float = inf
+    strongest: float = inf
 
     @property
     def lost(self) -> Matrix:
@@ -213,7 +213,7 @@ def remaining_capability(
     allowed = AllowedForces.from_limits(weakened, len(weakened), dead_zones=False)
     found = subspaces(A[:, counts], length_m=lever_arm(A, SPATIAL))
     largest = float(np.max(np.abs(limits), initial=0.0))
-    left = replace(left, budget=ForceBudget(attainable_set(found, allowed), left.held), largest_N=largest)
+    left = replace(left, budget=ForceBudget(attainable_set(found, allowed), left.held), strongest=largest)
     if stuck or hold is None or hold.hull is None:
         return left
     if left.authority not in (Authority.TRIM, Authority.PLANE, Authority.LINE):

@@ -70,7 +70,7 @@ class BalancedAttitude:
         parameters["lost"][:, :count], parameters["constants"][:count] = left.lost, left.constants
         parameters["count"], parameters["level"] = count, left.level
         parameters["time"], parameters["wish_time"], parameters["most_rate"] = time, wish_time, most_rate
-        parameters["softness"] = min(SOFTNESS_N, SOFT_SHARE * left.largest_N)
+        parameters["softness"] = min(SOFTNESS_N, SOFT_SHARE * left.strongest)
         self.parameters["watched"] = seeks_trim(left)
         self.wished: Vector = np.array([1.0, 0.0, 0.0, 0.0])
         self.memory: Record = np.zeros(1, MEMORY)

@@ -74,9 +74,9 @@ BALANCE = np.dtype(
     ]
 )
 """Numbers of `BalancedAttitude`: N (6, count) and b (count,) of the lost combinations, the rest of zeros; whether it
-turns in a level plane only; the times [s], the damping of the inverse [N] and the bound [rad/s]. Whether its wish is judged by the trims of the course,
-and whether it wishes for one of them instead, `trim`; the wish, in the axes of the course, the speed [m/s] and the
-angle above the horizontal [rad] that were judged."""
+turns in a level plane only; the times [s], the damping of the inverse [N] and the bound [rad/s]. Whether its wish is
+judged by the trims of the course, and whether it wishes for one of them instead, `trim`; the wish, in the axes of the
+course, the speed [m/s] and the angle above the horizontal [rad] that were judged."""
 MEMORY = np.dtype(
     [
         ("rotation", np.float64, (3, 3)),

@@ -38,7 +38,7 @@ class PaceLog:
             self._logged = slower
             if slower:
                 asked, left = f"{self._speed:g} m/s along the path", f"{max(0.0, pace) * self._speed:.2g} m/s"
-                text = f"the thrusters cannot keep {asked}: it goes on at {left}, and the path is kept"
+                text = f"the thrusters cannot keep {asked}: to stay on the path it goes on at {left}"
                 self._recorder.log(t, "WARNING", text)
             else:
                 self._recorder.log(t, "INFO", "the thrusters keep the speed along the path again")

@@ -11,6 +11,7 @@ from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.authority import Authority, capability, remaining_capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.yielding import WaterHold
 from cube_sim.spatial import rotation_from_quaternion
 
 UPRIGHT = FixedAttitude(np.array([1.0, 0.0, 0.0, 0.0]))
@@ -175,3 +176,37 @@ def test_thrusters_without_force_are_no_authority(cube):
     blocked = limits.copy()
     blocked[:2, 0], blocked[:2, 3] = blocked[:2, 1], blocked[:2, 2]  # their dead zones end where they saturate
     assert remaining_capability(A, blocked, Health.whole(8)).authority is Authority.PLANE
+
+
+@pytest.mark.parametrize(("stuck_N", "way"), [(15.0, Authority.TRIM), (50.0, Authority.PLANE)])
+def test_the_water_holds_what_a_stuck_thruster_makes_of_a_torque_up_to_a_tilt_of_thirty_degrees(stuck_N, way):
+    """Nothing pitches this hull but three horizontal thrusters, 60 mm high: the fourth, stuck, leaves it tilted."""
+    hull = vehicle("bluerov2_vectored")
+    A, righting = hull.actuation_matrix.copy(), hull.dynamics.righting_moment[2]
+    horizontal = np.flatnonzero(np.abs(A[2]) < 1e-9)
+    A[3, horizontal[1:]] -= 0.06 * A[1, horizontal[1:]]
+    A[4, horizontal[1:]] += 0.06 * A[0, horizontal[1:]]
+    stuck = np.full(A.shape[1], np.nan)
+    stuck[horizontal[0]] = stuck_N
+    hold = WaterHold.of(hull.dynamics, 0.3)
+    left = remaining_capability(A, hull.thrusters.limits, Health(np.ones(A.shape[1]), stuck), hold=hold)
+    assert left.authority is way
+    at_trim = remaining_capability(
+        A, hull.thrusters.limits, Health.whole(A.shape[1]).with_thruster(int(horizontal[0]), 0.0), hold=hold
+    )
+    assert at_trim.authority is Authority.TRIM
+    made = A[:, horizontal[0]] * stuck_N
+    combination = at_trim.lost[:, 0]
+    tilt = abs(combination @ made) / float(np.linalg.norm(combination[3:5])) / righting
+    assert (tilt < 0.5) == (way is Authority.TRIM)
+
+
+def test_a_vehicle_with_small_thrusters_points_small_forces(cube):
+    """What hardly turns a hull of 50 N a thruster is all that one of 5 N needs for its path."""
+    softness = {}
+    for scale in (1.0, 0.1):
+        whole = Health.whole(8).with_thruster(0, 0.0).with_thruster(1, 0.0)
+        left = remaining_capability(cube.actuation_matrix, scale * cube.thrusters.limits, whole)
+        search = BalancedAttitude(left, cube.dynamics, np.eye(3), 1.0, UPRIGHT)
+        softness[scale] = float(search.parameters["softness"][0])
+    assert softness == {1.0: 0.6, 0.1: pytest.approx(0.012 * 5.144)}
