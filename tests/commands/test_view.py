@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 from support.command_line import call
-from support.helix_run import HEADER, fly, model, table
+from support.helix_run import END, HEADER, fly, model, table
 from support.own_code import scenario_with
 
 import cube_sim
@@ -24,6 +24,7 @@ def recorded(tmp_path):
     folder.mkdir()
     with Recorder(folder, HEADER, table(), model(), view=False) as recorder:
         fly(recorder, 60)
+        recorder.finish(END)
     return folder
 
 
