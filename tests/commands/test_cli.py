@@ -162,14 +162,16 @@ def test_what_nobody_foresaw_is_one_line_and_never_a_fail(tmp_path, monkeypatch,
     assert stderr.startswith("Traceback (most recent call last):")
 
 
+def files_no_larger_than(size):
+    """What a new process calls first so that its files may not grow beyond so many bytes."""
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
 @pytest.mark.flight
 def test_a_full_disk_is_one_line_and_could_not_be_judged(tmp_path):
     """A file may not grow beyond 100 kB: what a write meets on a full disk."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
-
+    limit = files_no_larger_than(100_000)
     done = cube_sim("run", path, "--out", out, "--set", "duration_s=10", cwd=tmp_path, preexec_fn=limit)
     assert (done.returncode, done.stdout) == (3, "")
     assert done.stderr == f"{out}: cannot be written: File too large\n"
@@ -187,10 +189,7 @@ def test_a_full_disk_is_one_line_and_could_not_be_judged(tmp_path):
 def test_a_view_that_cannot_be_written_is_a_warning(tmp_path):
     """Of five seconds the record is 0.3 MB and the view 0.7 MB."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (450_000, 450_000))
-
+    limit = files_no_larger_than(450_000)
     done = cube_sim("run", path, "--out", out, "--set", "duration_s=5", cwd=tmp_path, preexec_fn=limit)
     assert (done.returncode, done.stderr) == (0, "")
     assert "WARNING  run.rrd cannot be written: " in done.stdout
