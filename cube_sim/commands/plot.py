@@ -63,4 +63,4 @@ def plot(
         stop(NOT_JUDGED, f"{file}: cannot be written: {error.strerror or error}")
     typer.echo(str(file))
     if not recorded.complete:
-        typer.echo(f"{recorded.path}: the record ends early, at {recorded.recorded_s:g} s", err=True)
+        typer.echo(f"{recorded.path}: {recorded.flaw}", err=True)

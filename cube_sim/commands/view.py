@@ -79,4 +79,4 @@ def _write(runs: list[Path], rrd: Path) -> None:
         stop(NOT_JUDGED, f"{rrd}: cannot be written: {said}")
     for run in recorded:
         if not run.complete:
-            typer.echo(f"{run.path}: the record ends early, at {run.recorded_s:g} s", err=True)
+            typer.echo(f"{run.path}: {run.flaw}", err=True)

@@ -27,6 +27,7 @@ WIDTH_MM, ROW_MM = 170.0, 42.0
 
 _MM_PER_INCH = 25.4
 _TARGET = "target"
+_NOT_RECORDED = "#eceae4"
 _LEGEND_COLUMNS = 3
 _SIGNS = {"<=": "≤", ">=": "≥"}
 _STYLE: dict[Any, Any] = {
@@ -151,6 +152,8 @@ def _over_time(
             label = f"{check.statistic} {_SIGNS[check.bound.relation]} {check.bound.limit:g}"
             limit = [check.bound.limit] * 2
             axes.plot([begins, ends], limit, color=colours.BAD, linestyle=(0, (5, 2)), linewidth=0.9, label=label)
+    for begins, ends in subject.gaps:
+        axes.axvspan(begins, ends, color=_NOT_RECORDED, linewidth=0, zorder=0.5)
     _mark(axes, [each for each in happenings(subject) if start <= each.t <= end], told)
     axes.set_ylabel(panel.label)
     if timed:

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from cube_sim.recording.batch import Rows
+from cube_sim.recording.channels import ON_CHANGE
 from cube_sim.report.thruster_use import ThrusterUse, thruster_uses
 from cube_sim.runs.judging import judged
-from cube_sim.runs.recorded_run import RecordedRun
+from cube_sim.runs.recorded_run import RecordedRun, Span
 from cube_sim.scenario import Scenario
 from cube_sim.verdict import CheckResult, Verdict
 
@@ -43,11 +44,30 @@ class Subject:
         return self.run.scenario
 
     def rows(self, signal: str) -> Rows:
-        """Rows of a signal (n, 1+width), infinities as NaN; none where the run has no such signal."""
+        """Rows of a signal (n, 1+width), infinities as NaN; none where the run has no such signal.
+
+        Where ticks are missing inside the run, a row of NaN stands for them: nothing is drawn as flown there.
+        """
         if signal not in self._rows:
             rows = self.run.signals.get(signal, np.empty((0, 1 + self._width(signal))))
+            if len(rows) and self.gaps and signal.partition(".")[0] in self._every_tick:
+                starts = np.array([start for start, _ in self.gaps])
+                rows = np.insert(rows, np.searchsorted(rows[:, 0], starts), np.nan, axis=0)
+                rows[np.isnan(rows[:, 0]), 0] = starts
             self._rows[signal] = np.where(np.isinf(rows), np.nan, rows) if np.isinf(rows).any() else rows
         return self._rows[signal]
+
+    @cached_property
+    def gaps(self) -> tuple[Span, ...]:
+        """From when to when there is nothing, before the last row [s]: what was lost of a record that was damaged."""
+        return tuple(span for span in self.run.missing_s if span[1] <= self.run.recorded_s)
+
+    @cached_property
+    def _every_tick(self) -> frozenset[str]:
+        """Channels with a row at each tick: not those that tell a change, nor a sensor's readings."""
+        channels = self.run.recording.channels
+        sensors = {channel.name for channel in channels if any(field.name == "taken_at" for field in channel.fields)}
+        return frozenset(each.name for each in channels if each.rate != ON_CHANGE) - sensors
 
     def has(self, signal: str) -> bool:
         """Whether there are rows of it."""

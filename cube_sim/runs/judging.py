@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from math import inf
 
 from cube_sim.checks import evaluate
-from cube_sim.runs.recorded_run import RecordedRun
-from cube_sim.scenario.check_blocks import AnyCheck
+from cube_sim.runs.recorded_run import RecordedRun, Span
+from cube_sim.scenario.check_blocks import AnyCheck, PathEndCheckBlock, SignalCheckBlock
 from cube_sim.verdict import CheckResult, Verdict, overall
 
 
@@ -23,7 +25,9 @@ def judged(
         The verdict, one result per check, and why the whole cannot be judged, a line each.
     """
     scenario = run.scenario
-    results = evaluate(scenario.checks if checks is None else checks, run.signals, duration_s=scenario.duration_s)
+    asked = scenario.checks if checks is None else checks
+    results = evaluate(asked, run.signals, duration_s=scenario.duration_s)
+    results = tuple(_as_far_as_seen(*both, run.missing_s) for both in zip(asked, results, strict=True))
     remarks = [run.flaw] if run.flaw else []
     if run.end is None:
         ends = [line for line in run.log if line.level == "ERROR"]
@@ -31,3 +35,17 @@ def judged(
     elif run.end.how == "ended early":
         remarks.append(f"ended early, at {run.end.simulated_s:g} s: {run.end.reason}")
     return overall(results, complete=not remarks), results, tuple(remarks)
+
+
+def _as_far_as_seen(check: AnyCheck, result: CheckResult, missing_s: Sequence[Span]) -> CheckResult:
+    """A check that passed by the rows that are left has not been shown to hold where rows of its window are missing."""
+    if result.verdict != "PASS" or isinstance(check, PathEndCheckBlock):  # once at the end is at the end
+        return result
+    start, end = 0.0, inf
+    if isinstance(check, SignalCheckBlock):
+        end = inf if check.to_s is None else check.to_s
+        start = end if check.statistic == "final" else check.from_s or 0.0
+    unseen = [f"{a:g} s to {b:g} s" for a, b in missing_s if a <= end and b > start]
+    if not unseen:
+        return result
+    return replace(result, verdict="ERROR", detail=f"{result.detail}; nothing is recorded from {', '.join(unseen)}")

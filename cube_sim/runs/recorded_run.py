@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from cube_sim.errors import RecordingError
@@ -21,6 +22,8 @@ from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.document import parse
+
+Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,17 @@ class RecordedRun:
     def recorded_s(self) -> float:
         """The time of the last row [s]; 0 without rows."""
         return max((float(rows[-1, 0]) for rows in self.recording.rows.values() if len(rows)), default=0.0)
+
+    @cached_property
+    def missing_s(self) -> tuple[Span, ...]:
+        """From when to when there are no rows [s], of the channel that has most; none of a run that is whole."""
+        period_s, end = self.scenario.control_period_s, self.end
+        last_s = self.scenario.duration_s if end is None or end.simulated_s is None else end.simulated_s
+        times = max((rows[:, 0] for rows in self.recording.rows.values()), key=len, default=np.empty(0))
+        # A row stands for the period that it begins; the last one is the state at the end.
+        edges = np.concatenate([[-period_s], times, [last_s + period_s]])
+        gaps = np.flatnonzero(np.diff(edges) > 1.5 * period_s)
+        return tuple((float(edges[k] + period_s), float(min(edges[k + 1], last_s))) for k in gaps)
 
     def to_pandas(self, channel: str) -> Any:
         """The rows of a channel as a DataFrame, named as by `cube-sim export`, with units: the time is "t [s]".

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import split_into_batches
@@ -14,9 +13,10 @@ from cube_sim.recording.reading import Recording
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.salvage import salvage
 from cube_sim.run_directory import MCAP_FILE, RRD_FILE, claim
-from cube_sim.runs.recorded_run import RecordedRun
+from cube_sim.runs.recorded_run import RecordedRun, Span
 
-Span = tuple[float, float]
+_MOST_TOLD = 3
+"""So many losses are named in a line; the spans of time that they leave out are all named beside it."""
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,11 @@ def recover(record: Path, directory: Path) -> Recovered | None:
     run = RecordedRun(record, found.recording, None)
     if run.complete and not found.dropped:
         return None
-    missing = missing_spans(run)
+    missing = run.missing_s
     before = run.end
     end = RunEnd(
         "recovered",
-        "; ".join(found.dropped) or run.flaw,
+        _told(found.dropped) or run.flaw,
         None if before is None else before.ticks,
         None if before is None else before.simulated_s,
         missing_s=missing,
@@ -71,6 +71,12 @@ def recover(record: Path, directory: Path) -> Recovered | None:
     with claim(directory, run.scenario.name) as folder:
         _write(folder / MCAP_FILE, found.recording, end)
         return Recovered(folder, run.recorded_s, missing, found.dropped, _view(folder))
+
+
+def _told(dropped: Sequence[str]) -> str:
+    """What could not be read, in one line."""
+    more = f"; and {len(dropped) - _MOST_TOLD} more" if len(dropped) > _MOST_TOLD else ""
+    return "; ".join(dropped[:_MOST_TOLD]) + more
 
 
 def _write(path: Path, recording: Recording, end: RunEnd) -> None:
@@ -92,18 +98,3 @@ def _view(folder: Path) -> str:
     except Exception as error:  # the view is made of the record again whenever somebody wants it
         return " ".join(str(error).split())
     return ""
-
-
-def missing_spans(run: RecordedRun) -> tuple[Span, ...]:
-    """From when to when a run has no rows [s], of the channel that has most.
-
-    Args:
-        run: read back.
-    """
-    period, end = run.scenario.control_period_s, run.end
-    last_s = run.scenario.duration_s if end is None or end.simulated_s is None else end.simulated_s
-    times = max((rows[:, 0] for rows in run.recording.rows.values()), key=len, default=np.empty(0))
-    # A row stands for the period that it begins; the last one is the state at the end.
-    edges = np.concatenate([[-period], times, [last_s + period]])
-    gaps = np.flatnonzero(np.diff(edges) > 1.5 * period)
-    return tuple((float(edges[k] + period), float(min(edges[k + 1], last_s))) for k in gaps)
