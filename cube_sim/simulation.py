@@ -19,6 +19,7 @@ from cube_sim.flight import Loop, prepared
 from cube_sim.mission import Mission
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
+from cube_sim.recording.channels import units_of
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.run_end import How, RunEnd
 from cube_sim.recording.signal_store import SignalStore
@@ -155,7 +156,12 @@ def _record_and_judge(
             with uninterrupted():  # an end that is begun is brought to its end
                 recorder.settle()
                 early = EarlyEnd(flight.time_s, f"interrupted by {stopped}") if stopped else flight.ended_early
-                results = evaluate(mission.scenario.checks, recorder.signals, duration_s=mission.scenario.duration_s)
+                results = evaluate(
+                    mission.scenario.checks,
+                    recorder.signals,
+                    duration_s=mission.scenario.duration_s,
+                    units=units_of(mission.channels),
+                )
                 verdict = overall(results, complete=early is None)
                 recorder.finish(_end(flight, stopped, verdict, results))
                 flown = Flown(flight.time_s, early, recorder.warnings)

@@ -43,8 +43,8 @@ def recover(
         stop(BAD_INPUT, str(error))
     except OSError as error:
         stop(NOT_JUDGED, f"{output or _beside(run)}: cannot be written: {error.strerror or error}")
-    if saved is None:
-        typer.echo(f"{record}: is complete; there is nothing to recover")
+    if isinstance(saved, str):
+        typer.echo(f"{record}: {saved}")
         return
     typer.echo(f"recovered up to {saved.recorded_s:g} s: {saved.directory}")
     for line in saved.dropped:

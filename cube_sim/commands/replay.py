@@ -66,7 +66,7 @@ def _to_dict(result: Replayed) -> dict[str, Any]:
 
 def _lines(recorded: RecordedRun, result: Replayed) -> list[str]:
     """What there is to say of a replay."""
-    whole = "" if recorded.complete else ", where the record ends early"
+    whole = "" if recorded.complete else ", as far as the record goes"
     said = f"{len(recorded.log)} line{'' if len(recorded.log) == 1 else 's'} of log"
     if result.identical:
         lines = [f"identical: {result.signals} signals and {said}, to {result.until_s:g} s{whole}"]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.recording.channels import Channel
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_log import LogLine
 
 Rows = NDArray[np.float64]  # (n, 1+width), column 0 the time [s]
@@ -38,6 +39,14 @@ class Sink(Protocol):
 
     def close(self) -> None:
         """Finish; nothing comes after."""
+        ...
+
+
+class View(Sink, Protocol):
+    """A sink for people to look at, who want to know what became of the run."""
+
+    def tell(self, end: RunEnd) -> None:
+        """Show how the run ended; only `close` comes after."""
         ...
 
 

@@ -6,6 +6,7 @@ bytes of every recording.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -80,12 +81,22 @@ class Channel:
         return sum(field.width for field in self.fields)
 
     @cached_property
+    def every_tick(self) -> bool:
+        """Whether there is a row at each control period: not of what tells a change, nor of a sensor's readings."""
+        return self.rate != ON_CHANGE and all(field.name != "taken_at" for field in self.fields)
+
+    @cached_property
     def columns(self) -> tuple[slice, ...]:
         """Where each field lies in a row whose column 0 is the time."""
         ends = [1]
         for field in self.fields:
             ends.append(ends[-1] + field.width)
         return tuple(slice(a, b) for a, b in pairwise(ends))
+
+
+def units_of(channels: Iterable[Channel]) -> dict[str, tuple[str, ...]]:
+    """The unit of each number of every signal, by "channel.field"."""
+    return {f"{channel.name}.{field.name}": field.units for channel in channels for field in channel.fields}
 
 
 SUPPLY = ("motor", "energy", "voltage", "charge")

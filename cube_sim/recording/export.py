@@ -39,6 +39,8 @@ def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
     sink = rerun_sink(rrd, recording.header, recording.channels, opened.model, opened.vehicle)
     for batch in split_into_batches(recording.rows, recording.log):
         sink.write(batch)
+    if recording.end is not None:
+        sink.tell(recording.end)
     sink.close()
 
 
@@ -65,6 +67,8 @@ def rrd_from_records(mcaps: Sequence[Path], names: Sequence[str], rrd: Path) -> 
         drawing = RunDrawing(stream, drawn, o.model, o.vehicle)
         for batch in batches:
             drawing.write(batch)
+        if o.recording.end is not None:
+            drawing.tell(o.recording.end)
     stream.send_recording_name(" beside ".join(names))
     stream.send_blueprint(side_by_side(shown), make_active=True)
     stream.flush()

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from cube_sim.recording.batch import Rows
-from cube_sim.recording.channels import ON_CHANGE
 from cube_sim.report.thruster_use import ThrusterUse, thruster_uses
+from cube_sim.run_directory import VERDICT_FILE
 from cube_sim.runs.judging import judged
 from cube_sim.runs.recorded_run import RecordedRun, Span
 from cube_sim.scenario import Scenario
@@ -64,10 +64,7 @@ class Subject:
 
     @cached_property
     def _every_tick(self) -> frozenset[str]:
-        """Channels with a row at each tick: not those that tell a change, nor a sensor's readings."""
-        channels = self.run.recording.channels
-        sensors = {channel.name for channel in channels if any(field.name == "taken_at" for field in channel.fields)}
-        return frozenset(each.name for each in channels if each.rate != ON_CHANGE) - sensors
+        return frozenset(channel.name for channel in self.run.recording.channels if channel.every_tick)
 
     def has(self, signal: str) -> bool:
         """Whether there are rows of it."""
@@ -100,34 +97,43 @@ class Subject:
 
     @cached_property
     def verdict(self) -> str:
-        """The headline: PASS only where verdict.json says so and the record agrees, to its end."""
-        if self.run.verdict is None:
+        """The headline: PASS only where the run was said to pass and the record agrees, to its end."""
+        if not self._said:
             return NO_VERDICT
-        said, found = self._said.get("verdict"), self.judged[0]
-        if said == found:
+        found = self.judged[0]
+        if all(word == found for _, word in self._said):
             return found
-        return "FAIL" if "FAIL" in (said, found) else "ERROR"
+        return "FAIL" if "FAIL" in (found, *(word for _, word in self._said)) else "ERROR"
 
     @cached_property
     def remarks(self) -> tuple[str, ...]:
         """Why the headline is not simply that of the checks, a line each."""
         found, _, remarks = self.judged
         lines = list(remarks)
-        if self.run.verdict is None:
-            lines.append(f"there is no verdict.json beside the record; judged from it now, the checks say {found}")
-        elif self._said.get("verdict") != found:
-            lines.append(
-                f"verdict.json says {self._said.get('verdict')}; judged from the record, the checks say {found}"
-            )
-        early = self._said.get("ended_early")
+        if not self._said:
+            lines.append(f"nothing says what it was judged; judged from the record now, it is {found}")
+        lines += [
+            f"{who} says {word}; judged from the record now, it is {found}" for who, word in self._said if word != found
+        ]
+        early = self._told.get("ended_early")
         if isinstance(early, Mapping) and not any("ended early" in line for line in lines):
             lines.append(f"ended early, at {early.get('time_s')} s: {early.get('reason')}")
         return tuple(lines)
 
     @property
-    def _said(self) -> Mapping[str, Any]:
+    def _told(self) -> Mapping[str, Any]:
         """What verdict.json says; nothing where it is none of ours."""
-        return self.run.verdict if isinstance(self.run.verdict, Mapping) else {}
+        return self.run.told if isinstance(self.run.told, Mapping) else {}
+
+    @property
+    def _said(self) -> list[tuple[str, object]]:
+        """Who says what the run was judged."""
+        said: list[tuple[str, object]] = []
+        if self.run.end is not None and self.run.end.verdict is not None:
+            said.append(("the record's end", self.run.end.verdict))
+        if self.run.told is not None:
+            said.append((VERDICT_FILE, self._told.get("verdict")))
+        return said
 
     @cached_property
     def thrusters(self) -> tuple[ThrusterUse, ...]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from math import inf
 
 from cube_sim.checks import evaluate
+from cube_sim.recording.channels import units_of
 from cube_sim.runs.recorded_run import RecordedRun, Span
 from cube_sim.scenario.check_blocks import AnyCheck, PathEndCheckBlock, SignalCheckBlock
 from cube_sim.verdict import CheckResult, Verdict, overall
@@ -26,7 +27,8 @@ def judged(
     """
     scenario = run.scenario
     asked = scenario.checks if checks is None else checks
-    results = evaluate(asked, run.signals, duration_s=scenario.duration_s)
+    units = units_of(run.recording.channels)
+    results = evaluate(asked, run.signals, duration_s=scenario.duration_s, units=units)
     results = tuple(_as_far_as_seen(*both, run.missing_s) for both in zip(asked, results, strict=True))
     remarks = [run.flaw] if run.flaw else []
     if run.end is None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from pydantic import ValidationError
@@ -16,12 +16,13 @@ from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import Field
 from cube_sim.recording.header import RunHeader
-from cube_sim.recording.reading import NO_END, Recording, read_recording
+from cube_sim.recording.reading import ALTERED, CANNOT_KNOW, NO_END, Recording, read_recording
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.document import parse
+from cube_sim.verdict import CheckResult, Verdict
 
 Span = tuple[float, float]
 
@@ -33,12 +34,12 @@ class RecordedRun:
     Attributes:
         path: of the record.
         recording: what the record holds.
-        verdict: what verdict.json beside it says, as plain data; None without one.
+        told: what verdict.json beside it says, as plain data; None without one.
     """
 
     path: Path
     recording: Recording
-    verdict: Mapping[str, Any] | None
+    told: Mapping[str, Any] | None
 
     @cached_property
     def signals(self) -> dict[str, Rows]:
@@ -96,6 +97,28 @@ class RecordedRun:
         return self.recording.end
 
     @property
+    def verdict(self) -> Verdict | None:
+        """What the run was judged, in the same word as `cube_sim.run(...).verdict`.
+
+        It is that of the record; where the record does not say it, that of verdict.json beside it. None where neither
+        does, and of a record that was altered.
+        """
+        if self.end is not None:
+            return None if self.altered else self.end.verdict
+        said = self.told.get("verdict") if isinstance(self.told, Mapping) else None
+        return next((word for word in get_args(Verdict) if word == said), None)
+
+    @property
+    def altered(self) -> bool:
+        """Whether something in the record is not as it was written, by the digests at its end."""
+        return self.recording.flaw.startswith(ALTERED)
+
+    @property
+    def checks(self) -> tuple[CheckResult, ...]:
+        """One result per check of the scenario, as `cube_sim.run(...).checks`; () where the record has none."""
+        return () if self.end is None else self.end.checks
+
+    @property
     def complete(self) -> bool:
         """Whether this is all of a flight that came to its end, as it was recorded; else `flaw` says why not."""
         return not self.flaw
@@ -103,14 +126,15 @@ class RecordedRun:
     @cached_property
     def flaw(self) -> str:
         """Why this is not all of what was recorded of a flight that came to its end, in words; "" if it is."""
-        if self.recording.flaw and self.end is None:
-            return self._early if self.recording.flaw == NO_END else f"{self._early}: {self.recording.flaw}"
-        if self.recording.flaw or self.end is not None:
-            return self.recording.flaw
-        # Before format 3 no record says how its run ended.
-        of_itself = any(line.level == "ERROR" and line.t >= self.recorded_s for line in self.log)
-        whole = self.recorded_s > (self.scenario.ticks - 0.5) * self.scenario.control_period_s
-        return "" if of_itself or whole else self._early
+        flaw = self.recording.flaw
+        if not flaw or self.end is not None:
+            return flaw
+        if flaw == CANNOT_KNOW:
+            # Rows that do not reach the end of the time are known not to be all, unless the flight ended itself.
+            of_itself = any(line.level == "ERROR" and line.t >= self.recorded_s for line in self.log)
+            whole = self.recorded_s > (self.scenario.ticks - 0.5) * self.scenario.control_period_s
+            return flaw if of_itself or whole else self._early
+        return self._early if flaw == NO_END else f"{self._early}: {flaw}"
 
     @property
     def _early(self) -> str:
@@ -185,10 +209,10 @@ def load_run(path: str | Path) -> RecordedRun:
     if not record.is_file():
         raise RecordingError(f"{path}: no {MCAP_FILE} here" if path.is_dir() else f"{path}: no such file")
     beside = record.with_name(VERDICT_FILE)
-    verdict = None
+    told = None
     if record.name == MCAP_FILE and beside.is_file():
         try:
-            verdict = json.loads(beside.read_text(encoding="utf-8"))
+            told = json.loads(beside.read_text(encoding="utf-8"))
         except (ValueError, OSError) as error:
             raise RecordingError(f"{beside}: cannot be read: {error}") from None
-    return RecordedRun(record, read_recording(record), verdict)
+    return RecordedRun(record, read_recording(record), told)

@@ -9,7 +9,7 @@ from pathlib import Path
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import split_into_batches
 from cube_sim.recording.mcap.sink import McapSink
-from cube_sim.recording.reading import Recording
+from cube_sim.recording.reading import CANNOT_KNOW, Recording
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.salvage import salvage
 from cube_sim.run_directory import MCAP_FILE, RRD_FILE, claim
@@ -38,7 +38,7 @@ class Recovered:
     view: str
 
 
-def recover(record: Path, directory: Path) -> Recovered | None:
+def recover(record: Path, directory: Path) -> Recovered | str:
     """Write what can be read of a record into a folder, and its view.
 
     Args:
@@ -46,7 +46,7 @@ def recover(record: Path, directory: Path) -> Recovered | None:
         directory: new, empty, or that of an earlier run, which is replaced.
 
     Returns:
-        None where the record is complete: nothing is written then.
+        Why there is nothing to recover, in words, where the record holds all it ever did: nothing is written then.
 
     Raises:
         RecordingError: nothing can be read of it.
@@ -57,8 +57,8 @@ def recover(record: Path, directory: Path) -> Recovered | None:
         raise RecordingError(f"{directory}: is the folder of the record itself; give another")
     found = salvage(record)
     run = RecordedRun(record, found.recording, None)
-    if run.complete and not found.dropped:
-        return None
+    if not found.dropped and _holds_all(run):
+        return _nothing_to_recover(run)
     missing = run.missing_s
     before = run.end
     end = RunEnd(
@@ -71,6 +71,20 @@ def recover(record: Path, directory: Path) -> Recovered | None:
     with claim(directory, run.scenario.name) as folder:
         _write(folder / MCAP_FILE, found.recording, end)
         return Recovered(folder, run.recorded_s, missing, found.dropped, _view(folder))
+
+
+def _holds_all(run: RecordedRun) -> bool:
+    """Whether nothing was lost or altered since it was written."""
+    stopped = run.end is not None and not run.end.of_itself
+    return run.complete or run.flaw == CANNOT_KNOW or (stopped and not run.altered)
+
+
+def _nothing_to_recover(run: RecordedRun) -> str:
+    if run.complete:
+        return "is complete; there is nothing to recover"
+    if run.end is not None and run.end.how == "recovered":
+        return "is a recovered record already; there is nothing more to recover in it"
+    return f"holds all that was recorded ({run.flaw}); there is nothing to recover"
 
 
 def _told(dropped: Sequence[str]) -> str:

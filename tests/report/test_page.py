@@ -110,11 +110,11 @@ def test_what_happened_is_in_the_order_of_time():
     ("options", "verdict", "remark"),
     [
         ({}, "FAIL", None),
-        ({"verdict": "PASS"}, "FAIL", "verdict.json says PASS; judged from the record, the checks say FAIL"),
-        ({"verdict": None}, NO_VERDICT, "no verdict.json beside the record"),
+        ({"verdict": "PASS"}, "FAIL", "verdict.json says PASS; judged from the record now, it is FAIL"),
+        ({"verdict": None}, NO_VERDICT, "nothing says what it was judged; judged from the record now, it is FAIL"),
         ({"verdict": ["PASS"]}, "FAIL", "verdict.json says"),
         ({"verdict": "PASS", "complete": False, "until_s": 4.0}, "ERROR", "the record ends early, at 4 s of 10 s"),
-        ({"verdict": "PASS", "until_s": 4.0}, "ERROR", "judged from the record, the checks say ERROR"),
+        ({"verdict": "PASS", "until_s": 4.0}, "ERROR", "judged from the record now, it is ERROR"),
         (
             {"verdict": "ERROR", "until_s": 4.0, "log": (LogLine(4.0, "ERROR", "left all bounds"),)},
             "ERROR",

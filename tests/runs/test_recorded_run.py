@@ -46,14 +46,16 @@ def test_it_has_what_the_run_had(flown):
     assert run.complete
     assert run.scenario.guidance.speed_m_s == 0.4
     assert run.scenario.duration_s == run.recorded_s == 3.0
-    assert run.verdict["verdict"] == flown.verdict == "PASS"
+    assert run.verdict == run.told["verdict"] == flown.verdict == "PASS"
+    assert run.checks == flown.checks
+    assert {check.unit for check in run.checks} <= {"m", "N", "N, N m"}
     assert run.signals.keys() == flown.signals.keys() == run.fields.keys()
     for name, rows in flown.signals.items():
         assert run.signals[name].tobytes() == rows.tobytes(), name
         assert len(run.column_names(name)) == rows.shape[1] - 1
     assert run.column_names("wrench.demanded")[2:4] == ("wrench.demanded.Fz [N]", "wrench.demanded.Mx [N m]")
     assert run.column_names("path_error.cross_track") == ("path_error.cross_track [m]",)
-    assert cube_sim.load_run(flown.directory / "run.mcap").verdict is not None
+    assert cube_sim.load_run(flown.directory / "run.mcap").told == run.told
 
 
 def test_what_is_no_run_is_refused(tmp_path, flown):
@@ -85,7 +87,7 @@ def test_a_record_cut_short_is_replayed_as_far_as_it_goes(flown, tmp_path, monke
     code, out, _ = call(monkeypatch, capsys, "replay", cut(flown, tmp_path))
     assert code == 0
     assert out.startswith("identical: ")
-    assert "where the record ends early" in out
+    assert "as far as the record goes" in out
     assert float(out.split("to ")[1].split(" s")[0]) < 2.5
 
 
@@ -107,7 +109,7 @@ def test_an_interrupted_run_is_replayed_as_far_as_it_goes(tmp_path, monkeypatch,
     code, out, _ = call(monkeypatch, capsys, "replay", tmp_path / "run")
     assert code == 0
     assert out.startswith("identical: ")
-    assert out.endswith(f"to {run.recorded_s:g} s, where the record ends early\n")
+    assert out.endswith(f"to {run.recorded_s:g} s, as far as the record goes\n")
 
 
 def another_speed(controller_of):
