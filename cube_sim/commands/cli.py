@@ -29,7 +29,7 @@ from cube_sim.commands import (
     signals,
     view,
 )
-from cube_sim.commands.ending import NOT_JUDGED, leave_on_interrupt, raise_on_interrupt
+from cube_sim.commands.ending import NOT_JUDGED, end_process, leave_on_interrupt, raise_on_interrupt
 
 _TRACEBACK = "CUBE_SIM_TRACEBACK"
 
@@ -64,6 +64,9 @@ def main() -> None:
     leave_on_interrupt()
     try:
         app(prog_name="cube-sim")
+    except SystemExit as end:
+        end_process(end.code)
+        raise
     except Exception as error:
         if os.environ.get(_TRACEBACK):
             traceback.print_exc()
