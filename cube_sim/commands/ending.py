@@ -46,8 +46,11 @@ def raise_on_interrupt() -> None:
 def _leave(*_: object) -> None:
     """End the process; an exception would be lost or renamed inside the import of a compiled library."""
     # The progress bar hides the cursor.
+    # Nothing is imported here: who has not loaded this writes nothing.
+    written = sys.modules.get("cube_sim.run_directory")
+    lost = "; nothing is recorded" if written is not None and written.abandon() else ""
     erase = "\r\x1b[K\x1b[?25h" if sys.stderr.isatty() else ""
-    os.write(2, f"{erase}interrupted while starting up\n".encode())
+    os.write(2, f"{erase}interrupted while starting up{lost}\n".encode())
     os._exit(INTERRUPTED)
 
 

@@ -10,7 +10,7 @@ import typer
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError, ScenarioError
-from cube_sim.run_directory import MCAP_FILE
+from cube_sim.run_directory import MCAP_FILE, record_of
 
 EPILOG = (
     "Exit code: 0 recovered, whatever is missing, or nothing to recover; 2 bad input, or nothing can be read; 3 it "
@@ -35,7 +35,7 @@ def recover(
     What is saved never counts as a complete run.
     """
     try:
-        record = run / MCAP_FILE if run.is_dir() else run
+        record = record_of(run)
         from cube_sim.runs.recovery import recover as save
 
         saved = save(record, _beside(run) if output is None else output)

@@ -103,6 +103,26 @@ SUPPLY = ("motor", "energy", "voltage", "charge")
 """Fields of the channel `power`, in their order."""
 
 
+WHY_NOT_SUPPLIED = {
+    "motor": "the model does not state the power of each thruster (NAME:thruster_power)",
+    "energy": "the model does not state the power of each thruster (NAME:thruster_power)",
+    "voltage": "the model does not state one voltage for all thrusters (NAME:thruster_voltage)",
+    "charge": "the scenario has no battery",
+}
+"""Why a quantity of `SUPPLY` is not recorded."""
+
+
+def why_absent(signal: str) -> str:
+    """Why a run may not have recorded a signal that others do; "" where no run does."""
+    channel, _, quantity = signal.partition(".")
+    if channel == "power" and quantity in SUPPLY:
+        return WHY_NOT_SUPPLIED[quantity]
+    if channel in ("navigation", "navigation_error"):
+        return "the scenario has no navigation block"
+    sensor = channel.removeprefix("sensor_")
+    return f"the scenario has no sensor {sensor!r}" if sensor != channel else ""
+
+
 def _power(thrusters: tuple[str, ...], known: tuple[str, ...]) -> tuple[Channel, ...]:
     fields = (
         Field("motor", len(thrusters), "W", "electrical power of each motor", thrusters),

@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import inf
 
 from cube_sim.checks import evaluate
-from cube_sim.recording.channels import units_of
+from cube_sim.recording.channels import units_of, why_absent
 from cube_sim.runs.recorded_run import RecordedRun, Span
 from cube_sim.scenario.check_blocks import AnyCheck, PathEndCheckBlock, SignalCheckBlock
 from cube_sim.verdict import CheckResult, Verdict, overall
@@ -29,6 +29,7 @@ def judged(
     asked = scenario.checks if checks is None else checks
     units = units_of(run.recording.channels)
     results = evaluate(asked, run.signals, duration_s=scenario.duration_s, units=units)
+    results = tuple(_with_reason(*both, run) for both in zip(asked, results, strict=True))
     results = tuple(_as_far_as_seen(*both, run.missing_s) for both in zip(asked, results, strict=True))
     remarks = [run.flaw] if run.flaw else []
     if run.end is None:
@@ -37,6 +38,14 @@ def judged(
     elif run.end.how == "ended early":
         remarks.append(f"ended early, at {run.end.simulated_s:g} s: {run.end.reason}")
     return overall(results, complete=not remarks), results, tuple(remarks)
+
+
+def _with_reason(check: AnyCheck, result: CheckResult, run: RecordedRun) -> CheckResult:
+    """Of a signal that this run did not record: why not."""
+    if check.named_signal is None or check.named_signal[0] in run.fields:
+        return result
+    why = why_absent(check.named_signal[0])
+    return replace(result, detail=f"{check.named_signal[0]} is not recorded: {why}") if why else result
 
 
 def _as_far_as_seen(check: AnyCheck, result: CheckResult, missing_s: Sequence[Span]) -> CheckResult:

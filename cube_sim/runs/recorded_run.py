@@ -13,12 +13,12 @@ import numpy as np
 from pydantic import ValidationError
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Rows
+from cube_sim.recording.batch import BySignal, Rows
 from cube_sim.recording.channels import Field
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.reading import ALTERED, CANNOT_KNOW, NO_END, Recording, read_recording
 from cube_sim.recording.run_end import RunEnd
-from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE
+from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE, record_of
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.document import parse
@@ -43,15 +43,18 @@ class RecordedRun:
 
     @cached_property
     def signals(self) -> dict[str, Rows]:
-        """Every signal as "channel.field" -> (n, 1+width), column 0 the time [s]; the bits the run had in memory."""
+        """Every signal as "channel.field" -> (n, 1+width), column 0 the time [s]; the bits the run had in memory.
+
+        A name that is none is an `UnknownSignalError`, which is a KeyError too and says which is nearest.
+        """
         return self.recording.signals
 
     @cached_property
     def fields(self) -> dict[str, Field]:
         """Width, unit, meaning with its frame, and column names of each signal, by the same names."""
-        return {
-            f"{channel.name}.{field.name}": field for channel in self.recording.channels for field in channel.fields
-        }
+        return BySignal(
+            (f"{channel.name}.{field.name}", field) for channel in self.recording.channels for field in channel.fields
+        )
 
     @property
     def header(self) -> RunHeader:
@@ -205,9 +208,7 @@ def load_run(path: str | Path) -> RecordedRun:
             read as far as it goes.
     """
     path = Path(path)
-    record = path / MCAP_FILE if path.is_dir() else path
-    if not record.is_file():
-        raise RecordingError(f"{path}: no {MCAP_FILE} here" if path.is_dir() else f"{path}: no such file")
+    record = record_of(path)
     beside = record.with_name(VERDICT_FILE)
     told = None
     if record.name == MCAP_FILE and beside.is_file():

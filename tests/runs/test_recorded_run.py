@@ -14,7 +14,7 @@ from support.command_line import call
 from support.own_code import scenario_with
 
 import cube_sim
-from cube_sim.errors import RecordingError, RunInterrupted
+from cube_sim.errors import RecordingError, RunInterrupted, UnknownSignalError
 from cube_sim.scenario.loading import loaded_again
 
 pytestmark = pytest.mark.flight
@@ -67,6 +67,30 @@ def test_what_is_no_run_is_refused(tmp_path, flown):
     (tmp_path / "verdict.json").write_text("{")
     with pytest.raises(RecordingError, match=r"verdict\.json: cannot be read"):
         cube_sim.load_run(tmp_path)
+
+
+def test_a_name_that_is_none_is_told_with_the_nearest(flown):
+    run = cube_sim.load_run(flown.directory)
+    for table in (run.signals, run.fields, flown.signals):
+        with pytest.raises(UnknownSignalError) as caught:
+            table["pose.positon"]
+        assert isinstance(caught.value, KeyError)
+        assert str(caught.value) == "no signal 'pose.positon'; did you mean pose.position?"
+        assert "pose.positon" not in table
+        assert table.get("pose.positon") is None
+
+
+def test_a_check_on_what_was_not_modelled_says_why(flown, tmp_path, monkeypatch, capsys):
+    checks = tmp_path / "checks.yaml"
+    asked = ("power.charge", "the scenario has no battery"), ("sensor_dvl.outcome", "the scenario has no sensor 'dvl'")
+    checks.write_text(
+        "checks:\n" + "".join(f"  - {{kind: signal, signal: {s}, statistic: min, at_least: 0.2}}\n" for s, _ in asked)
+    )
+    code, out, _ = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks, "--json")
+    assert code == 3
+    assert [check["detail"] for check in json.loads(out)["checks"]] == [
+        f"{s} is not recorded: {why}" for s, why in asked
+    ]
 
 
 def test_a_replay_is_identical(flown, monkeypatch, capsys):
@@ -268,6 +292,10 @@ def test_what_is_left_of_a_damaged_record_is_recovered(flown, tmp_path, monkeypa
     assert run.flaw == "recovered: the chunk from 1 s to 1.98 s does not fit its checksum"
     pose = flown.signals["pose.position"]
     assert run.signals["pose.position"].tobytes() == pose[(pose[:, 0] < 1.0) | (pose[:, 0] >= 2.0)].tobytes()
+    code, out, err = call(monkeypatch, capsys, "recover", saved)
+    told = f"{saved / 'run.mcap'}: is a recovered record already; there is nothing more to recover in it\n"
+    assert (code, out, err) == (0, told, "")
+    assert call(monkeypatch, capsys, "recover", tmp_path / "nope") == (2, "", f"{tmp_path / 'nope'}: no such file\n")
     code, out, _ = call(monkeypatch, capsys, "judge", saved, "--json")
     assert (code, json.loads(out)["verdict"]) == (3, "ERROR")
 
