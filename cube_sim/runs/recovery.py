@@ -8,6 +8,7 @@ from pathlib import Path
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import split_into_batches
+from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.sink import McapSink
 from cube_sim.recording.reading import CANNOT_KNOW, Recording
 from cube_sim.recording.run_end import RunEnd
@@ -94,13 +95,24 @@ def _told(dropped: Sequence[str]) -> str:
 
 
 def _write(path: Path, recording: Recording, end: RunEnd) -> None:
-    sink = McapSink(path, recording.header, recording.channels, recording.vehicle)
+    sink = McapSink(path, recording.header, recording.channels, recording.vehicle, _scene(recording))
     try:
         for batch in split_into_batches(recording.rows, recording.log):
             sink.write(batch)
         sink.finish(end)
     finally:
         sink.close()
+
+
+def _scene(recording: Recording) -> SceneRows | None:
+    """What other programs' viewers draw; None where the model does not compile."""
+    from cube_sim.recording.recorded_model import body_of, recorded_model
+
+    try:
+        model = recorded_model(recording.header)
+    except ValueError:
+        return None
+    return SceneRows(recording.channels, model, body_of(model, recording.vehicle), recording.vehicle)
 
 
 def _view(folder: Path) -> str:

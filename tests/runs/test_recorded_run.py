@@ -10,6 +10,7 @@ from importlib import import_module
 import numpy as np
 import pyarrow.parquet
 import pytest
+from mcap.reader import make_reader
 from support.command_line import call
 from support.own_code import scenario_with
 
@@ -287,6 +288,9 @@ def test_what_is_left_of_a_damaged_record_is_recovered(flown, tmp_path, monkeypa
         "  missing: 1 s to 2 s",
     ]
     assert (saved / "run.rrd").stat().st_size > 10_000
+    with (saved / "run.mcap").open("rb") as stream:
+        drawn = {channel.topic for _, channel, _ in make_reader(stream).iter_messages()}
+    assert {"/scene", "/scene/path", "/scene/trail", "/scene/thrust", "/tf", "/tf/target"} <= drawn
     run = cube_sim.load_run(saved)
     assert (run.complete, run.end.how, run.end.missing_s) == (False, "recovered", ((1.0, 2.0),))
     assert run.flaw == "recovered: the chunk from 1 s to 1.98 s does not fit its checksum"

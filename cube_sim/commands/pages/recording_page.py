@@ -76,6 +76,10 @@ A run writes four files into its folder.
 
 A signal is called `channel.field`, as in `path_error.cross_track`: by that name a check asks for it, and by that name
 it is read back. `cube-sim signals SCENARIO` lists those of one scenario, with the names of its thrusters and sensors.
+
+Two `run.rrd` of one record show the same, to the bit, and have the same recording id, but not the same bytes: Rerun
+gives each piece of a file an id of the wall clock and a random number, which its interface does not let anybody choose.
+`rerun rrd compare --unordered` holds two of them against each other.
 """
 _READING = """\
 from cube_sim.recording.reading import read_recording, read_signals
