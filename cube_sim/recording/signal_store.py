@@ -114,7 +114,7 @@ class SignalStore:
             raise RecordingError(f"no log level {level!r}; there are {', '.join(LOG_LEVELS)}")
         if t != self._time:
             self._advance(t)
-        line = LogLine(t, level, text)
+        line = LogLine(round(t, 9), level, text)  # a time that is a whole number of ticks may be off by rounding
         self._log.append(line)
         self._lines.append(line)
 

@@ -105,7 +105,7 @@ def test_a_replay_needs_nothing_but_the_record(flown, tmp_path, monkeypatch, cap
     shutil.copy(flown.directory / "run.mcap", tmp_path / "alone.mcap")
     code, out, _ = call(monkeypatch, capsys, "replay", tmp_path / "alone.mcap")
     assert code == 0
-    assert out == f"identical: {len(flown.signals)} signals and 1 line of log, to 3 s\n"
+    assert out == f"identical: {len(flown.signals)} signals and 2 lines of log, to 3 s\n"
 
 
 def test_a_record_cut_short_is_replayed_as_far_as_it_goes(flown, tmp_path, monkeypatch, capsys):
