@@ -54,8 +54,8 @@ def held_still() -> Iterator[None]:
     if not _libraries:
         yield
         return
-    clock = _still_clock()
     with _lock:
+        clock = _still_clock()  # one for all threads: the code of another would be freed while MuJoCo runs it
         if _users == 0:
             _before = clock.held.value
             if _before is not None:
