@@ -74,7 +74,8 @@ def _lines(recorded: RecordedRun, result: Replayed) -> list[str]:
     else:
         lines = [f"differs: {len(result.differences)} of {result.signals} signals, to {result.until_s:g} s{whole}"]
     for each in result.differences[:1]:
-        unit = f" {recorded.fields[each.signal].unit}" if each.signal in recorded.fields else ""
+        unit = recorded.fields[each.signal].unit if each.signal in recorded.fields else "1"
+        unit = "" if unit == "1" else f" {unit}"
         where = each.text or f"at {each.first_s:g} s; by {each.largest:.3g}{unit} at most, at {each.largest_s:g} s"
         lines.append(f"  first: {each.signal} {where}")
     if result.other_log is not None:

@@ -255,6 +255,9 @@ def _of_signal(subject: Subject, name: str) -> Plot:
     else:
         signal, _, part = name.rpartition(".")
         columns = subject.columns(signal)
+        own = [each for each in subject.run.fields if each.startswith(f"{name}.")]
+        if own:
+            raise RecordingError(f"{name} is a channel; its signals are {', '.join(own)}")
         if signal not in subject.run.fields or part not in columns:
             raise RecordingError(f"no signal {name!r}{_hint(subject, name)}")
         index = columns.index(part)

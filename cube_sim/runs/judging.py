@@ -7,10 +7,13 @@ from dataclasses import replace
 from math import inf
 
 from cube_sim.checks import evaluate
-from cube_sim.recording.channels import units_of, why_absent
+from cube_sim.recording.channels import SUPPLY, units_of, why_absent
+from cube_sim.recording.navigation_channels import READINGS, navigation_channels
 from cube_sim.runs.recorded_run import RecordedRun, Span
 from cube_sim.scenario.check_blocks import AnyCheck, PathEndCheckBlock, SignalCheckBlock
 from cube_sim.verdict import CheckResult, Verdict, overall
+
+_ANY_WIDTH = 1_000
 
 
 def judged(
@@ -38,6 +41,21 @@ def judged(
     elif run.end.how == "ended early":
         remarks.append(f"ended early, at {run.end.simulated_s:g} s: {run.end.reason}")
     return overall(results, complete=not remarks), results, tuple(remarks)
+
+
+def nameable(run: RecordedRun) -> dict[str, int]:
+    """How many numbers a sample has, of each signal that a check may name: of those too that this run did not model.
+
+    A check on one of the latter cannot be judged; that is no mistake in the check.
+    """
+    supply = (f"power.{name}" for name in SUPPLY)
+    sensed = (
+        f"{channel.name}.{field.name}"
+        for channel in navigation_channels(dict.fromkeys(READINGS, 1.0))
+        for field in channel.fields
+    )
+    known = {name: field.width for name, field in run.fields.items()}
+    return {**dict.fromkeys((*supply, *sensed), _ANY_WIDTH), **known}
 
 
 def _with_reason(check: AnyCheck, result: CheckResult, run: RecordedRun) -> CheckResult:

@@ -78,6 +78,7 @@ def test_curves_are_those_asked_for_with_their_units_limits_and_events(flown, tm
     [
         (["path_error.cros_track"], "no signal 'path_error.cros_track'; did you mean path_error.cross_track?"),
         (["--out", "a.jpg"], "a.jpg: a figure is one of .png, .svg, .pdf"),
+        (["pose"], "pose is a channel; its signals are pose.position, pose.quaternion"),
         (["--from-s", "500"], "--from-s 500: the run ends at 4 s"),
         (["--from-s", "3", "--to-s", "2"], "there is nothing to draw from 3 s to 2 s"),
     ],

@@ -211,6 +211,10 @@ def test_other_checks_judge_it_otherwise(flown, tmp_path, monkeypatch, capsys):
     assert (code, out) == (2, "")
     assert f"{checks}:2:" in err
     assert "did you mean reach_m?" in err
+    checks.write_text("checks:\n  - {kind: signal, signal: pose.positon, statistic: max, at_most: 1}\n")
+    code, _, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
+    said = "checks.0.signal: no signal 'pose.positon' is recorded, did you mean pose.position?"
+    assert (code, err) == (2, f"{checks}:2:28: {said}\n")
     checks.write_text("name: x\n")
     code, _, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
     assert (code, err) == (2, f"{checks}:1:1: checks: is missing; give a list of checks\n")
