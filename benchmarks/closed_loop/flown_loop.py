@@ -20,7 +20,9 @@ from support.catalogue.vehicles import Entry
 
 from closed_loop.condition import Condition
 from cube_sim.control.authority import Authority
+from cube_sim.control.critical_speed import too_fast
 from cube_sim.control.current import CurrentObserver
+from cube_sim.control.loop_times import mean_delay
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.mission.prepare import prepare
 from cube_sim.scenario import load
@@ -124,12 +126,19 @@ class FlownLoop:
         self._along = self.controller.target.view(np.zeros(3), np.zeros(3)).point.rotation[:, 0]
         self._started = 0.5 * FAR_M if speed_m_s > 0.0 else 0.0
         self._memories: list[NDArray[np.float64]] = []
+        self._delay = mean_delay(mission.vehicle.thrusters.lag_s, self.period)
+        self._through_water = float(np.linalg.norm(np.subtract((speed_m_s, 0.0, 0.0), condition.water)))
         self.start = self._warmed_up(speed_m_s)
 
     @property
     def authority(self) -> Authority:
         """How the vehicle flies."""
         return self.controller.capability.authority
+
+    @property
+    def too_fast(self) -> bool:
+        """Whether its speed through the water is beyond the critical one, by the truth."""
+        return too_fast(self.controller.capability, self.hull, self._delay, self._through_water) is not None
 
     def tick(self, point: Point, pushed: Vector, dragged: Vector = NOTHING) -> tuple[Point, Vector]:
         """The point one control period later, and the wrench (6,) [N, N m] the controller demanded, body axes.

@@ -17,18 +17,25 @@ from closed_loop.drift import drift
 from closed_loop.flown_loop import FlownLoop
 from closed_loop.linear_loop import SETTLED, linearised
 from closed_loop.stability import all_margins
-from cube_sim.control.authority import Authority
+from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.critical_speed import critical_speed
+from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
+from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ScenarioError
-from cube_sim.spatial import rotation_about
-from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.wrench.health import Health
 
-SHARES = (0.0, 0.2, 0.4, 0.6)
-"""Speeds, as shares of that which takes 60 % of the thrusters' force: at rest, and three as missions have them."""
+THIRDS = (0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0)
+"""Speeds looked at: at rest, and three up to the slower of a path's and the critical one."""
+BEYOND = 2.0
+"""Stands for the speed of a path that is beyond the critical one."""
+SHARES = (*THIRDS, BEYOND)
+MISSION = 0.6
+"""Speed of a path, as a share of that which takes 60 % of the thrusters' force."""
 STEERED = (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
-WATER_HOLDS = 0.5
-"""Share of its righting moment that a hull at trim must keep for its loops to be nearly what they are at rest."""
-TILT = 1e-5
-"""Of the differences [rad]."""
+INSIDE = 0.999
+"""Share of the critical speed that is not beyond it."""
 
 
 class Row(NamedTuple):
@@ -39,7 +46,7 @@ class Row(NamedTuple):
         speed_m_s: along the path.
         words: what is known wrongly.
         authority: how it flies; empty where it does not.
-        upright: share of its righting moment that the flow ahead leaves it, in roll or pitch, the less.
+        beyond: whether that is beyond the critical speed.
         radius: spectral radius over a tick; below 1 it is stable.
         gain_db: least gain margin of any direction.
         phase_deg: least phase margin.
@@ -51,7 +58,7 @@ class Row(NamedTuple):
     speed_m_s: float
     words: str
     authority: str = ""
-    upright: float = 1.0
+    beyond: bool = False
     radius: float = np.nan
     gain_db: float = np.nan
     phase_deg: float = np.nan
@@ -59,30 +66,46 @@ class Row(NamedTuple):
     why: str = ""
 
     @property
-    def held(self) -> bool:
-        """Whether nothing is steered: what the thrusters do not make, the water holds as well as nearly at rest."""
-        return self.authority == "HOLONOMIC" or (self.authority in ("LEVEL", "TRIM") and self.upright >= WATER_HOLDS)
-
-    @property
     def stable(self) -> bool:
         """Whether everything the thrusters move comes back."""
         return self.radius < 1.0
 
 
-def surveyed(entry: Entry, share: float, conditions: Sequence[Condition], held_only: bool = False) -> list[Row]:
-    """One row for each condition, or a single one that says why there is none.
+def speed_of(entry: Entry, share: float) -> float | None:
+    """What a share of `SHARES` is for a vehicle [m/s]; None where the path's speed is not beyond, or there is none."""
+    with TemporaryDirectory() as name:
+        model = Path(name) / "vehicle.xml"
+        model.write_text(entry.make())
+        path = MISSION * ability_of(model, entry.lost, entry.planar).top_m_s
+        vehicle = Vehicle.from_model(load_model(str(model)))
+    if path == 0.0:
+        return 0.0 if share == 0.0 else None
+    health = Health.whole(len(vehicle.thrusters.names))
+    for lost in entry.lost:
+        health = health.with_thruster(vehicle.thrusters.names.index(lost), 0.0)
+    hull, limits = vehicle.dynamics, vehicle.thrusters.limits
+    left = remaining_capability(vehicle.actuation_matrix, limits, health, hold=WaterHold.of(hull, path))
+    critical = critical_speed(left, hull, mean_delay(vehicle.thrusters.lag_s, USUAL_PERIOD_S)).speed_m_s
+    if share == BEYOND:
+        return path if path > critical else None
+    return share * min(path, INSIDE * critical)
+
+
+def surveyed(entry: Entry, share: float, conditions: Sequence[Condition]) -> list[Row]:
+    """One row for each condition, a single one that says why there is none, or none where there is no such speed.
 
     Args:
         entry: the vehicle.
-        share: its speed, as a share of its top speed.
+        share: its speed, of `SHARES`.
         conditions: what it knows wrongly.
-        held_only: look only at what the thrusters and the water hold, see `Row.held`.
     """
+    speed = speed_of(entry, share)
+    if speed is None:
+        return []
     with TemporaryDirectory() as name:
         folder = Path(name)
         model = folder / "vehicle.xml"
         model.write_text(entry.make())
-        speed = share * ability_of(model, entry.lost, entry.planar).top_m_s
         if entry.planar:  # nothing of it answers water that rises
             conditions = [c for c in conditions if not c.water[2] and not (c.believed and c.believed[2])]
         rows, near = [], None
@@ -94,16 +117,12 @@ def surveyed(entry: Entry, share: float, conditions: Sequence[Condition], held_o
             authority = flown.authority
             if authority is Authority.SAFE:
                 return [Row(entry.name, speed, "", why=flown.controller.capability.reason)]
-            upright = uprightness(flown.hull, float(np.linalg.norm(np.subtract((speed, 0.0, 0.0), condition.water))))
-            start = Row(entry.name, speed, condition.words, authority.name, upright)
-            if held_only and not start.held:
-                rows.append(start._replace(why="left out"))
-                continue
-            if not rows and share > 0.0:
+            start = Row(entry.name, speed, condition.words, authority.name, flown.too_fast)
+            if not rows and speed > 0.0:
                 said = forecast(model, lost=entry.lost, weak={}, stuck={}, speed_m_s=speed, planar=entry.planar)
                 if not said.flies:
                     return [Row(entry.name, speed, "", why=f"the analysis says {said.reason}")]
-            if share == 0.0 and authority in STEERED:
+            if speed == 0.0 and authority in STEERED:
                 return [
                     Row(entry.name, speed, "", authority.name, why="steers by its attitude: nothing to steer at rest")
                 ]
@@ -122,20 +141,3 @@ def surveyed(entry: Entry, share: float, conditions: Sequence[Condition], held_o
                 )
             )
         return rows
-
-
-def uprightness(hull: Dynamics, speed_m_s: float) -> float:
-    """Share of its righting moment a level hull keeps at a speed through the water; negative where it turns over.
-
-    A hull tilted against its course is turned further by the Munk moment wherever it has more added mass aside.
-    """
-    left = []
-    for axis in (0, 1):
-        slopes = []
-        for speed in (speed_m_s, 0.0):
-            turned = [rotation_about(np.eye(3)[axis], angle) for angle in (TILT, -TILT)]
-            ahead, up = np.array([R.T @ [speed, 0.0, 0.0] for R in turned]), np.array([R[2] for R in turned])
-            moments = hull.steady_wrenches(ahead, up)[:, 3 + axis]
-            slopes.append((moments[0] - moments[1]) / (2.0 * TILT))
-        left.append(slopes[0] / slopes[1] if slopes[1] > 0.0 else 0.0)
-    return float(min(left))

@@ -18,7 +18,9 @@ from cube_sim.actuation.path_following.steady_turn import TurningTrim, turning_t
 from cube_sim.actuation.path_following.trim import CourseAttitudes
 from cube_sim.actuation.path_following.verdict import Verdict
 from cube_sim.actuation.survivability import LossCase
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority, Capability, remaining_capability
+from cube_sim.control.critical_speed import CriticalSpeed, critical_speed
+from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
 from cube_sim.control.turning_limit import turning_of
 from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ActuationError
@@ -42,6 +44,7 @@ class Report:
         vehicle: the hull that was analysed.
         analysis: of the thrusters that are left.
         turning: how tightly it turns, where it follows a path; None where it follows none.
+        critical: up to which speed it keeps margins, likewise; None in the plane, too, where other laws fly it.
         table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
             was wanted.
     """
@@ -51,6 +54,7 @@ class Report:
     vehicle: Vehicle
     analysis: Analysis
     turning: TurningTrim | None
+    critical: CriticalSpeed | None
     table: Survivability | None
 
 
@@ -110,7 +114,12 @@ def report_on(
     analysis = analysis_of(A)
     if not planar and not analysis.verdict.follows and analysis_of(_in_plane(A)).verdict.follows:
         analysis = replace(analysis, verdict=_with_hint(analysis.verdict))
-    turning = _turning(analysis, vehicle, requirements.speed_m_s, cost_limit) if analysis.verdict.follows else None
+    turning, critical = None, None
+    if analysis.verdict.follows:
+        left = _left(analysis, vehicle, requirements.speed_m_s, cost_limit)
+        turning = _turning(analysis, vehicle, requirements.speed_m_s, left)
+        delay = mean_delay(vehicle.thrusters.lag_s, USUAL_PERIOD_S)
+        critical = None if left is None else critical_speed(left, body, delay)
     most = MOST_LOSSES if picture is not None else losses
     table = (
         survivability(
@@ -129,24 +138,30 @@ def report_on(
     )
     if picture is not None and table is not None:
         save_picture(picture, A, limits, table, names=names, title=title)
-    return Report(model, title, vehicle, analysis, turning, table)
+    return Report(model, title, vehicle, analysis, turning, critical, table)
 
 
-def _turning(analysis: Analysis, vehicle: Vehicle, speed_m_s: float, cost_limit: float | None) -> TurningTrim | None:
+def _turning(analysis: Analysis, vehicle: Vehicle, speed_m_s: float, left: Capability | None) -> TurningTrim | None:
     """How tightly what is left of a vehicle turns, as a run judges it; in the plane by the matrix alone."""
     hull, known = vehicle.dynamics, next(t.condition for t in analysis.verdict.trims if not t.condition.inclination_rad)
-    lost = [name in analysis.lost for name in vehicle.thrusters.names]
-    limits = vehicle.thrusters.limits
     if analysis.subspaces.axes is PLANAR:
-        allowed = AllowedForces.from_limits(limits[np.invert(lost)], len(analysis.names), dead_zones=False)
+        works = [name not in analysis.lost for name in vehicle.thrusters.names]
+        allowed = AllowedForces.from_limits(vehicle.thrusters.limits[works], len(analysis.names), dead_zones=False)
         straight = CourseAttitudes.on(hull, analysis.subspaces, speed_m_s, 0.0)
         return turning_trim(straight, attainable_set(analysis.subspaces, allowed), known)
-    health = Health.whole(len(lost))
-    for i in np.flatnonzero(lost).tolist():
-        health = health.with_thruster(i, 0.0)
-    hold = WaterHold.of(hull, speed_m_s)
-    left = remaining_capability(vehicle.actuation_matrix, limits, health, cost_limit, hold)
-    return None if left.authority is Authority.SAFE else turning_of(left, hull, speed_m_s, known)
+    return None if left is None else turning_of(left, hull, speed_m_s, known)
+
+
+def _left(analysis: Analysis, vehicle: Vehicle, speed_m_s: float, cost_limit: float | None) -> Capability | None:
+    """What a run judges to be left; None where it follows no path, and in the plane by the matrix alone."""
+    if analysis.subspaces.axes is PLANAR:
+        return None
+    names, hold = vehicle.thrusters.names, WaterHold.of(vehicle.dynamics, speed_m_s)
+    health = Health.whole(len(names))
+    for lost in analysis.lost:
+        health = health.with_thruster(names.index(lost), 0.0)
+    left = remaining_capability(vehicle.actuation_matrix, vehicle.thrusters.limits, health, cost_limit, hold)
+    return None if left.authority is Authority.SAFE else left
 
 
 def _in_plane(A: Matrix) -> Matrix:
@@ -211,6 +226,7 @@ def to_dict(report: Report) -> dict[str, Any]:
         "indices": asdict(a.indices),
         "verdict": _verdict(a.verdict),
         "turning": _turning_trim(report.turning),
+        "critical_speed": None if report.critical is None else report.critical._asdict(),
         "losses": None if report.table is None else [_case(case) for case in report.table.cases],
     }
     return _plain(content)

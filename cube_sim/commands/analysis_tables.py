@@ -12,6 +12,7 @@ from cube_sim.actuation.path_following.controllable_trim import FURTHEST
 from cube_sim.actuation.path_following.steady_turn import TIGHTEST_M
 from cube_sim.commands.analysis_report import Report
 from cube_sim.commands.output import console_for_tables
+from cube_sim.control.critical_speed import FASTEST_M_S, CriticalSpeed
 from cube_sim.wrench.axes import PLANAR
 
 NOSE_AHEAD_DEG = 3.0
@@ -49,6 +50,8 @@ def print_report(report: Report) -> None:
     line(f"path following: {'yes' if a.verdict.follows else 'no'} ({a.verdict.outcome.value}). {a.verdict.reason}")
     if a.verdict.follows:
         line(f"turning: {_turning(report)}")
+        if report.critical is not None:
+            line(f"margins: {_margins(report.critical)}")
 
 
 def _turning(report: Report) -> str:
@@ -61,7 +64,14 @@ def _turning(report: Report) -> str:
     nose = "nose ahead" if abs(ahead) < NOSE_AHEAD_DEG else f"nose {abs(ahead):.0f} deg to the {side} of the course"
     lies = f"{nose}, tilted by {tilt:.0f} deg" if tilt >= NOSE_AHEAD_DEG else nose
     tighter = " or less" if turning.radius_m <= TIGHTEST_M else ""
-    return f"yes, to both sides within {turning.radius_m:.2g} m{tighter}; ready to turn, it flies straight on {lies}"
+    return f"yes, to both sides within {turning.radius_m:.2g} m{tighter}; on a straight course {lies}"
+
+
+def _margins(critical: CriticalSpeed) -> str:
+    """How fast it may go, level and nose ahead."""
+    if np.isinf(critical.speed_m_s):
+        return f"at every speed through the water up to {FASTEST_M_S:g} m/s"
+    return f"up to {critical.speed_m_s:.2g} m/s through the water, level and nose ahead; there {critical.reason}"
 
 
 def _components(a: Analysis) -> Table:

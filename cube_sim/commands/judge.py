@@ -28,11 +28,10 @@ def judge(
         from cube_sim.runs.recorded_run import load_run
 
         recorded = load_run(run)
-        from cube_sim.runs.judging import judged, nameable
+        from cube_sim.runs.judging import judged
         from cube_sim.scenario.loading import load_checks
 
-        asked = None if checks is None else load_checks(checks, recorded.resolved, nameable(recorded))
-        verdict, results, remarks = judged(recorded, asked)
+        verdict, results, remarks = judged(recorded, None if checks is None else load_checks(checks, recorded.resolved))
     except (RecordingError, ScenarioError) as error:
         stop(BAD_INPUT, str(error))
     if json:

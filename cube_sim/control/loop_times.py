@@ -23,6 +23,8 @@ POINTING_SLOWER = 1.6
 """A loop whose heading points the thrust is no quicker than this many times the quickest of others: the force that is
 pointed answers the very turn that points it, as a hull slips where it turns to, which takes 20 degrees of its phase.
 Out of the plane it is no slower: as it is, a vehicle that points its thrust in all axes lags behind a turning path."""
+USUAL_PERIOD_S = 0.02
+"""The control period of a scenario that does not say."""
 NO_TORQUE = 1e-6
 """Share of the largest torque that counts as none."""
 
@@ -74,6 +76,11 @@ class LoopTimes:
             pointing=max(POINTING_SLOWER * quickest, attitude),
             turn=min(FASTEST_TURN, turning * attitude),
         )
+
+
+def mean_delay(lag_s: Vector, control_period_s: float) -> float:
+    """From the state to the force of thrusters that lag by these times (m,), on average [s]."""
+    return float(np.max(lag_s, initial=0.0)) + 1.5 * control_period_s
 
 
 def angular_acceleration(A: Matrix, limits: Matrix, inertia: Matrix, righting: Vector) -> float:

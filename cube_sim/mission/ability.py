@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cube_sim.allocation import FaultTolerant
 from cube_sim.control.authority import Capability, remaining_capability
+from cube_sim.control.critical_speed import too_fast
+from cube_sim.control.loop_times import mean_delay
 from cube_sim.control.turning_limit import too_tight
 from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.speed import tightest_radius
 from cube_sim.scenario import Scenario
-from cube_sim.spatial import Matrix
+from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.health import Health
+
+COURSES = 60
+"""So many directions of the path are looked at, evenly along it."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +33,8 @@ class Ability:
         hold: what the water holds of the hull.
         speed_m_s: along the path.
         radius_m: of the path's tightest turn; infinite where it has none.
+        fastest_m_s: the largest speed through the water that the path asks for, in the current of the start.
+        delay_s: mean delay from state to force: lag of the thrusters and 1.5 control periods.
         cost_limit: `control.cost_limit` [N/N].
         whole: what it can do at any cost that is not `DEAR`.
         within_limit: what it can do within `cost_limit`; `whole` where there is none.
@@ -36,27 +45,32 @@ class Ability:
     hold: WaterHold
     speed_m_s: float
     radius_m: float
+    fastest_m_s: float
+    delay_s: float
     cost_limit: float | None
     whole: Capability
     within_limit: Capability
 
     @classmethod
-    def of(cls, allocator: FaultTolerant, dynamics: Dynamics, scenario: Scenario, path: Path) -> Ability:
+    def of(cls, allocator: FaultTolerant, dynamics: Dynamics, scenario: Scenario, path: Path, lag_s: Vector) -> Ability:
         """Judge a vehicle.
 
         Args:
             allocator: over its thrusters.
             dynamics: the equations of motion the controller reckons with.
-            scenario: whose speed and cost limit count.
+            scenario: whose speed, current, control period and cost limit count.
             path: whose turns it is asked for.
+            lag_s: (m,) of its thrusters [s].
         """
         A, limits, cost_limit = allocator.A, allocator.limits, scenario.control.cost_limit
         hold = WaterHold.of(dynamics, scenario.guidance.speed_m_s)
         everything = Health.whole(A.shape[1])
         whole = remaining_capability(A, limits, everything, hold=hold)
         within = whole if cost_limit is None else remaining_capability(A, limits, everything, cost_limit, hold)
-        radius = tightest_radius(path)
-        return cls(A, limits, hold, scenario.guidance.speed_m_s, radius, cost_limit, whole, within)
+        speed, radius = scenario.guidance.speed_m_s, tightest_radius(path)
+        fastest = fastest_through_water(path, speed, np.asarray(scenario.current_m_s))
+        delay = mean_delay(lag_s, scenario.control_period_s)
+        return cls(A, limits, hold, speed, radius, fastest, delay, cost_limit, whole, within)
 
     def left(self, health: Health) -> Capability:
         """What it can do, within the cost limit, with thrusters in the state believed."""
@@ -65,3 +79,17 @@ class Ability:
     def too_tight(self, left: Capability) -> str | None:
         """Words for turns of the path that are too tight for what is left; None where they are kept."""
         return None if self.hold.hull is None else too_tight(left, self.hold.hull, self.speed_m_s, self.radius_m)
+
+    def too_fast(self, left: Capability) -> str | None:
+        """Words for a speed of the path that is beyond the critical one of what is left; None for one that is not."""
+        if self.hold.hull is None:
+            return None
+        return too_fast(left, self.hold.hull, self.delay_s, self.fastest_m_s)
+
+
+def fastest_through_water(path: Path, speed_m_s: float, current: Vector) -> float:
+    """The largest speed through a current (3,) [m/s], world axes, along a path [m/s]; 0 at a point."""
+    if path.length <= 0.0:
+        return 0.0
+    courses = np.array([path.at(s).rotation[:, 0] for s in np.linspace(0.0, path.length, COURSES)])
+    return float(np.max(np.linalg.norm(speed_m_s * courses - current, axis=1)))

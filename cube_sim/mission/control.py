@@ -12,7 +12,7 @@ from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability
 from cube_sim.control.controller import Controller
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
-from cube_sim.control.loop_times import LoopTimes, angular_acceleration
+from cube_sim.control.loop_times import LoopTimes, angular_acceleration, mean_delay
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.safe_mode import SafeMode
@@ -124,7 +124,7 @@ def _costs(A: Matrix, whole: Capability) -> str:
 def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics, pointing: bool) -> LoopTimes:
     """How fast each loop of the law for all axes is."""
     control = scenario.control
-    delay = float(np.max(vehicle.thrusters.lag_s, initial=0.0)) + 1.5 * scenario.control_period_s
+    delay = mean_delay(vehicle.thrusters.lag_s, scenario.control_period_s)
     turning = angular_acceleration(
         scenario.knowledge.thrust * vehicle.actuation_matrix,
         vehicle.thrusters.limits,

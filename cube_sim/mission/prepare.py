@@ -9,7 +9,9 @@ import mujoco
 import numpy as np
 
 from cube_sim.allocation import FaultTolerant
+from cube_sim.control.authority import Capability
 from cube_sim.control.controller import Controller
+from cube_sim.control.path_follower import PathFollower
 from cube_sim.guidance.path import Path
 from cube_sim.mission.ability import Ability
 from cube_sim.mission.allocation import allocator_of
@@ -29,6 +31,7 @@ from cube_sim.mission.refusals import require_a_value_per_thruster, require_poss
 from cube_sim.mission.supply import supply_of
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded, Scenario
+from cube_sim.scenario.attitude_blocks import AlongPathBlock
 from cube_sim.vehicle.power_supply import PowerSupply
 from cube_sim.vehicle.state import read_state
 from cube_sim.vehicle.vehicle import Vehicle
@@ -80,6 +83,15 @@ class Mission:
         fixed |= {f"sensor {sensor.name}": sensor for sensor in sensors}
         return fixed | {f"code {key}": code for key, code in self.codes.items()}
 
+    def beyond(self, left: Capability) -> list[str]:
+        """Words for what the path asks for beyond what is left of the vehicle.
+
+        Its critical speed is that of the law for all axes, nose ahead.
+        """
+        nose_ahead = isinstance(self.scenario.control.attitude, AlongPathBlock)
+        fast = self.ability.too_fast(left) if nose_ahead and isinstance(self.controller, PathFollower) else None
+        return [words for words in (self.ability.too_tight(left), fast) if words is not None]
+
 
 def prepare(loaded: Loaded) -> Mission:
     """Build a mission; nothing is written.
@@ -99,7 +111,7 @@ def prepare(loaded: Loaded) -> Mission:
     require_a_value_per_thruster(loaded, vehicle)
     allocator = allocator_of(loaded, believed.vehicle, codes)
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
-    ability = Ability.of(allocator, dynamics, scenario, path)
+    ability = Ability.of(allocator, dynamics, scenario, path, believed.vehicle.thrusters.lag_s)
     data = initial_state(model, vehicle, scenario)
     mujoco.mj_kinematics(model, data)
     start = read_truth(read_state(vehicle, data), data, vehicle).motion

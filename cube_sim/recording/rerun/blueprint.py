@@ -78,7 +78,8 @@ def _messages(drawn: Drawn, names: Collection[str]) -> rrb.Container:
     if "health" in names:
         views.append(rrb.StateTimelineView(origin=places.at(HEALTH), name="Health", time_view=time))
     views.append(rrb.TextLogView(origin=places.log, name="Log"))
-    views.append(rrb.TextDocumentView(origin=places.scenario, name="Verdict, scenario"))
+    if drawn.story.text:
+        views.append(rrb.TextDocumentView(origin=places.scenario, name="Scenario"))
     return rrb.Tabs(*views, active_tab=0)
 
 
