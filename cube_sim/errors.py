@@ -87,6 +87,14 @@ class RecordingError(CubeSimError):
     """A recording cannot be written or read."""
 
 
+class UnknownSignalError(RecordingError, KeyError):
+    """No such signal was recorded; a KeyError too, as of any mapping."""
+
+    def __str__(self) -> str:
+        """The text without the quotes that a KeyError puts around it."""
+        return str(self.args[0])
+
+
 class DirectoryError(RecordingError):
     """A folder cannot take a recording; nothing was written."""
 

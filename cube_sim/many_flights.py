@@ -17,6 +17,7 @@ from cube_sim.checks import evaluate
 from cube_sim.errors import ScenarioError
 from cube_sim.flight import Loop, prepared
 from cube_sim.mission.own.given import AnyScenario, loaded_with
+from cube_sim.recording.channels import units_of
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
@@ -198,7 +199,8 @@ def _outcome(
     flight = Loop(mission, store)
     flight.fly_to_its_end(told)
     recorded = store.signals
-    results = evaluate(scenario.checks, recorded, duration_s=scenario.duration_s)
+    units = units_of(mission.channels)
+    results = evaluate(scenario.checks, recorded, duration_s=scenario.duration_s, units=units)
     return FlightOutcome(
         variation=variation,
         verdict=overall(results, complete=not flight.ended),

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from cube_sim.errors import DirectoryError
+from cube_sim.errors import DirectoryError, RecordingError
 
 try:
     import fcntl
@@ -49,6 +49,18 @@ def require_writable(directory: Path) -> None:
         raise DirectoryError(f"{directory}: cannot hold a recording: no permission to write")
 
 
+def record_of(path: Path) -> Path:
+    """The record that a user means by the folder of a run, or by the record itself.
+
+    Raises:
+        RecordingError: there is none.
+    """
+    record = path / MCAP_FILE if path.is_dir() else path
+    if not record.is_file():
+        raise RecordingError(f"{path}: no {MCAP_FILE} here" if path.is_dir() else f"{path}: no such file")
+    return record
+
+
 def write_verdict(directory: Path, text: str) -> None:
     """Write verdict.json, whole or not at all.
 
@@ -62,6 +74,24 @@ def write_verdict(directory: Path, text: str) -> None:
     except OSError:
         part.unlink(missing_ok=True)
         raise
+
+
+_claimed: dict[Path, bool] = {}
+"""Folders that runs of this process write into, and whether they were made for that."""
+
+
+def abandon() -> bool:
+    """Remove what the runs of this process have begun to write; whether there are any.
+
+    For a process that ends before anything was flown.
+    """
+    for directory, made in _claimed.items():
+        with contextlib.suppress(OSError):
+            for file in OURS:
+                (directory / file).unlink(missing_ok=True)
+            if made:
+                directory.rmdir()
+    return bool(_claimed)
 
 
 @contextlib.contextmanager
@@ -78,6 +108,7 @@ def claim(directory: Path | None, name: str) -> Iterator[Path]:
     Raises:
         DirectoryError: see `require_writable`; or another run is writing there.
     """
+    made = directory is None or not directory.exists()
     if directory is None:
         directory = _make_new(name)
     else:
@@ -90,7 +121,11 @@ def claim(directory: Path | None, name: str) -> Iterator[Path]:
         with _as_directory_error(directory):
             for file in OURS:
                 (directory / file).unlink(missing_ok=True)
-        yield directory
+        _claimed[directory] = made
+        try:
+            yield directory
+        finally:
+            del _claimed[directory]
 
 
 def _make_new(name: str) -> Path:

@@ -19,6 +19,7 @@ from cube_sim.flight import Loop, prepared
 from cube_sim.mission import Mission
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
+from cube_sim.recording.channels import units_of
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.run_end import How, RunEnd
 from cube_sim.recording.signal_store import SignalStore
@@ -42,7 +43,8 @@ class Run:
         checks: one result per check of the scenario.
         signals: "channel.field" -> (n, 1 + width), column 0 the time [s].
         directory: where run.mcap, run.rrd, resolved.yaml and verdict.json are.
-        real_time_factor: simulated time over the wall-clock time of the loop, its recording included.
+        real_time_factor: simulated time over the wall-clock time of the loop, its recording included; of a run longer
+            than a second without its first second, in which code is loaded, or compiled.
         versions: of the packages that took part.
         simulated_s: simulated time from the start to the end [s].
         ended_early: when and why the run ended before its time; None if it did not.
@@ -147,19 +149,23 @@ def _record_and_judge(
     """Fly and judge, into a folder that is ours."""
     (directory / RESOLVED_FILE).write_text(loaded.resolved_yaml(directory), encoding="utf-8")
     with _store(directory, loaded, mission, record, live) as recorder, ExitStack() as stack:
-        flight, started = Loop(mission, recorder), time.perf_counter()
+        flight, clock = Loop(mission, recorder), _Clock()
         try:
-            number = _fly(flight, _teller(stack, progress, mission.scenario.duration_s))
+            number = _fly(flight, _teller(stack, clock, progress, mission.scenario.duration_s))
             stopped = "Ctrl-C" if number == SIGINT else Signals(number).name if number else ""
-            elapsed_s = time.perf_counter() - started
+            factor = clock.factor(flight.time_s)
             with uninterrupted():  # an end that is begun is brought to its end
                 recorder.settle()
                 early = EarlyEnd(flight.time_s, f"interrupted by {stopped}") if stopped else flight.ended_early
-                results = evaluate(mission.scenario.checks, recorder.signals, duration_s=mission.scenario.duration_s)
+                results = evaluate(
+                    mission.scenario.checks,
+                    recorder.signals,
+                    duration_s=mission.scenario.duration_s,
+                    units=units_of(mission.channels),
+                )
                 verdict = overall(results, complete=early is None)
                 recorder.finish(_end(flight, stopped, verdict, results))
                 flown = Flown(flight.time_s, early, recorder.warnings)
-                factor = flight.time_s / elapsed_s
                 write_verdict(directory, to_json(verdict, results, factor, versions(), flown))
         except Exception as error:
             reason, period_s = told(error), mission.scenario.control_period_s
@@ -186,11 +192,31 @@ def _fly(flight: Loop, tell: Callable[[float], None]) -> int:
     return 0
 
 
-def _teller(stack: ExitStack, progress: Progress | None, whole_s: float) -> Callable[[float], None]:
+class _Clock:
+    """How fast a flight is, from when it is first told of its simulated time: what is compiled is compiled by then."""
+
+    def __init__(self) -> None:
+        self._marks = [(0.0, time.perf_counter())]
+
+    def told(self, simulated_s: float) -> None:
+        """Take note of the first time [s]."""
+        if len(self._marks) == 1:
+            self._marks.append((simulated_s, time.perf_counter()))
+
+    def factor(self, simulated_s: float) -> float:
+        """Simulated over wall-clock time; of a flight that was over when it was first told, from its start."""
+        now = time.perf_counter()
+        since = [(flown, begun) for flown, begun in self._marks if flown < simulated_s] or self._marks
+        flown, begun = since[-1]
+        return (simulated_s - flown) / (now - begun)
+
+
+def _teller(stack: ExitStack, clock: _Clock, progress: Progress | None, whole_s: float) -> Callable[[float], None]:
     """What is told the simulated time about once a second; from the first on there is something to bring to an end.
 
     Args:
         stack: unwound once it is.
+        clock: told as well.
         progress: of whoever watches.
         whole_s: to be simulated [s].
     """
@@ -200,6 +226,7 @@ def _teller(stack: ExitStack, progress: Progress | None, whole_s: float) -> Call
         nonlocal begun
         if not begun:
             begun = True
+            clock.told(t)
             stack.enter_context(stoppable())
         if progress is not None:
             progress(t, whole_s)

@@ -26,6 +26,7 @@ class CheckResult:
         margin: distance from value to limit, positive inside; None if it could not be judged.
         at_s: simulated time of the worst value [s]; None if it could not be judged.
         detail: one line for readers: what was compared, or why nothing could be.
+        unit: of value, limit and margin, "1" for a pure number; "" where nobody knows.
     """
 
     name: str
@@ -36,6 +37,7 @@ class CheckResult:
     margin: float | None
     at_s: float | None
     detail: str
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,7 @@ def to_dict(
                 "relation": result.relation,
                 "limit": result.limit,
                 "margin": result.margin,
+                "unit": result.unit,
                 "at_s": result.at_s,
                 "detail": result.detail,
             }

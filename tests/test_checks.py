@@ -453,7 +453,7 @@ def test_verdict_json_is_strict_and_complete():
     ]  # fmt: skip
     assert (content["simulated_s"], content["ended_early"], content["log"]) == (None, None, [])
     assert [set(check) for check in content["checks"]] == [
-        {"name", "verdict", "value", "relation", "limit", "margin", "at_s", "detail"}
+        {"name", "verdict", "value", "relation", "limit", "margin", "at_s", "detail", "unit"}
     ] * 2
     assert content["checks"][1]["value"] is None
     with pytest.raises(ValueError, match="JSON"):

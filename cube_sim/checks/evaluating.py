@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
 from typing import Protocol, assert_never, runtime_checkable
 
 from cube_sim.checks.allowed_forces import ForcesWithinLimits
@@ -32,7 +34,11 @@ class SignalsInBlocks(Protocol):
 
 
 def evaluate(
-    checks: Sequence[AnyCheck], signals: Signals, *, duration_s: float | None = None
+    checks: Sequence[AnyCheck],
+    signals: Signals,
+    *,
+    duration_s: float | None = None,
+    units: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> tuple[CheckResult, ...]:
     """Judge every check.
 
@@ -41,6 +47,7 @@ def evaluate(
         signals: ``channel.field`` -> array (n, 1 + width), column 0 time [s], increasing. `SignalsInBlocks` are looked
             at block by block, with the same results to the bit if each block is of whole seconds.
         duration_s: how long the run should have been; a recording that ends earlier is judged by no check.
+        units: ``channel.field`` -> the unit of each of its numbers, for the results' own.
 
     Returns:
         One result per check, in order.
@@ -52,7 +59,10 @@ def evaluate(
         for judge in judges:
             judge.take(block)
     recorded = list(signals)
-    return tuple(_result(check, judge, recorded, duration_s) for check, judge in zip(checks, judges, strict=True))
+    return tuple(
+        replace(_result(check, judge, recorded, duration_s), unit=_unit(check, units))
+        for check, judge in zip(checks, judges, strict=True)
+    )
 
 
 def _judge(check: AnyCheck) -> Judge:
@@ -67,6 +77,15 @@ def _judge(check: AnyCheck) -> Judge:
             return PathEnd(check)
         case _:
             assert_never(check)
+
+
+def _unit(check: AnyCheck, units: Mapping[str, Sequence[str]]) -> str:
+    if not isinstance(check, SignalCheckBlock):
+        return check.unit
+    known = units.get(check.signal, ())
+    if check.component is not None:
+        known = known[check.component : check.component + 1]
+    return ", ".join(dict.fromkeys(known))  # the norm of a wrench has two
 
 
 def _result(check: AnyCheck, judge: Judge, recorded: Collection[str], duration_s: float | None) -> CheckResult:

@@ -64,7 +64,7 @@ def _turning(report: Report) -> str:
     nose = "nose ahead" if abs(ahead) < NOSE_AHEAD_DEG else f"nose {abs(ahead):.0f} deg to the {side} of the course"
     lies = f"{nose}, tilted by {tilt:.0f} deg" if tilt >= NOSE_AHEAD_DEG else nose
     tighter = " or less" if turning.radius_m <= TIGHTEST_M else ""
-    return f"yes, to both sides within {turning.radius_m:.2g} m{tighter}; on a straight course {lies}"
+    return f"yes, to both sides within {turning.radius_m:.2g} m{tighter}; ready to turn, it flies straight on {lies}"
 
 
 def _margins(critical: CriticalSpeed) -> str:

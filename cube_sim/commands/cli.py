@@ -6,6 +6,7 @@ when a command runs, so that ``cube-sim --help`` answers at once.
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import traceback
@@ -29,9 +30,11 @@ from cube_sim.commands import (
     signals,
     view,
 )
-from cube_sim.commands.ending import NOT_JUDGED, leave_on_interrupt, raise_on_interrupt
+from cube_sim.commands.ending import NOT_JUDGED, end_process, leave_on_interrupt, raise_on_interrupt
 
 _TRACEBACK = "CUBE_SIM_TRACEBACK"
+_OF_OUTPUT = (errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EDQUOT)
+"""What the system says of a place that takes no more; whoever writes a file says which."""
 
 app = typer.Typer(
     help="Underwater vehicles in MuJoCo: real water, 3-D path following, exact thruster allocation.",
@@ -64,9 +67,14 @@ def main() -> None:
     leave_on_interrupt()
     try:
         app(prog_name="cube-sim")
+    except SystemExit as end:
+        end_process(end.code)
+        raise
     except Exception as error:
         if os.environ.get(_TRACEBACK):
             traceback.print_exc()
+        elif isinstance(error, OSError) and error.filename is None and error.errno in _OF_OUTPUT:
+            typer.echo(f"the output cannot be written: {error.strerror}", err=True)
         else:
             said = " ".join(str(error).split())
             typer.echo(f"unexpected {type(error).__name__}: {said} ({_TRACEBACK}=1 shows where)", err=True)

@@ -107,9 +107,10 @@ def _table(found: Sequence[SignalDifference], run: RecordedRun) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("", overflow="fold")
     for each in found:
-        unit = run.fields[each.signal].unit if each.signal in run.fields else ""
+        unit = run.fields[each.signal].unit if each.signal in run.fields else "1"
+        unit = "" if unit == "1" else f" {unit}"
         numbers = ["-", "-", "-", "-"]
         if each.first_s is not None:
-            numbers = [f"{each.first_s:g} s", f"{each.largest:.3g} {unit}", f"{each.largest_s:g} s", str(each.rows)]
+            numbers = [f"{each.first_s:g} s", f"{each.largest:.3g}{unit}", f"{each.largest_s:g} s", str(each.rows)]
         table.add_row(Text(each.signal), *numbers, Text(each.text))
     return table

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 import sys
+import threading
 from contextlib import suppress
 from typing import NoReturn
 
@@ -16,6 +18,7 @@ SIGNALLED = 128
 INTERRUPTED = SIGNALLED + signal.SIGINT
 EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
 """Of each verdict."""
+_untidied: list[bool] = []
 
 
 def stop(code: int, message: str) -> NoReturn:
@@ -43,6 +46,34 @@ def raise_on_interrupt() -> None:
 def _leave(*_: object) -> None:
     """End the process; an exception would be lost or renamed inside the import of a compiled library."""
     # The progress bar hides the cursor.
+    # Nothing is imported here: who has not loaded this writes nothing.
+    written = sys.modules.get("cube_sim.run_directory")
+    lost = "; nothing is recorded" if written is not None and written.abandon() else ""
     erase = "\r\x1b[K\x1b[?25h" if sys.stderr.isatty() else ""
-    os.write(2, f"{erase}interrupted while starting up\n".encode())
+    os.write(2, f"{erase}interrupted while starting up{lost}\n".encode())
     os._exit(INTERRUPTED)
+
+
+def leave_untidied() -> None:
+    """Let `end_process` free nothing: tidying up after a flight takes half a second, and the system does it at once."""
+    _untidied[:] = [True]
+
+
+def end_process(code: int | str | None) -> None:
+    """End the process of a command that said `leave_untidied`; return where none has, or its words find no reader.
+
+    Threads are waited for and `atexit` is heard, as at any end of Python's.
+
+    Args:
+        code: of the `SystemExit` that ends the command.
+    """
+    if not _untidied or isinstance(code, str):
+        return
+    threading._shutdown()  # type: ignore[attr-defined]
+    atexit._run_exitfuncs()
+    try:
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except OSError:
+        return
+    os._exit(code or 0)

@@ -28,10 +28,11 @@ def judge(
         from cube_sim.runs.recorded_run import load_run
 
         recorded = load_run(run)
-        from cube_sim.runs.judging import judged
+        from cube_sim.runs.judging import judged, nameable
         from cube_sim.scenario.loading import load_checks
 
-        verdict, results, remarks = judged(recorded, None if checks is None else load_checks(checks, recorded.resolved))
+        asked = None if checks is None else load_checks(checks, recorded.resolved, nameable(recorded))
+        verdict, results, remarks = judged(recorded, asked)
     except (RecordingError, ScenarioError) as error:
         stop(BAD_INPUT, str(error))
     if json:

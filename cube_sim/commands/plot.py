@@ -51,6 +51,8 @@ def plot(
         recorded = load_run(run)
         start = 0.0 if from_s is None else from_s
         end = recorded.recorded_s if to_s is None else to_s
+        if start >= recorded.recorded_s:
+            raise RecordingError(f"--from-s {start:g}: the run ends at {recorded.recorded_s:g} s")
         if not start < end:
             raise RecordingError(f"there is nothing to draw from {start:g} s to {end:g} s")
         window = None if from_s is None and to_s is None else (start, end)
@@ -63,4 +65,4 @@ def plot(
         stop(NOT_JUDGED, f"{file}: cannot be written: {error.strerror or error}")
     typer.echo(str(file))
     if not recorded.complete:
-        typer.echo(f"{recorded.path}: the record ends early, at {recorded.recorded_s:g} s", err=True)
+        typer.echo(f"{recorded.path}: {recorded.flaw}", err=True)

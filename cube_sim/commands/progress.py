@@ -16,11 +16,11 @@ def begin_compiling(*, hidden: bool) -> None:
     """Begin to make the machine code of a flight where there is none yet, and say so.
 
     Args:
-        hidden: whether nothing is said; nor is it where stderr is no terminal.
+        hidden: whether nothing is said.
     """
     from cube_sim.flight.compiled import compile_beside
 
-    if compile_beside() and not hidden and sys.stderr.isatty():
+    if compile_beside() and not hidden:
         print(COMPILES, file=sys.stderr, flush=True)
 
 

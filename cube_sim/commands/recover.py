@@ -10,7 +10,7 @@ import typer
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError, ScenarioError
-from cube_sim.run_directory import MCAP_FILE
+from cube_sim.run_directory import MCAP_FILE, record_of
 
 EPILOG = (
     "Exit code: 0 recovered, whatever is missing, or nothing to recover; 2 bad input, or nothing can be read; 3 it "
@@ -35,7 +35,7 @@ def recover(
     What is saved never counts as a complete run.
     """
     try:
-        record = run / MCAP_FILE if run.is_dir() else run
+        record = record_of(run)
         from cube_sim.runs.recovery import recover as save
 
         saved = save(record, _beside(run) if output is None else output)
@@ -43,8 +43,8 @@ def recover(
         stop(BAD_INPUT, str(error))
     except OSError as error:
         stop(NOT_JUDGED, f"{output or _beside(run)}: cannot be written: {error.strerror or error}")
-    if saved is None:
-        typer.echo(f"{record}: is complete; there is nothing to recover")
+    if isinstance(saved, str):
+        typer.echo(f"{record}: {saved}")
         return
     typer.echo(f"recovered up to {saved.recorded_s:g} s: {saved.directory}")
     for line in saved.dropped:

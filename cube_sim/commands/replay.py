@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, FAIL, INTERRUPTED, NOT_JUDGED, PASS, stop
+from cube_sim.commands.ending import BAD_INPUT, FAIL, INTERRUPTED, NOT_JUDGED, PASS, leave_untidied, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.errors import CubeSimError, ModelError, RecordingError, ScenarioError
@@ -50,6 +50,7 @@ def replay(
     elif not quiet:
         for line in _lines(recorded, result):
             typer.echo(line)
+    leave_untidied()
     raise typer.Exit(PASS if result.identical else FAIL)
 
 
@@ -66,14 +67,15 @@ def _to_dict(result: Replayed) -> dict[str, Any]:
 
 def _lines(recorded: RecordedRun, result: Replayed) -> list[str]:
     """What there is to say of a replay."""
-    whole = "" if recorded.complete else ", where the record ends early"
+    whole = "" if recorded.complete else ", as far as the record goes"
     said = f"{len(recorded.log)} line{'' if len(recorded.log) == 1 else 's'} of log"
     if result.identical:
         lines = [f"identical: {result.signals} signals and {said}, to {result.until_s:g} s{whole}"]
     else:
         lines = [f"differs: {len(result.differences)} of {result.signals} signals, to {result.until_s:g} s{whole}"]
     for each in result.differences[:1]:
-        unit = f" {recorded.fields[each.signal].unit}" if each.signal in recorded.fields else ""
+        unit = recorded.fields[each.signal].unit if each.signal in recorded.fields else "1"
+        unit = "" if unit == "1" else f" {unit}"
         where = each.text or f"at {each.first_s:g} s; by {each.largest:.3g}{unit} at most, at {each.largest_s:g} s"
         lines.append(f"  first: {each.signal} {where}")
     if result.other_log is not None:

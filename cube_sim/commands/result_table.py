@@ -21,8 +21,10 @@ def result_table(
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("check")
     table.add_column("verdict", no_wrap=True)
-    for heading in ("value", "limit", "margin", "worst at"):
+    for heading in ("value", "limit", "margin"):
         table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("unit", no_wrap=True)
+    table.add_column("worst at", justify="right", no_wrap=True)
     for result in results:
         table.add_row(
             Text(result.name),
@@ -30,6 +32,7 @@ def result_table(
             _number(result.value),
             f"{result.relation} {_number(result.limit)}",
             _number(result.margin),
+            Text(result.unit),
             "-" if result.at_s is None else f"{result.at_s:.2f} s",
         )
     reasons = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from enum import Enum
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cube_sim.commands.account import early_end, lasted, log_lines, section
-from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, SIGNALLED, stop
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, SIGNALLED, leave_untidied, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides
@@ -69,6 +70,7 @@ def run(
         _print_json(result)
     elif not quiet:
         _print_table(name, duration_s, result, record)
+    leave_untidied()
     raise typer.Exit(EXIT_CODES[result.verdict])
 
 
@@ -78,6 +80,7 @@ def _fly(
     """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
     from cube_sim.run_directory import require_writable
     from cube_sim.scenario import load
+    from cube_sim.scenario.python_block import python_blocks
 
     try:
         loaded = load(scenario, overrides(settings))
@@ -87,6 +90,9 @@ def _fly(
         if live is not None:
             _require_a_record(record)
             live = live if _somebody_listens(live) else None
+        if not any(python_blocks(loaded.scenario)):
+            # MuJoCo looks for what draws windows when it is imported, a tenth of a second; a user's code may draw.
+            os.environ.setdefault("MUJOCO_GL", "disable")
         from cube_sim import simulation
 
         begin_compiling(hidden=hidden)

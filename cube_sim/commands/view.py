@@ -37,6 +37,8 @@ def view(
 
         if not web and save is None and not has_display():
             stop(NOT_JUDGED, "there is no screen here; --web serves the view to a browser, --save FILE.rrd writes it")
+        if save is not None and save.suffix.lower() != ".rrd" and not save.is_dir():
+            stop(BAD_INPUT, f"{save}: a view is a file of Rerun, {save.with_suffix('.rrd').name} for example")
         with TemporaryDirectory() as folder:
             rrd = Path(folder) / "run.rrd" if save is None else save
             _write(runs, rrd)
@@ -79,4 +81,4 @@ def _write(runs: list[Path], rrd: Path) -> None:
         stop(NOT_JUDGED, f"{rrd}: cannot be written: {said}")
     for run in recorded:
         if not run.complete:
-            typer.echo(f"{run.path}: the record ends early, at {run.recorded_s:g} s", err=True)
+            typer.echo(f"{run.path}: {run.flaw}", err=True)

@@ -288,7 +288,7 @@ class Loop:
             self.ended = str(error)
             return
         self._applied, self._wanted = allocation.wrench, decision.quaternion
-        self._watches.note(t, allocation.status, decision.pace)
+        self._watches.note(t, self._rows, 0, mission.supply.force_ratio, decision.pace)
         if decision.given_up != self._given_up:
             self._log_given_up(t, decision.given_up)
         mission.drop_weight.lift(mission.data)
@@ -319,7 +319,7 @@ class Loop:
     def finish(self) -> None:
         """Say at the end what there is to say of the whole flight, and let no answer go unconfirmed."""
         self.mission.allocator.settle()
-        self._watches.surface.finish(self.time_s)
+        self._watches.finish(self.time_s)
         if self.ended:
             self._store.log(self.time_s, "ERROR", f"{self.ended}: the run ends here")
 

@@ -8,9 +8,11 @@ import numpy as np
 
 from cube_sim.errors import CubeSimError, FlightError
 from cube_sim.flight.compiled import compile_beside
-from cube_sim.mission import PATH_POINTS, Mission, prepare
+from cube_sim.mission import Mission, prepare
+from cube_sim.mission.channels import polyline
 from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.surface_watch import path_above_surface
+from cube_sim.mission.way_of_flying import cannot_follow, way_of_flying
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Loaded
@@ -32,20 +34,19 @@ def prepared(loaded: Loaded) -> Mission:
 
 def described(mission: Mission, store: SignalStore) -> None:
     """Record what a reader must know before the first row."""
-    points = np.array([mission.path.at(s).position for s in np.linspace(0.0, mission.path.length, PATH_POINTS)])
+    points = polyline(mission.path)
     store.append("path", 0.0, points.ravel())
     if (warning := path_above_surface(points)) is not None:
         store.log(0.0, "WARNING", warning)
-    for warning in mission.beyond(mission.ability.within_limit):
+    if (warning := cannot_follow(mission.ability, points)) is not None:
+        store.log(0.0, "WARNING", warning)
+    if (warning := mission.too_fast(mission.ability.within_limit)) is not None:
         store.log(0.0, "WARNING", warning)
     length = mission.path.length
     store.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
     for key, code in mission.codes.items():
         store.log(0.0, "INFO", f"{key}: {code.name}, SHA-256 {code.digest}")
-    limit, able = mission.ability.cost_limit, mission.ability.within_limit
-    if able.within_cost_limit is not None:
-        dear = "costs too much" if limit is None else f"costs more than {limit:g} N/N"
-        store.log(0.0, "INFO", f"what {dear} is left alone; {able.authority.name}: {able.reason}")
+    store.log(0.0, "INFO", way_of_flying(mission.ability))
 
 
 def placed(mission: Mission, state: State) -> None:

@@ -7,16 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cube_sim.allocation import Status
 from cube_sim.flight.compiled import BEGIN, ESTIMATED, JUDGED, FlownTicks
+from cube_sim.flight.rows import TickRows
+from cube_sim.flight.shortfall import Thrust
+from cube_sim.flight.unattainable_log import UnattainableLog
 from cube_sim.mission import Mission
 from cube_sim.mission.fault_response import record_actuation
 from cube_sim.mission.navigation import estimated
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.surface_watch import SurfaceWatch
-from cube_sim.mission.unattainable_log import UnattainableLog
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.spatial import State
+from cube_sim.wrench.axes import SPATIAL
+from cube_sim.wrench.matrix import lever_arm
 
 
 class Begun(NamedTuple):
@@ -53,16 +56,31 @@ class Watches:
     @staticmethod
     def of(mission: Mission, store: SignalStore) -> Watches:
         """At the beginning of a mission."""
+        A, limits = mission.ability.A, mission.ability.limits
+        thrust = Thrust(mission.vehicle.thrusters.names, A, limits, lever_arm(A, SPATIAL))
         return Watches(
-            UnattainableLog(store),
+            UnattainableLog(store, thrust),
             PaceLog(store, mission.scenario.guidance.speed_m_s),
             SurfaceWatch(store, mission.model, mission.vehicle),
         )
 
-    def note(self, t: float, status: Status, pace: float) -> None:
-        """Take in one tick, at t [s]: the status of its allocation, its share of the speed along the path."""
-        self.unattainable.note(t, status)
+    def note(self, t: float, rows: TickRows, k: int, force_ratio: float, pace: float) -> None:
+        """Take in one tick.
+
+        Args:
+            t: its time [s].
+            rows: of the flight.
+            k: which of them.
+            force_ratio: share of their force that the supply leaves the thrusters.
+            pace: share of the speed along the path.
+        """
+        self.unattainable.note(t, rows, k, force_ratio)
         self.pace.note(t, pace)
+
+    def finish(self, t: float) -> None:
+        """Say at the end of the flight, at t [s], what there is to say of the whole."""
+        self.unattainable.finish(t)
+        self.surface.finish(t)
 
 
 def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches, store: SignalStore) -> Begun:
@@ -80,13 +98,13 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
     """
     estimation, sensing, period = mission.estimation, flown.sensing, mission.scenario.control_period_s
     times = [k * period for k in range(first, first + flown.ticks + (flown.reached == ESTIMATED))]
-    statuses, paces, last = flown.rows.allocation[:, 3], flown.pace, flown.ticks - 1
-    quiet = watches.unattainable.quiet(statuses) and watches.pace.quiet(paces)
+    rows, paces, last = flown.rows, flown.pace, flown.ticks - 1
+    quiet = watches.unattainable.quiet(rows) and watches.pace.quiet(paces)
     for k in range(len(times)) if estimation is not None or not quiet else (last,) * bool(flown.ticks):
         if estimation is not None:
             estimation.note(sensing.arrived[k, : sensing.counts[k]], store, times[k])
         if k == last or (k < last and not quiet):
-            watches.note(times[k], Status(int(statuses[k])), float(paces[k]))
+            watches.note(times[k], rows, k, float(flown.force_ratio[k]), float(paces[k]))
     ratio = flown.force_ratio[-1] if flown.ticks else flown.force_ratio_before
     if flown.ticks:
         if first == 0 or (flown.force_ratio != flown.force_ratio_before).any():
@@ -95,7 +113,7 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
             told = np.flatnonzero(changed)
             record_actuation(mission, store, np.array(times)[told], flown.force_ratio[told])
         watches.surface.note_under_water(times[last])
-        store.extend(times[0], times[last], flown.rows.named(), ours=True)
+        store.extend(times[0], times[last], rows.named(), ours=True)
     known, n = None, len(times)
     if estimation is not None and n:
         estimation.record(store, np.array(times), sensing.answers[:n], sensing.errors[:n], sensing.inertial[:n])

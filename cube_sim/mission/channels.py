@@ -6,9 +6,11 @@ import numpy as np
 
 from cube_sim.allocation import Status
 from cube_sim.control.authority import Authority
+from cube_sim.guidance.path import Path
 from cube_sim.mission.navigation import channels_of
-from cube_sim.recording.channels import SUPPLY, Channel, channel_table
+from cube_sim.recording.channels import SUPPLY, WHY_NOT_SUPPLIED, Channel, channel_table
 from cube_sim.scenario import Scenario
+from cube_sim.spatial import Matrix
 from cube_sim.vehicle.vehicle import Vehicle
 
 PATH_POINTS = 400
@@ -37,8 +39,13 @@ def why_unknown(quantity: str, scenario: Scenario, vehicle: Vehicle) -> str:
     thrusters = vehicle.thrusters
     if quantity in ("motor", "energy"):
         stated = bool(np.all(thrusters.power_coefficients > 0.0))
-        return "" if stated else "the model does not state the power of each thruster (NAME:thruster_power)"
+        return "" if stated else WHY_NOT_SUPPLIED[quantity]
     if quantity == "voltage":
         stated = np.isfinite(thrusters.voltage).all() and len(np.unique(thrusters.voltage)) == 1
-        return "" if stated else "the model does not state one voltage for all thrusters (NAME:thruster_voltage)"
-    return "" if scenario.battery is not None else "the scenario has no battery"
+        return "" if stated else WHY_NOT_SUPPLIED[quantity]
+    return "" if scenario.battery is not None else WHY_NOT_SUPPLIED[quantity]
+
+
+def polyline(path: Path) -> Matrix:
+    """(PATH_POINTS, 3) points on a whole path, evenly spaced [m], world axes."""
+    return np.array([path.at(s).position for s in np.linspace(0.0, path.length, PATH_POINTS)])

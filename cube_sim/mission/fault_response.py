@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cube_sim.mission.channels import polyline
 from cube_sim.mission.prepare import Mission
+from cube_sim.mission.way_of_flying import depth_not_kept
 from cube_sim.recording.signal_store import SignalStore
 
 
@@ -38,7 +40,12 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
     left = mission.ability.left(health)
     mission.controller.reconfigure(left)
     text = health.describe(mission.vehicle.thrusters.names)
-    recorder.log(t, "WARNING", "; ".join([text, f"{left.authority.name}: {left.reason}", *mission.beyond(left)]))
+    level = (
+        "heave, roll and pitch are left to the water" if left.level and not mission.ability.within_limit.level else ""
+    )
+    depth = depth_not_kept(mission.ability, left, polyline(mission.path)) if level else None
+    more = filter(None, (level, depth, mission.ability.too_tight(left), mission.too_fast(left)))
+    recorder.log(t, "WARNING", "; ".join((text, f"{left.authority.name}: {left.reason}", *more)))
     return True
 
 

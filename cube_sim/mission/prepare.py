@@ -83,14 +83,14 @@ class Mission:
         fixed |= {f"sensor {sensor.name}": sensor for sensor in sensors}
         return fixed | {f"code {key}": code for key, code in self.codes.items()}
 
-    def beyond(self, left: Capability) -> list[str]:
-        """Words for what the path asks for beyond what is left of the vehicle.
+    def too_fast(self, left: Capability) -> str | None:
+        """Words for a path beyond the critical speed of what is left of the vehicle; None for one that is not.
 
-        Its critical speed is that of the law for all axes, nose ahead.
+        That is the critical speed of the law for all axes, nose ahead.
         """
         nose_ahead = isinstance(self.scenario.control.attitude, AlongPathBlock)
-        fast = self.ability.too_fast(left) if nose_ahead and isinstance(self.controller, PathFollower) else None
-        return [words for words in (self.ability.too_tight(left), fast) if words is not None]
+        flown = nose_ahead and isinstance(self.controller, PathFollower)
+        return self.ability.too_fast(left) if flown else None
 
 
 def prepare(loaded: Loaded) -> Mission:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
@@ -11,6 +10,7 @@ from cube_sim.mission.channels import why_unknown
 from cube_sim.recording.channels import SUPPLY, Channel
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.event_blocks import ThrusterEventBlock
+from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.vehicle.vehicle import Vehicle
 
 SAME_DEPTH_M = 0.05
@@ -20,23 +20,13 @@ SAME_DEPTH_M = 0.05
 def require_signals(loaded: Loaded, vehicle: Vehicle, channels: tuple[Channel, ...]) -> None:
     """Refuse checks of signals that no run records, or no run of this vehicle."""
     widths = {f"{channel.name}.{field.name}": field.width for channel in channels for field in channel.fields}
-    mistakes = []
-    for i, check in enumerate(loaded.scenario.checks):
-        if check.named_signal is None:
-            continue
-        signal, component = check.named_signal
-        if signal not in widths:
-            channel, _, quantity = signal.partition(".")
-            if channel == "power" and quantity in SUPPLY:
-                why = why_unknown(quantity, loaded.scenario, vehicle)
-                mistakes.append(loaded.mistake(f"checks.{i}.signal", f"'{signal}' is not recorded: {why}"))
-                continue
-            near = get_close_matches(signal, widths, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(widths)}"
-            mistakes.append(loaded.mistake(f"checks.{i}.signal", f"no signal '{signal}' is recorded, {hint}"))
-        elif component is not None and component >= widths[signal]:
-            text = f"{signal} has columns 0 to {widths[signal] - 1}"
-            mistakes.append(loaded.mistake(f"checks.{i}.component", text))
+
+    def why_absent(signal: str) -> str:
+        channel, _, quantity = signal.partition(".")
+        supplied = channel == "power" and quantity in SUPPLY
+        return why_unknown(quantity, loaded.scenario, vehicle) if supplied else ""
+
+    mistakes = [loaded.mistake(*each) for each in signal_mistakes(loaded.scenario.checks, widths, why_absent)]
     if mistakes:
         raise ScenarioError(mistakes)
 

@@ -87,7 +87,8 @@ def emit(text: str, symbol: str, name: str, leaning: bool = False) -> bytes | No
     """An object file for this processor from LLVM code, its entry renamed; None if it leans on Python's runtime.
 
     numba leaves every function replaceable at link time. So LLVM may not conclude that none of ours ever raises. Made
-    internal, they lose all the code that would report exceptions, and with it every tie to Python.
+    internal, they lose all the code that would report exceptions, and with it every tie to Python. They are inlined
+    too, which numba forbids for what a cfunc calls: its arrays would be handed on piece by piece through memory.
 
     Args:
         text: LLVM IR of a cfunc.
@@ -98,8 +99,11 @@ def emit(text: str, symbol: str, name: str, leaning: bool = False) -> bytes | No
     text = re.sub(
         rf"^define (?:linkonce_odr )?(?=[^\n]*@(?!{re.escape(symbol)}\())", "define internal ", text, flags=re.M
     )
-    module = llvm.parse_assembly(text)
+    module = llvm.parse_assembly(re.sub(r"(?<=[{ ])noinline(?= )", "nounwind", text))
     module.get_function(symbol).name = name
+    for function in module.functions:
+        if function.linkage == llvm.Linkage.internal and not function.name.startswith("NRT_"):
+            function.add_function_attribute("alwaysinline")
     target = machine()
     builder = llvm.create_pass_builder(target, llvm.create_pipeline_tuning_options(speed_level=3))
     builder.getModulePassManager().run(module, builder)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from difflib import get_close_matches
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.errors import UnknownSignalError
 from cube_sim.recording.channels import Channel
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_log import LogLine
 
 Rows = NDArray[np.float64]  # (n, 1+width), column 0 the time [s]
@@ -38,6 +41,14 @@ class Sink(Protocol):
 
     def close(self) -> None:
         """Finish; nothing comes after."""
+        ...
+
+
+class View(Sink, Protocol):
+    """A sink for people to look at, who want to know what became of the run."""
+
+    def tell(self, end: RunEnd) -> None:
+        """Show how the run ended; only `close` comes after."""
         ...
 
 
@@ -78,7 +89,19 @@ def split_into_batches(rows: Mapping[str, Rows], log: Sequence[LogLine]) -> Iter
         yield Batch({name: part for name, part in parts.items() if len(part)}, log[first:last])
 
 
-def signals(channels: Sequence[Channel], rows: Mapping[str, Rows]) -> dict[str, Rows]:
+V = TypeVar("V")
+
+
+class BySignal(dict[str, V]):
+    """What belongs to signals, by "channel.field"; a name that is none is told with the nearest that is one."""
+
+    def __missing__(self, name: str) -> V:
+        near = get_close_matches(str(name), self, 1)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(self) or 'none'}"
+        raise UnknownSignalError(f"no signal {name!r}; {hint}")
+
+
+def signals(channels: Sequence[Channel], rows: Mapping[str, Rows]) -> BySignal[Rows]:
     """Name every field's column.
 
     Args:
@@ -88,7 +111,7 @@ def signals(channels: Sequence[Channel], rows: Mapping[str, Rows]) -> dict[str, 
     Returns:
         "channel.field" -> (n, 1+width), column 0 the time [s].
     """
-    named = {}
+    named = BySignal[Rows]()
     for channel in channels:
         whole = rows.get(channel.name, np.empty((0, 1 + channel.width)))
         for field, columns in zip(channel.fields, channel.columns, strict=True):

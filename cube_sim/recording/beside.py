@@ -6,7 +6,8 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
-from cube_sim.recording.batch import Batch, Sink
+from cube_sim.recording.batch import Batch, View
+from cube_sim.recording.run_end import RunEnd
 
 MOST_WAITING = 100
 """So many batches may wait to be written before whoever hands them on waits too: a few megabytes."""
@@ -22,7 +23,7 @@ class SinkBeside:
         failure: why the sink could not be written, in one line; "" while it could.
     """
 
-    def __init__(self, make: Callable[[], Sink]) -> None:
+    def __init__(self, make: Callable[[], View]) -> None:
         """Begin to make the sink, which may have much to load.
 
         Args:
@@ -39,6 +40,11 @@ class SinkBeside:
             self._await(self._writing.popleft())
         if not self.failure:
             self._writing.append(self._thread.submit(lambda: self._made.result().write(batch)))
+
+    def tell(self, end: RunEnd) -> None:
+        """Show how the run ended, once everything is written."""
+        if not self.failure:
+            self._writing.append(self._thread.submit(lambda: self._made.result().tell(end)))
 
     def close(self) -> None:
         """Finish the sink once everything is written."""

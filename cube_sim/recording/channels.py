@@ -6,6 +6,7 @@ bytes of every recording.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -80,6 +81,11 @@ class Channel:
         return sum(field.width for field in self.fields)
 
     @cached_property
+    def every_tick(self) -> bool:
+        """Whether there is a row at each control period: not of what tells a change, nor of a sensor's readings."""
+        return self.rate != ON_CHANGE and all(field.name != "taken_at" for field in self.fields)
+
+    @cached_property
     def columns(self) -> tuple[slice, ...]:
         """Where each field lies in a row whose column 0 is the time."""
         ends = [1]
@@ -88,8 +94,33 @@ class Channel:
         return tuple(slice(a, b) for a, b in pairwise(ends))
 
 
+def units_of(channels: Iterable[Channel]) -> dict[str, tuple[str, ...]]:
+    """The unit of each number of every signal, by "channel.field"."""
+    return {f"{channel.name}.{field.name}": field.units for channel in channels for field in channel.fields}
+
+
 SUPPLY = ("motor", "energy", "voltage", "charge")
 """Fields of the channel `power`, in their order."""
+
+
+WHY_NOT_SUPPLIED = {
+    "motor": "the model does not state the power of each thruster (NAME:thruster_power)",
+    "energy": "the model does not state the power of each thruster (NAME:thruster_power)",
+    "voltage": "the model does not state one voltage for all thrusters (NAME:thruster_voltage)",
+    "charge": "the scenario has no battery",
+}
+"""Why a quantity of `SUPPLY` is not recorded."""
+
+
+def why_absent(signal: str) -> str:
+    """Why a run may not have recorded a signal that others do; "" where no run does."""
+    channel, _, quantity = signal.partition(".")
+    if channel == "power" and quantity in SUPPLY:
+        return WHY_NOT_SUPPLIED[quantity]
+    if channel in ("navigation", "navigation_error"):
+        return "the scenario has no navigation block"
+    sensor = channel.removeprefix("sensor_")
+    return f"the scenario has no sensor {sensor!r}" if sensor != channel else ""
 
 
 def _power(thrusters: tuple[str, ...], known: tuple[str, ...]) -> tuple[Channel, ...]:

@@ -5,23 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import mujoco
 import rerun as rr
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import split_into_batches
-from cube_sim.recording.header import RunHeader
-from cube_sim.recording.mcap.names import MODEL
 from cube_sim.recording.reading import Recording, read_recording
+from cube_sim.recording.recorded_model import body_of, recorded_model
 from cube_sim.recording.rerun.drawing import RunDrawing
 from cube_sim.recording.rerun.drawn import drawn_from
 from cube_sim.recording.rerun.gathering import gathered
 from cube_sim.recording.rerun.side_by_side import looks, side_by_side
 from cube_sim.recording.rerun.sink import PIECE_S, rerun_sink
 from cube_sim.recording.rerun.story import story_of
-from cube_sim.recording.saved_inputs import save_inputs
 
 
 def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
@@ -39,6 +36,8 @@ def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
     sink = rerun_sink(rrd, recording.header, recording.channels, opened.model, opened.vehicle)
     for batch in split_into_batches(recording.rows, recording.log):
         sink.write(batch)
+    if recording.end is not None:
+        sink.tell(recording.end)
     sink.close()
 
 
@@ -65,6 +64,8 @@ def rrd_from_records(mcaps: Sequence[Path], names: Sequence[str], rrd: Path) -> 
         drawing = RunDrawing(stream, drawn, o.model, o.vehicle)
         for batch in batches:
             drawing.write(batch)
+        if o.recording.end is not None:
+            drawing.tell(o.recording.end)
     stream.send_recording_name(" beside ".join(names))
     stream.send_blueprint(side_by_side(shown), make_active=True)
     stream.flush()
@@ -89,17 +90,7 @@ class _Opened:
     def read(cls, mcap: Path) -> _Opened:
         recording = read_recording(mcap)
         try:
-            model = _compiled(recording.header)
+            model = recorded_model(recording.header)
         except ValueError as error:
             raise RecordingError(f"{mcap}: the recorded model does not compile: {error}") from None
-        named = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, recording.vehicle) >= 0
-        return cls(recording, model, recording.vehicle if named else None)
-
-
-def _compiled(header: RunHeader) -> mujoco.MjModel:
-    """The recorded model, from files: MuJoCo tells those it is given in memory apart by their last names alone."""
-    if header.model == MODEL:  # of format 1, which has no folders
-        return mujoco.MjModel.from_xml_path(header.model, dict(header.inputs))
-    with TemporaryDirectory() as folder:
-        save_inputs(header, Path(folder))
-        return mujoco.MjModel.from_xml_path(str(Path(folder, header.model)))
+        return cls(recording, model, body_of(model, recording.vehicle))

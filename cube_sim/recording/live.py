@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Callable
+from contextlib import suppress
 from queue import Full, Queue
 from threading import Thread
 
-from cube_sim.recording.batch import Batch, Sink
+from cube_sim.recording.batch import Batch, View
+from cube_sim.recording.run_end import RunEnd
 
 VIEWER_PORT = 9876
 """Where the Rerun viewer listens unless it is told otherwise."""
@@ -26,14 +28,14 @@ class LiveSink:
         left_out: how many batches the viewer was too slow for, or did not live to see.
     """
 
-    def __init__(self, make: Callable[[], Sink]) -> None:
+    def __init__(self, make: Callable[[], View]) -> None:
         """Begin to make the sink that shows them.
 
         Args:
             make: called once, on a thread of its own.
         """
         self.left_out = 0
-        self._waiting: Queue[Batch | None] = Queue(MOST_WAITING)
+        self._waiting: Queue[Batch | RunEnd | None] = Queue(MOST_WAITING)
         self._thread = Thread(target=self._show, args=(make,), name="live view", daemon=True)
         self._thread.start()
 
@@ -44,6 +46,11 @@ class LiveSink:
         except Full:
             self.left_out += 1
 
+    def tell(self, end: RunEnd) -> None:
+        """Hand on how the run ended, waiting a little for room."""
+        with suppress(Full):
+            self._waiting.put(end, timeout=PATIENCE_S)
+
     def close(self) -> None:
         """Wait a little for what is on its way; what takes longer is not shown."""
         try:
@@ -52,12 +59,15 @@ class LiveSink:
             return
         self._thread.join(PATIENCE_S)
 
-    def _show(self, make: Callable[[], Sink]) -> None:
-        shown: Sink | None = None
+    def _show(self, make: Callable[[], View]) -> None:
+        shown: View | None = None
         try:
             shown = make()
-            while (batch := self._waiting.get()) is not None:
-                shown.write(batch)
+            while (each := self._waiting.get()) is not None:
+                if isinstance(each, RunEnd):
+                    shown.tell(each)
+                else:
+                    shown.write(each)
             shown.close()
         except Exception:  # whatever a viewer does, the run goes on without it
             while self._waiting.get() is not None:

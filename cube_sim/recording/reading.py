@@ -32,6 +32,9 @@ from cube_sim.recording.run_end import RunEnd, from_texts
 from cube_sim.run_log import LogLine
 
 NO_END = "it does not say how the run ended"
+ALTERED = "the record was altered"
+CANNOT_KNOW = "its format says neither how the run ended nor whether anything was altered: it may be all, or not"
+"""Of a record from before format 3 whose file has its end."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,7 @@ class Recording:
     def complete(self) -> bool:
         """Whether the record says that the flight came to its end, and all that was recorded of it is here unchanged.
 
-        Before format 3 no record says that; there it is whether the file has its end.
+        Before format 3 no record says that.
         """
         return not self.flaw
 
@@ -174,7 +177,7 @@ def _end(contents: McapContents, read: Recording) -> tuple[RunEnd | None, str]:
     texts = contents.metadata.get(END_METADATA)
     if texts is None:
         whole = contents.complete and contents.metadata[RUN_METADATA]["format"] in EARLIER
-        return None, "" if whole else NO_END
+        return None, CANNOT_KNOW if whole else NO_END
     try:
         end, digests = from_texts(texts)
         head = head_digests(contents.metadata, contents.attachments)
@@ -182,7 +185,7 @@ def _end(contents: McapContents, read: Recording) -> tuple[RunEnd | None, str]:
     except (RecordingError, ValueError, TypeError, KeyError) as error:
         return None, str(error) if isinstance(error, RecordingError) else "how the run ended cannot be read"
     if other:
-        return end, f"the record was altered: {other}"
+        return end, f"{ALTERED}: {other}"
     if not end.of_itself:
         when = "" if end.simulated_s is None or end.how == "recovered" else f" at {end.simulated_s:g} s"
         return end, f"{end.how}{when}{f': {end.reason}' if end.reason else ''}"

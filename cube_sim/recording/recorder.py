@@ -10,7 +10,7 @@ from types import TracebackType
 import mujoco
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Batch, Rows, Sink
+from cube_sim.recording.batch import Batch, Rows, Sink, View
 from cube_sim.recording.beside import SinkBeside
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
@@ -76,9 +76,10 @@ class Recorder(SignalStore):
         self._record = McapSink(self.mcap, header, self._channels, name, scene)
         self._shown = SinkBeside(lambda: self._view(header, model, vehicle)) if view else None
         self._live = None if live is None else LiveSink(lambda: self._streamed(live, header, model, vehicle))
-        self._sinks: list[Sink] = [each for each in (self._record, self._shown, self._live) if each is not None]
+        self._views: list[View] = [each for each in (self._live, self._shown) if each is not None]
+        self._sinks: list[Sink] = [self._record, *self._views]
 
-    def _view(self, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> Sink:
+    def _view(self, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> View:
         # What it cannot write is told once, by `warnings`; unasked, Rerun would tell it in its own words as well.
         os.environ.setdefault("RUST_LOG", "off")
         # Only a run that wants the view pays for its import.
@@ -86,27 +87,20 @@ class Recorder(SignalStore):
 
         return rerun_sink(self.rrd, header, self._channels, model, vehicle)
 
-    def _streamed(self, port: int, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> Sink:
+    def _streamed(self, port: int, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> View:
         os.environ.setdefault("RUST_LOG", "off")  # a viewer that is not there is no news to Rerun alone
         from cube_sim.recording.rerun.sink import live_sink
 
         return live_sink(port, header, self._channels, model, vehicle)
 
     def settle(self) -> None:
-        """Send the last rows to the files, and finish the view: nothing can be added from now on."""
-        if self._closed:
-            return
-        self._closed = True
-        try:
+        """Send the last rows to the files: nothing can be added from now on."""
+        if not self._closed:
+            self._closed = True
             self._flush()
-        finally:
-            if self._live is not None:
-                self._live.close()
-            if self._shown is not None:
-                self._shown.close()
 
     def finish(self, end: RunEnd) -> None:
-        """Write how the run ended, and close the files; once is enough.
+        """Write how the run ended, show it, and close the files; once is enough.
 
         Raises:
             OSError: there is no room for it; all that is in the record already stays readable.
@@ -116,6 +110,8 @@ class Recorder(SignalStore):
         finally:
             try:
                 self._record.finish(end)
+                for view in self._views:
+                    view.tell(end)
             finally:
                 self.close()
 
@@ -124,6 +120,9 @@ class Recorder(SignalStore):
         try:
             self.settle()
         finally:
+            views, self._views = self._views, []
+            for view in views:
+                view.close()
             self._record.close()
             if self._recorded is not None:
                 self._recorded.finished()

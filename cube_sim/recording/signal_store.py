@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Batch, Rows, Sink, batch_number, signals, ticks_left_of_second
+from cube_sim.recording.batch import Batch, BySignal, Rows, Sink, batch_number, signals, ticks_left_of_second
 from cube_sim.recording.buffer import ChannelBuffer
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.mcap.schemas import LOG_LEVELS
@@ -114,7 +114,7 @@ class SignalStore:
             raise RecordingError(f"no log level {level!r}; there are {', '.join(LOG_LEVELS)}")
         if t != self._time:
             self._advance(t)
-        line = LogLine(t, level, text)
+        line = LogLine(round(t, 9), level, text)  # a time that is a whole number of ticks may be off by rounding
         self._log.append(line)
         self._lines.append(line)
 
@@ -142,7 +142,7 @@ class SignalStore:
     @property
     def signals(self) -> Mapping[str, Rows]:
         """Everything recorded: "channel.field" -> (n, 1+width), column 0 the time [s]."""
-        named: dict[str, Rows] = {}
+        named = BySignal[Rows]()
         for channel in self._channels:  # one after another: all rows of all channels are in memory twice, not thrice
             rows = np.concatenate([*self._written[channel.name], self._buffers[channel.name].rows])
             named |= signals((channel,), {channel.name: rows})

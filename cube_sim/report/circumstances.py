@@ -70,6 +70,7 @@ def _lost(subject: Subject, t: float) -> Iterator[str]:
 def _wrench(subject: Subject, start: float, t: float) -> Iterator[str]:
     rows, labels = subject.rows("allocation.status"), subject.labels("allocation.status")
     inside = rows[(rows[:, 0] >= start) & (rows[:, 0] <= t)]
+    inside = inside[np.isfinite(inside[:, 1])]
     other = inside[inside[:, 1] != 0]
     if len(other) and len(inside) > 1:
         lasted = len(other) * (inside[-1, 0] - inside[0, 0]) / (len(inside) - 1)

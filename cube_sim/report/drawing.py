@@ -30,6 +30,7 @@ def draw(panel: Panel, axis: TimeAxis, width: int = WIDE) -> str:
     parts = [
         *_frame(panel, across, up, width),
         *(_zone(zone, across, up) for zone in panel.zones),
+        *gaps(axis, across, LEFT, TOP, panel.height),
         *_marks(axis, across, panel.height),
         *limits(panel.guides, across, up, TOP),
         *(_curve(curve, across, up, axis.end_s) for curve in panel.curves),
@@ -214,6 +215,14 @@ def path_data(x: Values, y: Values) -> str:
         return first + "h0"
     steps = " ".join(map(str, np.diff(points, axis=0).ravel().tolist()))
     return f"{first}l{steps}".replace(" -", "-")
+
+
+def gaps(axis: TimeAxis, across: Scale, left: float, top: float, height: float) -> Iterable[str]:
+    """Hatched from top to bottom: nothing is recorded there."""
+    for start_s, end_s in axis.gaps:
+        start, end = across.at(start_s), across.at(end_s)
+        wide = f"{max(end - start, 1.0):.1f}"
+        yield element("rect", class_="gap", x=f"{left + start:.1f}", y=top, width=wide, height=height)
 
 
 def _marks(axis: TimeAxis, across: Scale, height: int) -> Iterable[str]:

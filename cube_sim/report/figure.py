@@ -26,7 +26,10 @@ WIDTH_MM, ROW_MM = 170.0, 42.0
 """Two columns of a usual journal; height of a panel."""
 
 _MM_PER_INCH = 25.4
+_NOISE = 2e-5
+"""The axis spans so large a share of its numbers at least, or rounding would be seen as motion (choice)."""
 _TARGET = "target"
+_NOT_RECORDED = "#eceae4"
 _LEGEND_COLUMNS = 3
 _SIGNS = {"<=": "≤", ">=": "≥"}
 _STYLE: dict[Any, Any] = {
@@ -64,11 +67,15 @@ class Plot:
         label: of the upright axis, with its unit.
         curves: a name for each and its rows (n, 2), time [s] and number.
         signal: what is drawn, for the limits of checks on it; "" where no check can be.
+        unit: of the limits.
+        least: the axis spans so much at least, in that unit: below it there is nothing to see but noise.
     """
 
     label: str
     curves: tuple[tuple[str, Rows], ...]
     signal: str = ""
+    unit: str = ""
+    least: float = 0.0
 
 
 def save_figure(
@@ -144,15 +151,23 @@ def _over_time(
         colour = colours.FAINT if asked else colours.of_index(own.index(name))
         axes.plot(shown[:, 0], shown[:, 1], color=colour, linestyle="--" if asked else "-", label=name)
     axes.set_xlim(start, max(end, start + 1e-9))
+    unit = [panel.unit] if panel.unit not in ("", "1") else []
     for check in subject.scenario.checks:
         if isinstance(check, SignalCheckBlock) and panel.signal and _judges(check, panel.signal):
             begins = max(start, check.from_s or 0.0)
             ends = min(end, subject.scenario.duration_s if check.to_s is None else check.to_s)
-            label = f"{check.statistic} {_SIGNS[check.bound.relation]} {check.bound.limit:g}"
+            label = " ".join([check.statistic, _SIGNS[check.bound.relation], f"{check.bound.limit:g}", *unit])
             limit = [check.bound.limit] * 2
             axes.plot([begins, ends], limit, color=colours.BAD, linestyle=(0, (5, 2)), linewidth=0.9, label=label)
+    for begins, ends in subject.gaps:
+        axes.axvspan(begins, ends, color=_NOT_RECORDED, linewidth=0, zorder=0.5)
     _mark(axes, [each for each in happenings(subject) if start <= each.t <= end], told)
     axes.set_ylabel(panel.label)
+    axes.ticklabel_format(axis="y", useOffset=False)
+    low, high = axes.get_ylim()
+    short = max(panel.least, _NOISE * max(abs(low), abs(high))) - (high - low)
+    if short > 0:
+        axes.set_ylim(low - short / 2, high + short / 2)
     if timed:
         axes.set_xlabel("time [s]")
     else:
@@ -215,6 +230,8 @@ def _usual(subject: Subject) -> list[Plot]:
                 for name, field in (("cross-track", "cross_track"), ("along-track", "along"))
             ),
             "path_error.cross_track",
+            "m",
+            0.01,
         ),
         Plot(
             "force demanded [N]",
@@ -228,7 +245,7 @@ def _usual(subject: Subject) -> list[Plot]:
 def _height(subject: Subject) -> Plot:
     target = _column(subject, "target.position", 2)
     curves = [(_TARGET, target)] if len(target) else []
-    return Plot("height z [m]", (*curves, ("vehicle", _column(subject, "pose.position", 2))))
+    return Plot("height z [m]", (*curves, ("vehicle", _column(subject, "pose.position", 2))), least=0.1)
 
 
 def _of_signal(subject: Subject, name: str) -> Plot:
@@ -238,11 +255,16 @@ def _of_signal(subject: Subject, name: str) -> Plot:
     else:
         signal, _, part = name.rpartition(".")
         columns = subject.columns(signal)
+        own = [each for each in subject.run.fields if each.startswith(f"{name}.")]
+        if own:
+            raise RecordingError(f"{name} is a channel; its signals are {', '.join(own)}")
         if signal not in subject.run.fields or part not in columns:
             raise RecordingError(f"no signal {name!r}{_hint(subject, name)}")
         index = columns.index(part)
         full = subject.run.column_names(signal)[index]
-        panel = Plot(full, ((full.partition(" [")[0], _column(subject, signal, index)),), name)
+        unit = subject.run.fields[signal].units[index]
+        label = full.partition(" [")[0]
+        panel = Plot(_labelled(label, unit), ((label, _column(subject, signal, index)),), name, unit)
     if not any(len(rows) for _, rows in panel.curves):
         raise RecordingError(f"{name}: is declared, but nothing was recorded of it")
     return panel
@@ -255,7 +277,11 @@ def _whole(subject: Subject, signal: str) -> Plot:
         return Plot(signal, ())
     names = (signal,) if field.is_single_number else columns
     curves = tuple((name, _column(subject, signal, index)) for index, name in enumerate(names))
-    return Plot(f"{signal.replace('_', ' ').replace('.', ' ')} [{field.unit}]", curves, signal)
+    return Plot(_labelled(signal.replace("_", " ").replace(".", " "), field.unit), curves, signal, field.unit)
+
+
+def _labelled(name: str, unit: str) -> str:
+    return name if unit == "1" else f"{name} [{unit}]"
 
 
 def _column(subject: Subject, signal: str, index: int) -> Rows:

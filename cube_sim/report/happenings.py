@@ -57,6 +57,7 @@ def _events(subject: Subject) -> Iterator[Happening]:
 
 def _beliefs(subject: Subject) -> Iterator[Happening]:
     rows, names = subject.rows("health.believed"), subject.columns("health.believed")
+    rows = rows[np.isfinite(rows).all(axis=1)]
     if not len(rows):
         return
     told = rows[0, 1:]
@@ -75,6 +76,7 @@ def _share(share: float) -> str:
 
 def _authorities(subject: Subject) -> Iterator[Happening]:
     rows, labels = subject.rows("health.authority"), subject.labels("health.authority")
+    rows = rows[np.isfinite(rows[:, 1])]
     for index in np.flatnonzero(np.diff(rows[:, 1])) + 1 if len(rows) else ():
         yield Happening(float(rows[index, 0]), AUTHORITY, f"flies as {labelled(labels, rows[index, 1])}")
 
@@ -82,7 +84,7 @@ def _authorities(subject: Subject) -> Iterator[Happening]:
 def _end(subject: Subject) -> list[Happening]:
     last, planned = subject.run.recorded_s, subject.scenario.duration_s
     ends = [line for line in subject.run.log if line.level in ("ERROR", "FATAL")]
-    if not subject.run.complete:
+    if not subject.run.complete and last < planned - subject.scenario.control_period_s:
         return [Happening(last, END, "the record ends here")]
     return [Happening(line.t, END, f"the run ends: {line.text}") for line in ends[-1:] if line.t < planned]
 

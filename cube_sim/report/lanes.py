@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.report.decimation import Values
-from cube_sim.report.drawing import LEFT, RIGHT, WIDE, text_width
+from cube_sim.report.drawing import LEFT, RIGHT, WIDE, gaps, text_width
 from cube_sim.report.markup import element, text
 from cube_sim.report.panel import TimeAxis
 from cube_sim.report.scale import Scale
@@ -24,7 +24,7 @@ class StateLane:
     Attributes:
         name: of the lane.
         times: (n,) increasing [s].
-        states: (n,) numbers of the states; of those that share a pixel the largest is shown.
+        states: (n,) numbers of the states, -1 where nobody knows; of those that share a pixel the largest is shown.
         labels: name of each state.
         colours: of each state, CSS; "" leaves it blank.
     """
@@ -55,6 +55,7 @@ def draw_lanes(title: str, lanes: Sequence[StateLane], axis: TimeAxis) -> str:
             element("rect", x=f"{left + a:.0f}", y=y + 2, width=f"{b - a:.0f}", height=_HEIGHT - 4, fill=colour)
             for a, b, colour in _blocks(lane, across, axis.end_s)
         ]
+    parts += gaps(axis, across, left, _ABOVE, _HEIGHT * len(lanes))
     for mark in axis.marks:
         x = f"{left + across.at(mark.t):.1f}"
         parts.append(f'<path class="m" stroke="{mark.colour}" d="M{x} {_ABOVE}V{bottom}"/>')
@@ -94,7 +95,7 @@ def _blocks(lane: StateLane, across: Scale, end_s: float) -> list[tuple[float, f
     starts, ends = at[changes], np.append(at[changes][1:], end)
     found = []
     for a, b, code in zip(starts.tolist(), ends.tolist(), state[changes].tolist(), strict=True):
-        colour = lane.colours[code] if 0 <= code < len(lane.colours) else "#000"
+        colour = "" if code < 0 else lane.colours[code] if code < len(lane.colours) else "#000"
         if colour:
             found.append((a, b, colour))
     return found

@@ -101,7 +101,10 @@ def _few(at: Values) -> list[int]:
     """Positions of points half a pixel apart at least, the last one among them."""
     moved = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(np.nan_to_num(at, posinf=0.0, neginf=0.0), axis=0).T))])
     chosen = np.unique(np.floor(moved / 0.5), return_index=True)[1]
-    return sorted({*chosen.tolist(), len(at) - 1})
+    # A line is broken by a point that is none, and goes on from the next.
+    none = np.flatnonzero(~np.isfinite(at).all(axis=1))
+    ends = np.concatenate([none - 1, none, none + 1])
+    return sorted({*chosen.tolist(), *ends[(ends >= 0) & (ends < len(at))].tolist(), len(at) - 1})
 
 
 def _line(at: Values, colour: str, kind: str) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from cube_sim.recording.batch import Rows
 from cube_sim.report import colours
+from cube_sim.report.decimation import Values
 from cube_sim.report.panel import Curve, Panel, Shade, Zone
 from cube_sim.report.subject import Subject
 from cube_sim.report.thruster_use import LOWER, UPPER, ThrusterUse
@@ -105,7 +106,7 @@ def power_panels(subjects: Subjects) -> Iterator[Panel]:
     energy = [Trace("", "", column("power.energy"))]
     yield from panels(subjects, "Energy drawn", "J", energy, height=100)
     for signal, title, unit in (("power.voltage", "Voltage", "V"), ("power.charge", "Charge left", "1")):
-        if any(np.ptp(subject.rows(signal)[:, 1]) > 0 for subject in subjects if subject.has(signal)):
+        if any(_changes(subject.rows(signal)[:, 1]) for subject in subjects if subject.has(signal)):
             yield from panels(subjects, title, unit, [Trace("", "", column(signal))], height=100)
 
 
@@ -237,6 +238,11 @@ def _lost(subject: Subject, name: str) -> Iterator[Shade]:
     gone = np.concatenate([[False], rows[:, 1] == 0, [False]])
     for a, b in np.flatnonzero(np.diff(gone)).reshape(-1, 2).tolist():
         yield Shade(float(rows[a, 0]), float(rows[b - 1, 0]), LOST)
+
+
+def _changes(values: Values) -> bool:
+    values = values[np.isfinite(values)]
+    return len(values) > 0 and bool(np.ptp(values) > 0)
 
 
 def _total_power(subject: Subject) -> Rows:

@@ -30,7 +30,7 @@ from cube_sim.report.motion_panels import (
 )
 from cube_sim.report.panel import Mark, Panel, TimeAxis
 from cube_sim.report.source_tables import build_table, log_table, parameter_table
-from cube_sim.report.style import CSS, SCRIPT
+from cube_sim.report.style import CSS, GAP, SCRIPT
 from cube_sim.report.subject import Subject
 from cube_sim.report.tables import check_table, comparison_table, happening_table, sensor_table, thruster_table
 from cube_sim.report.thruster_use import STATES
@@ -58,11 +58,14 @@ def report(runs: Sequence[RecordedRun], labels: Sequence[str]) -> str:
     told = _told(subjects)
     last = max(subject.run.recorded_s for subject in subjects)
     end_s = last if last > 0 else max(subject.scenario.duration_s for subject in subjects)
-    axis = TimeAxis(0.0, end_s, tuple(Mark(each.t, flag, _OF_KIND[each.kind]) for flag, each, _ in told))
+    # Of several runs each has its own gaps: their curves are broken there.
+    gaps = subjects[0].gaps if len(subjects) == 1 else ()
+    axis = TimeAxis(0.0, end_s, tuple(Mark(each.t, flag, _OF_KIND[each.kind]) for flag, each, _ in told), gaps)
     sections = [(name, title, content) for name, title, content in _sections(subjects, axis, told) if content]
     names = ", ".join(dict.fromkeys(subject.scenario.name for subject in subjects))
     links = "".join(f'<a href="#{name}">{text(title)}</a>' for name, title, _ in sections)
     body = [
+        GAP if any(subject.gaps for subject in subjects) else "",
         *_head(subjects),
         element("nav", links),
         *(f'<section id="{name}"><h2>{text(title)}</h2>{content}</section>' for name, title, content in sections),
@@ -93,10 +96,23 @@ def _head(subjects: Sequence[Subject]) -> Iterable[str]:
         yield from (
             f'<p class="remark">{"" if alone else text(subject.label) + ": "}{text(r)}</p>' for r in subject.remarks
         )
+        yield from _missing(subject, alone)
         flown = f"recorded to {seconds(run.recorded_s)} of {seconds(scenario.duration_s)}"
         facts = [flown, f"model {run.header.model.removeprefix('model/')}", f"seed {run.header.seed}"]
         facts.append(f"cube-sim {run.header.versions.get('cube-sim', 'of unknown version')}")
         yield f'<p class="fact">{text(" · ".join(facts))}</p>'
+
+
+def _missing(subject: Subject, alone: bool) -> Iterable[str]:
+    """Which seconds are not there, and how that is seen below."""
+    if not subject.gaps:
+        return
+    spans = ", ".join(f"{seconds(start)} to {seconds(end)}" for start, end in subject.gaps)
+    lost = sum(end - start for start, end in subject.gaps)
+    whose = "" if alone else f"{subject.label}: "
+    drawn = "they are hatched in the plots" if alone else "the curves are broken there"
+    said = f"{whose}not recorded: {spans}, {seconds(lost)} in all; {drawn}, and the checks saw the rest alone"
+    yield f'<p class="remark">{text(said)}</p>'
 
 
 def _sections(
@@ -135,7 +151,7 @@ def _thrusters(
         # Lanes are of one run: what happened in others has no place on them.
         own = tuple(mark for mark, (_, _, whose) in zip(axis.marks, told, strict=True) if subject in whose)
         heading = title if alone else f"{subject.label}: {title}"
-        states += draw_lanes(heading, _lanes(subject), replace(axis, marks=own))
+        states += draw_lanes(heading, _lanes(subject), replace(axis, marks=own, gaps=subject.gaps))
     tables = "".join(_titled(subject, thruster_table(subject), alone) for subject in subjects if subject.thrusters)
     forces = _in_two(thruster_panels(subjects), axis)
     return states + tables + forces if tables else ""

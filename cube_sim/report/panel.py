@@ -156,8 +156,10 @@ class TimeAxis:
         start_s: left end [s].
         end_s: right end [s].
         marks: what happened, in the order of time.
+        gaps: from when to when nothing is recorded [s].
     """
 
     start_s: float
     end_s: float
     marks: tuple[Mark, ...] = field(default=())
+    gaps: tuple[tuple[float, float], ...] = field(default=())

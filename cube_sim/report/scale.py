@@ -12,6 +12,8 @@ from cube_sim.report.markup import number
 
 _DECADES = 13.0
 """A logarithmic axis shows so many at most; what is smaller lies on its lower edge (choice)."""
+_NOISE = 2e-6
+"""A spread that is so small a share of the numbers is a level line: six digits of a label would not tell its ends."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ def scale_for(lowest: float, highest: float, pixels: float, *, logarithmic: bool
         top = highest * 1.6
         return Scale(max(lowest / 1.6, top * 10.0**-_DECADES), top, pixels, True)
     spread = highest - lowest
-    if spread <= 1e-12 * max(abs(highest), abs(lowest), 1e-9):
+    if spread <= _NOISE * max(abs(highest), abs(lowest), 1e-9):
         spread = max(abs(highest), 1e-9)
         return Scale(lowest - 0.5 * spread, highest + 0.5 * spread, pixels)
     return Scale(lowest - 0.06 * spread, highest + 0.08 * spread, pixels)

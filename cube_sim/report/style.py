@@ -34,6 +34,7 @@ svg .m{stroke-width:1;stroke-dasharray:3 2;fill:none}
 svg .c{fill:none;stroke-width:15;stroke-linejoin:round}svg .c.t{stroke-width:9}svg .c.d{stroke-dasharray:50 30}
 svg .c.r{stroke-width:40;opacity:.55}
 svg .o{fill:none;stroke-width:34;stroke-linecap:round}svg .k{fill:none;stroke-width:14}
+svg .gap{fill:url(#not-recorded)}.defs{position:absolute}
 svg .x{fill:#c4231c;opacity:.07}svg .b{stroke-width:1.6;fill:none}
 svg .w{stroke-width:1;stroke-dasharray:1.5 2;fill:none}svg .v{stroke-width:1;stroke-dasharray:7 3;fill:none}
 svg .p{fill:#fff;fill-opacity:.7;stroke-width:1.8}
@@ -51,6 +52,13 @@ table{font-size:8.5pt}td.k{min-width:46mm}
 .verdict{print-color-adjust:exact;-webkit-print-color-adjust:exact}
 }
 """
+
+GAP = (
+    '<svg class="defs" width="0" height="0"><defs><pattern id="not-recorded" width="6" height="6" '
+    'patternUnits="userSpaceOnUse" patternTransform="rotate(45)"><rect width="6" height="6" fill="#f4f1ea"/>'
+    '<rect width="1.6" height="6" fill="#b9b2a3"/></pattern></defs></svg>'
+)
+"""What hatches the time of which nothing is recorded; once on a page."""
 
 SCRIPT = """\
 (function(){

@@ -13,6 +13,9 @@ from cube_sim.report.decimation import Values, held
 
 OFF, REVERSE, FORWARD, LOST, LOWER, UPPER = range(6)
 """What a thruster does at a tick; the more it matters to a reader, the larger."""
+UNKNOWN = -1
+"""What it does where nothing is recorded."""
+
 STATES = ("off", "reverse", "forward", "believed dead", "at its lower limit", "at its upper limit")
 
 _AT_LIMIT = 1e-3
@@ -28,7 +31,7 @@ class ThrusterUse:
         times: (n,) ticks [s].
         force: (n,) force asked for [N].
         limits: (k, 5) time [s], F_max-, F_DZ-, F_DZ+, F_max+ as believed [N]; a row holds until the next.
-        state: (n,) one of `STATES` at each tick, by its number.
+        state: (n,) one of `STATES` at each tick, by its number; -1 where nothing is recorded.
         period_s: time a tick stands for [s].
         energy_J: electrical energy drawn [J]; NaN where it is not known.
     """
@@ -54,7 +57,7 @@ class ThrusterUse:
     @property
     def reversals(self) -> int:
         """How often its force changed its sign, times at rest between left out."""
-        signs = np.sign(self.force[self.force != 0])
+        signs = np.sign(self.force[np.isfinite(self.force) & (self.force != 0)])
         return int(np.count_nonzero(np.diff(signs)))
 
 
@@ -72,7 +75,7 @@ def thruster_uses(signals: Mapping[str, Rows], names: Sequence[str]) -> tuple[Th
     for index, name in enumerate(names):
         force = forces[:, 1 + index]
         own = np.column_stack([limits[:, 0], limits[:, 1 + 4 * index : 5 + 4 * index]])
-        energy_J = float("nan") if power is None else float(np.sum(power[:, 1 + index])) * period_s
+        energy_J = float("nan") if power is None else float(np.nansum(power[:, 1 + index])) * period_s
         found.append(ThrusterUse(name, times, force, own, _states(force, held(own, times)), period_s, energy_J))
     return tuple(found)
 
@@ -86,4 +89,5 @@ def _states(force: Values, limits: Values) -> NDArray[np.int8]:
     state[(lowest < 0) & (force <= (1 - _AT_LIMIT) * lowest)] = LOWER
     state[(highest > 0) & (force >= (1 - _AT_LIMIT) * highest)] = UPPER
     state[(lowest >= 0) & (highest <= 0)] = LOST
+    state[np.isnan(force)] = UNKNOWN
     return state

@@ -7,20 +7,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
+import numpy as np
 from pydantic import ValidationError
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Rows
+from cube_sim.recording.batch import BySignal, Rows
 from cube_sim.recording.channels import Field
 from cube_sim.recording.header import RunHeader
-from cube_sim.recording.reading import NO_END, Recording, read_recording
+from cube_sim.recording.reading import ALTERED, CANNOT_KNOW, NO_END, Recording, read_recording
 from cube_sim.recording.run_end import RunEnd
-from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE
+from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE, record_of
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.document import parse
+from cube_sim.verdict import CheckResult, Verdict
+
+Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -30,24 +34,27 @@ class RecordedRun:
     Attributes:
         path: of the record.
         recording: what the record holds.
-        verdict: what verdict.json beside it says, as plain data; None without one.
+        told: what verdict.json beside it says, as plain data; None without one.
     """
 
     path: Path
     recording: Recording
-    verdict: Mapping[str, Any] | None
+    told: Mapping[str, Any] | None
 
     @cached_property
     def signals(self) -> dict[str, Rows]:
-        """Every signal as "channel.field" -> (n, 1+width), column 0 the time [s]; the bits the run had in memory."""
+        """Every signal as "channel.field" -> (n, 1+width), column 0 the time [s]; the bits the run had in memory.
+
+        A name that is none is an `UnknownSignalError`, which is a KeyError too and says which is nearest.
+        """
         return self.recording.signals
 
     @cached_property
     def fields(self) -> dict[str, Field]:
         """Width, unit, meaning with its frame, and column names of each signal, by the same names."""
-        return {
-            f"{channel.name}.{field.name}": field for channel in self.recording.channels for field in channel.fields
-        }
+        return BySignal(
+            (f"{channel.name}.{field.name}", field) for channel in self.recording.channels for field in channel.fields
+        )
 
     @property
     def header(self) -> RunHeader:
@@ -93,6 +100,28 @@ class RecordedRun:
         return self.recording.end
 
     @property
+    def verdict(self) -> Verdict | None:
+        """What the run was judged, in the same word as `cube_sim.run(...).verdict`.
+
+        It is that of the record; where the record does not say it, that of verdict.json beside it. None where neither
+        does, and of a record that was altered.
+        """
+        if self.end is not None:
+            return None if self.altered else self.end.verdict
+        said = self.told.get("verdict") if isinstance(self.told, Mapping) else None
+        return next((word for word in get_args(Verdict) if word == said), None)
+
+    @property
+    def altered(self) -> bool:
+        """Whether something in the record is not as it was written, by the digests at its end."""
+        return self.recording.flaw.startswith(ALTERED)
+
+    @property
+    def checks(self) -> tuple[CheckResult, ...]:
+        """One result per check of the scenario, as `cube_sim.run(...).checks`; () where the record has none."""
+        return () if self.end is None else self.end.checks
+
+    @property
     def complete(self) -> bool:
         """Whether this is all of a flight that came to its end, as it was recorded; else `flaw` says why not."""
         return not self.flaw
@@ -100,14 +129,15 @@ class RecordedRun:
     @cached_property
     def flaw(self) -> str:
         """Why this is not all of what was recorded of a flight that came to its end, in words; "" if it is."""
-        if self.recording.flaw and self.end is None:
-            return self._early if self.recording.flaw == NO_END else f"{self._early}: {self.recording.flaw}"
-        if self.recording.flaw or self.end is not None:
-            return self.recording.flaw
-        # Before format 3 no record says how its run ended.
-        of_itself = any(line.level == "ERROR" and line.t >= self.recorded_s for line in self.log)
-        whole = self.recorded_s > (self.scenario.ticks - 0.5) * self.scenario.control_period_s
-        return "" if of_itself or whole else self._early
+        flaw = self.recording.flaw
+        if not flaw or self.end is not None:
+            return flaw
+        if flaw == CANNOT_KNOW:
+            # Rows that do not reach the end of the time are known not to be all, unless the flight ended itself.
+            of_itself = any(line.level == "ERROR" and line.t >= self.recorded_s for line in self.log)
+            whole = self.recorded_s > (self.scenario.ticks - 0.5) * self.scenario.control_period_s
+            return flaw if of_itself or whole else self._early
+        return self._early if flaw == NO_END else f"{self._early}: {flaw}"
 
     @property
     def _early(self) -> str:
@@ -121,6 +151,17 @@ class RecordedRun:
     def recorded_s(self) -> float:
         """The time of the last row [s]; 0 without rows."""
         return max((float(rows[-1, 0]) for rows in self.recording.rows.values() if len(rows)), default=0.0)
+
+    @cached_property
+    def missing_s(self) -> tuple[Span, ...]:
+        """From when to when there are no rows [s], of the channel that has most; none of a run that is whole."""
+        period_s, end = self.scenario.control_period_s, self.end
+        last_s = self.scenario.duration_s if end is None or end.simulated_s is None else end.simulated_s
+        times = max((rows[:, 0] for rows in self.recording.rows.values()), key=len, default=np.empty(0))
+        # A row stands for the period that it begins; the last one is the state at the end.
+        edges = np.concatenate([[-period_s], times, [last_s + period_s]])
+        gaps = np.flatnonzero(np.diff(edges) > 1.5 * period_s)
+        return tuple((float(edges[k] + period_s), float(min(edges[k + 1], last_s))) for k in gaps)
 
     def to_pandas(self, channel: str) -> Any:
         """The rows of a channel as a DataFrame, named as by `cube-sim export`, with units: the time is "t [s]".
@@ -167,14 +208,12 @@ def load_run(path: str | Path) -> RecordedRun:
             read as far as it goes.
     """
     path = Path(path)
-    record = path / MCAP_FILE if path.is_dir() else path
-    if not record.is_file():
-        raise RecordingError(f"{path}: no {MCAP_FILE} here" if path.is_dir() else f"{path}: no such file")
+    record = record_of(path)
     beside = record.with_name(VERDICT_FILE)
-    verdict = None
+    told = None
     if record.name == MCAP_FILE and beside.is_file():
         try:
-            verdict = json.loads(beside.read_text(encoding="utf-8"))
+            told = json.loads(beside.read_text(encoding="utf-8"))
         except (ValueError, OSError) as error:
             raise RecordingError(f"{beside}: cannot be read: {error}") from None
-    return RecordedRun(record, read_recording(record), verdict)
+    return RecordedRun(record, read_recording(record), told)

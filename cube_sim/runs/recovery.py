@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import split_into_batches
+from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.sink import McapSink
-from cube_sim.recording.reading import Recording
+from cube_sim.recording.reading import CANNOT_KNOW, Recording
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.salvage import salvage
 from cube_sim.run_directory import MCAP_FILE, RRD_FILE, claim
-from cube_sim.runs.recorded_run import RecordedRun
+from cube_sim.runs.recorded_run import RecordedRun, Span
 
-Span = tuple[float, float]
+_MOST_TOLD = 3
+"""So many losses are named in a line; the spans of time that they leave out are all named beside it."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Recovered:
     view: str
 
 
-def recover(record: Path, directory: Path) -> Recovered | None:
+def recover(record: Path, directory: Path) -> Recovered | str:
     """Write what can be read of a record into a folder, and its view.
 
     Args:
@@ -46,7 +47,7 @@ def recover(record: Path, directory: Path) -> Recovered | None:
         directory: new, empty, or that of an earlier run, which is replaced.
 
     Returns:
-        None where the record is complete: nothing is written then.
+        Why there is nothing to recover, in words, where the record holds all it ever did: nothing is written then.
 
     Raises:
         RecordingError: nothing can be read of it.
@@ -57,13 +58,13 @@ def recover(record: Path, directory: Path) -> Recovered | None:
         raise RecordingError(f"{directory}: is the folder of the record itself; give another")
     found = salvage(record)
     run = RecordedRun(record, found.recording, None)
-    if run.complete and not found.dropped:
-        return None
-    missing = missing_spans(run)
+    if not found.dropped and _holds_all(run):
+        return _nothing_to_recover(run)
+    missing = run.missing_s
     before = run.end
     end = RunEnd(
         "recovered",
-        "; ".join(found.dropped) or run.flaw,
+        _told(found.dropped) or run.flaw,
         None if before is None else before.ticks,
         None if before is None else before.simulated_s,
         missing_s=missing,
@@ -73,14 +74,45 @@ def recover(record: Path, directory: Path) -> Recovered | None:
         return Recovered(folder, run.recorded_s, missing, found.dropped, _view(folder))
 
 
+def _holds_all(run: RecordedRun) -> bool:
+    """Whether nothing was lost or altered since it was written."""
+    stopped = run.end is not None and not run.end.of_itself
+    return run.complete or run.flaw == CANNOT_KNOW or (stopped and not run.altered)
+
+
+def _nothing_to_recover(run: RecordedRun) -> str:
+    if run.complete:
+        return "is complete; there is nothing to recover"
+    if run.end is not None and run.end.how == "recovered":
+        return "is a recovered record already; there is nothing more to recover in it"
+    return f"holds all that was recorded ({run.flaw}); there is nothing to recover"
+
+
+def _told(dropped: Sequence[str]) -> str:
+    """What could not be read, in one line."""
+    more = f"; and {len(dropped) - _MOST_TOLD} more" if len(dropped) > _MOST_TOLD else ""
+    return "; ".join(dropped[:_MOST_TOLD]) + more
+
+
 def _write(path: Path, recording: Recording, end: RunEnd) -> None:
-    sink = McapSink(path, recording.header, recording.channels, recording.vehicle)
+    sink = McapSink(path, recording.header, recording.channels, recording.vehicle, _scene(recording))
     try:
         for batch in split_into_batches(recording.rows, recording.log):
             sink.write(batch)
         sink.finish(end)
     finally:
         sink.close()
+
+
+def _scene(recording: Recording) -> SceneRows | None:
+    """What other programs' viewers draw; None where the model does not compile."""
+    from cube_sim.recording.recorded_model import body_of, recorded_model
+
+    try:
+        model = recorded_model(recording.header)
+    except ValueError:
+        return None
+    return SceneRows(recording.channels, model, body_of(model, recording.vehicle), recording.vehicle)
 
 
 def _view(folder: Path) -> str:
@@ -92,18 +124,3 @@ def _view(folder: Path) -> str:
     except Exception as error:  # the view is made of the record again whenever somebody wants it
         return " ".join(str(error).split())
     return ""
-
-
-def missing_spans(run: RecordedRun) -> tuple[Span, ...]:
-    """From when to when a run has no rows [s], of the channel that has most.
-
-    Args:
-        run: read back.
-    """
-    period, end = run.scenario.control_period_s, run.end
-    last_s = run.scenario.duration_s if end is None or end.simulated_s is None else end.simulated_s
-    times = max((rows[:, 0] for rows in run.recording.rows.values()), key=len, default=np.empty(0))
-    # A row stands for the period that it begins; the last one is the state at the end.
-    edges = np.concatenate([[-period], times, [last_s + period]])
-    gaps = np.flatnonzero(np.diff(edges) > 1.5 * period)
-    return tuple((float(edges[k] + period), float(min(edges[k + 1], last_s))) for k in gaps)

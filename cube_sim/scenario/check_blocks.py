@@ -109,6 +109,11 @@ class AllowedForcesCheckBlock(CheckBlock):
         return self.name or "thruster forces inside their allowed sets"
 
     @property
+    def unit(self) -> str:
+        """Of the limit."""
+        return "N"
+
+    @property
     def bound(self) -> Bound:
         """The largest distance [N]."""
         return Bound("<=", self.tolerance_N)
@@ -130,6 +135,11 @@ class ExactWrenchCheckBlock(CheckBlock):
         return self.name or "|A f - F| wherever attainable"
 
     @property
+    def unit(self) -> str:
+        """Of the limit: forces and torques together."""
+        return "N, N m"
+
+    @property
     def bound(self) -> Bound:
         """The largest norm."""
         return Bound("<=", self.at_most)
@@ -149,6 +159,11 @@ class PathEndCheckBlock(CheckBlock):
     def title(self) -> str:
         """Name shown in results."""
         return self.name or "end of the path reached"
+
+    @property
+    def unit(self) -> str:
+        """Of the limit."""
+        return "m"
 
     @property
     def bound(self) -> Bound:

@@ -15,6 +15,7 @@ from cube_sim.errors import ScenarioError
 from cube_sim.scenario.check_blocks import AnyCheck
 from cube_sim.scenario.document import Document, Location, Mistake, Position, parse
 from cube_sim.scenario.explain import Refusal, explain
+from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.scenario.overrides import Override, apply
 from cube_sim.scenario.resolved import seen_from, to_yaml
 from cube_sim.scenario.schema import Scenario
@@ -121,12 +122,15 @@ def _plain(value: Any) -> Any:
     return str(value) if isinstance(value, os.PathLike) else value
 
 
-def load_checks(path: str | os.PathLike[str], scenario: Mapping[str, Any]) -> tuple[AnyCheck, ...]:
+def load_checks(
+    path: str | os.PathLike[str], scenario: Mapping[str, Any], widths: Mapping[str, int]
+) -> tuple[AnyCheck, ...]:
     """Read the checks of a file, of a scenario or of one that holds nothing else, to judge another scenario's run.
 
     Args:
         path: the YAML file.
         scenario: the scenario that was flown, as its file would hold it.
+        widths: signal -> how many numbers a sample has, of those that a check may name.
 
     Raises:
         ScenarioError: with one ``file:line:column: path: message`` per mistake.
@@ -136,7 +140,11 @@ def load_checks(path: str | os.PathLike[str], scenario: Mapping[str, Any]) -> tu
     if "checks" not in document.data:
         raise ScenarioError([f"{path}:1:1: checks: is missing; give a list of checks"])
     data = {**scenario, "checks": document.data["checks"]}
-    return _validated(path, document, data, (), [], None).checks
+    checks = _validated(path, document, data, (), [], None).checks
+    refusals = [Refusal(_location(place), text, at_key=False) for place, text in signal_mistakes(checks, widths)]
+    if refusals:
+        raise ScenarioError([_line(path, _place(refusal, document, ())) for refusal in refusals])
+    return checks
 
 
 def _parsed(path: Path, text: str) -> Document:

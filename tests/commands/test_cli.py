@@ -21,12 +21,21 @@ from mcap.reader import make_reader
 from support.command_line import call, cube_sim, started
 from support.scenario_files import FLIGHT, MINIMAL, write
 
-from cube_sim import load_run
+from cube_sim import fly, load_run
+from cube_sim.flight.compiled import compile_beside
 from cube_sim.run_directory import FILES
 from cube_sim.scenario import load
 from cube_sim.scenario.json_schema import json_schema
 
 HEAVY = ("mujoco", "rerun", "numba", "scipy", "pydantic", "numpy", "rich", "ruamel", "proxsuite")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def machine_code(tmp_path_factory):
+    """Make it before anything is said of it, or before files may not grow to hold it."""
+    if compile_beside():
+        folder = tmp_path_factory.mktemp("first")
+        fly(write(folder, FLIGHT), out=folder / "out")
 
 
 # Without flying
@@ -106,6 +115,16 @@ def test_what_is_no_file_is_bad_input(tmp_path, monkeypatch, capsys, path):
     code, stdout, stderr = call(monkeypatch, capsys, "run", path)
     assert (code, stdout, len(stderr.splitlines())) == (2, "", 1)
     assert stderr.startswith(f"{path}: ")
+
+
+@pytest.mark.flight
+def test_output_that_finds_no_room_is_one_line(tmp_path):
+    out = fly(write(tmp_path, FLIGHT), out=tmp_path / "out", record="mcap").directory
+    for arguments in (("judge", out), ("judge", out, "--json"), ("diff", out, out)):
+        with Path("/dev/full").open("w") as full:
+            command = [sys.executable, "-m", "cube_sim", *map(str, arguments)]
+            done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
+        assert (done.returncode, done.stderr) == (3, "the output cannot be written: No space left on device\n")
 
 
 def test_a_broken_pipe_is_not_a_traceback(tmp_path):
@@ -211,6 +230,11 @@ def test_an_interrupt_while_starting_up_is_one_line(tmp_path, library):
     assert (process.returncode, stdout) == (130, "")
     assert stderr.startswith("interrupted")
     assert len(stderr.splitlines()) == 1
+    if stderr.startswith("interrupted while starting up"):
+        assert stderr in ("interrupted while starting up\n", "interrupted while starting up; nothing is recorded\n")
+        assert not out.exists()
+    else:  # it had begun to fly
+        assert load_run(out).end.how == "interrupted"
 
 
 def test_the_result_fits_a_screen_and_says_how_to_look_at_the_recording(tmp_path, monkeypatch, capsys):
@@ -345,7 +369,7 @@ def test_an_interrupted_run_closes_its_recording(tmp_path, number, code, told):
     assert len(kept.signals["pose.position"]) > 50
     assert (kept.end.how, kept.end.reason, kept.end.verdict) == ("interrupted", told, "ERROR")
     assert kept.end.simulated_s == pytest.approx(kept.recorded_s, abs=0.021)
-    assert kept.verdict["ended_early"]["reason"] == f"interrupted by {told}"
+    assert kept.told["ended_early"]["reason"] == f"interrupted by {told}"
     with recording.open("rb") as file:  # an indexed file, as any finished one
         assert make_reader(file).get_summary() is not None
 

@@ -82,6 +82,11 @@ def test_a_browser_is_served_the_viewer(recorded, tmp_path, monkeypatch, capsys)
         viewer._process.wait(timeout=30)
 
 
+def test_a_view_is_saved_as_what_it_is(tmp_path, monkeypatch, capsys):
+    said = f"{tmp_path / 'foo.txt'}: a view is a file of Rerun, foo.rrd for example\n"
+    assert call(monkeypatch, capsys, "view", tmp_path, "--save", tmp_path / "foo.txt") == (2, "", said)
+
+
 @pytest.mark.flight
 def test_two_runs_are_one_recording_below_two_prefixes(tmp_path, monkeypatch, capsys):
     scenario = scenario_with(tmp_path, "")

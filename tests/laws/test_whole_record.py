@@ -19,7 +19,7 @@ from cube_sim.errors import RecordingError
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.export import rrd_from_mcap
 from cube_sim.recording.mcap.fixed_width import channel_layout, packed_layout
-from cube_sim.recording.reading import read_recording
+from cube_sim.recording.reading import CANNOT_KNOW, read_recording
 from cube_sim.recording.saved_inputs import save_inputs
 from cube_sim.runs.replay import replay
 from cube_sim.scenario import load
@@ -146,7 +146,7 @@ def test_a_record_of_an_earlier_version_is_read(tmp_path):
     assert found.header.resolved == expected.header.resolved
     for name, rows in expected.rows.items():
         assert found.rows[name].tobytes() == rows.tobytes()
-    assert found.complete
+    assert (found.complete, found.flaw) == (False, CANNOT_KNOW)
     assert found.end is None
     with pytest.raises(RecordingError, match=r"old\.mcap: is a record of format 1: it lacks files"):
         replay(cube_sim.load_run(old))

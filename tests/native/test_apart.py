@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import pytest
 
@@ -43,3 +45,61 @@ def test_what_cannot_be_called_is_waited_for_and_forgotten(function):
     apart.finish(function)
     apart.finish(function)
     assert apart._running == {}
+
+
+PARENT = """
+import os, sys, time
+from cube_sim.native import apart
+apart.begin("sleeps_apart:call")
+process = apart._running["sleeps_apart:call"]
+while not os.path.exists("begun"):
+    time.sleep(0.01)
+print(process.pid, flush=True)
+{then}
+"""
+SLEEPS = """
+import pathlib, time
+def call():
+    pathlib.Path("begun").touch()
+    time.sleep({seconds})
+    pathlib.Path("done").touch()
+"""
+
+
+def parent(folder, seconds: float, then: str) -> subprocess.Popen[str]:
+    (folder / "sleeps_apart.py").write_text(SLEEPS.format(seconds=seconds))
+    return subprocess.Popen(
+        [sys.executable, "-c", PARENT.format(then=then)], cwd=folder, stdout=subprocess.PIPE, text=True
+    )
+
+
+def lives(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(") ")[2][0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"  # where nobody collects what is left of orphans
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="tells who lives by Linux's /proc")
+def test_it_ends_with_a_parent_that_is_killed(tmp_path):
+    with parent(tmp_path, 120.0, "time.sleep(120.0)") as process:
+        assert process.stdout is not None
+        child = int(process.stdout.readline())
+        assert lives(child)
+        process.kill()
+    until = time.monotonic() + 30.0
+    while lives(child) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not lives(child)
+    assert not (tmp_path / "done").exists()
+
+
+def test_it_goes_on_after_a_parent_that_has_come_to_its_end(tmp_path):
+    with parent(tmp_path, 2.0, "") as process:
+        assert process.wait(60) == 0
+    assert not (tmp_path / "done").exists()
+    until = time.monotonic() + 30.0
+    while not (tmp_path / "done").exists() and time.monotonic() < until:
+        time.sleep(0.05)
+    assert (tmp_path / "done").exists()

@@ -6,6 +6,7 @@ import importlib.util
 import json
 import pickle
 import re
+import time
 from functools import partial
 from hashlib import sha256
 
@@ -318,3 +319,19 @@ def test_the_keywords_of_a_partial_function_are_recorded_and_flown_again(tmp_pat
         "a": [1, [2.0]],
         "c": {"d": None},
     }
+
+
+def test_what_is_loaded_or_compiled_at_first_does_not_count_as_slow(tmp_path):
+    def slow_to_begin(setup):
+        begun = []
+
+        def law(aim):
+            if not begun:
+                begun.append(time.sleep(4.0))
+            return np.zeros(6)
+
+        return law
+
+    path = scenario_with(tmp_path, "")
+    flown = cube_sim.fly(path, {"duration_s": 3.0}, controller=slow_to_begin, out=tmp_path / "run", record="none")
+    assert flown.real_time_factor > 1.0

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import threading
 
+from support.helix_run import END
+
 from cube_sim.recording import beside as beside_module
 from cube_sim.recording.batch import Batch
 from cube_sim.recording.beside import SinkBeside
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_log import LogLine
 
 
@@ -15,12 +18,16 @@ class Slow:
 
     def __init__(self, fails_at: float = -1.0) -> None:
         self.taken, self.closed, self.fails_at, self.go_on = [], False, fails_at, threading.Event()
+        self.told = []
 
     def write(self, batch: Batch) -> None:
         assert self.go_on.wait(10.0)
         self.taken.append(batch.log[0].t)
         if self.taken[-1] == self.fails_at:
             raise OSError("no room")
+
+    def tell(self, end: RunEnd) -> None:
+        self.told.append((end, len(self.taken)))
 
     def close(self) -> None:
         self.closed = True
@@ -45,6 +52,16 @@ def test_the_writer_goes_on_while_the_sink_writes_and_order_is_kept():
     beside.close()
     assert slow.taken == [float(k) for k in range(50)]
     assert slow.closed
+
+
+def test_how_the_run_ended_comes_after_all_else():
+    slow = Slow()
+    beside = SinkBeside(lambda: slow)
+    beside.write(batch(0.0))
+    beside.tell(END)
+    slow.go_on.set()
+    beside.close()
+    assert (slow.taken, slow.told) == ([0.0], [(END, 1)])
 
 
 def test_a_writer_far_ahead_waits_for_the_sink(monkeypatch):

@@ -10,7 +10,7 @@ import pytest
 from google.protobuf import descriptor_pool, message_factory
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from mcap.reader import make_reader
-from support.helix_run import HEADER, THRUSTERS, fly, model, table
+from support.helix_run import HEADER, THRUSTERS, append_tick, fly, model, table
 
 from cube_sim.recording.mcap.viewer_layout import viewer_layout
 from cube_sim.recording.recorder import Recorder
@@ -121,6 +121,23 @@ def test_the_target_and_the_trail_are_where_they_were(run, messages):
     for end in ends:
         assert np.abs(position - end).max(axis=1).min() < 1e-3
     np.testing.assert_allclose(ends[-1], position[round((stamp / 1e9 - 946_684_800) / 0.02)], atol=1e-3)
+
+
+def test_no_trail_leads_across_ticks_that_are_missing(tmp_path):
+    """As in a record that was damaged, and recovered."""
+    with Recorder(tmp_path, HEADER, table(), model(), view=False) as recorder:
+        for k in [*range(200), *range(500, TICKS)]:
+            append_tick(recorder, k)
+    with recorder.mcap.open("rb") as stream:
+        found = list(make_reader(stream).iter_messages(["/scene/trail"]))
+    schema, _, message = found[-1]
+    (line,) = of_the_file(schema).FromString(message.data).entities[0].lines
+    ends = np.array([[point.x, point.y, point.z] for point in line.points]).reshape(-1, 2, 3)
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    position = recorder.signals["pose.position"]
+    lost = np.linalg.norm(position[200, 1:] - position[199, 1:])
+    assert 0 < lengths.max() < 0.5 * lost
+    assert np.count_nonzero(lengths) == 3  # a piece a second before the gap, and none to its end
 
 
 def test_the_layout_shows_topics_and_numbers_that_there_are(run):

@@ -7,13 +7,14 @@ import threading
 import time
 
 import pytest
-from support.helix_run import HEADER, fly, model, table
+from support.helix_run import END, HEADER, fly, model, table
 
 from cube_sim.recording import live as live_module
 from cube_sim.recording.batch import Batch
 from cube_sim.recording.live import LiveSink, somebody_listens
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.rerun.viewer import free_port, start
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_log import LogLine
 
 
@@ -26,12 +27,16 @@ class Shown:
 
     def __init__(self, fails_at: float = -1.0) -> None:
         self.taken, self.closed, self.fails_at, self.go_on = [], False, fails_at, threading.Event()
+        self.told = []
 
     def write(self, batch: Batch) -> None:
         self.go_on.wait(10.0)
         if batch.log[0].t == self.fails_at:
             raise OSError("the viewer is gone")
         self.taken.append(batch.log[0].t)
+
+    def tell(self, end: RunEnd) -> None:
+        self.told.append((end, len(self.taken)))
 
     def close(self) -> None:
         self.closed = True
@@ -43,8 +48,10 @@ def test_a_viewer_that_keeps_up_sees_everything():
     sink = LiveSink(lambda: shown)
     for k in range(20):
         sink.write(batch(float(k)))
+    sink.tell(END)
     sink.close()
     assert (shown.taken, shown.closed, sink.left_out) == ([float(k) for k in range(20)], True, 0)
+    assert shown.told == [(END, 20)]
 
 
 def test_nobody_waits_for_a_viewer_that_lags(monkeypatch):

@@ -22,7 +22,9 @@ from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.rerun import sink
 from cube_sim.recording.rerun.gathering import GatheringSink
 from cube_sim.recording.rerun.scene import ARROW_M_PER_M_S
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_log import LogLine
+from cube_sim.verdict import CheckResult
 
 CURRENT_M_PER_M_S = ARROW_M_PER_M_S * vehicle_reach(model())
 TICKS = 330  # 6.6 s: pieces of five seconds join in the middle of the run
@@ -56,6 +58,16 @@ def still(rrd: Path, entity: str, component: str) -> list:
             found += batch.column(component).to_pylist()
     assert len(found) == 1
     return found[0]
+
+
+def texts(rrd: Path, entity: str, component: str = "TextDocument:text") -> list:
+    """What a static text said, the last of it last."""
+    found = []
+    for chunk in RrdReader(rrd).stream():
+        batch = chunk.to_record_batch()
+        if chunk.entity_path == entity and component in batch.schema.names and chunk.is_static:
+            found += batch.column(component).to_pylist()
+    return found
 
 
 def shown(rrd: Path, entity: str, component: str, at: np.ndarray) -> list:
@@ -380,7 +392,43 @@ def test_the_file_carries_its_blueprint(run):
         batch = chunk.to_record_batch()
         if "ViewBlueprint:class_identifier" in batch.schema.names:
             classes |= {name for (name,) in batch.column("ViewBlueprint:class_identifier").to_pylist()}
-    assert classes == {"3D", "TimeSeries", "StateTimeline", "TextLog"}  # no scenario of its own to show
+    assert classes == {"3D", "TimeSeries", "StateTimeline", "TextLog", "TextDocument"}
+
+
+def test_the_view_says_how_the_run_ended(tmp_path):
+    check = CheckResult("|A f - F|", "FAIL", 0.25, "<=", 0.1, -0.15, 0.2, "so it is", "N, N m")
+    end = RunEnd("ended early", "left all bounds", 15, 0.3, "nothing left to steer with", "FAIL", (check,))
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        for k in range(15):
+            append_tick(recorder, k)
+        recorder.finish(end)
+    rrd_from_mcap(recorder.mcap, tmp_path / "again.rrd")
+    for rrd in (recorder.rrd, tmp_path / "again.rrd"):
+        (said,) = [text for (text,) in texts(rrd, "/scenario")][-1:]
+        assert said.startswith("# FAIL\n\nended early, 0.3 s simulated: left all bounds\n\nthe path was given up: ")
+        row = r"| **FAIL** | \|A f - F\| | 0.25 must be ≤ 0.1 N, N m | -0.15 | 0.20 s |"
+        assert row in said.splitlines()
+        assert r"FAIL \|A f - F\|: so it is" in said
+    name = texts(recorder.rrd, "/__properties", "RecordingInfo:name")
+    assert name[-1][0].startswith("FAIL: run, seed 7, ")
+
+
+def test_nothing_is_drawn_where_ticks_are_missing(tmp_path):
+    ticks = [k for k in range(400) if not 120 <= k < 160 and not 248 <= k < 252]
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        for k in ticks:
+            append_tick(recorder, k)
+    first, last = DT * 120, DT * 160
+    times, values = drawn(recorder.rrd, "/plot/path_error/along", "Scalars:scalars")
+    missing = times[np.isnan(np.ravel(values))]
+    assert missing == pytest.approx([first, DT * 248])
+    times, strips = drawn(recorder.rrd, "/world/trail", "LineStrips3D:strips")
+    ends = np.array(strips, float).reshape(len(strips), 2, 3)
+    assert not np.any((times > first) & (times < last))
+    # No piece is longer than what is flown in two tenths of a second.
+    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max() < 0.2
+    times, states = drawn(recorder.rrd, "/state/T1", "StateChange:state")
+    assert [state for t, (state,) in zip(times, states, strict=True) if t == pytest.approx(first)] == [""]
 
 
 def test_a_run_without_rows_still_leaves_a_view(tmp_path):

@@ -64,7 +64,7 @@ def test_curves_are_those_asked_for_with_their_units_limits_and_events(flown, tm
     rows = run.signals["path_error.cross_track"]
     rows = rows[(rows[:, 0] >= 1.0) & (rows[:, 0] <= 3.0)]
     assert (t.tolist(), drawn.tolist()) == (rows[:, 0].tolist(), rows[:, 1].tolist())
-    assert [list(line.get_ydata()) for line in error.lines if line.get_label() == "max ≤ 9"] == [[9.0, 9.0]]
+    assert [list(line.get_ydata()) for line in error.lines if line.get_label() == "max ≤ 9 m"] == [[9.0, 9.0]]
     assert [text.get_text() for text in error.texts] == ["T1: dead"]
     for axes in (error, forces, height):
         assert 2.0 in [line.get_xdata()[0] for line in axes.lines]
@@ -78,6 +78,8 @@ def test_curves_are_those_asked_for_with_their_units_limits_and_events(flown, tm
     [
         (["path_error.cros_track"], "no signal 'path_error.cros_track'; did you mean path_error.cross_track?"),
         (["--out", "a.jpg"], "a.jpg: a figure is one of .png, .svg, .pdf"),
+        (["pose"], "pose is a channel; its signals are pose.position, pose.quaternion"),
+        (["--from-s", "500"], "--from-s 500: the run ends at 4 s"),
         (["--from-s", "3", "--to-s", "2"], "there is nothing to draw from 3 s to 2 s"),
     ],
 )

@@ -10,14 +10,16 @@ import numpy as np
 import pytest
 from support.synthetic_run import LIMIT_M, synthetic_run
 
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.report.circumstances import circumstances
 from cube_sim.report.happenings import happenings
 from cube_sim.report.motion_panels import DEAD_ZONE
 from cube_sim.report.page import report
 from cube_sim.report.parameters import set_parameters
 from cube_sim.report.subject import NO_VERDICT, Subject
-from cube_sim.report.thruster_use import UPPER
+from cube_sim.report.thruster_use import UNKNOWN, UPPER
 from cube_sim.run_log import LogLine
+from cube_sim.runs.judging import judged
 
 
 def subject(**options):
@@ -54,7 +56,7 @@ def test_it_is_well_formed_and_has_every_section(page):
 
 
 def test_it_needs_nothing_beside_it(page):
-    assert not re.search(r"https?:|\bfile:|@import|url\(|//[a-z]", page)
+    assert not re.search(r"https?:|\bfile:|@import|url\((?!#)|//[a-z]", page)
     root = parsed(page)
     for element in root.iter():
         assert element.tag not in ("link", "img", "iframe", "object", "image", "use")
@@ -108,11 +110,11 @@ def test_what_happened_is_in_the_order_of_time():
     ("options", "verdict", "remark"),
     [
         ({}, "FAIL", None),
-        ({"verdict": "PASS"}, "FAIL", "verdict.json says PASS; judged from the record, the checks say FAIL"),
-        ({"verdict": None}, NO_VERDICT, "no verdict.json beside the record"),
+        ({"verdict": "PASS"}, "FAIL", "verdict.json says PASS; judged from the record now, it is FAIL"),
+        ({"verdict": None}, NO_VERDICT, "nothing says what it was judged; judged from the record now, it is FAIL"),
         ({"verdict": ["PASS"]}, "FAIL", "verdict.json says"),
         ({"verdict": "PASS", "complete": False, "until_s": 4.0}, "ERROR", "the record ends early, at 4 s of 10 s"),
-        ({"verdict": "PASS", "until_s": 4.0}, "ERROR", "judged from the record, the checks say ERROR"),
+        ({"verdict": "PASS", "until_s": 4.0}, "ERROR", "judged from the record now, it is ERROR"),
         (
             {"verdict": "ERROR", "until_s": 4.0, "log": (LogLine(4.0, "ERROR", "left all bounds"),)},
             "ERROR",
@@ -186,6 +188,46 @@ def test_no_numbers_are_gaps():
         rows[100:200, 2:] = np.nan
         rows[300:301, 2:] = np.inf
     assert "nan" not in re.sub(r"<script>.*</script>", "", report([run], ["run"]), flags=re.DOTALL).lower()
+
+
+def with_gap(start=3.0, end=4.0):
+    """The run, what was recorded in between being lost."""
+    run = synthetic_run(verdict=None)
+    rows = {name: r[(r[:, 0] < start) | (r[:, 0] >= end)] for name, r in run.recording.rows.items()}
+    recording = replace(run.recording, rows=rows, end=RunEnd("recovered"), flaw="recovered: a chunk is lost")
+    return replace(run, recording=recording)
+
+
+def test_what_is_not_recorded_is_not_drawn_as_flown():
+    run = with_gap()
+    assert run.missing_s == ((3.0, 4.0),)
+    page = report([run], ["run"])
+    assert "not recorded: 3 s to 4 s, 1 s in all" in words(page)
+    assert "the record ends here" not in page
+    for svg in parsed(page).iter("svg"):
+        if "time" in (svg.get("class") or ""):
+            hatched = [rect for rect in svg.iter("rect") if rect.get("class") == "gap"]
+            assert len(hatched) == 1
+            if "Cross-track error" in svg.get("aria-label"):
+                (curve,) = (path for path in svg.iter("path") if path.get("class") == "c")
+                assert curve.get("d").count("M") == 2
+    plan = next(svg for svg in parsed(page).iter("svg") if svg.get("class") == "plan")
+    (track,) = (path for path in plan.iter("path") if path.get("class") == "c")
+    assert track.get("d").count("M") == 2
+    whole = report([synthetic_run(verdict=None)], ["run"])
+    assert "not recorded" not in words(whole)
+    assert 'class="gap"' not in whole
+    one = Subject(run, "run", "#000")
+    assert [use.time_in(UNKNOWN) for use in one.thrusters] == pytest.approx([0.02] * 3)
+    assert [each.kind for each in happenings(one)] == [each.kind for each in happenings(subject())]
+
+
+def test_a_check_is_not_shown_to_hold_where_nothing_is_recorded():
+    verdict, (cross_track, forces), _ = judged(with_gap())
+    assert (verdict, cross_track.verdict, forces.verdict) == ("ERROR", "FAIL", "ERROR")
+    assert forces.detail.endswith("nothing is recorded from 3 s to 4 s")
+    _, (cross_track, forces), _ = judged(with_gap(6.0, 7.5))
+    assert (cross_track.verdict, forces.verdict) == ("ERROR", "ERROR")
 
 
 def test_several_runs_share_their_plots():

@@ -10,11 +10,12 @@ from importlib import import_module
 import numpy as np
 import pyarrow.parquet
 import pytest
+from mcap.reader import make_reader
 from support.command_line import call
 from support.own_code import scenario_with
 
 import cube_sim
-from cube_sim.errors import RecordingError, RunInterrupted
+from cube_sim.errors import RecordingError, RunInterrupted, UnknownSignalError
 from cube_sim.scenario.loading import loaded_again
 
 pytestmark = pytest.mark.flight
@@ -46,14 +47,16 @@ def test_it_has_what_the_run_had(flown):
     assert run.complete
     assert run.scenario.guidance.speed_m_s == 0.4
     assert run.scenario.duration_s == run.recorded_s == 3.0
-    assert run.verdict["verdict"] == flown.verdict == "PASS"
+    assert run.verdict == run.told["verdict"] == flown.verdict == "PASS"
+    assert run.checks == flown.checks
+    assert {check.unit for check in run.checks} <= {"m", "N", "N, N m"}
     assert run.signals.keys() == flown.signals.keys() == run.fields.keys()
     for name, rows in flown.signals.items():
         assert run.signals[name].tobytes() == rows.tobytes(), name
         assert len(run.column_names(name)) == rows.shape[1] - 1
     assert run.column_names("wrench.demanded")[2:4] == ("wrench.demanded.Fz [N]", "wrench.demanded.Mx [N m]")
     assert run.column_names("path_error.cross_track") == ("path_error.cross_track [m]",)
-    assert cube_sim.load_run(flown.directory / "run.mcap").verdict is not None
+    assert cube_sim.load_run(flown.directory / "run.mcap").told == run.told
 
 
 def test_what_is_no_run_is_refused(tmp_path, flown):
@@ -67,6 +70,30 @@ def test_what_is_no_run_is_refused(tmp_path, flown):
         cube_sim.load_run(tmp_path)
 
 
+def test_a_name_that_is_none_is_told_with_the_nearest(flown):
+    run = cube_sim.load_run(flown.directory)
+    for table in (run.signals, run.fields, flown.signals):
+        with pytest.raises(UnknownSignalError) as caught:
+            table["pose.positon"]
+        assert isinstance(caught.value, KeyError)
+        assert str(caught.value) == "no signal 'pose.positon'; did you mean pose.position?"
+        assert "pose.positon" not in table
+        assert table.get("pose.positon") is None
+
+
+def test_a_check_on_what_was_not_modelled_says_why(flown, tmp_path, monkeypatch, capsys):
+    checks = tmp_path / "checks.yaml"
+    asked = ("power.charge", "the scenario has no battery"), ("sensor_dvl.outcome", "the scenario has no sensor 'dvl'")
+    checks.write_text(
+        "checks:\n" + "".join(f"  - {{kind: signal, signal: {s}, statistic: min, at_least: 0.2}}\n" for s, _ in asked)
+    )
+    code, out, _ = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks, "--json")
+    assert code == 3
+    assert [check["detail"] for check in json.loads(out)["checks"]] == [
+        f"{s} is not recorded: {why}" for s, why in asked
+    ]
+
+
 def test_a_replay_is_identical(flown, monkeypatch, capsys):
     code, out, err = call(monkeypatch, capsys, "replay", flown.directory, "--quiet")
     assert (code, out, err) == (0, "", "")
@@ -78,14 +105,14 @@ def test_a_replay_needs_nothing_but_the_record(flown, tmp_path, monkeypatch, cap
     shutil.copy(flown.directory / "run.mcap", tmp_path / "alone.mcap")
     code, out, _ = call(monkeypatch, capsys, "replay", tmp_path / "alone.mcap")
     assert code == 0
-    assert out == f"identical: {len(flown.signals)} signals and 1 line of log, to 3 s\n"
+    assert out == f"identical: {len(flown.signals)} signals and 2 lines of log, to 3 s\n"
 
 
 def test_a_record_cut_short_is_replayed_as_far_as_it_goes(flown, tmp_path, monkeypatch, capsys):
     code, out, _ = call(monkeypatch, capsys, "replay", cut(flown, tmp_path))
     assert code == 0
     assert out.startswith("identical: ")
-    assert "where the record ends early" in out
+    assert "as far as the record goes" in out
     assert float(out.split("to ")[1].split(" s")[0]) < 2.5
 
 
@@ -107,7 +134,7 @@ def test_an_interrupted_run_is_replayed_as_far_as_it_goes(tmp_path, monkeypatch,
     code, out, _ = call(monkeypatch, capsys, "replay", tmp_path / "run")
     assert code == 0
     assert out.startswith("identical: ")
-    assert out.endswith(f"to {run.recorded_s:g} s, where the record ends early\n")
+    assert out.endswith(f"to {run.recorded_s:g} s, as far as the record goes\n")
 
 
 def another_speed(controller_of):
@@ -184,6 +211,10 @@ def test_other_checks_judge_it_otherwise(flown, tmp_path, monkeypatch, capsys):
     assert (code, out) == (2, "")
     assert f"{checks}:2:" in err
     assert "did you mean reach_m?" in err
+    checks.write_text("checks:\n  - {kind: signal, signal: pose.positon, statistic: max, at_most: 1}\n")
+    code, _, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
+    said = "checks.0.signal: no signal 'pose.positon' is recorded, did you mean pose.position?"
+    assert (code, err) == (2, f"{checks}:2:28: {said}\n")
     checks.write_text("name: x\n")
     code, _, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
     assert (code, err) == (2, f"{checks}:1:1: checks: is missing; give a list of checks\n")
@@ -261,11 +292,18 @@ def test_what_is_left_of_a_damaged_record_is_recovered(flown, tmp_path, monkeypa
         "  missing: 1 s to 2 s",
     ]
     assert (saved / "run.rrd").stat().st_size > 10_000
+    with (saved / "run.mcap").open("rb") as stream:
+        drawn = {channel.topic for _, channel, _ in make_reader(stream).iter_messages()}
+    assert {"/scene", "/scene/path", "/scene/trail", "/scene/thrust", "/tf", "/tf/target"} <= drawn
     run = cube_sim.load_run(saved)
     assert (run.complete, run.end.how, run.end.missing_s) == (False, "recovered", ((1.0, 2.0),))
     assert run.flaw == "recovered: the chunk from 1 s to 1.98 s does not fit its checksum"
     pose = flown.signals["pose.position"]
     assert run.signals["pose.position"].tobytes() == pose[(pose[:, 0] < 1.0) | (pose[:, 0] >= 2.0)].tobytes()
+    code, out, err = call(monkeypatch, capsys, "recover", saved)
+    told = f"{saved / 'run.mcap'}: is a recovered record already; there is nothing more to recover in it\n"
+    assert (code, out, err) == (0, told, "")
+    assert call(monkeypatch, capsys, "recover", tmp_path / "nope") == (2, "", f"{tmp_path / 'nope'}: no such file\n")
     code, out, _ = call(monkeypatch, capsys, "judge", saved, "--json")
     assert (code, json.loads(out)["verdict"]) == (3, "ERROR")
 

@@ -40,10 +40,11 @@ def call(monkeypatch, capsys, *arguments) -> tuple[int, str, str]:
     Returns:
         Exit code, stdout, stderr.
     """
-    from cube_sim.commands.cli import main
+    from cube_sim.commands import cli
 
+    monkeypatch.setattr(cli, "end_process", lambda code: None)  # this process is not the command's to end
     monkeypatch.setattr(sys, "argv", ["cube-sim", *map(str, arguments)])
     with pytest.raises(SystemExit) as ended:
-        main()
+        cli.main()
     captured = capsys.readouterr()
     return ended.value.code, captured.out, captured.err

@@ -102,6 +102,7 @@ _NUMBA = SimpleNamespace(njit=_as_it_is, cfunc=_as_it_is, types=_TYPES)
 _PLAIN = (
     "cube_sim.tuples",
     "cube_sim.vehicle.laws.",
+    "cube_sim.vehicle.plugin.inertia",
     "cube_sim.guidance.",
     "cube_sim.navigation.",
     "cube_sim.control.",

@@ -28,8 +28,8 @@ def equal(fast, plain) -> None:
 
 
 def test_nothing_in_the_plain_modules_is_compiled():
-    laws = "vehicle.laws.hydrodynamics", "vehicle.laws.current", "vehicle.laws.thrust_law", "vehicle.plugin.callbacks"
-    for name in ("tuples", *laws):
+    laws = "vehicle.laws.hydrodynamics", "vehicle.laws.current", "vehicle.laws.thrust_law"
+    for name in ("tuples", *laws, "vehicle.plugin.inertia", "vehicle.plugin.callbacks"):
         module = plain_callbacks.plain(f"cube_sim.{name}")
         functions = [f for f in vars(module).values() if hasattr(f, "__code__")]
         assert len(functions) > 1

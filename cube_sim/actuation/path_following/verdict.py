@@ -136,7 +136,8 @@ def _all_kept(
         return Verdict(Outcome.HOLONOMIC, f"{left}: {freedom}; {steering}", trims)
     kept = "every course asked for is kept"
     if not planar:
-        kept = f"{kept}, tilted by up to {max(np.degrees(trim.condition.tilt_rad) for trim in trims):.0f} deg"
+        tilt = max(np.degrees(trim.condition.tilt_rad) for trim in trims)
+        kept = f"{kept}, tilted by up to {tilt:.0f} deg where it need not turn"
     if missing is not None:
         kept = f"{kept}, but not {freedom}: {missing}"
     return Verdict(Outcome.STEERED, f"{left}; {kept}; {steering}", trims)

@@ -56,7 +56,7 @@ WRITTEN_BY = {
 }
 """Which part of the program a channel's numbers come from."""
 
-_CHECK = CheckResult("rms of path_error.cross_track", "PASS", 0.031, "<=", 0.1, 0.069, 52.36, "4001 samples")
+_CHECK = CheckResult("rms of path_error.cross_track", "PASS", 0.031, "<=", 0.1, 0.069, 52.36, "4001 samples", "m")
 _FLOWN = Flown(120.0, None, (LogLine(40.0, "WARNING", "T1: dead"),))
 _EPOCH = f"{datetime.fromtimestamp(EPOCH_NS // 10**9, UTC):%Y-%m-%dT%H:%M:%SZ}"
 _FEW = 6
@@ -72,10 +72,14 @@ A run writes four files into its folder.
 | `run.mcap` | the record: inputs, versions, every signal, what was said, how it ended; the same bytes on one machine |
 | `run.rrd` | the same for the Rerun viewer: a function of `run.mcap`, from which `cube-sim view` makes it anew |
 | `{RESOLVED}` | the scenario with every default written out; run as it is, it gives the same signals |
-| `verdict.json` | the verdict, of each check value, relation, limit, margin, time and reason, and the log's warnings |
+| `verdict.json` | the verdict, of each check value, limit, margin, unit, time and reason, and the log's warnings |
 
 A signal is called `channel.field`, as in `path_error.cross_track`: by that name a check asks for it, and by that name
 it is read back. `cube-sim signals SCENARIO` lists those of one scenario, with the names of its thrusters and sensors.
+
+Two `run.rrd` of one record show the same, to the bit, and have the same recording id, but not the same bytes: Rerun
+gives each piece of a file an id of the wall clock and a random number, which its interface does not let anybody choose.
+`rerun rrd compare --unordered` holds two of them against each other.
 """
 _READING = """\
 from cube_sim.recording.reading import read_recording, read_signals
@@ -130,12 +134,17 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
 all digests fit what was read; `flaw` says what does not. A file that others have sorted, compressed anew or written
 without chunks is read the same. Two runs merged into one file are refused, and so is a chunk that does not fit its
 checksum: `cube-sim recover` writes the others into a new record, which is never complete. Records of formats before
-{FORMAT} are read as well; they do not say how their run ended, and nobody can tell whether their numbers were
-altered."""
+{FORMAT} are read as well; they do not say how their run ended, nobody can tell whether their numbers were altered, and
+they never count as complete.
+
+Where a recovered record has no rows, nothing is drawn: curves are broken, pages hatch that time and name it at the top.
+A check that passed by the rows that are left is an ERROR."""
 _VERDICT = f"""\
 `verdict` is PASS when every check was shown to hold, FAIL when one was shown not to, ERROR when none failed but
-something could not be judged. `value` is the worst value, in the unit of what was checked, and `at_s` when it was.
-`margin` is its distance from the limit, positive on the side that passes. What could not be judged is null.
+something could not be judged. `value` is the worst value and `at_s` when it was. `margin` is its distance from the
+limit, positive on the side that passes. `unit` is that of all three, "1" for a pure number. What could not be judged is
+null. Verdict and checks stand at the end of the record too, and in the view: `load_run(...).verdict` and `.checks` are
+those of `cube_sim.run(...)`.
 
 `simulated_s` is the time really flown. `ended_early` is null, or has `time_s` and `reason` of a run that ended before
 its time: its state left all bounds, the controller had no answer, somebody stopped it, or its files could not be

@@ -15,6 +15,7 @@ from cube_sim.flight.rows import TickRows
 from cube_sim.guidance.law import Target
 from cube_sim.mission import Mission
 from cube_sim.spatial import State, Vector
+from cube_sim.vehicle.plugin.clock import held_still
 
 
 class FlyArguments(NamedTuple):
@@ -80,7 +81,8 @@ class Stretch:
 
     def fly(self) -> None:
         """Fly them, up to one that has something for Python to do."""
-        self.ticks, self.reached = fly(*self._given)
+        with held_still():
+            self.ticks, self.reached = fly(*self._given)
 
     def stop(self) -> None:
         """Let whoever flies come to an end after the tick that is being flown."""

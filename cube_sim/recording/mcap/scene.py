@@ -103,7 +103,8 @@ class SceneRows:
         self._forward, self._backward = (_along(sign * mounts.axes) for sign in (1.0, -1.0))
         self._largest_N = 0.0
         self._begun, self._last, self._trail_due = False, dict[str, int](), 0.0
-        self._trail: list[NDArray[np.float64]] = []
+        self._trail: list[tuple[NDArray[np.float64], bool]] = []
+        self._trail_s = 0.0
         hull = _hull(model, vehicle, frame, self._reach)
         scene = scene_update_schema()
         self.topics = [DrawnTopic(HULL_TOPIC, SCENE_UPDATE, scene, layout_of(hull, ()))]
@@ -165,11 +166,16 @@ class SceneRows:
         spacing = TRAIL_S / (TRAIL_POINTS - 1)
         made = []
         for row in rows[self._steps("spacing", rows, 1 / spacing)]:
-            self._trail = [*self._trail[1 - TRAIL_POINTS :], row[position]]
+            # After rows that were lost of a damaged record no piece leads to the next.
+            apart = row[0] - self._trail_s > 1.5 * spacing
+            self._trail_s = row[0]
+            self._trail = [*self._trail[1 - TRAIL_POINTS :], (row[position], apart)]
             if row[0] >= self._trail_due:
                 self._trail_due = row[0] + TRAIL_EVERY_S
-                points = np.array([self._trail[0]] * (TRAIL_POINTS - len(self._trail)) + self._trail)
-                made.append(np.concatenate([row[:1], _rounded(np.stack([points[:-1], points[1:]], axis=1).ravel())]))
+                whole = [self._trail[0]] * (TRAIL_POINTS - len(self._trail)) + self._trail
+                points, broken = np.array([point for point, _ in whole]), np.array([off for _, off in whole])
+                starts = np.where(broken[1:, None], points[1:], points[:-1])
+                made.append(np.concatenate([row[:1], _rounded(np.stack([starts, points[1:]], axis=1).ravel())]))
         return np.array(made)
 
     def _steps(self, what: str, rows: Rows, hz: float) -> NDArray[np.bool_]:

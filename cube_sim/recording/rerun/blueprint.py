@@ -78,8 +78,7 @@ def _messages(drawn: Drawn, names: Collection[str]) -> rrb.Container:
     if "health" in names:
         views.append(rrb.StateTimelineView(origin=places.at(HEALTH), name="Health", time_view=time))
     views.append(rrb.TextLogView(origin=places.log, name="Log"))
-    if drawn.story.text:
-        views.append(rrb.TextDocumentView(origin=places.scenario, name="Scenario"))
+    views.append(rrb.TextDocumentView(origin=places.scenario, name="Verdict, scenario"))
     return rrb.Tabs(*views, active_tab=0)
 
 

@@ -14,9 +14,12 @@ from cube_sim.recording.batch import Batch, Rows
 from cube_sim.recording.geometry import thruster_mounts
 from cube_sim.recording.rerun import palette
 from cube_sim.recording.rerun.drawn import Drawn
+from cube_sim.recording.rerun.ending import ending_text
+from cube_sim.recording.rerun.gaps import Gaps
 from cube_sim.recording.rerun.guides import log_guides
 from cube_sim.recording.rerun.plots import AT_LIMIT, HEALTH_BOUNDS, Lane, curves, lanes
 from cube_sim.recording.rerun.scene import PATH_POINTS, log_estimate_styles, log_scene, log_surface
+from cube_sim.recording.run_end import RunEnd
 
 TIMELINE = "sim_time"
 _TRAIL_HZ = 10
@@ -48,6 +51,7 @@ class RunDrawing:
         self._lanes = lanes(drawn.channels)
         self._lane_codes: dict[str, float] = {}
         self._shown: dict[str, NDArray[Any]] = {}
+        self._gaps = Gaps(drawn.channels)
         self._trail_ends: dict[str, NDArray[np.float64]] = {}
         self._limits: Rows | None = None
         mounts = thruster_mounts(model, vehicle)
@@ -60,10 +64,14 @@ class RunDrawing:
             log_surface(recording, drawn.places, drawn.points.min(axis=0), drawn.points.max(axis=0))
         self._log_styles()
         log_guides(recording, drawn, self._curves, TIMELINE)
-        self.tell(drawn.story.text)
+        self._story = drawn.story.text
+        self._show_text(self._story)
 
-    def tell(self, text: str) -> None:
-        """Show a text about the run, Markdown, in place of what was told before."""
+    def tell(self, end: RunEnd) -> None:
+        """Show how the run ended, above what its scenario says."""
+        self._show_text("\n\n".join(part for part in (ending_text(end), self._story) if part))
+
+    def _show_text(self, text: str) -> None:
         if text:
             document = rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN)
             self._recording.log(self._places.scenario, document, static=True)
@@ -75,16 +83,21 @@ class RunDrawing:
             self._limits = rows if self._limits is None else np.concatenate([self._limits[-1:], rows])
         for name, rows in batch.rows.items():
             self._draw(name, rows)
+        broken = {name: self._gaps.broken(name, rows) for name, rows in batch.rows.items()}
+        if "pose" in broken:
+            self._draw_trail(self._places.trail, broken["pose"], "pose")
+        if "navigation" in broken:
+            self._draw_trail(self._places.estimate_trail, broken["navigation"], "navigation")
         for curve in self._curves:
-            if curve.channel in batch.rows:
-                rows = batch.rows[curve.channel]
+            if curve.channel in broken:
+                rows = broken[curve.channel]
                 values = curve.values(self._values(rows, curve.channel, curve.field))
                 scalars = rr.Scalars.columns(scalars=np.ascontiguousarray(values).ravel())
                 n, entity = values.shape[1], self._places.at(curve.entity)
                 self._send(entity, rows, scalars if n == 1 else scalars.partition([n] * len(rows)))
         for lane in self._lanes:
             if lane.channel in batch.rows:
-                self._write_lane(lane, batch)
+                self._write_lane(lane, batch, broken[lane.channel][:, 0])
         if batch.log:
             t = np.array([[line.t] for line in batch.log])
             text, level = [line.text for line in batch.log], [_LEVELS.get(line.level, line.level) for line in batch.log]
@@ -114,11 +127,9 @@ class RunDrawing:
             self._send_pose(self._places.vehicle, rows, name)
             # The arrow of the current goes along with the vehicle.
             self._send(self._places.current, rows, rr.Transform3D.columns(translation=position))
-            self._draw_trail(self._places.trail, rows, position)
         elif name == "navigation":
             position, sigma = (self._values(rows, name, field) for field in ("position", "position_sigma"))
             self._send(self._places.estimate, rows, rr.Ellipsoids3D.columns(centers=position, half_sizes=2.0 * sigma))
-            self._draw_trail(self._places.estimate_trail, rows, position)
         elif name == "target":
             self._send_pose(self._places.target, rows, name)
         elif name == "path":
@@ -177,17 +188,21 @@ class RunDrawing:
         position = self._values(rows, channel, "position")
         self._send(entity, rows, rr.Transform3D.columns(translation=position, quaternion=xyzw))
 
-    def _draw_trail(self, entity: str, rows: Rows, position: NDArray[np.float64]) -> None:
-        """Add a piece of trail for every tenth of a second."""
+    def _draw_trail(self, entity: str, rows: Rows, channel: str) -> None:
+        """Add a piece of trail for every tenth of a second; none across a row of NaN."""
+        position = self._values(rows, channel, "position")
         tenths = np.floor(rows[:, 0] * _TRAIL_HZ)
-        first_of_tenth = np.flatnonzero(np.diff(tenths, prepend=-1.0))
+        first_of_tenth = np.flatnonzero((np.diff(tenths, prepend=-1.0) > 0) | np.isnan(position[:, 0]))
         ends = position[first_of_tenth]
         starts = np.vstack([self._trail_ends.setdefault(entity, ends[0]), ends[:-1]])
         strips = np.stack([starts, ends], axis=1).astype(np.float32)
         self._trail_ends[entity] = ends[-1]
-        self._send(entity, rows[first_of_tenth], rr.LineStrips3D.columns(strips=strips))
+        known = np.isfinite(strips).all(axis=(1, 2))
+        if known.any():
+            self._send(entity, rows[first_of_tenth[known]], rr.LineStrips3D.columns(strips=strips[known]))
 
-    def _write_lane(self, lane: Lane, batch: Batch) -> None:
+    def _write_lane(self, lane: Lane, batch: Batch, times: NDArray[np.float64]) -> None:
+        """Tell changes of a state, at the times of its rows and of those that are missing."""
         rows = batch.rows[lane.channel]
         codes = self._values(rows, lane.channel, lane.field)[:, lane.column]
         if lane.thruster is not None:
@@ -195,13 +210,17 @@ class RunDrawing:
         if lane.bounds:
             # A NaN is in no class, and stays one.
             codes = np.where(np.isfinite(codes), np.digitize(codes, lane.bounds), np.nan)
+        if len(times) > len(codes):
+            recorded = codes
+            codes = np.full(len(times), np.nan)
+            codes[np.isin(times, rows[:, 0])] = recorded
         # A NaN differs from everything, so no code is missed before the first one.
         before = self._lane_codes.get(lane.entity, np.nan)
         changes = np.flatnonzero(np.concatenate([[before], codes[:-1]]) != codes)
         self._lane_codes[lane.entity] = codes[-1]
         if changes.size:
             states = [str(int(code)) if np.isfinite(code) else "" for code in codes[changes]]
-            self._send(self._places.at(lane.entity), rows[changes], rr.StateChange.columns(state=states))
+            self._send(self._places.at(lane.entity), times[changes, None], rr.StateChange.columns(state=states))
 
     def _with_limits(
         self, codes: NDArray[np.float64], times: NDArray[np.float64], batch: Batch, thruster: int

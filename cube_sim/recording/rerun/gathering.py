@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from cube_sim.recording.batch import Batch, Rows, Sink, batch_number
+from cube_sim.recording.batch import Batch, Rows, View, batch_number
+from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_log import LogLine
 
 
@@ -16,7 +17,7 @@ class GatheringSink:
     Pieces end where the time is a multiple of their length, however the batches arrive.
     """
 
-    def __init__(self, sink: Sink, seconds: int) -> None:
+    def __init__(self, sink: View, seconds: int) -> None:
         self._sink = sink
         self._seconds = seconds
         self._piece: int | None = None
@@ -32,6 +33,11 @@ class GatheringSink:
         for name, rows in batch.rows.items():
             self._rows.setdefault(name, []).append(rows)
         self._log += batch.log
+
+    def tell(self, end: RunEnd) -> None:
+        """Hand on what is left, and how the run ended."""
+        self._hand_on()
+        self._sink.tell(end)
 
     def close(self) -> None:
         """Hand on what is left and finish the sink."""
@@ -65,6 +71,9 @@ class _Pieces:
 
     def write(self, batch: Batch) -> None:
         self.taken.append(batch)
+
+    def tell(self, end: RunEnd) -> None:
+        pass
 
     def close(self) -> None:
         pass

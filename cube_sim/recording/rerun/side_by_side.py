@@ -94,4 +94,4 @@ def _lanes(drawn: Drawn, duration_s: float | None) -> rrb.Container:
         rrb.StateTimelineView(origin=places.at(HEALTH), name=f"{name}: health", time_view=time),
         rrb.TextLogView(origin=places.log, name=f"{name}: log"),
     ]
-    return rrb.Tabs(*views, rrb.TextDocumentView(origin=places.scenario, name=f"{name}: scenario"), active_tab=0)
+    return rrb.Tabs(*views, rrb.TextDocumentView(origin=places.scenario, name=f"{name}: verdict"), active_tab=0)

@@ -11,7 +11,7 @@ from uuid import uuid4
 import mujoco
 import rerun as rr
 
-from cube_sim.recording.batch import Batch, Sink
+from cube_sim.recording.batch import Batch, View
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.rerun.blueprint import blueprint
@@ -20,6 +20,7 @@ from cube_sim.recording.rerun.drawn import Drawn, drawn_from
 from cube_sim.recording.rerun.gathering import GatheringSink
 from cube_sim.recording.rerun.story import story_of
 from cube_sim.recording.rerun.viewer import LOCAL
+from cube_sim.recording.run_end import RunEnd
 
 PIECE_S = 80
 """Long pieces cost less, in time, in bytes and in what Rerun remembers of each to the end. Of more than 4096 rows the
@@ -28,7 +29,7 @@ viewer makes several."""
 
 def rerun_sink(
     path: Path, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel, vehicle: str | None = None
-) -> Sink:
+) -> View:
     """Start an .rrd file that takes batches as they come.
 
     The vehicle is the body of that name; without a name the first with a free joint.
@@ -43,7 +44,7 @@ FLUSH_S = 10.0
 
 def live_sink(
     port: int, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel, vehicle: str | None = None
-) -> Sink:
+) -> View:
     """Show a run in a viewer that listens at a port of this machine, while it flies."""
     url = f"rerun+http://{LOCAL}:{port}/proxy"
     return RerunSink(lambda stream: stream.connect_grpc(url), header, channels, model, vehicle, live=True)
@@ -77,12 +78,19 @@ class RerunSink:
         self._live = live
         self._send_to, self._header, self._channels = send_to, header, channels
         self._model, self._vehicle = model, vehicle
+        self._name = ""
         self._begun: tuple[rr.RecordingStream, RunDrawing] | None = None
 
     def write(self, batch: Batch) -> None:
         """Write one batch."""
         _, drawing = self._begun or self._begin(batch)
         drawing.write(batch)
+
+    def tell(self, end: RunEnd) -> None:
+        """Show how the run ended, in its text and in its name."""
+        stream, drawing = self._begun or self._begin(Batch({}))
+        drawing.tell(end)
+        stream.send_recording_name(f"{end.verdict or end.how}: {self._name}")
 
     def close(self) -> None:
         """Finish the file."""
@@ -106,7 +114,8 @@ class RerunSink:
         self._send_to(stream)
         drawing = RunDrawing(stream, drawn, self._model, self._vehicle)
         said = "live" if self._live else identity[:4]
-        stream.send_recording_name(f"{story.name or 'run'}, seed {self._header.seed}, {said}")
+        self._name = f"{story.name or 'run'}, seed {self._header.seed}, {said}"
+        stream.send_recording_name(self._name)
         stream.send_blueprint(blueprint(drawn), make_active=True)
         self._begun = stream, drawing
         return self._begun

@@ -19,76 +19,11 @@ from cube_sim.vehicle.laws.current import accelerating_water, current_at
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, water_wrench
 from cube_sim.vehicle.laws.thrust_law import force_of_command
 from cube_sim.vehicle.plugin import layout
+from cube_sim.vehicle.plugin.inertia import hull_inertia, put_factors, put_rows
 from cube_sim.vehicle.plugin.memory import call_force, double, field, force_table, integer, matrix, put, vector
 
 _factor_mass_matrix = types.ExternalFunction("mj_factorM", types.void(types.int64, types.int64))
 _project_constraints = types.ExternalFunction("mj_projectConstraint", types.void(types.int64, types.int64))
-
-
-@numba.njit
-def _spatial_row(crb, cdof, i):
-    """Composite inertia times motion axis i, a 6-tuple: MuJoCo's 10-vector inertia (I, m c, m) on an axis (w, v).
-
-    Args:
-        crb: (10,) I_xx, I_yy, I_zz, I_xy, I_xz, I_yz [kg m^2], m c [kg m], m [kg].
-        cdof: (6,6) motion axes (w, v) of the free joint.
-        i: which of them.
-    """
-    w0, w1, w2 = cdof[i, 0], cdof[i, 1], cdof[i, 2]
-    v0, v1, v2 = cdof[i, 3], cdof[i, 4], cdof[i, 5]
-    return (
-        crb[0] * w0 + crb[3] * w1 + crb[4] * w2 - crb[8] * v1 + crb[7] * v2,
-        crb[3] * w0 + crb[1] * w1 + crb[5] * w2 + crb[8] * v0 - crb[6] * v2,
-        crb[4] * w0 + crb[5] * w1 + crb[2] * w2 - crb[7] * v0 + crb[6] * v1,
-        crb[8] * w1 - crb[7] * w2 + crb[9] * v0,
-        crb[6] * w2 - crb[8] * w0 + crb[9] * v1,
-        crb[7] * w0 - crb[6] * w1 + crb[9] * v2,
-    )
-
-
-@numba.njit
-def _put_inertia(M_A, R, cdof, crb, armature, rowadr, M):
-    """Overwrite one hull's rows of the mass matrix by B'(M_RB + M_A)B, B = blkdiag(R', I).
-
-    The free joint's linear axes are the world's, its angular axes the body's. The rigid part is computed again from the
-    composite inertia: derivatives rerun this stage on a matrix that already holds M_A. Arms on the hull are in the
-    composite.
-
-    Args:
-        M_A: added mass (6,6), body axes.
-        R: R_WB (3,3).
-        cdof: (6,6) and `crb` (10,) as in `_spatial_row`.
-        crb: the composite inertia.
-        armature: address of the joint's six armatures.
-        rowadr: address of the six starts of its rows in `M`.
-        M: address of MuJoCo's sparse mass matrix, whose rows hold the columns up to the diagonal.
-    """
-    for i in range(3):
-        # R M11 R' + m I, one row at a time
-        t0 = R[i, 0] * M_A[0, 0] + R[i, 1] * M_A[1, 0] + R[i, 2] * M_A[2, 0]
-        t1 = R[i, 0] * M_A[0, 1] + R[i, 1] * M_A[1, 1] + R[i, 2] * M_A[2, 1]
-        t2 = R[i, 0] * M_A[0, 2] + R[i, 1] * M_A[1, 2] + R[i, 2] * M_A[2, 2]
-        start = integer(rowadr, i)
-        for j in range(i + 1):
-            put(M, start + j, t0 * R[j, 0] + t1 * R[j, 1] + t2 * R[j, 2])
-        put(M, start + i, double(M, start + i) + crb[9] + double(armature, i))
-    for i in range(3, 6):
-        f = _spatial_row(crb, cdof, i)
-        start = integer(rowadr, i)
-        for j in range(3):
-            # a unit velocity along world axis j picks component j of the momentum: no product needed
-            put(M, start + j, f[3 + j] + M_A[i, 0] * R[j, 0] + M_A[i, 1] * R[j, 1] + M_A[i, 2] * R[j, 2])
-        for j in range(3, i + 1):
-            rigid = (
-                cdof[j, 0] * f[0]
-                + cdof[j, 1] * f[1]
-                + cdof[j, 2] * f[2]
-                + cdof[j, 3] * f[3]
-                + cdof[j, 4] * f[4]
-                + cdof[j, 5] * f[5]
-            )
-            put(M, start + j, rigid + M_A[i, j])
-        put(M, start + i, double(M, start + i) + double(armature, i))
 
 
 @numba.njit
@@ -136,6 +71,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
     actuator_actnum = model["actuator_actnum"]
     time_, qvel, xpos, xmat, act = data["time"], data["qvel"], data["xpos"], data["xmat"], data["act"]
     cdof, crb, mass, qfrc_passive = data["cdof"], data["crb"], data["M"], data["qfrc_passive"]
+    nv, qld, qldiaginv = model["nv"], data["qLD"], data["qLDiagInv"]
 
     @numba.njit
     def parameters_of(m):
@@ -161,21 +97,25 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         steady = (double(m + opt_wind, 0), double(m + opt_wind, 1), double(m + opt_wind, 2))
         time = double(d + time_, 0)
         profile = int(double(packed, layout.CURRENT))
-        for k in range(int(double(packed, layout.COUNT))):
+        count = int(double(packed, layout.COUNT))
+        factored = field(m, nv) == 6 * count  # no arms: hulls are all there is, each a block of its own
+        for k in range(count):
             hull = packed + 8 * (int(double(packed, layout.HULLS)) + k * layout.HULL_SIZE)
             body, dof = int(double(hull, layout.BODY)), int(double(hull, layout.DOF))
             M_A = matrix(hull + 8 * layout.ADDED_MASS, 6, 6)
             position, rotation = field(d, xpos) + 24 * body, field(d, xmat) + 72 * body
             R = matrix(rotation, 3, 3)
-            _put_inertia(
+            inertia = hull_inertia(
                 M_A,
                 R,
                 matrix(field(d, cdof) + 48 * dof, 6, 6),
                 vector(field(d, crb) + 80 * body, 10),
                 field(m, dof_armature) + 8 * dof,
-                field(m, m_rowadr) + 4 * dof,
-                field(d, mass),
             )
+            rows = field(m, m_rowadr) + 4 * dof
+            put_rows(inertia, rows, field(d, mass))
+            if factored:
+                factored = put_factors(inertia, rows, field(d, qld), field(d, qldiaginv) + 8 * dof)
             v = field(d, qvel) + 8 * dof
             vx, vy, vz = double(v, 0), double(v, 1), double(v, 2)
             nu = (
@@ -223,7 +163,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             for i in range(3):
                 put(force, i, double(force, i) + R[i, 0] * F[0] + R[i, 1] * F[1] + R[i, 2] * F[2])
                 put(force, 3 + i, double(force, 3 + i) + F[3 + i])
-        _factor_mass_matrix(m, d)
+        if not factored:
+            _factor_mass_matrix(m, d)
         if integer(m + opt_solver, 0) == pgs or integer(m + opt_noslip, 0) > 0:
             # These work on J M^-1 J', which MuJoCo has computed before the added mass was in M.
             _project_constraints(m, d)

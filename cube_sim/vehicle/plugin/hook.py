@@ -18,7 +18,7 @@ import mujoco
 from cube_sim.errors import ModelError
 from cube_sim.native import object_cache
 from cube_sim.native.sources import source_digest
-from cube_sim.vehicle.plugin import guard, structs, user_forces
+from cube_sim.vehicle.plugin import clock, guard, structs, user_forces
 
 _CALLBACKS = "cube_sim.vehicle.plugin.callbacks"
 _ARGUMENTS = {
@@ -63,6 +63,7 @@ def _callbacks() -> dict:
     library = next(path for path in Path(mujoco.__file__).parent.iterdir() if path.name.startswith(_library_name()))
     llvmlite.binding.load_library_permanently(str(library))
     guard.publish(str(library))
+    clock.publish(str(library))
     user_forces.publish()
     layouts = structs.offsets("mjModel", structs.MODEL_FIELDS), structs.offsets("mjData", structs.DATA_FIELDS)
     off = mujoco.mjtDisableBit

@@ -16,11 +16,11 @@ from mujoco.introspect import ast_nodes, structs
 from cube_sim.errors import ModelError
 
 MODEL_FIELDS = (
-    "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "opt.density", "opt.viscosity", "opt.solver",
+    "nv", "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "opt.density", "opt.viscosity", "opt.solver",
     "opt.noslip_iterations", "opt.timestep", "numeric_adr", "numeric_data",
     "dof_armature", "M_rowadr", "actuator_actadr", "actuator_actnum",
 )  # fmt: skip
-DATA_FIELDS = ("time", "qvel", "xpos", "xmat", "act", "cdof", "crb", "M", "qfrc_passive")
+DATA_FIELDS = ("time", "qvel", "xpos", "xmat", "act", "cdof", "crb", "M", "qLD", "qLDiagInv", "qfrc_passive")
 
 _SCALARS = {
     "mjtSize": ctypes.c_int64, "mjtNum": ctypes.c_double, "mjtByte": ctypes.c_ubyte, "mjtBool": ctypes.c_bool,

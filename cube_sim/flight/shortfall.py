@@ -1,0 +1,123 @@
+"""What was missing of the demanded wrenches in a stretch of ticks: how much, where to, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cube_sim.allocation import Status
+from cube_sim.flight.rows import TickRows
+from cube_sim.spatial import Matrix, Vector
+from cube_sim.wrench.axes import SPATIAL
+
+FORWARD_PORT_UP = (("forward", "backward"), ("to port", "to starboard"), ("up", "down"))
+"""Words for forces along and against the body's axes."""
+TURNS = ("of roll", "of pitch", "of yaw")
+WORTH_TELLING = 0.3
+"""Components are told that miss at least this share of what the worst one misses (a choice)."""
+AT_LIMIT = 0.98
+"""A thruster at this share of its largest force counts as one at its limit: the optimum keeps off it by rounding."""
+OUT_OF_RANGE = 1e-3
+"""A missing wrench of which the thrusters make less than this share, in whatever direction, is none of theirs."""
+
+
+class Thrust(NamedTuple):
+    """What the words need to know of the thrusters.
+
+    Attributes:
+        names: (m,).
+        A: (6,m).
+        limits: (m,4) of whole ones [F_max-, F_DZ-, F_DZ+, F_max+] [N].
+        length_m: their rms lever arm, which makes torques and forces comparable.
+    """
+
+    names: Sequence[str]
+    A: Matrix
+    limits: Matrix
+    length_m: float
+
+
+class Shortfall:
+    """A stretch of ticks whose demands were not made.
+
+    Attributes:
+        since_s: time of the first [s].
+        until_s: time of the last so far [s].
+        status: of the worst.
+        off_m: how much further the vehicle was from its target than at the beginning, at most [m].
+    """
+
+    def __init__(self, since_s: float, distance_m: float) -> None:
+        self.since_s = self.until_s = since_s
+        self.status, self.off_m = Status.EXACT, 0.0
+        self._distance, self._residual, self._at = distance_m, -1.0, since_s
+        self._demanded, self._missing = np.zeros(6), np.zeros(6)
+        self._force, self._share = np.zeros(0), np.zeros(0)
+
+    def take(self, t: float, rows: TickRows, k: int, status: Status, force_ratio: float) -> None:
+        """Take in a tick whose demand was not made.
+
+        Args:
+            t: its time [s].
+            rows: of the flight.
+            k: which of them.
+            status: of its allocation.
+            force_ratio: share of their force that the supply leaves the thrusters.
+        """
+        self.until_s = t
+        residual = float(rows.allocation[k, 1])
+        if residual > self._residual:
+            m = (rows.health.shape[1] - 2) // 2
+            self._residual, self._at, self.status = residual, t, status
+            self._demanded = rows.wrench[k, 1:7].copy()
+            self._missing = self._demanded - rows.wrench[k, 7:13]
+            self._force = rows.thrusters[k, 1 : 1 + m].copy()
+            self._share = rows.health[k, 1 + m : 1 + 2 * m] * force_ratio
+
+    def watch(self, distance_m: float) -> None:
+        """Take in how far from its target the vehicle is, at any tick of the stretch and a little after [m]."""
+        self.off_m = max(self.off_m, distance_m - self._distance)
+
+    def told(self, thrust: Thrust) -> str:
+        """How much was missing when most was, and why.
+
+        E.g. ``at worst, at 1.20 s, 4.1 of 52 N forward missing: T1 and T3 at their limits``.
+        """
+        scaled = SPATIAL.scale(thrust.length_m) * self._missing
+        worth = np.flatnonzero(np.abs(scaled) >= WORTH_TELLING * np.max(np.abs(scaled), initial=0.0))
+        parts = [self._component(i) for i in worth.tolist() if scaled[i] != 0.0]
+        cause = self._cause(thrust, scaled)
+        return f"at worst, at {self._at:.2f} s, {', '.join(parts)}{f': {cause}' if cause else ''}"
+
+    def _component(self, i: int) -> str:
+        asked, missing = float(self._demanded[i]), float(self._missing[i])
+        unit, more = (
+            "N" if i < 3 else "N m",
+            asked * missing <= 0.0,
+        )  # more is made, or something where nothing is asked
+        size = f"{abs(missing):.2g} {unit}" if more else f"{abs(missing):.2g} of {abs(asked):.2g} {unit}"
+        where = TURNS[i - 3] if i >= 3 else FORWARD_PORT_UP[i][int((missing < 0.0) != more)]
+        return f"{size} {where} {'too much' if more else 'missing'}"
+
+    def _cause(self, thrust: Thrust, scaled: Vector) -> str:
+        whole, force = self._share > 0.0, self._force
+        low, high = thrust.limits[:, 0] * self._share, thrust.limits[:, 3] * self._share
+        full = whole & (((force < 0.0) & (force <= AT_LIMIT * low)) | ((force > 0.0) & (force >= AT_LIMIT * high)))
+        if np.any(full):
+            names = [name for name, one in zip(thrust.names, full, strict=True) if one]
+            return f"{listed(names)} at {'its limit' if len(names) == 1 else 'their limits'}"
+        columns = SPATIAL.scale(thrust.length_m)[:, None] * thrust.A[:, whole]
+        made = np.abs(columns.T @ scaled)
+        sizes = np.linalg.norm(columns, axis=0) * np.linalg.norm(scaled)
+        if not np.any(made > OUT_OF_RANGE * sizes):
+            return "no thruster that works makes any of it"
+        if np.any(thrust.limits[:, 1] < thrust.limits[:, 2]):
+            return "less than the thrusters' dead zones leave"
+        return ""
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names as a sentence has them: ``T1, T2 and T3``."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))

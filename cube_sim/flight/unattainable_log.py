@@ -1,0 +1,89 @@
+"""Messages about demanded wrenches that stay unattainable: one for each stretch of them, when it is over."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from cube_sim.allocation import Status
+from cube_sim.flight.rows import TickRows
+from cube_sim.flight.shortfall import Shortfall, Thrust
+from cube_sim.recording.signal_store import SignalStore
+
+PATIENCE_S = 1.0
+"""A stretch is told that has lasted this long; it is over when demands have been made for as long: one at the edge of
+the attainable set changes it every tick."""
+OFF_M = 0.05
+"""A stretch in which the vehicle comes this much further off its target is a warning, any other is none (a choice)."""
+
+_HAPPENED = {
+    Status.CLOSEST: "the demanded wrench was out of reach, and the closest attainable one made",
+    Status.SCALED: "the demanded wrench was out of reach, and the largest part of it in its direction made",
+    Status.YIELDED: "the demanded wrench was out of reach, and its secondary part gave way to the primary one",
+    Status.MISSED: "the allocation missed the demanded wrench",
+    Status.FORBIDDEN_FORCE: "the allocation asked a thruster for a force outside its allowed set",
+    Status.UNPROVEN: "the demanded wrench was made, perhaps not at the least cost",
+    Status.UNPROVEN_CLOSEST: "no forces making the demanded wrench were found, and the best wrench found made",
+}
+
+
+class UnattainableLog:
+    """Logs from when to when demands were unattainable, how much was missing, why, and what it did to the path.
+
+    Args:
+        recorder: gets the messages.
+        thrust: of the vehicle, as the controller believes.
+    """
+
+    def __init__(self, recorder: SignalStore, thrust: Thrust) -> None:
+        self._recorder, self._thrust = recorder, thrust
+        self._stretch: Shortfall | None = None
+        self._invalid_s: float | None = None
+
+    def quiet(self, rows: TickRows) -> bool:
+        """Whether the ticks of these rows are no news."""
+        return self._stretch is None and self._invalid_s is None and not rows.allocation[:, 3].any()
+
+    def note(self, t: float, rows: TickRows, k: int, force_ratio: float) -> None:
+        """Take in one tick.
+
+        Args:
+            t: its time [s].
+            rows: of the flight.
+            k: which of them.
+            force_ratio: share of their force that the supply leaves the thrusters.
+        """
+        status = Status(int(rows.allocation[k, 3]))
+        if status is Status.INVALID_WRENCH:
+            if self._invalid_s is None:
+                self._recorder.log(t, "ERROR", status.message)
+            self._invalid_s = t
+            return
+        if self._invalid_s is not None and t - self._invalid_s >= PATIENCE_S:
+            self._recorder.log(t, "INFO", "the demanded wrench is finite again")
+            self._invalid_s = None
+        if status is Status.EXACT and self._stretch is None:
+            return
+        along, cross = float(rows.path_error[k, 1]), float(rows.path_error[k, 4])
+        distance = sqrt(along * along + cross * cross)
+        stretch = self._stretch = self._stretch or Shortfall(t, distance)
+        stretch.watch(distance)
+        if status is not Status.EXACT:
+            stretch.take(t, rows, k, status, force_ratio)
+        elif t - stretch.until_s >= PATIENCE_S:
+            self._tell(t, stretch)
+
+    def finish(self, t: float) -> None:
+        """Tell at the end of the flight, at t [s], of a stretch that is not over."""
+        if self._stretch is not None:
+            self._tell(t, self._stretch)
+
+    def _tell(self, t: float, stretch: Shortfall) -> None:
+        self._stretch = None
+        if stretch.until_s - stretch.since_s < PATIENCE_S:
+            return
+        matters = stretch.off_m >= OFF_M
+        what = f"{_HAPPENED[stretch.status]} from {stretch.since_s:.2f} s to {stretch.until_s:.2f} s"
+        how = "" if stretch.status is Status.UNPROVEN else f"; {stretch.told(self._thrust)}"
+        came = f"{stretch.off_m:.2g} m" if matters else "no"
+        level = "WARNING" if matters else "INFO"
+        self._recorder.log(t, level, f"{what}{how}; the vehicle came {came} further off its target meanwhile")

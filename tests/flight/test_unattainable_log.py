@@ -1,0 +1,114 @@
+"""What a run says of demands that were not made: when, how much, where to, why, and whether the path suffered."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cube_sim.allocation import Status
+from cube_sim.flight.rows import rows_for
+from cube_sim.flight.shortfall import Thrust, listed
+from cube_sim.flight.unattainable_log import UnattainableLog
+from cube_sim.recording.channels import channel_table
+from cube_sim.recording.signal_store import SignalStore
+
+DT = 0.02
+A = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.5]])
+THRUST = Thrust(("bow", "side"), A, np.array([[-20.0, -2.0, 2.0, 20.0]] * 2), 0.5)
+CHANNELS = channel_table(THRUST.names, 2)
+
+
+def flown(ticks: int):
+    """Rows of a flight whose demands are made, with nothing asked for."""
+    rows = rows_for(CHANNELS, ticks)
+    for table in (rows.allocation, rows.wrench, rows.thrusters, rows.path_error):
+        table[:] = 0.0
+    rows.health[:] = 1.0
+    return rows
+
+
+def missed(rows, ticks, demanded, force, status=Status.CLOSEST):
+    made = A @ force
+    for k in ticks:
+        rows.allocation[k, 1], rows.allocation[k, 3] = np.linalg.norm(np.subtract(demanded, made)), status
+        rows.wrench[k, 1:7], rows.wrench[k, 7:13], rows.thrusters[k, 1:3] = demanded, made, force
+
+
+def told(rows) -> list[tuple[float, str, str]]:
+    store = SignalStore(CHANNELS)
+    log = UnattainableLog(store, THRUST)
+    for k in range(len(rows.allocation)):
+        log.note(k * DT, rows, k, 1.0)
+    log.finish(len(rows.allocation) * DT)
+    return [(line.t, line.level, line.text) for line in store.lines]
+
+
+def test_nothing_is_said_of_what_is_made_or_of_a_moment():
+    rows = flown(200)
+    assert UnattainableLog(SignalStore(CHANNELS), THRUST).quiet(rows)
+    missed(rows, range(20, 60), [30.0, 0, 0, 0, 0, 0], [20.0, 0.0])
+    assert not UnattainableLog(SignalStore(CHANNELS), THRUST).quiet(rows)
+    assert told(rows) == []
+
+
+def test_a_stretch_is_one_line_when_it_is_over_with_the_worst_of_it():
+    rows = flown(300)
+    missed(rows, range(50, 150), [22.0, 0, 0, 0, 0, 0], [20.0, 0.0])
+    missed(rows, range(100, 101), [-50.0, 0, 0, 0, 0, 8.0], [-20.0, 0.0])
+    missed(rows, range(120, 140), [0.0] * 6, [0.0, 0.0], Status.EXACT)  # less than a second: the same stretch
+    ((t, level, text),) = told(rows)
+    assert (t, level) == (pytest.approx(149 * DT + 1.0), "INFO")
+    assert text == (
+        "the demanded wrench was out of reach, and the closest attainable one made from 1.00 s to 2.98 s; at worst, at "
+        "2.00 s, 30 of 50 N backward missing, 8 of 8 N m of yaw missing: bow at its limit; the vehicle came no further "
+        "off its target meanwhile"
+    )
+
+
+def test_it_is_a_warning_where_the_vehicle_leaves_its_target():
+    rows = flown(300)
+    missed(rows, range(50, 150), [22.0, 0, 0, 0, 0, 0], [20.0, 0.0])
+    rows.path_error[:, 1] = 0.3
+    rows.path_error[80:170, 4] = 0.4  # sqrt(0.3^2 + 0.4^2) - 0.3
+    ((_, level, text),) = told(rows)
+    assert level == "WARNING"
+    assert text.endswith("; the vehicle came 0.2 m further off its target meanwhile")
+
+
+@pytest.mark.parametrize(
+    ("demanded", "force", "words"),
+    [
+        ([1.0, 0, 0, 0, 0, 0], [0.0, 0.0], "1 of 1 N forward missing: less than the thrusters' dead zones leave"),
+        ([1.0, 0, 0, 0, 0, 0], [2.0, 0.0], "1 N forward too much: less than the thrusters' dead zones leave"),
+        ([0, 0, -3.0, 0, 0, 0], [0.0, 0.0], "3 of 3 N down missing: no thruster that works makes any of it"),
+        ([40.0, 40.0, 0, 0, 0, 20.0], [20.0, 20.0], "bow and side at their limits"),
+        ([0, -1.0, 0, 0, 0, 0.0], [0.0, -2.0], "1 N to starboard too much, 1 N m of yaw too much"),
+    ],
+)
+def test_where_it_is_missing_and_why(demanded, force, words):
+    rows = flown(100)
+    missed(rows, range(100), demanded, force)
+    ((t, _, text),) = told(rows)
+    assert t == pytest.approx(100 * DT)  # the flight ended amid it
+    assert words in text
+
+
+def test_a_dead_thruster_is_at_no_limit():
+    rows = flown(100)
+    missed(rows, range(100), [30.0, 0, 0, 0, 0, 0], [0.0, 0.0])
+    rows.health[:, 1 + 2] = 0.0  # what is believed of the first
+    ((_, _, text),) = told(rows)
+    assert "30 of 30 N forward missing: no thruster that works makes any of it" in text
+
+
+def test_a_demand_that_is_none_is_an_error_at_once_and_once():
+    rows = flown(200)
+    rows.allocation[10:20, 3] = rows.allocation[30:40, 3] = Status.INVALID_WRENCH
+    assert told(rows) == [
+        (pytest.approx(10 * DT), "ERROR", "the demanded wrench is not finite: it counts as zero"),
+        (pytest.approx(89 * DT), "INFO", "the demanded wrench is finite again"),
+    ]
+
+
+def test_names_in_a_sentence():
+    assert [listed(names) for names in (["a"], ["a", "b"], ["a", "b", "c"])] == ["a", "a and b", "a, b and c"]

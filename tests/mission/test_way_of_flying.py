@@ -1,0 +1,71 @@
+"""How a vehicle flies is said at the beginning, and what it will not do is a warning."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.places import SCENARIOS
+
+from cube_sim import Flight
+from cube_sim.mission import prepare
+from cube_sim.mission.channels import polyline
+from cube_sim.mission.way_of_flying import cannot_follow, depth_not_kept
+from cube_sim.scenario import load
+
+CHECKS = [{"kind": "allowed_forces"}]
+
+
+def said(name: str, settings: dict | None = None) -> list[tuple[str, str]]:
+    flight = Flight(SCENARIOS / f"{name}.yaml", {"duration_s": 1.0, "checks": CHECKS, "events": [], **(settings or {})})
+    return [(line.level, line.text) for line in flight._store.lines]
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [
+        ("cube_helix", "HOLONOMIC: the vehicle moves any way in any attitude (all six"),
+        (
+            "bluerov2_vectored_line",
+            "TRIM: the vehicle moves any way, and roll or pitch are left to the water",
+        ),
+        (
+            "jack_exact",
+            "LEVEL: the vehicle moves any way in a level plane; heave, roll and pitch are left to the water",
+        ),
+        (
+            "infante_line",
+            "UNICYCLE: the vehicle turns its heading to point its thrust in a level plane; heave,",
+        ),
+        (
+            "torpedo_line",
+            "LINE: the vehicle turns its attitude to point thrust that is there in one direction",
+        ),
+    ],
+)
+def test_the_way_of_flying_is_told_once_and_is_no_warning(name, way):
+    lines = said(name)
+    assert [level for level, text in lines if text.startswith(way)] == ["INFO"]
+    assert not any(level == "WARNING" for level, _ in lines)
+
+
+def test_a_hull_in_a_level_plane_that_sinks_will_not_keep_its_depth():
+    mission = prepare(load(SCENARIOS / "jack_exact.yaml"))
+    able, level = mission.ability, polyline(mission.path)
+    assert cannot_follow(able, level) is None
+    hull = able.hold.hull
+    assert hull is not None
+    heavy = replace(able, hold=able.hold._replace(hull=replace(hull, displaced_mass=0.98 * hull.displaced_mass)))
+    said = cannot_follow(heavy, level)
+    assert said == (
+        f"the depth of the path will not be kept: the hull sinks with {0.02 * hull.weight:.2g} N, and no thruster "
+        "pushes up or down"
+    )
+    climbing = level + np.linspace([0.0, 0.0, 0.0], [0.0, 0.0, 2.0], len(level))
+    assert "the path rises or sinks by 2 m, and no thruster" in (cannot_follow(able, climbing) or "")
+
+
+def test_nobody_with_heave_is_warned_of_its_depth():
+    mission = prepare(load(SCENARIOS / "cube_helix.yaml"))
+    assert depth_not_kept(mission.ability, mission.ability.whole, polyline(mission.path)) is None
