@@ -45,7 +45,8 @@ def said(name: str, settings: dict | None = None) -> list[tuple[str, str]]:
     ],
 )
 def test_the_way_of_flying_is_told_once_and_is_no_warning(name, way):
-    lines = said(name)
+    slow = {"guidance.speed_m_s": 0.3} if name.startswith("bluerov2") else {}  # below its critical speed
+    lines = said(name, slow)
     assert [level for level, text in lines if text.startswith(way)] == ["INFO"]
     assert not any(level == "WARNING" for level, _ in lines)
 
