@@ -19,7 +19,7 @@ from cube_sim.vehicle.laws.current import accelerating_water, current_at
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, water_wrench
 from cube_sim.vehicle.laws.thrust_law import force_of_command
 from cube_sim.vehicle.plugin import layout
-from cube_sim.vehicle.plugin.inertia import hull_inertia, put_factors, put_rows
+from cube_sim.vehicle.plugin.inertia import put_factors, put_inertia
 from cube_sim.vehicle.plugin.memory import call_force, double, field, force_table, integer, matrix, put, vector
 
 _factor_mass_matrix = types.ExternalFunction("mj_factorM", types.void(types.int64, types.int64))
@@ -105,17 +105,18 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             M_A = matrix(hull + 8 * layout.ADDED_MASS, 6, 6)
             position, rotation = field(d, xpos) + 24 * body, field(d, xmat) + 72 * body
             R = matrix(rotation, 3, 3)
-            inertia = hull_inertia(
+            rows = field(m, m_rowadr) + 4 * dof
+            put_inertia(
                 M_A,
                 R,
                 matrix(field(d, cdof) + 48 * dof, 6, 6),
                 vector(field(d, crb) + 80 * body, 10),
                 field(m, dof_armature) + 8 * dof,
+                rows,
+                field(d, mass),
             )
-            rows = field(m, m_rowadr) + 4 * dof
-            put_rows(inertia, rows, field(d, mass))
             if factored:
-                factored = put_factors(inertia, rows, field(d, qld), field(d, qldiaginv) + 8 * dof)
+                factored = put_factors(field(d, mass), rows, field(d, qld), field(d, qldiaginv) + 8 * dof)
             v = field(d, qvel) + 8 * dof
             vx, vy, vz = double(v, 0), double(v, 1), double(v, 2)
             nu = (

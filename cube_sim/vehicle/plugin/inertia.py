@@ -1,7 +1,4 @@
-"""The inertia of a hull with its added mass, and its factors, as MuJoCo keeps them; for the compiled callbacks.
-
-A lower triangle is a 21-tuple, row by row.
-"""
+"""The inertia of a hull with its added mass, and its factors, where MuJoCo keeps them; for the compiled callbacks."""
 
 from __future__ import annotations
 
@@ -35,39 +32,8 @@ def _spatial_row(crb, cdof, i):
 
 
 @numba.njit
-def _motion_times(cdof, j, f):
-    """Motion axis j (w, v) times a spatial momentum, a 6-tuple."""
-    return (
-        cdof[j, 0] * f[0]
-        + cdof[j, 1] * f[1]
-        + cdof[j, 2] * f[2]
-        + cdof[j, 3] * f[3]
-        + cdof[j, 4] * f[4]
-        + cdof[j, 5] * f[5]
-    )
-
-
-@numba.njit
-def _added_linear(M_A, R, i, j):
-    """Element i, j of R M11 R', M11 the upper left (3,3) of added mass."""
-    t0 = R[i, 0] * M_A[0, 0] + R[i, 1] * M_A[1, 0] + R[i, 2] * M_A[2, 0]
-    t1 = R[i, 0] * M_A[0, 1] + R[i, 1] * M_A[1, 1] + R[i, 2] * M_A[2, 1]
-    t2 = R[i, 0] * M_A[0, 2] + R[i, 1] * M_A[1, 2] + R[i, 2] * M_A[2, 2]
-    return t0 * R[j, 0] + t1 * R[j, 1] + t2 * R[j, 2]
-
-
-@numba.njit
-def _coupling(M_A, R, i, j, f):
-    """Element i, j of M, i an angular axis and j a linear one; f the spatial momentum of axis i.
-
-    A unit velocity along world axis j picks component j of the momentum: no product needed.
-    """
-    return f[3 + j] + M_A[i, 0] * R[j, 0] + M_A[i, 1] * R[j, 1] + M_A[i, 2] * R[j, 2]
-
-
-@numba.njit
-def hull_inertia(M_A, R, cdof, crb, armature):
-    """One hull's block of the mass matrix, B'(M_RB + M_A)B with B = blkdiag(R', I): its lower triangle.
+def put_inertia(M_A, R, cdof, crb, armature, rowadr, M):
+    """Overwrite one hull's rows of the mass matrix by B'(M_RB + M_A)B, B = blkdiag(R', I).
 
     The free joint's linear axes are the world's, its angular axes the body's. The rigid part is computed again from the
     composite inertia: derivatives rerun this stage on a matrix that already holds M_A. Arms on the hull are in the
@@ -76,66 +42,62 @@ def hull_inertia(M_A, R, cdof, crb, armature):
     Args:
         M_A: added mass (6,6), body axes.
         R: R_WB (3,3).
-        cdof: (6,6) motion axes (w, v) of the free joint.
-        crb: (10,) the composite inertia, I_xx, I_yy, I_zz, I_xy, I_xz, I_yz [kg m^2], m c [kg m], m [kg].
+        cdof: (6,6) and `crb` (10,) as in `_spatial_row`.
+        crb: the composite inertia.
         armature: address of the joint's six armatures.
+        rowadr: address of the six starts of its rows in `M`.
+        M: address of MuJoCo's sparse mass matrix, whose rows hold the columns up to the diagonal.
     """
-    f3, f4, f5 = _spatial_row(crb, cdof, 3), _spatial_row(crb, cdof, 4), _spatial_row(crb, cdof, 5)
-    return (
-        _added_linear(M_A, R, 0, 0) + crb[9] + double(armature, 0),
-        _added_linear(M_A, R, 1, 0),
-        _added_linear(M_A, R, 1, 1) + crb[9] + double(armature, 1),
-        _added_linear(M_A, R, 2, 0),
-        _added_linear(M_A, R, 2, 1),
-        _added_linear(M_A, R, 2, 2) + crb[9] + double(armature, 2),
-        _coupling(M_A, R, 3, 0, f3),
-        _coupling(M_A, R, 3, 1, f3),
-        _coupling(M_A, R, 3, 2, f3),
-        _motion_times(cdof, 3, f3) + M_A[3, 3] + double(armature, 3),
-        _coupling(M_A, R, 4, 0, f4),
-        _coupling(M_A, R, 4, 1, f4),
-        _coupling(M_A, R, 4, 2, f4),
-        _motion_times(cdof, 3, f4) + M_A[4, 3],
-        _motion_times(cdof, 4, f4) + M_A[4, 4] + double(armature, 4),
-        _coupling(M_A, R, 5, 0, f5),
-        _coupling(M_A, R, 5, 1, f5),
-        _coupling(M_A, R, 5, 2, f5),
-        _motion_times(cdof, 3, f5) + M_A[5, 3],
-        _motion_times(cdof, 4, f5) + M_A[5, 4],
-        _motion_times(cdof, 5, f5) + M_A[5, 5] + double(armature, 5),
-    )
-
-
-@numba.njit
-def put_rows(triangle, rowadr, into):
-    """Write a lower triangle into one of MuJoCo's sparse matrices, whose rows hold the columns up to the diagonal.
-
-    Args:
-        triangle: 21-tuple.
-        rowadr: address of the six starts of its rows.
-        into: address of the matrix.
-    """
-    k = 0
-    for i in range(6):
+    for i in range(3):
+        # R M11 R' + m I, one row at a time
+        t0 = R[i, 0] * M_A[0, 0] + R[i, 1] * M_A[1, 0] + R[i, 2] * M_A[2, 0]
+        t1 = R[i, 0] * M_A[0, 1] + R[i, 1] * M_A[1, 1] + R[i, 2] * M_A[2, 1]
+        t2 = R[i, 0] * M_A[0, 2] + R[i, 1] * M_A[1, 2] + R[i, 2] * M_A[2, 2]
         start = integer(rowadr, i)
         for j in range(i + 1):
-            put(into, start + j, triangle[k])
-            k += 1
+            put(M, start + j, t0 * R[j, 0] + t1 * R[j, 1] + t2 * R[j, 2])
+        put(M, start + i, double(M, start + i) + crb[9] + double(armature, i))
+    for i in range(3, 6):
+        f = _spatial_row(crb, cdof, i)
+        start = integer(rowadr, i)
+        for j in range(3):
+            # a unit velocity along world axis j picks component j of the momentum: no product needed
+            put(M, start + j, f[3 + j] + M_A[i, 0] * R[j, 0] + M_A[i, 1] * R[j, 1] + M_A[i, 2] * R[j, 2])
+        for j in range(3, i + 1):
+            rigid = (
+                cdof[j, 0] * f[0]
+                + cdof[j, 1] * f[1]
+                + cdof[j, 2] * f[2]
+                + cdof[j, 3] * f[3]
+                + cdof[j, 4] * f[4]
+                + cdof[j, 5] * f[5]
+            )
+            put(M, start + j, rigid + M_A[i, j])
+        put(M, start + i, double(M, start + i) + double(armature, i))
 
 
 @numba.njit
-def factors(triangle):
-    """L and D of M = L'DL with unit lower triangular L, the last row eliminated first, as MuJoCo does.
+def put_factors(M, rowadr, into, inverse):
+    """Write L and D of one hull's M = L'DL where `mj_factorM` would; False where it has to, for its warning.
 
+    L is unit lower triangular, below the diagonal of the result, whose diagonal is D. The last row is eliminated first.
     Each element is formed by the products and sums that `mj_factorM` forms it by, in its order.
 
     Args:
-        triangle: M.
-
-    Returns:
-        L below the diagonal and D on it; and 1/D, a 6-tuple.
+        M: address of MuJoCo's sparse mass matrix, whose rows hold the columns up to the diagonal.
+        rowadr: address of the six starts of its rows, in `M` and in the result.
+        into: address of the result.
+        inverse: address of six 1/D.
     """
-    m00, m10, m11, m20, m21, m22, m30, m31, m32, m33, m40, m41, m42, m43, m44, m50, m51, m52, m53, m54, m55 = triangle
+    a0, a1, a2 = integer(rowadr, 0), integer(rowadr, 1), integer(rowadr, 2)
+    a3, a4, a5 = integer(rowadr, 3), integer(rowadr, 4), integer(rowadr, 5)
+    m00 = double(M, a0)
+    m10, m11 = double(M, a1), double(M, a1 + 1)
+    m20, m21, m22 = double(M, a2), double(M, a2 + 1), double(M, a2 + 2)
+    m30, m31, m32, m33 = double(M, a3), double(M, a3 + 1), double(M, a3 + 2), double(M, a3 + 3)
+    m40, m41, m42, m43 = double(M, a4), double(M, a4 + 1), double(M, a4 + 2), double(M, a4 + 3)
+    m50, m51, m52, m53 = double(M, a5), double(M, a5 + 1), double(M, a5 + 2), double(M, a5 + 3)
+    m44, m54, m55 = double(M, a4 + 4), double(M, a5 + 4), double(M, a5 + 5)
     w5 = 1.0 / m55
     s = -m54 * w5
     m40, m41, m42, m43, m44 = m40 + m50 * s, m41 + m51 * s, m42 + m52 * s, m43 + m53 * s, m44 + m54 * s
@@ -167,31 +129,39 @@ def factors(triangle):
     m00 = m00 + m20 * (-m20 * w2)
     m00 = m00 + m10 * (-m10 * w1)
     w0 = 1.0 / m00
-    factored = (
-        m00,
-        m10 * w1, m11,
-        m20 * w2, m21 * w2, m22,
-        m30 * w3, m31 * w3, m32 * w3, m33,
-        m40 * w4, m41 * w4, m42 * w4, m43 * w4, m44,
-        m50 * w5, m51 * w5, m52 * w5, m53 * w5, m54 * w5, m55,
-    )  # fmt: skip
-    return factored, (w0, w1, w2, w3, w4, w5)
-
-
-@numba.njit
-def put_factors(triangle, rowadr, into, inverse):
-    """Write the factors of a hull's inertia where `mj_factorM` would; False where it has to, for its warning.
-
-    Args:
-        triangle: of the inertia.
-        rowadr: of `put_rows`, like the next.
-        into: of it.
-        inverse: address of six 1/D.
-    """
-    factored, inverses = factors(triangle)
-    put_rows(factored, rowadr, into)
-    whole = True
-    for i in range(6):
-        put(inverse, i, inverses[i])
-        whole = whole and 0.0 < inverses[i] < 1.0 / SMALLEST_PIVOT
-    return whole
+    put(into, a0, m00)
+    put(into, a1, m10 * w1)
+    put(into, a1 + 1, m11)
+    put(into, a2, m20 * w2)
+    put(into, a2 + 1, m21 * w2)
+    put(into, a2 + 2, m22)
+    put(into, a3, m30 * w3)
+    put(into, a3 + 1, m31 * w3)
+    put(into, a3 + 2, m32 * w3)
+    put(into, a3 + 3, m33)
+    put(into, a4, m40 * w4)
+    put(into, a4 + 1, m41 * w4)
+    put(into, a4 + 2, m42 * w4)
+    put(into, a4 + 3, m43 * w4)
+    put(into, a4 + 4, m44)
+    put(into, a5, m50 * w5)
+    put(into, a5 + 1, m51 * w5)
+    put(into, a5 + 2, m52 * w5)
+    put(into, a5 + 3, m53 * w5)
+    put(into, a5 + 4, m54 * w5)
+    put(into, a5 + 5, m55)
+    put(inverse, 0, w0)
+    put(inverse, 1, w1)
+    put(inverse, 2, w2)
+    put(inverse, 3, w3)
+    put(inverse, 4, w4)
+    put(inverse, 5, w5)
+    most = 1.0 / SMALLEST_PIVOT
+    return (
+        0.0 < w0 < most
+        and 0.0 < w1 < most
+        and 0.0 < w2 < most
+        and 0.0 < w3 < most
+        and 0.0 < w4 < most
+        and 0.0 < w5 < most
+    )
