@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability
-from cube_sim.spatial import Matrix, skew
+from cube_sim.spatial import skew
 from cube_sim.vehicle.dynamics import Dynamics
 
 LEAST_HELD, LEAST_HELD_POINTING = 0.45, 0.65
@@ -92,15 +92,12 @@ def held_share(left: Capability, hull: Dynamics, speed_m_s: float) -> float:
         return 1.0
     given_way = np.linalg.solve(left.lost.T @ left.yielding, left.lost.T)[torques]
     axes = left.yielding[3:, torques]
-    at_rest = given_way @ -hull.restoring_slope(UP) @ axes
-    moving = at_rest + _munk(hull, given_way, speed_m_s) @ axes
-    return float(np.min(np.linalg.eigvals(np.linalg.solve(at_rest, moving)).real))
-
-
-def _munk(hull: Dynamics, given_way: Matrix, speed_m_s: float) -> Matrix:
-    """(k,3) what the flow of a tilted hull adds to the stiffness: it meets the hull from another side."""
     velocity = np.array([speed_m_s, 0.0, 0.0])
-    return given_way @ hull.steady_wrench_slope(np.pad(velocity, (0, 3)))[:, :3] @ skew(velocity)
+    # A tilted hull meets the flow from another side.
+    munk = hull.steady_wrench_slope(np.pad(velocity, (0, 3)))[:, :3] @ skew(velocity)
+    at_rest = given_way @ -hull.restoring_slope(UP) @ axes
+    moving = at_rest + given_way @ munk @ axes
+    return float(np.min(np.linalg.eigvals(np.linalg.solve(at_rest, moving)).real))
 
 
 def own_growth(hull: Dynamics, speed_m_s: float, moving: tuple[int, ...]) -> float:
