@@ -28,6 +28,8 @@ WIDTH_MM, ROW_MM = 170.0, 42.0
 _MM_PER_INCH = 25.4
 _NOISE = 2e-5
 """The axis spans so large a share of its numbers at least, or rounding would be seen as motion (choice)."""
+_NAME_POINTS, _NAME_EM, _POINTS_PER_INCH = 6.5, 0.55, 72.0
+"""Size of an event's name, and how wide its letters are at most on average, in sizes."""
 _TARGET = "target"
 _NOT_RECORDED = "#eceae4"
 _LEGEND_COLUMNS = 3
@@ -112,7 +114,7 @@ def save_figure(
         if usual and subject.has("pose.position"):
             grid = figure.add_gridspec(rows, 2, width_ratios=[1.0, 1.35])
             _plan(figure.add_subplot(grid[: max(rows - 1, 1), 0]), subject, window_s)
-            _over_time(figure.add_subplot(grid[rows - 1, 0]), _height(subject), subject, window_s)
+            _over_time(figure, figure.add_subplot(grid[rows - 1, 0]), _height(subject), subject, window_s)
             places = [grid[row, 1] for row in range(rows)]
         else:
             grid = figure.add_gridspec(rows, 1)
@@ -131,10 +133,11 @@ def _stack(
         axes = figure.add_subplot(place, sharex=first)
         first = first or axes
         last = number == len(panels) - 1
-        _over_time(axes, panel, subject, window_s, told=number == 0, timed=last)
+        _over_time(figure, axes, panel, subject, window_s, told=number == 0, timed=last)
 
 
 def _over_time(
+    figure: Figure,
     axes: Axes,
     panel: Plot,
     subject: Subject,
@@ -161,7 +164,7 @@ def _over_time(
             axes.plot([begins, ends], limit, color=colours.BAD, linestyle=(0, (5, 2)), linewidth=0.9, label=label)
     for begins, ends in subject.gaps:
         axes.axvspan(begins, ends, color=_NOT_RECORDED, linewidth=0, zorder=0.5)
-    _mark(axes, [each for each in happenings(subject) if start <= each.t <= end], told)
+    _mark(figure, axes, [each for each in happenings(subject) if start <= each.t <= end], told)
     axes.set_ylabel(panel.label)
     axes.ticklabel_format(axis="y", useOffset=False)
     low, high = axes.get_ylim()
@@ -177,22 +180,38 @@ def _over_time(
         axes.legend(handles, labels, ncols=min(len(labels), _LEGEND_COLUMNS), loc="best")
 
 
-def _mark(axes: Axes, told: Sequence[Happening], named: bool) -> None:
+def _mark(figure: Figure, axes: Axes, told: Sequence[Happening], named: bool) -> None:
     """Upright lines where something happened; what the scenario lets happen is named above the topmost panel."""
     for each in told:
-        event = each.kind == EVENT
-        axes.axvline(each.t, color=colours.BAD if event else colours.FAINT, linewidth=0.7, linestyle=":", zorder=1)
-        if named and event:
-            axes.annotate(
-                each.text,
-                (each.t, 1.0),
-                xycoords=("data", "axes fraction"),
-                xytext=(2, 2),
-                textcoords="offset points",
-                color=colours.BAD,
-                fontsize=6.5,
-                annotation_clip=False,
-            )
+        colour = colours.BAD if each.kind == EVENT else colours.FAINT
+        axes.axvline(each.t, color=colour, linewidth=0.7, linestyle=":", zorder=1)
+    if named:
+        _name(figure, axes, [each for each in told if each.kind == EVENT])
+
+
+def _name(figure: Figure, axes: Axes, events: Sequence[Happening]) -> None:
+    """Names of events beside their lines: within the frame's width, and above one another where they would meet."""
+    start, end = axes.get_xlim()
+    points = axes.bbox.width * _POINTS_PER_INCH / figure.dpi
+    taken: list[list[tuple[float, float]]] = []
+    for each in events:
+        wide = _NAME_EM * _NAME_POINTS * len(each.text) * (end - start) / points
+        leftwards = each.t + wide > end and each.t - wide >= start
+        low, high = (each.t - wide, each.t) if leftwards else (each.t, each.t + wide)
+        row = next((k for k, spans in enumerate(taken) if all(high <= a or b <= low for a, b in spans)), len(taken))
+        taken += [[]] * (row == len(taken))
+        taken[row] = [*taken[row], (low, high)]
+        axes.annotate(
+            each.text,
+            (each.t, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(-2 if leftwards else 2, 2 + row * 1.2 * _NAME_POINTS),
+            textcoords="offset points",
+            ha="right" if leftwards else "left",
+            color=colours.BAD,
+            fontsize=_NAME_POINTS,
+            annotation_clip=False,
+        )
 
 
 def _plan(axes: Axes, subject: Subject, window_s: tuple[float, float] | None) -> None:

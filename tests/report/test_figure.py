@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 from support.command_line import call
 from support.own_code import scenario_with
 
 import cube_sim
+from cube_sim.report.figure import _name
+from cube_sim.report.happenings import EVENT, Happening
 
 TOLD = {
     "duration_s": 4.0,
@@ -85,6 +88,21 @@ def test_curves_are_those_asked_for_with_their_units_limits_and_events(flown, tm
 )
 def test_mistakes_are_one_line(flown, arguments, said, monkeypatch, capsys):
     assert call(monkeypatch, capsys, "plot", flown, *arguments) == (2, "", f"{said}\n")
+
+
+def test_names_of_events_do_not_meet():
+    figure = Figure(figsize=(6.7, 2.0))
+    axes = figure.add_subplot()
+    axes.set_xlim(0.0, 100.0)
+    told = [Happening(t, EVENT, text) for t, text in ((50.0, "T3: weak, 35 % of its force"), (60.0, "current " * 5))]
+    _name(figure, axes, [*told, Happening(95.0, EVENT, "T1: recovered")])
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    frame = axes.get_window_extent()
+    assert len(boxes) == 3
+    for k, box in enumerate(boxes):
+        assert frame.x0 <= box.x0 < box.x1 <= frame.x1 + 1.0
+        assert not any(box.overlaps(other) for other in boxes[:k])
 
 
 def test_what_is_no_run_is_one_line(tmp_path, monkeypatch, capsys):
