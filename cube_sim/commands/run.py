@@ -78,10 +78,12 @@ def _fly(
     scenario: Path, settings: list[str] | None, out: Path | None, record: Recorded, live: int | None, *, hidden: bool
 ) -> tuple[str, float, Run]:
     """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
+    from cube_sim.native.heap import keep_little
     from cube_sim.run_directory import require_writable
     from cube_sim.scenario import load
     from cube_sim.scenario.python_block import python_blocks
 
+    keep_little()
     try:
         loaded = load(scenario, overrides(settings))
         if out is not None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,6 +37,7 @@ from mcap.writer import MCAP0_MAGIC
 from numpy.typing import NDArray
 
 from cube_sim.recording.mcap.encoding import INDEX_ENTRY, INDEX_HEAD
+from cube_sim.recording.mcap.many_records import ManyRecords
 
 # Fixed, so that a file does not depend on the release of a library that had no say in its bytes.
 LIBRARY = "cube_sim"
@@ -84,7 +85,7 @@ class McapWriter:
         self._declared = b""
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
-        self._chunks: list[bytes] = []  # encoded at once: a long run has many
+        self._chunks = ManyRecords()
         self._counts: dict[int, int] = {}
         self._times: tuple[int, int] | None = None
         self._write(MCAP0_MAGIC)
@@ -215,7 +216,8 @@ class McapWriter:
         offsets = []
         for opcode, records in self._summary():
             start = self._position
-            self._write(b"".join(records))
+            for record in records:
+                self._write(record)
             if self._position > start:
                 offsets.append(SummaryOffset(opcode, start, self._position - start))
         offset_start = self._position
@@ -225,7 +227,7 @@ class McapWriter:
         self._write(footer[:-4])
         self._write(self._crc.to_bytes(4, "little") + MCAP0_MAGIC)
 
-    def _summary(self) -> list[tuple[Opcode, list[bytes]]]:
+    def _summary(self) -> list[tuple[Opcode, Iterable[bytes]]]:
         start, end = self._times or (0, 0)
         statistics = Statistics(
             message_count=sum(self._counts.values()),

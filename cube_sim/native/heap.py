@@ -1,0 +1,28 @@
+"""The memory that a long run gets and gives back, where the C library lets one say how: glibc's."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from contextlib import suppress
+
+LARGE_BYTES = 65536
+"""Pieces of memory from this size on are the system's, and back there when they are freed (a choice)."""
+ARENAS = 2
+"""Threads share so many heaps: each of its own would keep what it once needed (a choice)."""
+
+_TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8  # of malloc.h
+
+
+def keep_little() -> None:
+    """From now on memory that is freed goes back to the system early; elsewhere than with glibc nothing changes."""
+    if not sys.platform.startswith("linux"):
+        return
+    with suppress(OSError, AttributeError):
+        mallopt = ctypes.CDLL(None).mallopt
+        for option, value in (
+            (_MMAP_THRESHOLD, LARGE_BYTES),
+            (_TRIM_THRESHOLD, LARGE_BYTES),
+            (_ARENA_MAX, ARENAS),
+        ):
+            mallopt(option, value)
