@@ -44,7 +44,7 @@ def test_what_cannot_be_called_is_waited_for_and_forgotten(function):
     apart.begin(function)
     apart.finish(function)
     apart.finish(function)
-    assert apart._running == {}
+    assert function not in apart._running  # what other tests have begun may still run
 
 
 PARENT = """
