@@ -10,8 +10,10 @@ from cube_sim.control.course_wish import wish_for_trim
 from cube_sim.control.damped_inverse import damped_inverse
 from cube_sim.control.pace import facet_excess
 from cube_sim.control.turning_on import turn_on
+from cube_sim.guidance.view_record import path_turning
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import (
+    cross_tuples,
     dot,
     length,
     minus,
@@ -147,6 +149,7 @@ def balance(
     steady = to_world(R_now, steady_wrench(hull, flow, up)[:3])
     if not m.started:
         _begin(m, R_now, out.quaternion)
+    _turn_along(m, path_turning(view), dt)
     _average(m, flow_W, minus(triple(before.force), steady), triple(before.torque), dt, p.time)
     if _held_elsewhere(m, _angle_between(m.rotation, R_now), min(1.0, dt / (WATCHED * p.time))):
         put_matrix(m.rotation, R_now)
@@ -172,6 +175,19 @@ def _held_elsewhere(m, far, share):
     """Whether the hull, so far from R [rad], is far and comes no nearer; share of the time watched that has passed."""
     m.astray += share * (far - m.astray)
     return far > FARTHEST_RAD and far > NEARER * m.astray
+
+
+@compiled
+def _turn_along(m, turning_W, dt):
+    """Turn what is averaged over the time of a shortage as the path turns (3-tuple) [rad/s].
+
+    It has no lead. Left behind by a turning path, it would tell of a slip that the hull does not have, and of the Munk
+    moment that this slip would ask the thrusters for.
+    """
+    for k in range(2):
+        by = times(dt, cross_tuples(turning_W, triple(m.slow[k])))
+        for i in range(3):
+            m.slow[k, i] += by[i]
 
 
 @compiled
