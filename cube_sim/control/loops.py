@@ -29,12 +29,19 @@ from cube_sim.tuples import (
     stacked,
     times,
     to_body,
+    to_world,
 )
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.laws.hull_motion import hull_damping, inverse_dynamics
 
-LOOPS = np.dtype([(name, np.float64) for name in ("velocity_time", "attitude_time", "rate_time", "most_rate")])
+LOOPS = np.dtype(
+    [(name, np.float64) for name in ("velocity_time", "attitude_time", "rate_time", "most_rate")]
+    + [("righted", np.float64, 3)]
+)
 """Numbers of `MotionLoops`, whose names these are."""
+STIFF = 10.0
+"""A hull rights itself stiffly about an axis where its righting moment turns it back this many times as hard as the
+loops do (a choice)."""
 
 
 class Reference(NamedTuple):
@@ -59,6 +66,8 @@ class MotionLoops:
     Attitude: q_e = q_d* q, its vector part eps taken with the sign of the scalar part eta, because q and -q are the
     same attitude and the short way round is wanted. The desired rate R'w_d - 2 eps / attitude_time removes a small
     error with that time constant; the rate loop w' = w'_ref + (w_ref - w) / rate_time follows it.
+    About an axis about which the hull rights itself stiffly, g is that of the desired attitude: what the water turns
+    back by itself stays in the loop. To cancel it would leave the loops a small difference of large numbers.
     The desired rate is taken to change only by the vehicle's own turning: w_d' is not fed forward.
 
     Attributes:
@@ -78,7 +87,15 @@ class MotionLoops:
     @cached_property
     def record(self) -> Record:
         """The times and the bound, as compiled functions take them: (1,) of `LOOPS`."""
-        return np.array([(self.velocity_time, self.attitude_time, self.rate_time, self.most_rate)], LOOPS)
+        times = self.velocity_time, self.attitude_time, self.rate_time, self.most_rate
+        return np.array([(*times, self.righted)], LOOPS)
+
+    @property
+    def righted(self) -> Vector:
+        """(3,) 1 about the axes about which the hull rights itself stiffly, 0 about the others."""
+        slope = -self.dynamics.restoring_slope(np.array([0.0, 0.0, 1.0]))[3:]
+        quick = np.diag(slope) / np.diag(self.dynamics.total_mass)[3:]
+        return (quick * self.attitude_time * self.rate_time > STIFF).astype(float)
 
     def wrench(
         self, state: State, motion: DesiredMotion, attitude: DesiredAttitude, current: Vector
@@ -138,4 +155,14 @@ def loop_wrench(hull, loops, R, q, v, w, velocity_W, acceleration_W, q_d, w_d_W,
     flow = stacked(to_body(R, current_W), (0.0, 0.0, 0.0))
     wanted = hull_damping(hull, minus6(stacked(v_ref, w_ref), flow))
     tau = plus6(tau, minus6(wanted, hull_damping(hull, minus6(nu, flow))))
+    turned = to_world(hull[0].hydrostatics[3:], minus((R[2, 0], R[2, 1], R[2, 2]), up_of(q_d)))
+    s = k.righted
+    tau = plus6(tau, (0.0, 0.0, 0.0, s[0] * turned[0], s[1] * turned[1], s[2] * turned[2]))
     return tau, v_ref, w_ref, 2.0 * atan2(length(eps), eta)
+
+
+@compiled
+def up_of(q):
+    """World up in the axes of an attitude (4-tuple), a 3-tuple."""
+    w, x, y, z = q
+    return 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)

@@ -103,7 +103,11 @@ def facets(rng, room):
 )
 def test_the_law(rng, hull, room, flags):
     R, q, v, w = moving(rng)
-    loops, left, of_facets = np.array([(1.0, 0.8, 0.3, 0.5)], LOOPS), filled(rng, CAPABILITY), facets(rng, room)
+    loops, left, of_facets = (
+        np.array([(1.0, 0.8, 0.3, 0.5, (0.0, 1.0, 0.0))], LOOPS),
+        filled(rng, CAPABILITY),
+        facets(rng, room),
+    )
     velocity, acceleration, flow = rng.normal(size=(3, 3))
     unknown, applied = rng.normal(size=(2, 6))
     wanted, view = desired(rng), seen(rng)

@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
+from support.catalogue.vehicles import catalogue
 from support.places import CUBE
 from support.swimmer import accelerations, moving, push, swimmer
 
@@ -11,7 +12,7 @@ from cube_sim.control.attitude_mode import DesiredAttitude
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loops import MotionLoops
 from cube_sim.guidance.law import DesiredMotion
-from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
+from cube_sim.spatial import State, quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.state import read_state
 
 STILL_WATER = np.zeros(3)
@@ -141,3 +142,21 @@ def test_rotations_and_quaternions_agree():
         R = rotation_from_quaternion(unit)
         back = quaternion_from_rotation(R)
         np.testing.assert_allclose(back, unit if unit[0] >= 0.0 else -unit, atol=1e-12)
+
+
+def test_what_turns_a_hull_back_stiffly_stays_in_the_loop(tmp_path):
+    """A torpedo with four fins: the righting moment in roll is left to the water, that in pitch is not."""
+    (tmp_path / "hull.xml").write_text(catalogue()["torpedo_four_fins"].make())
+    hull = cube_sim.Vehicle.from_model(cube_sim.load_model(str(tmp_path / "hull.xml"))).dynamics
+    loops = MotionLoops(hull, velocity_time=0.5, attitude_time=1.5, rate_time=0.45)
+    level = DesiredAttitude(quaternion_from_euler(0.0, 0.0, 0.0), np.zeros(3))
+    still = DesiredMotion(np.zeros(3), np.zeros(3))
+    for angles, own in (([0.1, 0.0, 0.0], 0.0), ([0.0, 0.1, 0.0], 1.0)):
+        q = quaternion_from_euler(*angles)
+        state = State(np.zeros(3), q, rotation_from_quaternion(q), np.zeros(3), np.zeros(3))
+        tau, _ = loops.wrench(state, still, level, STILL_WATER)
+        axis = 3 + int(np.argmax(angles))
+        rates = -2.0 * np.sin(0.05) / 1.5 * np.eye(6)[axis]
+        back = hull.total_mass[axis, axis] * rates[axis] / 0.45 + hull.damping(rates)[axis]
+        righting = hull.righting_moment[2] * np.sin(0.1)
+        assert tau[axis] == pytest.approx(back + own * righting, rel=1e-3)
