@@ -82,6 +82,7 @@ class Diagnosis:
         probe_N: (m,) what silent thrusters are asked for [N], well beyond the threshold.
         noise_N: standard deviation of a measured force [N], white.
         gain_tolerance: how far from 1 the gain of a measured force may be.
+        probe_s: the most a probe takes [s]: so long that a whole thruster has answered.
 
     Attributes:
         health: what is believed.
@@ -96,6 +97,7 @@ class Diagnosis:
         probe_N: Vector,
         noise_N: float = 0.0,
         gain_tolerance: float = 0.0,
+        probe_s: float = 0.3,
     ) -> None:
         n, m = max(2, round(window_s / dt)), len(probe_N)
         self._threshold, self._noise = threshold_N, noise_N
@@ -106,7 +108,7 @@ class Diagnosis:
         self._suspect = np.zeros(m, dtype=bool)
         self._suggested: dict[tuple[int, int], tuple[WindowReading, int]] = {}
         self._age = np.full(m, self._lengths[-1])
-        self._probes = Probes(probe_N, dt)
+        self._probes = Probes(probe_N, dt, length_s=probe_s)
         self.health = Health.whole(m)
         self.doubtful = np.zeros(m, dtype=bool)
 

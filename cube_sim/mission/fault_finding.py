@@ -13,10 +13,11 @@ from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.telemetry import Telemetry
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Matrix, Vector
+from cube_sim.vehicle.thrusters import Thrusters
 from cube_sim.wrench.health import Health
 
-PROBE_S = 0.3
-"""The most a probe takes [s]."""
+PROBE_S, PROBE_LAGS = 0.3, 3.0
+"""The most a probe takes [s]; of slow thrusters so many times their lag: then they make 95 % of what is asked."""
 WINDOW_S = 0.5
 """Evidence needed [s]."""
 LEAST_THRESHOLD_N = 0.5
@@ -34,7 +35,7 @@ class FaultFinding:
     def __init__(self, flown: CompiledHull, scenario: Scenario) -> None:
         self._thrusters = flown.vehicle.thrusters
         self._telemetry = Telemetry(scenario.telemetry, len(self._thrusters.names), scenario.seed)
-        self._diagnosis = _diagnosis(self._thrusters.limits, scenario)
+        self._diagnosis = _diagnosis(self._thrusters, scenario)
 
     def reseed(self, seed: int) -> None:
         """Start the noise of the telemetry anew."""
@@ -76,14 +77,16 @@ class FaultFinding:
         return self._diagnosis.probed(force)
 
 
-def _diagnosis(limits: Vector, scenario: Scenario) -> Diagnosis:
+def _diagnosis(thrusters: Thrusters, scenario: Scenario) -> Diagnosis:
     """Differences beyond the dead zone count, within which no thruster's force is certain."""
+    limits = thrusters.limits
     threshold = max(LEAST_THRESHOLD_N, 1.2 * float(np.abs(limits[:, 1:3]).max()))
     least, most = limits[:, 0], limits[:, 3]
     period, noise = scenario.control_period_s, scenario.telemetry.noise_N
     # Three times what says nothing: an answer is seen within a few control periods, and the probe is over. Under noise
     # as much as shows the share of it to a thirtieth, one standard deviation, in the readings of a probe.
-    readings = max(1, round(PROBE_S / period))
+    length = max(PROBE_S, PROBE_LAGS * float(np.max(thrusters.lag_s, initial=0.0)))
+    readings = max(1, round(length / period))
     size = max(3.0 * threshold, 30.0 * noise / sqrt(readings))
     probe = np.where(most >= -least, np.minimum(size, most), np.maximum(-size, least))
-    return Diagnosis(WINDOW_S, threshold, period, probe, noise, scenario.telemetry.gain_tolerance)
+    return Diagnosis(WINDOW_S, threshold, period, probe, noise, scenario.telemetry.gain_tolerance, length)
