@@ -39,9 +39,9 @@ NEVER_S = 1e12
 
 MEMORIES = (
     ("observer", "memory", ("integral", "estimate")),
-    ("", "memory", ("force", "velocity", "torque", "slip")),
+    ("", "memory", ("force", "velocity", "torque")),
     ("", "centre", ("shift",)),
-    ("balanced", "memory", ("led", "twice", "torque", "torque_twice", "slip")),
+    ("balanced", "memory", ("led", "twice", "torque", "torque_twice")),
 )
 """What the controller remembers from tick to tick: the part that holds it (the controller itself: none), the name of
 its record, and the fields. The centre of oscillation moves only where a hull is dragged along. Beside these the

@@ -9,11 +9,9 @@ MEMORY = np.dtype(
         ("force", np.float64, 3),
         ("velocity", np.float64, 3),
         ("torque", np.float64, 3),
-        ("slip", np.float64, 3),
         ("asked", np.float64, 6),
         ("has_asked", np.bool_),
     ]
 )
-"""What the law remembers: the force [N] (world axes) and torque [N m] (body axes) an attitude may point, the torque
-that the hull's slip asks for beside it [N m] (body axes), the velocity asked for [m/s] (world axes) and the wrench
-asked of the thrusters [N, N m] (body axes)."""
+"""What the law remembers: the force [N] (world axes) and torque [N m] (body axes) an attitude may point, the velocity
+asked for [m/s] (world axes) and the wrench asked of the thrusters [N, N m] (body axes)."""

@@ -39,7 +39,6 @@ class Situation(NamedTuple):
         effort: Q (6,6) of the thrusters that still work, see `cube_sim.control.effort`.
         force_ratio: share of their force that the supply leaves the thrusters.
         velocity: the wanted velocity over ground (3,) [m/s], world axes.
-        slip: torque (3,) [N m] that the velocity asks for where it is another than the wanted one, body axes.
     """
 
     view: TargetView
@@ -50,7 +49,6 @@ class Situation(NamedTuple):
     effort: Matrix
     force_ratio: float = 1.0
     velocity: Vector = STILL
-    slip: Vector = STILL
 
 
 class AttitudeMode(Protocol):

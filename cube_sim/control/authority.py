@@ -59,11 +59,10 @@ CAPABILITY = np.dtype(
         ("projector", np.float64, (6, 6)),
         ("shift", np.float64, 6),
         ("dragged", np.float64, (3, 3)),
-        ("slips", np.bool_),
     ]
 )
-"""What compiled laws know of `Capability`: `project_onto_range` as projector w + shift, how a turning drags the hull
-along, (3,3) [m], and whether its attitude points a force while it slips: with one line of force it goes along that."""
+"""What compiled laws know of `Capability`: `project_onto_range` as projector w + shift, and how a turning drags the
+hull along, (3,3) [m]."""
 
 
 class Authority(IntEnum):
@@ -181,7 +180,6 @@ class Capability:
         record = np.zeros(1, CAPABILITY)
         record["projector"], record["shift"] = self.onto_range
         record["dragged"] = np.linalg.solve(total_mass[:3, :3], self.dragged_force @ total_mass[3:, 3:])
-        record["slips"] = self.authority is Authority.PLANE
         return record
 
 

@@ -41,8 +41,7 @@ class BalancedAttitude:
 
     U and F_W are averaged over `time` and led by as much: x = 2 x_1 - x_2, x_1 and x_2 averaged once and twice, and
     x' = 2 x_1' - x_2' is its very derivative. A force that turns evenly with the path is so pointed without lag. So is
-    M_0, or what is no imbalance at all, a force and the torque that comes with it, would be one on the way. While the
-    hull's velocity is far from U, the Munk moment of the one it has is part of M_0, averaged without lead.
+    M_0, or what is no imbalance at all, a force and the torque that comes with it, would be one on the way.
 
     Args:
         left: what the thrusters can still do, and it steers by attitude; in a level plane by heading alone.
@@ -116,7 +115,6 @@ class BalancedAttitude:
         asked, desired = np.zeros(1, ASKED), np.zeros(1, DESIRED)
         asked["velocity"] = situation.velocity
         asked["force"], asked["torque"] = situation.force, situation.torque
-        asked["slip"] = situation.slip
         desired[0] = tuple(self._wish.attitude(situation, dt))
         self.wished = desired["quaternion"][0].copy()
         balance(

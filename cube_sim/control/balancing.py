@@ -41,9 +41,6 @@ balance itself, half of a pull gets past it at such a force, and the hull stands
 side."""
 SHORTAGE_TIME = 2.0
 """Over which the force that is compared with what is attainable is averaged, and in which the vehicle turns [s]."""
-SLIPPING = 6.0
-"""The torque of a slip is averaged over so many times the time of the first task, without lead (a choice): as long as
-the velocity takes to become the wanted one. Led like the others it would make the loop unstable."""
 LEAST_TWIST = 1e-3
 """Cosine of half the tilt below which the turn about z means nothing: upside down."""
 MOST_PULL_RAD = 0.3
@@ -90,7 +87,6 @@ MEMORY = np.dtype(
         ("slow", np.float64, (2, 3)),
         ("torque", np.float64, 3),
         ("torque_twice", np.float64, 3),
-        ("slip", np.float64, 3),
         ("change", np.float64, (2, 3)),
         ("torque_change", np.float64, 3),
         ("started", np.bool_),
@@ -105,11 +101,11 @@ MEMORY = np.dtype(
         ("stale", np.bool_),
     ]
 )
-"""What it remembers: R, the averages of U and F_W (once, twice, over the time of a shortage), those of M_0 and of the
-torque of a slip, the derivatives of U, F_W and M_0 as led, whether there was a tick before, whether W exceeds what is
-attainable, how far R is from the wish and how far the hull was from R, averaged [rad]. Of the course through the water
-its horizontal direction, the mission's wish in its axes, its speed [m/s] and angle above the horizontal [rad], for how
-long they are judged [s], and whether they have become others since."""
+"""What it remembers: R, the averages of U and F_W (once, twice, over the time of a shortage), those of M_0, the
+derivatives of U, F_W and M_0 as led, whether there was a tick before, whether W exceeds what is attainable, how far R
+is from the wish and how far the hull was from R, averaged [rad]. Of the course through the water its horizontal
+direction, the mission's wish in its axes, its speed [m/s] and angle above the horizontal [rad], for how long they are
+judged [s], and whether they have become others since."""
 
 
 @compiled
@@ -154,7 +150,7 @@ def balance(
     if not m.started:
         _begin(m, R_now, out.quaternion)
     _turn_along(m, path_turning(view), dt)
-    _average(m, flow_W, minus(triple(before.force), steady), triple(before.torque), triple(before.slip), dt, p.time)
+    _average(m, flow_W, minus(triple(before.force), steady), triple(before.torque), dt, p.time)
     if _held_elsewhere(m, _angle_between(m.rotation, R_now), min(1.0, dt / (WATCHED * p.time))):
         put_matrix(m.rotation, R_now)
     R = m.rotation
@@ -195,10 +191,9 @@ def _turn_along(m, turning_W, dt):
 
 
 @compiled
-def _average(m, flow_W, force, torque, slip, dt, time):
+def _average(m, flow_W, force, torque, dt, time):
     """Move the averages on by what is demanded now."""
     share, slow_share = min(1.0, dt / time), min(1.0, dt / SHORTAGE_TIME)
-    slip_share = min(1.0, dt / (SLIPPING * time))
     for i in range(3):
         if not m.started:
             m.led[0, i] = m.twice[0, i] = m.slow[0, i] = flow_W[i]
@@ -214,7 +209,6 @@ def _average(m, flow_W, force, torque, slip, dt, time):
         m.slow[1, i] += slow_share * (force[i] - m.slow[1, i])
         m.torque[i] += share * (torque[i] - m.torque[i])
         m.torque_twice[i] += share * (m.torque[i] - m.torque_twice[i])
-        m.slip[i] += slip_share * (slip[i] - m.slip[i])
         for j in range(2):
             m.twice[j, i] += share * (m.led[j, i] - m.twice[j, i])
     m.started = True
@@ -229,7 +223,7 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
     by_velocity = steady_wrench_slope(hull, nu, np.zeros(6))
     turning = turning_slope(hull, by_velocity, flow, force, z)
     torque_change = triple(m.torque_change)
-    torque = plus(minus(times(2.0, triple(m.torque)), triple(m.torque_twice)), triple(m.slip))
+    torque = minus(times(2.0, triple(m.torque)), triple(m.torque_twice))
     wrench = plus6(steady_wrench(hull, flow, z), stacked(force, torque))
     J, imbalance, rows = np.empty((7, 3)), np.empty(7), p.count
     for k in range(rows):

@@ -29,10 +29,6 @@ from cube_sim.tuples import (
 )
 from cube_sim.vehicle.laws.hull_motion import inverse_dynamics, steady_wrench
 
-ASTRAY, ASTRAY_M_S = 0.3, 0.3
-"""A velocity is far from the wanted one where it is off by so much: a share of that through the water, and [m/s]
-(choices). In steady motion nothing is off, and the loop is as it is without."""
-
 FOLLOWED = np.dtype(
     [
         ("wrench", np.float64, 6),
@@ -160,16 +156,13 @@ def follow(
     force = to_world(R, minus(pointed[:3], own))
     rest = unmade(m.asked, m.has_asked, applied, most_rest)
     asked = in_range(left, plus6(minus6(tau, unknown), rest))
-    torque = slip = (0.0, 0.0, 0.0)
+    torque = (0.0, 0.0, 0.0)
     if points:
         torque = turning_torque(hull, R, speed, with_path, flow)
-        if left[0].slips:
-            slip = slip_torque(hull, minus(speed, to_body(R, flow)), minus(v_ref, to_body(R, flow)))
     m.has_asked = True
     for i in range(3):
         m.force[i], m.velocity[i] = force[i], velocity[i]
         m.torque[i] = torque[i] - unknown[3 + i]
-        m.slip[i] = slip[i]
         out.velocity[i], out.rates[i] = v_ref[i], w_ref[i]
     for i in range(6):
         m.asked[i] = out.wrench[i] = asked[i]
@@ -209,25 +202,6 @@ def own_turning(hull, R, speed, rates, along, flow_W):
     An attitude that points it would chase itself: added mass makes that force grow with the turning, not the path.
     """
     return minus(as_it_turns(hull, R, speed, rates, flow_W)[:3], as_it_turns(hull, R, speed, along, flow_W)[:3])
-
-
-@compiled
-def slip_torque(hull, flow, wanted_flow):
-    """What the Munk moment asks of the thrusters beside that of the velocity wanted, a 3-tuple [N m], body axes.
-
-    It counts as far as the hull is far from that velocity. An attitude found for the torque of the wanted one alone
-    then makes another force than is asked for: the hull may stay beside its path for ever, as its slip keeps it there.
-
-    Args:
-        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
-        flow: velocity through the water, a 3-tuple [m/s], body axes.
-        wanted_flow: the one wanted.
-    """
-    off, wanted = length(minus(flow, wanted_flow)), length(wanted_flow)
-    counts = off * off / (off * off + (ASTRAY * wanted) ** 2 + ASTRAY_M_S**2)
-    M = hull[0].total_mass
-    munk, known = cross_tuples(flow, to_world(M, flow)), cross_tuples(wanted_flow, to_world(M, wanted_flow))
-    return times(counts, minus(munk, known))
 
 
 @compiled

@@ -258,7 +258,6 @@ class PathFollower:
             self.capability.effort,
             force_ratio,
             before["velocity"].copy(),
-            before["slip"].copy(),
         )
 
     def _safe_mode_goal(self, state: State, view: TargetView, dt: float) -> SafeModeGoal | None:
