@@ -25,8 +25,8 @@ class Gaps:
         """The next rows of a channel, with a row of NaN where others are missing before or between them."""
         if channel not in self._sampled or not len(rows):
             return rows
-        before = self._last.get(channel, rows[0, 0])
-        self._last[channel] = rows[-1, 0]
+        before = self._last.get(channel, float(rows[0, 0]))
+        self._last[channel] = float(rows[-1, 0])
         steps = np.diff(rows[:, 0], prepend=before)
         if self._period_s is None and len(rows) > 1:
             self._period_s = float(np.median(steps[1:]))
