@@ -8,7 +8,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-_TERMINATIONS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+TERMINATIONS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+GIVES_WAY = "gives_way"
+"""The attribute of a handler of these that `stoppable` may take the place of."""
 
 
 class StoppedError(KeyboardInterrupt):
@@ -31,11 +33,12 @@ def _stop(number: int, _: Any) -> None:
 def stoppable() -> Iterator[None]:
     """While this lasts, SIGTERM and SIGHUP are a `StoppedError`: there is something to bring to an end.
 
-    Where somebody else has said what becomes of them, as nohup does, it stays.
+    Where somebody else has said what becomes of them, as nohup does, it stays. Afterwards they end the process again
+    as they always do.
     """
     taken: list[int] = []
     if threading.current_thread() is threading.main_thread():
-        taken = [number for number in _TERMINATIONS if signal.getsignal(number) is signal.SIG_DFL]
+        taken = [number for number in TERMINATIONS if _is_free(signal.getsignal(number))]
     for number in taken:
         signal.signal(number, _stop)
     try:
@@ -43,6 +46,10 @@ def stoppable() -> Iterator[None]:
     finally:
         for number in taken:
             signal.signal(number, signal.SIG_DFL)
+
+
+def _is_free(handler: Any) -> bool:
+    return handler is signal.SIG_DFL or getattr(handler, GIVES_WAY, False)
 
 
 @contextmanager
@@ -56,7 +63,7 @@ def uninterrupted() -> Iterator[list[Any]]:
     """
     ours = {}
     if threading.current_thread() is threading.main_thread():
-        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *_TERMINATIONS)}
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *TERMINATIONS)}
         ours = {number: how for number, how in handlers.items() if how in (signal.default_int_handler, _stop)}
     caught: list[Any] = []
     for number in ours:

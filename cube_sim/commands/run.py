@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 EPILOG = (
     "Exit code: 0 PASS, every check was shown to hold; 1 FAIL, one was shown not to, whatever else could not be "
     "judged; 2 bad input, nothing is written; 3 ERROR, nothing failed but something could not be judged, or the run "
-    "ended early; 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP: what was recorded is closed and stays."
+    "ended early; 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP: what was recorded is closed and stays, and "
+    "nothing is where that comes before the first second is flown."
 )
 
 

@@ -216,22 +216,32 @@ def test_a_view_that_cannot_be_written_is_a_warning(tmp_path):
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("library", ["_pydantic_core", "libmujoco", "llvmlite"])
-def test_an_interrupt_while_starting_up_is_one_line(tmp_path, library):
-    """A real Ctrl-C when a certain library has just been loaded."""
+@pytest.mark.parametrize(
+    ("library", "number"),
+    [
+        ("_pydantic_core", signal.SIGINT),
+        ("libmujoco", signal.SIGINT),
+        ("llvmlite", signal.SIGINT),
+        ("libmujoco", signal.SIGTERM),
+        ("llvmlite", signal.SIGHUP),
+    ],
+)
+def test_an_interrupt_while_starting_up_is_one_line(tmp_path, library, number):
+    """A real signal when a certain library has just been loaded."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
     give_up = time.monotonic() + 300  # it may have to compile first
     with started("run", path, "--out", out, "--set", "duration_s=3600", cwd=tmp_path) as process:
         while library not in Path(f"/proc/{process.pid}/maps").read_text():
             assert time.monotonic() < give_up
             time.sleep(0.005)
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         stdout, stderr = process.communicate(timeout=60)
-    assert (process.returncode, stdout) == (130, "")
-    assert stderr.startswith("interrupted")
+    assert (process.returncode, stdout) == (128 + number, "")
+    said = "interrupted" if number == signal.SIGINT else f"interrupted by {signal.Signals(number).name}"
+    assert stderr.startswith(said)
     assert len(stderr.splitlines()) == 1
-    if stderr.startswith("interrupted while starting up"):
-        assert stderr in ("interrupted while starting up\n", "interrupted while starting up; nothing is recorded\n")
+    if stderr.startswith(f"{said} while starting up"):
+        assert stderr in (f"{said} while starting up\n", f"{said} while starting up; nothing is recorded\n")
         assert not out.exists()
     else:  # it had begun to fly
         assert load_run(out).end.how == "interrupted"
