@@ -9,13 +9,18 @@ from support.command_line import call
 from support.own_code import scenario_with
 
 import cube_sim
-from cube_sim.report.figure import _name
+from cube_sim.report.above_frame import write_names
+from cube_sim.report.figure import save_figure
 from cube_sim.report.happenings import EVENT, Happening
+from cube_sim.report.subject import Subject
 
 TOLD = {
     "duration_s": 4.0,
     "events": [{"kind": "thrusters", "at_s": 2.0, "thrusters": ["T1"], "state": "dead"}],
-    "checks": [{"kind": "signal", "signal": "path_error.cross_track", "statistic": "max", "at_most": 9.0}],
+    "checks": [
+        {"kind": "signal", "signal": "path_error.cross_track", "statistic": "max", "at_most": 9.0},
+        {"kind": "signal", "signal": "velocity.linear", "statistic": "max", "at_most": 5.0},
+    ],
 }
 
 
@@ -51,9 +56,6 @@ def test_the_same_run_gives_the_same_bytes(flown, tmp_path, suffix, monkeypatch,
 def test_curves_are_those_asked_for_with_their_units_limits_and_events(flown, tmp_path, monkeypatch):
     from matplotlib import figure as drawing
 
-    from cube_sim.report.figure import save_figure
-    from cube_sim.report.subject import Subject
-
     made = []
     monkeypatch.setattr(drawing.Figure, "savefig", lambda self, *_, **__: made.append(self))
     run = cube_sim.load_run(flown)
@@ -69,10 +71,28 @@ def test_curves_are_those_asked_for_with_their_units_limits_and_events(flown, tm
     assert (t.tolist(), drawn.tolist()) == (rows[:, 0].tolist(), rows[:, 1].tolist())
     assert [list(line.get_ydata()) for line in error.lines if line.get_label() == "max ≤ 9 m"] == [[9.0, 9.0]]
     assert [text.get_text() for text in error.texts] == ["T1: dead"]
+    for axes in (error, forces):
+        assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1, "it hides nothing"
+    assert height.get_legend() is None, "one curve, named beside its axis"
     for axes in (error, forces, height):
         assert 2.0 in [line.get_xdata()[0] for line in axes.lines]
     named = [line.get_label() for line in forces.lines if not line.get_label().startswith("_")]
     assert named == list(run.fields["thrusters.force"].columns)
+
+
+@pytest.mark.flight
+def test_a_code_is_drawn_by_names_and_a_limit_on_a_norm_not_beside_its_parts(flown, tmp_path, monkeypatch):
+    from matplotlib import figure as drawing
+
+    made = []
+    monkeypatch.setattr(drawing.Figure, "savefig", lambda self, *_, **__: made.append(self))
+    run = cube_sim.load_run(flown)
+    save_figure(Subject(run, "run", "#000000"), ["allocation.status", "velocity.linear"], tmp_path / "a.png")
+    ((status, velocity),) = [figure.axes for figure in made]
+    codes = run.signals["allocation.status"][:, 1].astype(int)
+    names = run.fields["allocation.status"].labels[codes.min() : codes.max() + 1]
+    assert [text.get_text() for text in status.get_yticklabels()] == list(names)
+    assert "max ≤ 5 m/s" not in velocity.get_legend_handles_labels()[1]
 
 
 @pytest.mark.flight
@@ -95,7 +115,7 @@ def test_names_of_events_do_not_meet():
     axes = figure.add_subplot()
     axes.set_xlim(0.0, 100.0)
     told = [Happening(t, EVENT, text) for t, text in ((50.0, "T3: weak, 35 % of its force"), (60.0, "current " * 5))]
-    _name(figure, axes, [*told, Happening(95.0, EVENT, "T1: recovered")])
+    write_names(figure, axes, [*told, Happening(95.0, EVENT, "T1: recovered")])
     figure.draw_without_rendering()
     boxes = [text.get_window_extent() for text in axes.texts]
     frame = axes.get_window_extent()
