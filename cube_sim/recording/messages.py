@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,8 @@ from cube_sim.recording.mcap.schemas import LOG, LOG_LEVELS, log_schema
 from cube_sim.run_log import LogLine
 
 _DECODED_AT_ONCE = 4096  # messages
+_MOST_KEPT = 64
+"""So many channels are kept: a damaged record declares them again with each piece that is tried."""
 
 
 class RecordedMessages:
@@ -75,7 +77,7 @@ class RecordedMessages:
         """
         if CHANNEL_METADATA in declared.metadata:
             try:
-                channel = _channel(declared)
+                channel = _channel(declared.metadata[CHANNEL_METADATA])
             except (ValueError, TypeError, KeyError) as error:
                 raise RecordingError(f"{self._path} is damaged: what {declared.topic} holds cannot be read") from error
             if self._only is not None and channel.name not in self._only:
@@ -192,13 +194,16 @@ def _order(
     return order
 
 
-def _channel(declared: McapChannel) -> Channel:
-    table: dict[str, Any] = json.loads(declared.metadata[CHANNEL_METADATA])
+@lru_cache(_MOST_KEPT)
+def _channel(text: str) -> Channel:
+    table: dict[str, Any] = json.loads(text)
     fields = tuple(
         Field(**{**field, "columns": tuple(field["columns"]), "labels": tuple(field["labels"])})
         for field in table["fields"]
     )
-    return Channel(table["name"], fields, table["rate"])
+    channel = Channel(table["name"], fields, table["rate"])
+    hash(channel)  # a TypeError where lists stand in place of texts
+    return channel
 
 
 @cache

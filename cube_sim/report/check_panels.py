@@ -66,6 +66,8 @@ def _panel(quantity: JudgedQuantity, curves: Sequence[Curve], guides: Sequence[G
     if len(above) and not quantity.codes and np.all(values >= 0) and all(guide.limit >= 0 for guide in guides):
         largest = max(float(above.max()), *(guide.limit for guide in guides))
         logarithmic = largest > _SPREAD * float(np.median(above))
+    focus = min(g.start_s for g in guides), max(g.end_s for g in guides)
+    flown = any(np.any((curve.times >= focus[0]) & np.isfinite(curve.values)) for curve in curves)
     note = ""
     if quantity.codes:
         shown = sorted({int(value) for value in values} | {int(guide.limit) for guide in guides})
@@ -77,5 +79,5 @@ def _panel(quantity: JudgedQuantity, curves: Sequence[Curve], guides: Sequence[G
         guides=tuple(guides),
         logarithmic=logarithmic,
         note=f"({note})" if note else "",
-        focus=None if logarithmic else (min(g.start_s for g in guides), max(g.end_s for g in guides)),
+        focus=None if logarithmic or not flown else focus,
     )

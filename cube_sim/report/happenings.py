@@ -48,7 +48,8 @@ def happenings(subject: Subject) -> tuple[Happening, ...]:
 
 
 def _events(subject: Subject) -> Iterator[Happening]:
-    last = subject.run.recorded_s
+    end = subject.run.end
+    last = max(subject.run.recorded_s, 0.0 if end is None else end.simulated_s or 0.0)  # one may end the flight at once
     for event in sorted(subject.scenario.events, key=lambda each: each.at_s):
         if event.at_s > last:
             continue
@@ -86,7 +87,11 @@ def _end(subject: Subject) -> list[Happening]:
     ends = [line for line in subject.run.log if line.level in ("ERROR", "FATAL")]
     if not subject.run.complete and last < planned - subject.scenario.control_period_s:
         return [Happening(last, END, "the record ends here")]
-    return [Happening(line.t, END, f"the run ends: {line.text}") for line in ends[-1:] if line.t < planned]
+    return [Happening(line.t, END, f"the run ends: {_why(line.text)}") for line in ends[-1:] if line.t < planned]
+
+
+def _why(text: str) -> str:
+    return text.removesuffix(": the run ends here")
 
 
 def labelled(labels: tuple[str, ...], code: float) -> str:

@@ -11,6 +11,7 @@ import pytest
 from support.synthetic_run import LIMIT_M, synthetic_run
 
 from cube_sim.recording.run_end import RunEnd
+from cube_sim.report.check_panels import check_panels
 from cube_sim.report.circumstances import circumstances
 from cube_sim.report.happenings import happenings
 from cube_sim.report.motion_panels import DEAD_ZONE
@@ -104,6 +105,22 @@ def test_what_happened_is_in_the_order_of_time():
     assert [(each.t, each.kind) for each in happenings(subject())] == [(2.0, "event"), (2.5, "belief")]
     cut = happenings(subject(complete=False, until_s=1.5))
     assert [(each.t, each.kind) for each in cut] == [(1.5, "end")]
+
+
+def test_an_event_that_ends_the_flight_at_once_is_told():
+    """Its last row is that of the period before."""
+    run = synthetic_run(until_s=1.98, log=(LogLine(2.0, "ERROR", "left all bounds: the run ends here"),))
+    ended = replace(run, recording=replace(run.recording, end=RunEnd("ended early", "left all bounds", 100, 2.0)))
+    told = [(each.t, each.kind, each.text) for each in happenings(Subject(ended, "run", "#000"))]
+    assert told == [(2.0, "event", "T1: dead"), (2.0, "end", "the run ends: left all bounds")]
+
+
+def test_a_check_whose_window_was_not_reached_is_drawn_on_all_that_was_flown():
+    run = synthetic_run(until_s=0.5)
+    asked = replace(run.header, resolved=run.header.resolved.replace("at_most: 0.5", "at_most: 0.02"))
+    short = replace(run, recording=replace(run.recording, header=asked))
+    panel = check_panels([Subject(short, "run", "#000")])[0]
+    assert (panel.logarithmic, panel.focus) == (False, None)
 
 
 @pytest.mark.parametrize(

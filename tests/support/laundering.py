@@ -6,9 +6,10 @@ import io
 import struct
 import zlib
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 
 import mcap.reader
 import zstandard
@@ -16,6 +17,22 @@ from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC, CompressionType, IndexType, Writer
 
 Found = tuple[Any, Any, Any]
+
+
+class _Held(NamedTuple):
+    """What a recording holds."""
+
+    summary: Any
+    attachments: tuple[Any, ...]
+    metadata: tuple[Any, ...]
+    messages: tuple[Found, ...]
+
+
+@lru_cache(4)
+def _read(data: bytes) -> _Held:
+    reader = mcap.reader.make_reader(io.BytesIO(data))
+    parts = reader.iter_attachments(), reader.iter_metadata(), reader.iter_messages()
+    return _Held(reader.get_summary(), *map(tuple, parts))
 
 
 def written_anew(
@@ -46,19 +63,18 @@ def written_anew(
         ids: dict[Any, int] = {}
         found: list[tuple[int, Found]] = []
         for k, source in enumerate(sources):
-            reader = mcap.reader.make_reader(io.BytesIO(source.read_bytes()))
-            summary = reader.get_summary()
-            for each in reader.iter_attachments():
+            held = _read(source.read_bytes())
+            for each in held.attachments:
                 writer.add_attachment(each.create_time, each.log_time, each.name, each.media_type, each.data)
-            for each in reader.iter_metadata():
+            for each in held.metadata:
                 writer.add_metadata(each.name, each.metadata)
-            for channel in summary.channels.values():
-                schema = summary.schemas[channel.schema_id]
+            for channel in held.summary.channels.values():
+                schema = held.summary.schemas[channel.schema_id]
                 key = channel.topic if same_channels else (k, channel.topic)
                 if key not in ids:
                     of = writer.register_schema(schema.name, schema.encoding, schema.data)
                     ids[key] = writer.register_channel(channel.topic, "protobuf", of, channel.metadata)
-            found += [(k, each) for each in reader.iter_messages() if keep(each)]
+            found += [(k, each) for each in held.messages if keep(each)]
         found.sort(key=lambda each: each[1][2].log_time if order is None else order(each[1]))
         for k, (_, channel, message) in found:
             number = ids[channel.topic if same_channels else (k, channel.topic)]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from mcap.opcode import Opcode
@@ -19,6 +20,8 @@ from cube_sim.recording.channels import Channel
 from cube_sim.recording.mcap.named_fields import Code, Group, Numbers, Part, parts_of
 
 Span = tuple[int, int, int]
+_MOST_KEPT = 64
+"""So many layouts are kept: a damaged record declares its channels again with each piece that is tried."""
 _VARINT, _DOUBLE, _BYTES = 0, 1, 2  # protobuf wire types: small integers, 64 bits, length-delimited
 
 MESSAGE_HEADER = np.dtype(
@@ -118,6 +121,7 @@ def message_record(channel_id: int, message: bytes, sequence: int = 0, stamp_ns:
     return np.array(header, MESSAGE_HEADER).tobytes() + message
 
 
+@lru_cache(_MOST_KEPT)
 def channel_layout(channel: Channel) -> Layout:
     """Lay out the message of a channel: ``t`` is field 1, the channel's fields are 2, 3, ... in order."""
     message, spans = _laid_out(parts_of(channel), 2)
