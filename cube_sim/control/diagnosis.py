@@ -20,6 +20,9 @@ otherwise nothing would show that they recover.
 Telemetry has a gain and noise. The gain is learned while the thruster is whole, and what is measured is divided by it.
 Under noise longer windows find what is too faint for the first. And each has to say the same for as long as the first
 is, or half its own length: while a fault moves through a window, the line that fits best turns all the time.
+
+Nothing that works gives a steady force far beyond what is expected of it, or against it. So a thruster that sticks at a
+large force is known after the last few readings.
 """
 
 from __future__ import annotations
@@ -31,13 +34,15 @@ from numpy.typing import NDArray
 
 from cube_sim.control.probing import ProbeMemory, Probes
 from cube_sim.control.telemetry_gain import TelemetryGain, TelemetryGains, learn_gains
-from cube_sim.control.window_reading import Evidence, WindowReading, contradicts, read_window
+from cube_sim.control.window_reading import Evidence, WindowReading, contradicts, read_at_once, read_window
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.wrench.health import Health
 
 _LENGTHS = (1, 4, 16)
 """Lengths of the windows under noise, in lengths of the first."""
+_AT_ONCE_S, _AT_ONCE_TICKS = 0.1, 4
+"""The readings that show a thruster stuck at a large force: of so long [s], and so many at least."""
 _SAME_EFFICIENCY = 0.1
 """Readings of an efficiency that differ by less are the same."""
 
@@ -102,6 +107,7 @@ class Diagnosis:
         n, m = max(2, round(window_s / dt)), len(probe_N)
         self._threshold, self._noise = threshold_N, noise_N
         self._lengths = tuple(n * k for k in _LENGTHS) if noise_N > 0.0 else (n,)
+        self._at_once = min(n, max(_AT_ONCE_TICKS, round(_AT_ONCE_S / dt)))
         self._expected, self._measured = np.zeros((self._lengths[-1], m)), np.zeros((self._lengths[-1], m))
         self._ring = np.zeros(2, dtype=np.int64)
         self._gain = TelemetryGain(m, gain_tolerance, n * threshold_N**2)
@@ -168,6 +174,10 @@ class Diagnosis:
             # A window longer than the belief is old holds what was before it.
             if contradicted[i] and (n == self._lengths[0] or self._age[i] >= n):
                 evidence = Evidence(self._threshold, float(noise / gain[i]), (least[i], most[i]))
+                last = x[-self._at_once :, i], y[-self._at_once :, i]
+                if n == self._lengths[0] and (stuck := read_at_once(*last, evidence)) is not None:
+                    self._follow_at_once(i, stuck, noise)
+                    continue
                 reading = read_window(x[:, i], y[:, i], evidence, idle=not health.responsive[i])
                 self._suspect[i] |= reading is None or reading.efficiency < 1.0
             settled = self._settled(i, n, reading)
@@ -199,6 +209,12 @@ class Diagnosis:
             self.doubtful[i] |= efficiency != before[0]
         elif efficiency != before[0] or not np.isnan(stuck) or not np.isnan(before[1]):
             self._believe(i, efficiency, stuck)
+
+    def _follow_at_once(self, i: int, reading: WindowReading, noise: float) -> None:
+        """Believe that it is stuck there, unless that is what is believed."""
+        self._suspect[i] = True
+        if not abs(reading.stuck - self.health.stuck[i]) <= self._threshold + 2.0 * noise:
+            self._believe(i, reading.efficiency, reading.stuck)
 
     def _believe(self, i: int, efficiency: float, stuck: float) -> None:
         self.health = self.health.with_thruster(i, efficiency, stuck)

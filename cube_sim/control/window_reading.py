@@ -32,6 +32,9 @@ _DECISIVE = 25.0
 """By how many sigma^2 one fit has to be better than another."""
 _RARE = 15.0
 """-log of the probability with which noise alone exceeds its allowance."""
+_FAR = 10.0
+"""A force that is so many thresholds, and standard deviations, from all that a working thruster gives needs no long
+look."""
 
 
 class WindowReading(NamedTuple):
@@ -176,6 +179,26 @@ def read_window(x: Vector, y: Vector, evidence: Evidence, idle: bool) -> WindowR
             and abs(held) > evidence.threshold + 3.0 * evidence.noise / sqrt(n)
         )
     return WindowReading(0.0, held) if constant else None
+
+
+def read_at_once(x: Vector, y: Vector, evidence: Evidence) -> WindowReading | None:
+    """The thruster that a few readings show to be stuck: they stand still, far from all that a working one could give.
+
+    A whole and a weak thruster give something between nothing and what is expected of them. One that is stuck at a
+    large force does not, and throws the hull about for as long as nobody knows.
+
+    Args:
+        x: (n,) forces [N] expected of it if it were whole, oldest first.
+        y: (n,) forces [N] measured.
+        evidence: how far these may be trusted.
+
+    Returns:
+        None when it may be something else, or is not far from it.
+    """
+    far, most = _FAR * (evidence.threshold + evidence.noise), evidence.gain[1]
+    outside = (y < most * np.minimum(x, 0.0) - far) | (y > most * np.maximum(x, 0.0) + far)
+    still = float(np.ptp(y)) <= 0.2 * evidence.threshold + 6.0 * evidence.noise
+    return WindowReading(0.0, float(y.mean())) if still and bool(outside.all()) else None
 
 
 def _is_silent(y: Vector, share: float, deviation: float, evidence: Evidence, idle: bool) -> bool:

@@ -8,6 +8,7 @@ import pytest
 from cube_sim.allocation import Health
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.control.probing import Probes
+from cube_sim.control.window_reading import Evidence, read_at_once
 
 DT, LAG, THRESHOLD, PROBE = 0.02, 0.02, 1.0, 3.0
 FULL = 40.0
@@ -175,3 +176,26 @@ def test_a_motor_that_dies_is_not_called_weak_on_the_way(before, after):
     bench.run(2.0, WHOLE, lambda _: before)
     bench.run(3.0, DEAD, lambda _: after)
     assert [health.efficiency[0] for _, health in bench.beliefs] == [0.0]
+
+
+@pytest.mark.parametrize("held", [-14.0, -40.0, 31.0, 40.0])
+@pytest.mark.parametrize("wanted", [lively, constant, creeping])
+def test_a_motor_that_sticks_far_from_what_it_is_told_is_known_after_a_few_readings(held, wanted):
+    bench = Bench()
+    bench.run(3.0, WHOLE, wanted)
+    bench.run(0.12, (0.0, held), lambda t: wanted(t + 3.0))
+    (t, health), *_ = bench.beliefs
+    assert t <= 3.1 and health.stuck[0] == held
+    bench.run(10.0, (0.0, held), lambda t: wanted(t + 3.12))
+    assert len(bench.beliefs) == 1
+
+
+@pytest.mark.parametrize("efficiency", [1.0, 0.4, 0.0])
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+def test_nothing_that_works_is_taken_for_stuck_at_once(efficiency, noise):
+    rng = np.random.default_rng(3)
+    evidence = Evidence(THRESHOLD, noise, (0.8, 1.25))
+    for _ in range(4000):
+        x = rng.uniform(-FULL, FULL) + rng.choice([0.0, 0.1, 5.0]) * rng.standard_normal(5)
+        y = rng.uniform(0.8, 1.25) * efficiency * x + noise * rng.standard_normal(5)
+        assert read_at_once(x, y, evidence) is None
