@@ -106,6 +106,10 @@ class PathFollower:
         self._left = left.record(self.loops.dynamics.total_mass)
         self.dragged = bool(self._left["dragged"].any())
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
+        if left.authority is Authority.HOLONOMIC and left.held.any():
+            # A thruster has stuck: whether the others have enough beside it is seen at once.
+            wished = rotation_from_quaternion(self.desired)
+            self.shortage["pressed"] |= not has_enough(*self._kept(1.0), wished)
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self.monitor.restart()

@@ -22,6 +22,8 @@ ATTITUDES = 1200
 """How many are looked at: none is farther than 20 degrees from one of them."""
 TO_SPARE = 0.02
 """Share of a thruster set's mean facet by which an attitude has to be inside, to count as one with enough."""
+TO_BRAKE = 0.1
+"""The same for one to turn to, if there are any: what is to spare there brakes the hull."""
 
 
 def roomiest_attitude(hull: Record, facets: Facets, force_ratio: float, flow_W: Vector, near: Matrix) -> Matrix | None:
@@ -41,6 +43,8 @@ def roomiest_attitude(hull: Record, facets: Facets, force_ratio: float, flow_W: 
     enough = excess <= _spare(facets)
     if enough[0] or not enough.any():
         return None
+    roomy = excess <= _spare(facets) * TO_BRAKE / TO_SPARE
+    enough = roomy if roomy.any() else enough
     closeness = np.einsum("kij,ij->k", spread_attitudes(), near)
     return spread_attitudes()[int(np.argmax(np.where(enough[1:], closeness, -np.inf)))]
 
