@@ -8,9 +8,10 @@ from typing import Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, raise_on_interrupt, stop
+from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, SIGNALLED, raise_on_interrupt, stop
 from cube_sim.commands.labels import labels
 from cube_sim.errors import RecordingError
+from cube_sim.uninterrupted import StoppedError, stoppable
 
 EPILOG = (
     "The view is made of run.mcap, whether run.rrd is beside it or not. Exit code: 0 looked at, 2 bad input, 3 there "
@@ -33,7 +34,7 @@ def view(
 ) -> None:
     """Look at a run, or at several on one time, in the Rerun viewer."""
     try:
-        from cube_sim.recording.rerun.viewer import WebViewer, has_display, open_window
+        from cube_sim.recording.rerun.viewer import has_display, open_window, web_viewer
 
         if not web and save is None and not has_display():
             stop(NOT_JUDGED, "there is no screen here; --web serves the view to a browser, --save FILE.rrd writes it")
@@ -46,13 +47,16 @@ def view(
                 typer.echo(str(save))
                 return
             raise_on_interrupt()
-            if not web:
-                return open_window(rrd)
-            viewer = WebViewer(rrd)
-            typer.echo(f"{viewer.url}\nCtrl-C ends it")
-            viewer.serve()
+            with stoppable():  # the viewer, a process of its own, would go on
+                if not web:
+                    return open_window(rrd)
+                with web_viewer(rrd) as viewer:
+                    typer.echo(f"{viewer.url}\nCtrl-C ends it")
+                    viewer.serve()
     except RecordingError as error:
         stop(NOT_JUDGED, str(error))
+    except StoppedError as stopped:
+        raise typer.Exit(SIGNALLED + stopped.number) from None
     except KeyboardInterrupt:
         raise typer.Exit from None
 

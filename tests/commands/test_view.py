@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import signal
 import time
 import urllib.error
 import urllib.request
+from pathlib import Path
 
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
-from support.command_line import call
+from support.command_line import call, started
 from support.helix_run import END, HEADER, fly, model, table
 from support.own_code import scenario_with
 
 import cube_sim
 from cube_sim.recording.recorder import Recorder
-from cube_sim.recording.rerun.viewer import WebViewer, has_display
+from cube_sim.recording.rerun.viewer import has_display, web_viewer
 
 
 @pytest.fixture
@@ -66,8 +68,7 @@ def test_the_view_is_made_of_the_record(recorded, tmp_path, monkeypatch, capsys)
 
 def test_a_browser_is_served_the_viewer(recorded, tmp_path, monkeypatch, capsys):
     call(monkeypatch, capsys, "view", recorded, "--save", tmp_path / "a.rrd")
-    viewer = WebViewer(tmp_path / "a.rrd")
-    try:
+    with web_viewer(tmp_path / "a.rrd") as viewer:
         deadline = time.monotonic() + 30
         while True:
             try:
@@ -77,9 +78,18 @@ def test_a_browser_is_served_the_viewer(recorded, tmp_path, monkeypatch, capsys)
             except urllib.error.URLError:
                 assert time.monotonic() < deadline
                 time.sleep(0.2)
-    finally:
-        viewer._process.terminate()
-        viewer._process.wait(timeout=30)
+    assert viewer.process.poll() is not None
+
+
+@pytest.mark.flight
+def test_whoever_ends_the_command_ends_the_viewer(recorded):
+    with started("view", recorded, "--web", cwd=recorded.parent) as process:
+        assert process.stdout.readline().startswith("http://127.0.0.1:")
+        assert process.stdout.readline() == "Ctrl-C ends it\n"
+        (viewer,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(timeout=60) == 143
+        assert not Path(f"/proc/{viewer}").exists()
 
 
 def test_a_view_is_saved_as_what_it_is(tmp_path, monkeypatch, capsys):

@@ -6,12 +6,15 @@ import os
 import socket
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import quote
 
 from cube_sim.errors import RecordingError
+from cube_sim.uninterrupted import uninterrupted
 
 LOCAL = "127.0.0.1"
 """Where the viewer listens: it would be open to the network otherwise."""
@@ -60,47 +63,60 @@ def open_window(rrd: Path) -> None:
     Raises:
         RecordingError: the viewer is not installed, or ends with an error.
     """
-    process = start([str(rrd)], free_port())
-    if _ended(process) != 0:
+    with _running([str(rrd)], free_port()) as process:
+        code = process.wait()
+    if code != 0:
         raise RecordingError(
-            f"the viewer ended with code {process.returncode}; is there a screen and a Vulkan driver? "
+            f"the viewer ended with code {code}; is there a screen and a Vulkan driver? "
             "--web shows the run in a browser"
         )
 
 
+@contextmanager
+def web_viewer(rrd: Path) -> Iterator[WebViewer]:
+    """Serve the viewer's page to browsers on this machine; whatever ends the block ends the server.
+
+    Raises:
+        RecordingError: the viewer is not installed.
+    """
+    port, page = free_port(), free_port()
+    proxy = quote(f"rerun+http://{LOCAL}:{port}/proxy", safe="")
+    with _running(["--serve-web", "--web-viewer-port", str(page), str(rrd)], port) as process:
+        yield WebViewer(f"http://{LOCAL}:{page}/?url={proxy}", process)
+
+
+@dataclass(frozen=True)
 class WebViewer:
-    """The viewer's page, served to browsers on this machine.
+    """The viewer's page, served.
 
     Attributes:
         url: to open.
+        process: that serves it.
     """
 
-    def __init__(self, rrd: Path) -> None:
-        """Begin to serve a recording.
-
-        Raises:
-            RecordingError: the viewer is not installed.
-        """
-        port, page = free_port(), free_port()
-        proxy = quote(f"rerun+http://{LOCAL}:{port}/proxy", safe="")
-        self.url = f"http://{LOCAL}:{page}/?url={proxy}"
-        self._process = start(["--serve-web", "--web-viewer-port", str(page), str(rrd)], port)
+    url: str
+    process: subprocess.Popen[bytes]
 
     def serve(self) -> None:
-        """Go on until the server ends, or an interrupt ends it.
+        """Go on until the server ends.
 
         Raises:
             RecordingError: the server cannot serve.
         """
-        if _ended(self._process) != 0:
-            raise RecordingError(f"the web viewer ended with code {self._process.returncode}")
+        code = self.process.wait()
+        if code != 0:
+            raise RecordingError(f"the web viewer ended with code {code}")
 
 
-def _ended(process: subprocess.Popen[bytes]) -> int:
-    """Wait for a process; whatever ends the waiting ends the process."""
+@contextmanager
+def _running(arguments: Sequence[str], port: int) -> Iterator[subprocess.Popen[bytes]]:
+    """Run the viewer; whatever ends the block ends it, an interrupt at any moment too."""
+    process: subprocess.Popen[bytes] | None = None
     try:
-        return process.wait()
+        with uninterrupted():
+            process = start(arguments, port)
+        yield process
     finally:
-        if process.poll() is None:
+        if process is not None and process.poll() is None:
             process.terminate()
             process.wait(timeout=30)
