@@ -32,7 +32,7 @@ from cube_sim.actuation.path_following.verdict import judge
 from cube_sim.control.effort import effort_matrix
 from cube_sim.control.levelling import UP
 from cube_sim.control.pace import ForceBudget
-from cube_sim.control.yielding import FORCES_YIELD, MAX_TILT_SINE, WaterHold, yielding_directions
+from cube_sim.control.yielding import FORCES_YIELD, MAX_TILT_SINE, WaterHold, held_or_pointed
 from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, SPATIAL, WrenchAxes
@@ -340,7 +340,7 @@ def _in_space(A: Matrix, held: Vector, cost: _CostArguments, hold: WaterHold | N
     if space.rank == 6:
         return _Finding(Authority.HOLONOMIC, np.eye(3), lost, "all six components of the wrench are there")
     words = "; ".join(combination.beside(held) for combination in space.unreachable)
-    found = yielding_directions(lost, FORCES_YIELD if hold is None else hold.weights(UP), length_m)
+    found = held_or_pointed(lost, hold, UP, length_m)
     if found is None or found.pointed == 3:
         return _Finding(Authority.SAFE, space.pure_forces, lost, f"{words}: the path cannot be followed", within)
     authority, text = {

@@ -6,6 +6,11 @@ its righting moment makes up for it. So torques about level axes give way first,
 a tilt of 30 degrees at most, a righting moment r holds the torque of a force F on a lever of r / (2 F). F is what
 missions ask for along the axis whose force brings the torque, not along the broadest. On a longer lever the force gives
 way, and the attitude has to point it (`balanced_attitude`).
+
+Not so where it is torques alone that are missing: where all that is lost has a lever no longer than the thrusters' own
+arms, and lies about level axes. Then every force is there in every attitude, and the place does not depend on the tilt.
+The hull comes to rest in the water tilted farther, where its Munk moment, too, is part of the balance. On a lever many
+times longer it is a force that is missing, and the least of it would spin the hull.
 """
 
 from __future__ import annotations
@@ -24,6 +29,9 @@ SMALL_FORCE = 1e-3
 """Share of the weight below which a force counts as none."""
 MAX_TILT_SINE = 0.5
 """How far the hull may be tilted by torques that are left to it: by 30 degrees."""
+LONGEST_ARMS = 1.2
+"""Lever, in the thrusters' rms arms, up to which what is missing is a torque (a choice: where the water could hold all
+that is missing, the catalogue has none between 3 and 90)."""
 
 
 class WaterHold(NamedTuple):
@@ -68,6 +76,16 @@ class WaterHold(NamedTuple):
         W[3:, 3:] = lever**2 * (np.eye(3) - np.outer(up, up))
         return W
 
+    def arm_weights(self, up: Vector, length_m: float) -> Matrix:
+        """W (6,6) [1, m^2] by which a torque about a level axis gives way on any lever shorter than a length.
+
+        See `weights`; torques do not give way of a hull that does not right itself, either.
+        """
+        W = FORCES_YIELD.copy()
+        if float(self.righting @ up) > 0.0:
+            W[3:, 3:] = length_m**2 * (np.eye(3) - np.outer(up, up))
+        return W
+
 
 class Yielding(NamedTuple):
     """What gives way in a demand that the thrusters cannot produce.
@@ -79,6 +97,22 @@ class Yielding(NamedTuple):
 
     directions: Matrix
     pointed: int
+
+
+def held_or_pointed(lost: Matrix, hold: WaterHold | None, up: Vector, length_m: float) -> Yielding | None:
+    """Who gives way for each lost combination of a hull that is upright: torques alone where they can, else both kinds.
+
+    Args:
+        lost: see `yielding_directions`, like the answer.
+        hold: what the water holds of the hull; None for nothing.
+        up: (3,) world up in body axes.
+        length_m: the thrusters' rms lever arm [m].
+    """
+    found = yielding_directions(lost, FORCES_YIELD if hold is None else hold.weights(up), length_m)
+    if found is None or found.pointed == 0 or hold is None:
+        return found
+    tilted = yielding_directions(lost, hold.arm_weights(up, LONGEST_ARMS * length_m), length_m)
+    return tilted if tilted is not None and tilted.pointed == 0 else found
 
 
 def yielding_directions(lost: Matrix, weights: Matrix, length_m: float) -> Yielding | None:

@@ -7,7 +7,7 @@ import pytest
 from support.vehicles import random_hull, random_rotation, vehicle
 
 from cube_sim.control.authority import Authority, capability
-from cube_sim.control.yielding import SMALL_FORCE, WaterHold, yielding_directions
+from cube_sim.control.yielding import LONGEST_ARMS, SMALL_FORCE, WaterHold, held_or_pointed, yielding_directions
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -77,7 +77,7 @@ def test_what_nothing_holds_never_gives_way():
 def test_a_single_combination_comes_out_of_what_is_cheaper(seed):
     """Its share of force is |F n_f|^2 / (|F n_f|^2 + (r / 2)^2 |n_t|^2), n_t its level torque: TRIM below half."""
     rng = np.random.default_rng(seed)
-    n = np.append(rng.normal(size=3), [*rng.normal(0.0, 3.0, 2), 0.0])
+    n = np.append(rng.normal(0.0, 30.0, 3), [*rng.normal(0.0, 3.0, 2), 0.0])  # a lever far longer than the arms
     A = np.linalg.svd(n[None])[2][1:].T  # five thrusters that make all the rest
     force = rng.uniform(5.0, 50.0, 3)
     torque = np.linalg.norm(force * n[:3]) / np.linalg.norm(n[3:])
@@ -90,6 +90,25 @@ def test_a_single_combination_comes_out_of_what_is_cheaper(seed):
         yielded = n[part] * (force**2 if authority is Authority.PLANE else 1.0)
         np.testing.assert_allclose(gone[part], (n @ n) / (yielded @ n[part]) * yielded, atol=1e-9)
         assert np.linalg.norm(gone) == pytest.approx(np.linalg.norm(gone[part]))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_torque_that_is_missing_by_itself_is_left_to_the_water_whatever_it_holds(seed):
+    """On a lever no longer than the thrusters' arms every force is there, however far its torque may tilt the hull."""
+    rng = np.random.default_rng(seed)
+    axes, weak = np.append(rng.normal(size=2), 0.0), WaterHold(1e-3 * UP, rng.uniform(5.0, 50.0, 3))
+    force = rng.normal(size=3)
+    for arms, pointed in ((0.9 * LONGEST_ARMS, 0), (1.1 * LONGEST_ARMS, 1)):
+        lever = arms * 0.3
+        lost = np.append(lever * force / np.linalg.norm(force), axes / np.linalg.norm(axes))[:, None]
+        found = held_or_pointed(lost, weak, UP, 0.3)
+        assert found is not None
+        assert found.pointed == pointed
+    vertical = np.append(0.1 * force, UP)[:, None]
+    for held, hold in ((vertical, weak), (lost, weak._replace(righting=-1e-3 * UP)), (lost, None)):
+        found = held_or_pointed(held, hold, UP, 0.3)
+        assert found is not None
+        assert found.pointed == 1  # nothing turns it back
 
 
 def test_a_vehicle_that_can_be_neither_pointed_nor_held_is_told():
