@@ -85,6 +85,8 @@ def first_other(
             if count != told["rows"]:
                 return f"it holds {count} of {told['rows']} rows of the channel {name!r}"
             return f"the channel {name!r} is not the one recorded"
+    if others := [name for name in found if name not in digests["channels"]]:
+        return f"the channel {others[0]!r} is none of those recorded"
     if log_digest(log) != digests["log"]:
         return "the log is not the one recorded"
     return ""

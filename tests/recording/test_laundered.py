@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from random import Random
 
 import pytest
+from mcap.data_stream import RecordBuilder
+from mcap.reader import make_reader
+from mcap.records import Channel
 from support.helix_run import END, HEADER, fly, model, table
 from support.laundering import COMPRESSED, with_fresh_checksums, written_anew
 
 from cube_sim.errors import RecordingError
+from cube_sim.recording.mcap.names import CHANNEL_METADATA
 from cube_sim.recording.reading import Recording, read_recording
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.run_end import RunEnd
@@ -120,6 +125,27 @@ def test_what_is_left_of_a_record_is_what_was_recorded(run, tmp_path):
     damaged.write_bytes(run.read_bytes())
     assert salvage(damaged).dropped == ()
     assert same(salvage(damaged).recording, whole)
+
+
+def test_a_channel_that_somebody_else_added_is_not_taken_for_recorded(run, tmp_path):
+    """As one flipped bit of a name does, where the file names its channels twice."""
+    data = run.read_bytes()
+    end = data.index(b"\x03\0\0\0end") - 9  # where the metadata record starts
+    reader = make_reader(io.BytesIO(data))
+    (found,) = [each for each in reader.get_summary().channels.values() if each.topic == "/water"]
+    text = {CHANNEL_METADATA: found.metadata[CHANNEL_METADATA].replace('"water"', '"wafer"')}
+    record = RecordBuilder()
+    Channel(900, "/wafer", "protobuf", text, found.schema_id).write(record)
+    altered = tmp_path / "altered.mcap"
+    rest = end + 9 + int.from_bytes(data[end + 1 : end + 9], "little")
+    altered.write_bytes(data[:end] + data[end:rest])
+    assert read_recording(altered).complete
+    altered.write_bytes(data[:end] + record.end() + data[end:rest])
+    for back in (read_recording(altered), salvage(altered).recording):
+        assert (back.complete, back.flaw) == (
+            False,
+            "the record was altered: the channel 'wafer' is none of those recorded",
+        )
 
 
 def cases(run: Path, other: Path, folder: Path, seed: int) -> tuple[str, bytes]:
