@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
 import pytest
 from support.helix_run import END, HEADER, fly, model, table
 
+from cube_sim import load_run
 from cube_sim.recording import live as live_module
 from cube_sim.recording.batch import Batch
 from cube_sim.recording.live import LiveSink, somebody_listens
@@ -114,3 +118,41 @@ def test_a_viewer_that_dies_or_stops_in_mid_flight_changes_nothing(how, alone, t
     finally:
         viewer.kill()
         viewer.wait(timeout=30)
+
+
+ENDS = """
+import sys
+from pathlib import Path
+from support.helix_run import END, HEADER, fly, model, table
+from cube_sim.recording.recorder import Recorder
+with Recorder(Path(sys.argv[1]), HEADER, table(), model(), view=False, live=int(sys.argv[2])) as recorder:
+    fly(recorder, 60)
+    print("flown", flush=True)
+    sys.stdin.readline()
+    fly(recorder, 60, 60)
+    recorder.finish(END)
+"""
+
+
+@pytest.mark.flight
+def test_a_process_ends_beside_a_viewer_that_has_stopped(tmp_path):
+    port = free_port()
+    viewer = start(["--serve-grpc"], port)
+    command = [sys.executable, "-c", ENDS, str(tmp_path), str(port)]
+    paths = os.pathsep.join(sys.path)
+    try:
+        while not somebody_listens(port):
+            time.sleep(0.1)
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        with subprocess.Popen(command, text=True, env={**os.environ, "PYTHONPATH": paths}, **pipes) as process:
+            try:
+                assert process.stdout.readline() == "flown\n"
+                viewer.send_signal(signal.SIGSTOP)
+                process.communicate("\n", timeout=60)
+                assert process.returncode == 0
+            finally:
+                process.kill()
+    finally:
+        viewer.kill()
+        viewer.wait(timeout=30)
+    assert load_run(tmp_path).complete

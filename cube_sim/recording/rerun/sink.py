@@ -45,7 +45,11 @@ FLUSH_S = 10.0
 def live_sink(
     port: int, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel, vehicle: str | None = None
 ) -> View:
-    """Show a run in a viewer that listens at a port of this machine, while it flies."""
+    """Show a run in a viewer that listens at a port of this machine, while it flies.
+
+    From now on the end of the process does not wait for what is on its way to viewers.
+    """
+    rr.unregister_shutdown()  # it would wait for ever for a viewer that is stopped
     url = f"rerun+http://{LOCAL}:{port}/proxy"
     return RerunSink(lambda stream: stream.connect_grpc(url), header, channels, model, vehicle, live=True)
 
