@@ -6,7 +6,7 @@ function is written in only. Here it covers also
 - the functions it calls from other files, to any depth;
 - the constants and the fields of named tuples it takes from outside;
 - the files of the intrinsics it uses;
-- this file, which says how it is compiled.
+- this file and `cube_sim.native.called`, which say how it is compiled.
 
 Functions must therefore be defined before those that call them.
 """
@@ -29,6 +29,8 @@ from numba.core import cgutils, types
 from numba.core.extending import _Intrinsic
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
+
+from cube_sim.native.called import CalledCache, CalledCompiler
 
 
 @intrinsic
@@ -180,6 +182,9 @@ def on_disk(function: Any) -> bool:
 def compiled(function: Callable[..., Any]) -> Any:
     """Compile `function` at its first call; the uncompiled one stays reachable as `.py_func`, the reference in tests.
 
+    What compiled code calls is compiled for it apart, see `cube_sim.native.called`; `.called()` is what numba knows of
+    that.
+
     No fast-math: results are the same bits on every run, and equal to the reference's up to rounding.
     """
     return _compile(function)
@@ -197,14 +202,32 @@ def unlocked(function: Callable[..., Any]) -> Any:
 
 def _compile(function: Callable[..., Any], **options: Any) -> Any:
     # Nothing calls these functions from C; a door for it would take a tenth of the time compiling takes.
-    dispatcher = numba.njit(cache=True, fastmath=False, error_model="numpy", no_cfunc_wrapper=True, **options)(function)
-    file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    way: dict[str, Any] = dict(fastmath=False, error_model="numpy", no_cfunc_wrapper=True, **options)
+    dispatcher = numba.njit(cache=True, **way)(function)
+    file, stamp = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None), ""
     if file is not None:  # numba has no public way to say what a cached function depends on
-        file._source_stamp = (file._source_stamp, _stamp(function))
-        file._load_index = _forgiving(file._load_index)
-    # numba has no public way to ask for this either.
-    dispatcher.get_call_template = _once_for_all_numbers(dispatcher.get_call_template)
+        stamp = _stamp(function)
+        _depend_on(file, stamp)
+
+    @cache
+    def called() -> Any:  # only where something is compiled that calls it
+        inner = numba.njit(no_cpython_wrapper=True, pipeline_class=CalledCompiler, **way)(function)
+        if file is not None:
+            inner._cache = CalledCache(function)
+            _depend_on(inner._cache._cache_file, stamp)
+        return inner
+
+    # numba has no public way to ask for these either.
+    dispatcher.called = called
+    dispatcher.get_call_template = _once_for_all_numbers(lambda args, kws: called().get_call_template(args, kws))
+    dispatcher.get_overload = lambda signature: called().get_overload(signature)
     return dispatcher
+
+
+def _depend_on(file: Any, stamp: str) -> None:
+    """Let code on disk count only where this stamp is the one it was made with."""
+    file._source_stamp = (file._source_stamp, stamp)
+    file._load_index = _forgiving(file._load_index)
 
 
 def _once_for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
@@ -239,7 +262,7 @@ def _forgiving(load: Callable[[], dict[Any, Any]]) -> Callable[[], dict[Any, Any
 
 def _stamp(function: Callable[..., Any]) -> str:
     """Digest of what a function's machine code is made from besides its own file, as this module says."""
-    told: list[tuple[str, Any]] = [("compiled.py", _this_file())]
+    told: list[tuple[str, Any]] = [("how", _how())]
     for name in sorted(_names(function.__code__)):
         value = function.__globals__.get(name)
         if isinstance(value, numba.core.registry.CPUDispatcher):
@@ -255,8 +278,8 @@ def _stamp(function: Callable[..., Any]) -> str:
 
 
 @cache
-def _this_file() -> bytes:
-    return Path(__file__).read_bytes()
+def _how() -> tuple[bytes, ...]:
+    return tuple(Path(file).read_bytes() for file in (__file__, inspect.getfile(CalledCompiler)))
 
 
 def _names(code: CodeType) -> set[str]:

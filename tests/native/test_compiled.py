@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba import types
 
 from cube_sim.native.compiled import compiled
 
@@ -113,4 +114,20 @@ def _counted(n):
 @pytest.mark.flight
 def test_a_function_is_compiled_once_for_constants_and_variables():
     assert _counted(4) == _counted.py_func(4) == 12
-    assert len(_added.signatures) == 1
+    assert len(_added.called().signatures) == 1
+
+
+@pytest.mark.flight
+def test_what_compiled_code_calls_has_no_machine_code_of_its_own_and_is_kept_for_other_callers():
+    again = compiled(_added.py_func)
+
+    @compiled
+    def twice(x):
+        return again(again(x, 1.5), 0.5)
+
+    assert twice(2.0) == 4.0
+    assert not again.signatures
+    once_more = compiled(_added.py_func)
+    once_more.called().compile((types.float64, types.float64))
+    assert sum(once_more.called().stats.cache_hits.values()) == 1
+    assert not once_more.called().stats.cache_misses
