@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
+from cube_sim.commands.output import hush_rerun
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError
+from cube_sim.run_directory import RRD_FILE
+from cube_sim.whole_file import filled_whole
+
+if TYPE_CHECKING:
+    from cube_sim.runs.recorded_run import RecordedRun
 
 EPILOG = "Exit code: 0 written, 2 bad input, 3 it cannot be written."
 
@@ -42,6 +49,7 @@ def export(
     ] = None,
 ) -> None:
     """Write a recorded run in another form."""
+    hush_rerun()
     try:
         from cube_sim.runs.recorded_run import load_run
 
@@ -52,31 +60,36 @@ def export(
                 raise RecordingError(f"--channel {name}: no such channel; there are {', '.join(known)}")
         if to.exists() and (not to.is_dir() or any(to.iterdir())):
             raise RecordingError(f"{to}: is not an empty folder")
-        to.mkdir(parents=True, exist_ok=True)
-        if format_ is Format.RRD:
-            from cube_sim.recording.export import rrd_from_mcap
-
-            files = [to / "run.rrd"]
-            rrd_from_mcap(recorded.path, files[0])
-        elif format_ is Format.INPUTS:
-            from cube_sim.recording.saved_inputs import save_inputs
-
-            files = [save_inputs(recorded.header, to)]
-        elif format_ is Format.LAYOUT:
-            from cube_sim.recording.mcap.viewer_layout import viewer_layout
-
-            files = [to / "layout.json"]
-            files[0].write_text(viewer_layout(recorded.recording.channels, recorded.recording.vehicle))
-        else:
-            from cube_sim.runs.tables import tables_of, write_csv, write_parquet
-
-            write = write_csv if format_ is Format.CSV else write_parquet
-            files = [write(table, to) for table in tables_of(recorded, channels or ())]
+        with filled_whole(to):
+            files = _written(recorded, to, format_, channels or ())
     except RecordingError as error:
         stop(BAD_INPUT, str(error))
-    except OSError as error:
-        stop(NOT_JUDGED, f"{to}: cannot be written: {error.strerror or error}")
+    except (OSError, RuntimeError) as error:  # what Rerun says of a place that cannot be written is the second
+        stop(NOT_JUDGED, f"{to}: cannot be written: {getattr(error, 'strerror', None) or error}")
     for file in files:
         typer.echo(str(file))
     if recorded.flaw and format_ not in (Format.INPUTS, Format.LAYOUT):
         typer.echo(f"{recorded.path}: {recorded.flaw}", err=True)
+
+
+def _written(recorded: RecordedRun, to: Path, format_: Format, channels: Sequence[str]) -> list[Path]:
+    """Write the files; which they are."""
+    if format_ is Format.RRD:
+        from cube_sim.recording.export import rrd_from_mcap
+
+        rrd_from_mcap(recorded.path, to / RRD_FILE)
+        return [to / RRD_FILE]
+    if format_ is Format.INPUTS:
+        from cube_sim.recording.saved_inputs import save_inputs
+
+        return [save_inputs(recorded.header, to)]
+    if format_ is Format.LAYOUT:
+        from cube_sim.recording.mcap.viewer_layout import viewer_layout
+
+        layout = to / "layout.json"
+        layout.write_text(viewer_layout(recorded.recording.channels, recorded.recording.vehicle))
+        return [layout]
+    from cube_sim.runs.tables import tables_of, write_csv, write_parquet
+
+    write = write_csv if format_ is Format.CSV else write_parquet
+    return [write(table, to) for table in tables_of(recorded, channels)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -12,6 +13,11 @@ if TYPE_CHECKING:
 
 FILE_WIDTH = 160
 """Columns a table may take where nobody folds lines: in a file or a pipe."""
+
+
+def hush_rerun() -> None:
+    """Let Rerun, which is imported later, say nothing in its own words: what fails is told by whoever asked for it."""
+    os.environ.setdefault("RUST_LOG", "off")
 
 
 def print_json(content: Any) -> None:

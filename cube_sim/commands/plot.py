@@ -11,6 +11,7 @@ from cube_sim.commands.beside import beside
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError
+from cube_sim.whole_file import written_whole
 
 EPILOG = "Exit code: 0 written, 2 bad input, 3 it cannot be written. The same run gives the same bytes."
 
@@ -56,7 +57,9 @@ def plot(
         if not start < end:
             raise RecordingError(f"there is nothing to draw from {start:g} s to {end:g} s")
         window = None if from_s is None and to_s is None else (start, end)
-        save_figure(Subject(recorded, recorded.scenario.name, colours.BLUE), signals or (), file, width_mm, window)
+        subject = Subject(recorded, recorded.scenario.name, colours.BLUE)
+        with written_whole(file) as part:
+            save_figure(subject, signals or (), part, width_mm, window)
     except RecordingError as error:
         stop(BAD_INPUT, str(error))
     except ImportError:

@@ -11,6 +11,7 @@ from cube_sim.commands.beside import beside
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
 from cube_sim.commands.labels import labels
 from cube_sim.errors import RecordingError
+from cube_sim.whole_file import written_whole
 
 EPILOG = "Exit code: 0 written, whatever the verdict; 2 bad input; 3 it cannot be written."
 
@@ -41,7 +42,8 @@ def report(
     except RecordingError as error:
         stop(BAD_INPUT, str(error))
     try:
-        file.write_text(content, encoding="utf-8", newline="\n")
+        with written_whole(file) as part:
+            part.write_text(content, encoding="utf-8", newline="\n")
     except OSError as error:
         stop(NOT_JUDGED, f"{file}: cannot be written: {error.strerror or error}")
     typer.echo(str(file))

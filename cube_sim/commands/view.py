@@ -10,8 +10,10 @@ import typer
 
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, SIGNALLED, raise_on_interrupt, stop
 from cube_sim.commands.labels import labels
+from cube_sim.commands.output import hush_rerun
 from cube_sim.errors import RecordingError
 from cube_sim.uninterrupted import StoppedError, stoppable
+from cube_sim.whole_file import written_whole
 
 EPILOG = (
     "The view is made of run.mcap, whether run.rrd is beside it or not. Exit code: 0 looked at, 2 bad input, 3 there "
@@ -33,6 +35,7 @@ def view(
     ] = None,
 ) -> None:
     """Look at a run, or at several on one time, in the Rerun viewer."""
+    hush_rerun()
     try:
         from cube_sim.recording.rerun.viewer import has_display, open_window, web_viewer
 
@@ -73,11 +76,12 @@ def _write(runs: list[Path], rrd: Path) -> None:
         recorded = [load_run(run) for run in runs]
         if rrd.is_dir():
             raise RecordingError(f"{rrd}: is a folder; give the name of a file")
-        if len(runs) == 1:
-            rrd_from_mcap(recorded[0].path, rrd)
-        else:
-            names = labels(runs, [run.scenario.name for run in recorded])
-            rrd_from_records([run.path for run in recorded], names, rrd)
+        with written_whole(rrd) as part:
+            if len(runs) == 1:
+                rrd_from_mcap(recorded[0].path, part)
+            else:
+                names = labels(runs, [run.scenario.name for run in recorded])
+                rrd_from_records([run.path for run in recorded], names, part)
     except RecordingError as error:
         stop(BAD_INPUT, str(error))
     except (OSError, RuntimeError) as error:  # what Rerun says of a place that cannot be written is the second

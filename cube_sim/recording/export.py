@@ -17,7 +17,7 @@ from cube_sim.recording.rerun.drawing import RunDrawing
 from cube_sim.recording.rerun.drawn import drawn_from
 from cube_sim.recording.rerun.gathering import gathered
 from cube_sim.recording.rerun.side_by_side import looks, side_by_side
-from cube_sim.recording.rerun.sink import PIECE_S, rerun_sink
+from cube_sim.recording.rerun.sink import PIECE_S, finish, rerun_sink
 from cube_sim.recording.rerun.story import story_of
 
 
@@ -68,8 +68,7 @@ def rrd_from_records(mcaps: Sequence[Path], names: Sequence[str], rrd: Path) -> 
             drawing.tell(o.recording.end)
     stream.send_recording_name(" beside ".join(names))
     stream.send_blueprint(side_by_side(shown), make_active=True)
-    stream.flush()
-    stream.disconnect()
+    finish(stream)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from cube_sim.recording.mcap.sink import McapSink
 from cube_sim.recording.reading import CANNOT_KNOW, Recording
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.salvage import salvage
-from cube_sim.run_directory import MCAP_FILE, RRD_FILE, claim
+from cube_sim.run_directory import MCAP_FILE, RRD_FILE, abandon, claim
 from cube_sim.runs.recorded_run import RecordedRun, Span
 
 _MOST_TOLD = 3
@@ -70,7 +70,11 @@ def recover(record: Path, directory: Path) -> Recovered | str:
         missing_s=missing,
     )
     with claim(directory, run.scenario.name) as folder:
-        _write(folder / MCAP_FILE, found.recording, end)
+        try:
+            _write(folder / MCAP_FILE, found.recording, end)
+        except BaseException:  # half a record would be one more to recover
+            abandon()
+            raise
         return Recovered(folder, run.recorded_s, missing, found.dropped, _view(folder))
 
 

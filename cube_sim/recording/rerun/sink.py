@@ -98,15 +98,7 @@ class RerunSink:
 
     def close(self) -> None:
         """Finish the file."""
-        stream, _ = self._begun or self._begin(Batch({}))
-        try:
-            stream.flush(timeout_sec=FLUSH_S)
-        except Exception:
-            # Whoever lets go of it now, or ends the process, would wait for ever: nobody lets go of it.
-            rr.unregister_shutdown()
-            ctypes.pythonapi.Py_IncRef(ctypes.py_object(stream))
-            raise
-        stream.disconnect()
+        finish(self._begun[0] if self._begun else self._begin(Batch({}))[0])
 
     def _begin(self, first: Batch) -> tuple[rr.RecordingStream, RunDrawing]:
         """Name the recording and its layout: only the first batch says what the run is like."""
@@ -123,6 +115,22 @@ class RerunSink:
         stream.send_blueprint(blueprint(drawn), make_active=True)
         self._begun = stream, drawing
         return self._begun
+
+
+def finish(stream: rr.RecordingStream) -> None:
+    """Bring a stream to where it goes, and close it.
+
+    Raises:
+        Exception: it cannot be written.
+    """
+    try:
+        stream.flush(timeout_sec=FLUSH_S)
+    except Exception:
+        # Whoever lets go of it now, or ends the process, would wait for ever: nobody lets go of it.
+        rr.unregister_shutdown()
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(stream))
+        raise
+    stream.disconnect()
 
 
 def application_id(drawn: Drawn) -> str:
