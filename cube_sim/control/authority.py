@@ -59,10 +59,11 @@ CAPABILITY = np.dtype(
         ("projector", np.float64, (6, 6)),
         ("shift", np.float64, 6),
         ("dragged", np.float64, (3, 3)),
+        ("by_momentum", np.bool_),
     ]
 )
-"""What compiled laws know of `Capability`: `project_onto_range` as projector w + shift, and how a turning drags the
-hull along, (3,3) [m]."""
+"""What compiled laws know of `Capability`: `project_onto_range` as projector w + shift, how a turning drags the hull
+along, (3,3) [m], and whether its attitude points a force that corrects its momentum, not its velocity."""
 
 
 class Authority(IntEnum):
@@ -180,6 +181,8 @@ class Capability:
         record = np.zeros(1, CAPABILITY)
         record["projector"], record["shift"] = self.onto_range
         record["dragged"] = np.linalg.solve(total_mass[:3, :3], self.dragged_force @ total_mass[3:, 3:])
+        points = self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
+        record["by_momentum"] = points and not record["dragged"].any()  # else turning itself makes a force
         return record
 
 

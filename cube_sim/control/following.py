@@ -20,14 +20,22 @@ from cube_sim.tuples import (
     minus6,
     plus,
     plus6,
+    rotated,
     sextuple,
     stacked,
     times,
     to_body,
     to_world,
     triple,
+    turn_between,
 )
 from cube_sim.vehicle.laws.hull_motion import inverse_dynamics, steady_wrench
+
+MOST_TURN_RAD = 0.3
+"""The momentum of the attitude wanted is looked at for turns up to this one (a choice): farther off it says little of
+what comes next."""
+SLOW_M_S = 0.1
+"""It counts half at this speed through the water (a choice). Slower, the course turns faster than a hull follows."""
 
 FOLLOWED = np.dtype(
     [
@@ -154,6 +162,11 @@ def follow(
     with_path = to_body(R, levelled_turning(frame, turning))
     own = own_turning(hull, R, speed, rates, with_path, flow)
     force = to_world(R, minus(pointed[:3], own))
+    if points and left[0].by_momentum:
+        course = minus(velocity, flow)
+        gained = momentum_to_gain(hull, R, turn_between(quaternion, wanted_attitude), course)
+        counts = dot(course, course) / (dot(course, course) + SLOW_M_S**2)
+        force = plus(force, times(counts / k.velocity_time, gained))
     rest = unmade(m.asked, m.has_asked, applied, most_rest)
     asked = in_range(left, plus6(minus6(tau, unknown), rest))
     torque = (0.0, 0.0, 0.0)
@@ -202,6 +215,28 @@ def own_turning(hull, R, speed, rates, along, flow_W):
     An attitude that points it would chase itself: added mass makes that force grow with the turning, not the path.
     """
     return minus(as_it_turns(hull, R, speed, rates, flow_W)[:3], as_it_turns(hull, R, speed, along, flow_W)[:3])
+
+
+@compiled
+def momentum_to_gain(hull, R, turn, flow_W):
+    """By how much the momentum of a velocity through the water is another once the hull has turned, a 3-tuple [N s].
+
+    More added mass aside than ahead makes a hull slip as it turns: its momentum stays, its velocity does not. A force
+    against that slip, pointed by a turn, would chase itself. So what the velocity loop asks for, M (v_d - v) / T, is
+    pointed as a correction of the momentum, (M_d v_d - M v) / T, with the mass M_d of the attitude wanted.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        R: R_WB (3,3).
+        turn: to the attitude wanted, a 3-tuple [rad], body axes.
+        flow_W: the velocity wanted through the water, a 3-tuple [m/s], world axes.
+    """
+    angle, M = length(turn), hull[0].total_mass
+    if angle == 0.0:
+        return (0.0, 0.0, 0.0)
+    turned = rotated(R, times(1.0 / angle, turn), min(angle, MOST_TURN_RAD))
+    then = to_world(turned, to_world(M, to_body(turned, flow_W)))
+    return minus(then, to_world(R, to_world(M, to_body(R, flow_W))))
 
 
 @compiled
