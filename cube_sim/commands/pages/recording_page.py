@@ -77,9 +77,12 @@ A run writes four files into its folder.
 A signal is called `channel.field`, as in `path_error.cross_track`: by that name a check asks for it, and by that name
 it is read back. `cube-sim signals SCENARIO` lists those of one scenario, with the names of its thrusters and sensors.
 
+Of these `run.mcap` alone is held against another by its bytes. `resolved.yaml` names files as they are seen from its
+folder, and `verdict.json` has how fast that flight was, `real_time_factor`; all else in the two is the same again.
 Two `run.rrd` of one record show the same, to the bit, and have the same recording id, but not the same bytes: Rerun
 gives each piece of a file an id of the wall clock and a random number, which its interface does not let anybody choose.
-`rerun rrd compare --unordered` holds two of them against each other.
+`rerun rrd compare --unordered` holds two of them against each other; a gap of a curve, as where a heading passes 180
+degrees, is no number, and that is a difference to it even where both have it.
 """
 _READING = """\
 from cube_sim.recording.reading import read_recording, read_signals
