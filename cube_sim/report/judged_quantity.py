@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import assert_never
 
 import numpy as np
@@ -122,10 +123,11 @@ def _wrench_error(subject: Subject) -> Rows:
         return np.empty((0, 2))
     index = np.maximum(np.searchsorted(matrix[:, 0], forces[:, 0], side="right") - 1, 0)
     error = np.empty(len(forces))
-    for row in np.unique(index):
-        chosen = index == row
-        A = matrix[row, 1:].reshape(6, m)
-        error[chosen] = np.linalg.norm(forces[chosen, 1:] @ A.T - demanded[chosen, 1:], axis=1)
+    others = np.flatnonzero(np.diff(index)) + 1  # with a battery there is another with each row
+    for start, end in pairwise([0, *others, len(forces)]):
+        if start < end:
+            A = matrix[index[start], 1:].reshape(6, m)
+            error[start:end] = np.linalg.norm(forces[start:end, 1:] @ A.T - demanded[start:end, 1:], axis=1)
     error[status[:, 1] != 0] = np.nan
     return np.column_stack([forces[:, 0], error])
 
