@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cube_sim.checks import evaluate
 from cube_sim.errors import RecordingError, RunInterrupted, told
 from cube_sim.flight import Loop, prepared
+from cube_sim.judged_store import JudgedStore
 from cube_sim.mission import Mission
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
@@ -41,7 +42,7 @@ class Run:
     Attributes:
         verdict: PASS, FAIL or ERROR (could not be judged).
         checks: one result per check of the scenario.
-        signals: "channel.field" -> (n, 1 + width), column 0 the time [s].
+        signals: "channel.field" -> (n, 1 + width), column 0 the time [s]; none where they were not to be kept.
         directory: where run.mcap, run.rrd, resolved.yaml and verdict.json are.
         real_time_factor: simulated time over the wall-clock time of the loop, its recording included; of a run longer
             than a second without its first second, in which code is loaded, or compiled.
@@ -69,6 +70,7 @@ def run(
     progress: Progress | None = None,
     record: Kept = "full",
     live: int | None = None,
+    keep_signals: bool = True,
 ) -> Run:
     """Fly a scenario file, record it and judge its checks.
 
@@ -80,6 +82,8 @@ def run(
         record: "full" for run.mcap and its view run.rrd, "mcap" without the view, "none" for the verdict alone.
         live: port of this machine at which a viewer shows the run while it flies, 9876 for Rerun's; that it lags, is
             absent or dies changes nothing. It needs a record.
+        keep_signals: of a run without a record, whether its signals are kept in memory. Without them a run of any
+            length takes the same memory, and the checks are judged as it flies.
 
     Raises:
         ScenarioError: the scenario cannot be run; one line per mistake, nothing is written.
@@ -87,7 +91,7 @@ def run(
         RecordingError: the disk is full, or gone.
         RunInterrupted: Ctrl-C, SIGTERM or SIGHUP; what was flown is recorded.
     """
-    return fly(scenario, overrides, out=out, progress=progress, record=record, live=live)
+    return fly(scenario, overrides, out=out, progress=progress, record=record, live=live, keep_signals=keep_signals)
 
 
 def fly(
@@ -101,6 +105,7 @@ def fly(
     progress: Progress | None = None,
     record: Kept = "full",
     live: int | None = None,
+    keep_signals: bool = True,
 ) -> Run:
     """Fly a scenario, with code of one's own in it where that is given; result and errors are those of `run`.
 
@@ -115,6 +120,7 @@ def fly(
         progress: as for `run`.
         record: as for `run`.
         live: as for `run`.
+        keep_signals: as for `run`.
     """
     loaded = loaded_with(scenario, overrides, controller, allocator, path)
     wanted = None if out is None else Path(out)
@@ -123,7 +129,7 @@ def fly(
     mission = prepared(loaded)
     with claim(wanted, loaded.scenario.name) as directory:
         try:
-            return _record_and_judge(loaded, mission, directory, progress, record, live)
+            return _record_and_judge(loaded, mission, directory, progress, record, live, keep_signals)
         except OSError as error:
             raise RecordingError(f"{directory}: cannot be written: {told(error)}") from error
         except RunInterrupted:
@@ -134,9 +140,11 @@ def fly(
 
 
 def _store(
-    directory: Path, loaded: Loaded, mission: Mission, record: Kept, live: int | None
+    directory: Path, loaded: Loaded, mission: Mission, record: Kept, live: int | None, keep_signals: bool
 ) -> AbstractContextManager[SignalStore]:
     """Where the rows go."""
+    if record == "none" and not keep_signals:
+        return nullcontext(JudgedStore(mission.channels, mission.scenario.checks))
     if record == "none":
         return nullcontext(SignalStore(mission.channels))
     inputs, view = header(loaded, mission.codes), record == "full"
@@ -144,11 +152,17 @@ def _store(
 
 
 def _record_and_judge(
-    loaded: Loaded, mission: Mission, directory: Path, progress: Progress | None, record: Kept, live: int | None
+    loaded: Loaded,
+    mission: Mission,
+    directory: Path,
+    progress: Progress | None,
+    record: Kept,
+    live: int | None,
+    keep_signals: bool,
 ) -> Run:
     """Fly and judge, into a folder that is ours."""
     (directory / RESOLVED_FILE).write_text(loaded.resolved_yaml(directory), encoding="utf-8")
-    with _store(directory, loaded, mission, record, live) as recorder, ExitStack() as stack:
+    with _store(directory, loaded, mission, record, live, keep_signals) as recorder, ExitStack() as stack:
         flight, clock = Loop(mission, recorder), _Clock()
         try:
             number = _fly(flight, _teller(stack, clock, progress, mission.scenario.duration_s))
@@ -157,12 +171,7 @@ def _record_and_judge(
             with uninterrupted():  # an end that is begun is brought to its end
                 recorder.settle()
                 early = EarlyEnd(flight.time_s, f"interrupted by {stopped}") if stopped else flight.ended_early
-                results = evaluate(
-                    mission.scenario.checks,
-                    recorder.signals,
-                    duration_s=mission.scenario.duration_s,
-                    units=units_of(mission.channels),
-                )
+                results = _results(mission, recorder)
                 verdict = overall(results, complete=early is None)
                 recorder.finish(_end(flight, stopped, verdict, results))
                 flown = Flown(flight.time_s, early, recorder.warnings)
@@ -179,6 +188,15 @@ def _record_and_judge(
     if stopped:
         raise RunInterrupted(directory, flown.log, record != "none", number)
     return Run(verdict, results, recorder.signals, directory, factor, versions(), flight.time_s, early, flown.log)
+
+
+def _results(mission: Mission, recorder: SignalStore) -> tuple[CheckResult, ...]:
+    """What the checks say of all that has been flown."""
+    scenario = mission.scenario
+    if isinstance(recorder, JudgedStore):
+        return recorder.results(scenario.duration_s)
+    units = units_of(mission.channels)
+    return evaluate(scenario.checks, recorder.signals, duration_s=scenario.duration_s, units=units)
 
 
 def _fly(flight: Loop, tell: Callable[[float], None]) -> int:

@@ -52,17 +52,52 @@ def evaluate(
     Returns:
         One result per check, in order.
     """
-    judges = [_judge(check) for check in checks]
-    names = {name for judge in judges for name in judge.needs if name in signals}
+    evaluation = Evaluation(checks)
+    names = {name for name in evaluation.needs if name in signals}
     blocks = signals.blocks(names) if isinstance(signals, SignalsInBlocks) else [{n: signals[n] for n in names}]
     for block in blocks:
-        for judge in judges:
+        evaluation.take(block)
+    return evaluation.results(list(signals), duration_s=duration_s, units=units)
+
+
+class Evaluation:
+    """Checks that are judged by one block of signals after another.
+
+    Args:
+        checks: the scenario's.
+
+    Attributes:
+        needs: names of the signals they look at.
+    """
+
+    def __init__(self, checks: Sequence[AnyCheck]) -> None:
+        self._checks = tuple(checks)
+        self._judges = [_judge(check) for check in checks]
+        self.needs = frozenset(name for judge in self._judges for name in judge.needs)
+
+    def take(self, block: Signals) -> None:
+        """Take in the rows of the next time, of whole seconds: of each signal needed, if it is recorded."""
+        for judge in self._judges:
             judge.take(block)
-    recorded = list(signals)
-    return tuple(
-        replace(_result(check, judge, recorded, duration_s), unit=_unit(check, units))
-        for check, judge in zip(checks, judges, strict=True)
-    )
+
+    def results(
+        self,
+        recorded: Collection[str],
+        *,
+        duration_s: float | None = None,
+        units: Mapping[str, Sequence[str]] = MappingProxyType({}),
+    ) -> tuple[CheckResult, ...]:
+        """One result per check, in order.
+
+        Args:
+            recorded: the names of all signals.
+            duration_s: as for `evaluate`, like the next.
+            units: of the signals.
+        """
+        return tuple(
+            replace(_result(check, judge, recorded, duration_s), unit=_unit(check, units))
+            for check, judge in zip(self._checks, self._judges, strict=True)
+        )
 
 
 def _judge(check: AnyCheck) -> Judge:

@@ -101,7 +101,11 @@ def _fly(
         begin_compiling(hidden=hidden)
         name, duration_s = loaded.scenario.name, loaded.scenario.duration_s
         with flight_progress(name, duration_s, hidden=hidden) as progress:
-            return name, duration_s, simulation.fly(loaded, out=out, progress=progress, record=record.value, live=live)
+            kept = record is not Recorded.NONE
+            flown = simulation.fly(
+                loaded, out=out, progress=progress, record=record.value, live=live, keep_signals=kept
+            )
+            return name, duration_s, flown
     except (ScenarioError, ModelError, DirectoryError) as error:
         stop(BAD_INPUT, str(error))
     except CubeSimError as error:

@@ -1,0 +1,67 @@
+"""Rows that nobody keeps: the checks look at them while the run flies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from cube_sim.checks.evaluating import Evaluation
+from cube_sim.recording.batch import Batch, BySignal, Rows, signals
+from cube_sim.recording.channels import Channel, units_of
+from cube_sim.recording.signal_store import SignalStore
+from cube_sim.scenario.check_blocks import AnyCheck
+from cube_sim.verdict import CheckResult
+
+BLOCK_S = 60.0
+"""So much of a run is judged at once [s]."""
+
+
+class JudgedStore(SignalStore):
+    """What the loop calls where the verdict alone is wanted: it holds a minute of rows, however long the run.
+
+    Args:
+        channels: the channel table.
+        checks: the scenario's.
+    """
+
+    def __init__(self, channels: Sequence[Channel], checks: Sequence[AnyCheck]) -> None:
+        super().__init__(channels)
+        self._evaluation, self._judge_at = Evaluation(checks), BLOCK_S
+        self._names = [f"{channel.name}.{field.name}" for channel in channels for field in channel.fields]
+        needed = self._evaluation.needs.intersection(self._names)
+        self._needed = [c for c in channels if needed.intersection(f"{c.name}.{field.name}" for field in c.fields)]
+
+    @property
+    def signals(self) -> Mapping[str, Rows]:
+        """None."""
+        return BySignal[Rows]()
+
+    def results(self, duration_s: float) -> tuple[CheckResult, ...]:
+        """Judge, once nothing comes any more.
+
+        Args:
+            duration_s: how long the run should have been.
+        """
+        self._flush()
+        self._judge(np.inf)
+        return self._evaluation.results(self._names, duration_s=duration_s, units=units_of(self._channels))
+
+    def _keep(self, batch: Batch) -> None:
+        for channel in self._needed:
+            if channel.name in batch.rows:
+                self._written[channel.name].append(batch.rows[channel.name])
+        last = max((float(rows[-1, 0]) for rows in batch.rows.values()), default=-np.inf)
+        if last >= self._judge_at:
+            self._judge(np.floor(last))  # blocks of whole seconds: the results are those of the whole run, to the bit
+            self._judge_at = np.floor(last) + BLOCK_S
+
+    def _judge(self, end: float) -> None:
+        """Judge the rows before a time [s], and forget them."""
+        block: dict[str, Rows] = {}
+        for channel in self._needed:
+            rows = np.concatenate([np.empty((0, 1 + channel.width)), *self._written[channel.name]])
+            count = int(np.searchsorted(rows[:, 0], end))
+            block |= signals((channel,), {channel.name: rows[:count]})
+            self._written[channel.name] = [rows[count:].copy()]
+        self._evaluation.take({name: block[name] for name in self._evaluation.needs if name in block})
