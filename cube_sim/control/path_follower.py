@@ -109,7 +109,7 @@ class PathFollower:
         if left.authority is Authority.HOLONOMIC and left.held.any():
             # A thruster has stuck: whether the others have enough beside it is seen at once.
             wished = rotation_from_quaternion(self.desired)
-            self.shortage["pressed"] |= not has_enough(*self._kept(1.0), wished)
+            self.shortage["pressed"] |= not has_enough(*self.kept(1.0), wished)
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self.monitor.restart()
@@ -278,7 +278,7 @@ class PathFollower:
         if self.pressed and not chosen and self._is_under_way(state, force_ratio):
             self.shortage["since"], self.shortage["pressed"] = 0.0, False
         if self.pressed and not chosen:
-            self._refuge.seek(self._kept(force_ratio), state.rotation, rotation_from_quaternion(self.desired))
+            self._refuge.seek(self.kept(force_ratio), state.rotation, rotation_from_quaternion(self.desired))
         if self._refuge.attitude is not None:
             return self._refuge.attitude
         if self.capability.steers_by_attitude or self.pressed:
@@ -329,16 +329,16 @@ class PathFollower:
         """Whether the hull is far from the attitude its mission asks for, and the thrusters have enough once there."""
         there = rotation_from_quaternion(self.desired)
         far = np.trace(there.T @ state.rotation) < 1.0 + 2.0 * np.cos(UNDER_WAY_RAD)
-        return bool(far) and has_enough(*self._kept(force_ratio), there)
+        return bool(far) and has_enough(*self.kept(force_ratio), there)
 
     def _look_back(self, situation: Situation, dt: float) -> None:
         """Leave the refuge once it is no more of use."""
         wish = self.attitude if self._goal is None else self._goal.attitude
         back = rotation_from_quaternion(wish.attitude(situation, dt).quaternion)
-        if self._refuge.look_back(self._kept(situation.force_ratio), back, self.shortage["since"][0] != 0.0):
+        if self._refuge.look_back(self.kept(situation.force_ratio), back, self.shortage["since"][0] != 0.0):
             self.shortage["pressed"] = False
 
-    def _kept(self, force_ratio: float) -> KeptMotion:
+    def kept(self, force_ratio: float) -> KeptMotion:
         """The motion at the least pace."""
         current = np.zeros(3) if self.current_observer is None else self.current_observer.estimate
         flow_W = LEAST_PACE * self.memory["velocity"][0] - current

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.pace import Facets
-from cube_sim.control.roomiest_attitude import has_enough, roomiest_attitude
+from cube_sim.control.roomiest_attitude import TO_BRAKE, has_enough, roomiest_attitude
 from cube_sim.spatial import Matrix, Record, Vector, quaternion_from_rotation, rotation_from_quaternion
 
 
@@ -56,7 +56,10 @@ class Refuge:
         self.attitude = None if found is None else FixedAttitude(quaternion_from_rotation(found))
 
     def look_back(self, kept: KeptMotion, wished: Matrix, short: bool) -> bool:
-        """Leave it once the thrusters have enough in the attitude that the mission asks for, or not in this one.
+        """Leave it once the thrusters have plenty in the attitude that the mission asks for, or not enough in this one.
+
+        Plenty, because what is believed of the water wanders: a hull that turned back for nothing would be thrown off
+        its path for a second time.
 
         Args:
             kept: the motion.
@@ -68,7 +71,7 @@ class Refuge:
         """
         if self.attitude is None:
             return False
-        if not short and has_enough(*kept, wished):
+        if not short and has_enough(*kept, wished, TO_BRAKE):
             self.attitude = None
             return True
         if not has_enough(*kept, rotation_from_quaternion(self.attitude.quaternion)):

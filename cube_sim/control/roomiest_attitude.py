@@ -43,19 +43,27 @@ def roomiest_attitude(hull: Record, facets: Facets, force_ratio: float, flow_W: 
     enough = excess <= _spare(facets)
     if enough[0] or not enough.any():
         return None
-    roomy = excess <= _spare(facets) * TO_BRAKE / TO_SPARE
+    roomy = excess <= _spare(facets, TO_BRAKE)
     enough = roomy if roomy.any() else enough
     closeness = np.einsum("kij,ij->k", spread_attitudes(), near)
     return spread_attitudes()[int(np.argmax(np.where(enough[1:], closeness, -np.inf)))]
 
 
-def has_enough(hull: Record, facets: Facets, force_ratio: float, flow_W: Vector, attitude: Matrix) -> bool:
-    """Whether the thrusters can keep a motion steady in an attitude (3,3); arguments as above."""
-    return bool(excesses(hull, *facets, force_ratio, flow_W, attitude[None])[0] <= _spare(facets))
+def has_enough(
+    hull: Record, facets: Facets, force_ratio: float, flow_W: Vector, attitude: Matrix, to_spare: float = TO_SPARE
+) -> bool:
+    """Whether the thrusters can keep a motion steady in an attitude (3,3), with so much to spare; else as above."""
+    return bool(excesses(hull, *facets, force_ratio, flow_W, attitude[None])[0] <= _spare(facets, to_spare))
 
 
-def _spare(facets: Facets) -> float:
-    return -TO_SPARE * float(np.mean(facets[1])) if len(facets[1]) else 0.0
+def has_enough_somewhere(hull: Record, facets: Facets, force_ratio: float, flow_W: Vector, near: Matrix) -> bool:
+    """Whether there is any attitude in which the thrusters can keep a motion steady; arguments as above."""
+    attitudes = np.concatenate([near[None], spread_attitudes()])
+    return bool(np.any(excesses(hull, *facets, force_ratio, flow_W, attitudes) <= 0.0))
+
+
+def _spare(facets: Facets, share: float = TO_SPARE) -> float:
+    return -share * float(np.mean(facets[1])) if len(facets[1]) else 0.0
 
 
 @compiled

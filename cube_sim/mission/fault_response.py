@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cube_sim.control.authority import Authority
+from cube_sim.control.path_follower import PathFollower
+from cube_sim.control.roomiest_attitude import has_enough_somewhere
 from cube_sim.mission.channels import polyline
 from cube_sim.mission.prepare import Mission
 from cube_sim.mission.way_of_flying import depth_not_kept
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.vehicle.state import read_state
 
 
 def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged: bool = False) -> bool:
@@ -44,9 +48,26 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
         "heave, roll and pitch are left to the water" if left.level and not mission.ability.within_limit.level else ""
     )
     depth = depth_not_kept(mission.ability, left, polyline(mission.path)) if level else None
-    more = filter(None, (level, depth, mission.ability.too_tight(left), mission.too_fast(left)))
+    more = filter(None, (level, depth, mission.ability.too_tight(left), mission.too_fast(left), overpowered(mission)))
     recorder.log(t, "WARNING", "; ".join((text, f"{left.authority.name}: {left.reason}", *more)))
     return True
+
+
+def overpowered(mission: Mission) -> str | None:
+    """Words for thrusters stuck at forces that the others make up for in no attitude; None where they do in one.
+
+    Args:
+        mission: whose controller goes on with what is left.
+    """
+    follower = mission.controller
+    if not isinstance(follower, PathFollower):
+        return None
+    left, attitude = follower.capability, read_state(mission.vehicle, mission.data).rotation
+    if left.authority is not Authority.HOLONOMIC or left.budget is None or not left.held.any():
+        return None
+    if has_enough_somewhere(*follower.kept(mission.supply.force_ratio), attitude):
+        return None
+    return "in no attitude can the others make up for what is stuck: it will be carried off"
 
 
 def record_actuation(mission: Mission, recorder: SignalStore, times: ArrayLike, force_ratios: ArrayLike) -> None:

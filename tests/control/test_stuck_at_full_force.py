@@ -11,6 +11,7 @@ from support.vehicles import random_rotation, vehicle
 
 import cube_sim
 from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.roomiest_attitude import TO_BRAKE, excesses, has_enough, roomiest_attitude
 from cube_sim.wrench.health import Health
 
@@ -37,6 +38,24 @@ def test_the_attitude_found_has_enough_and_is_among_the_nearest_of_those(name):
     enough = excesses(hull, *facets, 1.0, flow, drawn) <= -TO_BRAKE * facets[1].mean()
     angles = np.arccos((np.trace(drawn[enough], axis1=1, axis2=2) - 1.0) / 2.0)
     assert np.arccos((np.trace(found) - 1.0) / 2.0) < angles.min() + 0.35
+
+
+@pytest.mark.parametrize("name", ["cube", "cube_as_built"])
+def test_who_turns_back_has_more_to_spare_than_who_turns_away(name):
+    facets, _ = budget_of(name, STUCK_N)
+    hull, level, still = vehicle(name).dynamics.record, np.eye(3), np.zeros(3)
+    rng, refuge = np.random.default_rng(7), Refuge()
+    kept = KeptMotion(hull, facets, 1.0, still)
+    refuge.seek(kept, level, level)
+    taken, shares = refuge.attitude, excesses(hull, *facets, 1.0, still, attitudes := random_rotations(rng))
+    for share, wished in zip(shares / -facets[1].mean(), attitudes, strict=True):
+        refuge.attitude = taken
+        assert refuge.look_back(kept, wished, short=False) == (share >= TO_BRAKE)
+    assert np.any((shares / -facets[1].mean() > 0.02) & (shares / -facets[1].mean() < TO_BRAKE))
+
+
+def random_rotations(rng, count=300):
+    return np.array([random_rotation(rng) for _ in range(count)])
 
 
 def test_whoever_has_enough_stays():
