@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
@@ -9,17 +10,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
+from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, SIGNALLED, raise_on_interrupt, stop
 from cube_sim.commands.output import hush_rerun
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError
 from cube_sim.run_directory import RRD_FILE
+from cube_sim.uninterrupted import stoppable
 from cube_sim.whole_file import filled_whole
 
 if TYPE_CHECKING:
     from cube_sim.runs.recorded_run import RecordedRun
 
-EPILOG = "Exit code: 0 written, 2 bad input, 3 it cannot be written."
+EPILOG = "Exit code: 0 written, 2 bad input, 3 it cannot be written, 130 interrupted: nothing is left of it."
 
 
 class Format(Enum):
@@ -60,12 +62,16 @@ def export(
                 raise RecordingError(f"--channel {name}: no such channel; there are {', '.join(known)}")
         if to.exists() and (not to.is_dir() or any(to.iterdir())):
             raise RecordingError(f"{to}: is not an empty folder")
-        with filled_whole(to):
+        raise_on_interrupt()
+        with stoppable(), filled_whole(to):
             files = _written(recorded, to, format_, channels or ())
     except RecordingError as error:
         stop(BAD_INPUT, str(error))
     except (OSError, RuntimeError) as error:  # what Rerun says of a place that cannot be written is the second
         stop(NOT_JUDGED, f"{to}: cannot be written: {getattr(error, 'strerror', None) or error}")
+    except KeyboardInterrupt as interrupt:
+        number = getattr(interrupt, "number", signal.SIGINT)
+        stop(SIGNALLED + number, f"{to}: interrupted, nothing is written")
     for file in files:
         typer.echo(str(file))
     if recorded.flaw and format_ not in (Format.INPUTS, Format.LAYOUT):

@@ -33,6 +33,8 @@ def report(
     try:
         if file.is_dir():
             raise RecordingError(f"{file}: is a folder; give the name of a file")
+        if file.suffix.lower() not in (".html", ".htm") and not _is_a_stream(file):
+            raise RecordingError(f"{file}: a report is a page of HTML, {file.with_suffix('.html').name} for example")
         from cube_sim.runs.recorded_run import load_run
 
         recorded = [load_run(run) for run in runs]
@@ -47,3 +49,8 @@ def report(
     except OSError as error:
         stop(NOT_JUDGED, f"{file}: cannot be written: {error.strerror or error}")
     typer.echo(str(file))
+
+
+def _is_a_stream(file: Path) -> bool:
+    """Whether it is there and no usual file, as /dev/stdout, which loses nothing."""
+    return file.exists() and not file.is_file()

@@ -66,6 +66,11 @@ def test_a_record_alone_says_its_verdict_and_one_cut_short_never_passes(flown, t
 def test_what_cannot_be_written_is_one_line(flown, tmp_path, monkeypatch, capsys):
     code, out, err = call(monkeypatch, capsys, "report", flown, "--out", tmp_path)
     assert (code, out, err) == (2, "", f"{tmp_path}: is a folder; give the name of a file\n")
+    record = flown / "run.mcap"
+    before = record.read_bytes()
+    code, out, err = call(monkeypatch, capsys, "report", flown, "--out", record)
+    assert (code, out, err) == (2, "", f"{record}: a report is a page of HTML, run.html for example\n")
+    assert record.read_bytes() == before
     code, out, err = call(monkeypatch, capsys, "report", flown, "--out", tmp_path / "no" / "page.html")
     assert (code, out) == (3, "")
     assert err == f"{tmp_path / 'no' / 'page.html'}: cannot be written: No such file or directory\n"
