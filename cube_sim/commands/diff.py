@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from cube_sim.runs.recorded_run import RecordedRun
 
 EPILOG = (
-    "Exit code: 0 the same within the tolerances, as far as both go; 1 something differs; 2 bad input. A record "
-    "that is not complete is told on stderr."
+    "Exit code: 0 the same within the tolerances, row for row; 1 something differs, rows that one of them lacks "
+    "included; 2 bad input. A record that is not complete is told on stderr."
 )
 
 

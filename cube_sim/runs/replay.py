@@ -8,9 +8,12 @@ from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.flight import Loop, prepared
 from cube_sim.mission.run_header import header
+from cube_sim.recording.batch import Rows
 from cube_sim.recording.header import COMMIT, SOURCE
 from cube_sim.recording.mcap.names import MODEL
 from cube_sim.recording.saved_inputs import save_inputs
@@ -50,7 +53,7 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
     """Fly a recorded run again.
 
     Args:
-        run: one whose record may end early: so much of it is compared.
+        run: one whose record may end early, or lack some of its middle: what there is of it is compared.
         progress: called about once per simulated second with (simulated time, whole time) [s].
 
     Raises:
@@ -76,11 +79,24 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
     whole = run.complete
     until_s = max(run.recorded_s, flight.time_s) if whole else run.recorded_s
     again = {name: rows[rows[:, 0] <= until_s] for name, rows in store.signals.items()}
+    if not whole:
+        again = {name: _of_the_times(rows, run.signals.get(name)) for name, rows in again.items()}
     found = sorted(differences(run.signals, again), key=lambda each: -1.0 if each.first_s is None else each.first_s)
-    then, now = ([line for line in lines if whole or line.t <= until_s] for lines in (run.log, store.lines))
+    holes = () if whole or run.end is None else run.end.missing_s
+    told = [[line for line in lines if whole or _is_recorded(line, until_s, holes)] for lines in (run.log, store.lines)]
+    then, now = told
     other_log = _first_other(then, now)
     versions = _other_versions(run.header.versions, inputs.versions)
     return Replayed(tuple(found), versions, other_log, until_s, len(again))
+
+
+def _is_recorded(line: LogLine, until_s: float, holes: Sequence[tuple[float, float]]) -> bool:
+    return line.t <= until_s and not any(start <= line.t < end for start, end in holes)
+
+
+def _of_the_times(rows: Rows, recorded: Rows | None) -> Rows:
+    """The rows at the times of recorded ones."""
+    return rows if recorded is None else rows[np.isin(rows[:, 0], recorded[:, 0])]
 
 
 def _other_versions(then: Mapping[str, str], now: Mapping[str, str]) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import signal
 from dataclasses import replace
 from importlib import import_module
 
@@ -16,6 +17,7 @@ from support.own_code import scenario_with
 
 import cube_sim
 from cube_sim.errors import RecordingError, RunInterrupted, UnknownSignalError
+from cube_sim.runs import tables
 from cube_sim.scenario.loading import loaded_again
 
 pytestmark = pytest.mark.flight
@@ -25,6 +27,17 @@ pytestmark = pytest.mark.flight
 def flown(tmp_path_factory):
     folder = tmp_path_factory.mktemp("flown")
     return cube_sim.run(scenario_with(folder, ""), {"duration_s": 3.0}, folder / "run")
+
+
+def interrupted_after(write):
+    """The same, and Ctrl-C behind it."""
+
+    def write_and_interrupt(*arguments):
+        result = write(*arguments)
+        signal.raise_signal(signal.SIGINT)
+        return result
+
+    return write_and_interrupt
 
 
 @pytest.fixture(scope="module")
@@ -254,6 +267,16 @@ def test_exported_numbers_are_the_same_bits(flown, tmp_path, monkeypatch, capsys
     assert (code, err) == (2, f"{tmp_path / 'one'}: is not an empty folder\n")
 
 
+def test_an_export_that_is_interrupted_leaves_nothing(flown, tmp_path, monkeypatch, capsys):
+    place = tmp_path / "tables"
+    with monkeypatch.context() as patch:
+        patch.setattr(tables, "write_csv", interrupted_after(tables.write_csv))
+        code, out, err = call(monkeypatch, capsys, "export", flown.directory, place)
+    assert (code, out, err) == (130, "", f"{place}: interrupted, nothing is written\n")
+    assert not place.exists()
+    assert call(monkeypatch, capsys, "export", flown.directory, place)[0] == 0
+
+
 def test_exported_inputs_fly(flown, tmp_path, monkeypatch, capsys):
     call(monkeypatch, capsys, "export", flown.directory, tmp_path / "inputs", "--format", "inputs")
     again = cube_sim.run(tmp_path / "inputs" / "resolved.yaml", out=tmp_path / "again")
@@ -300,6 +323,8 @@ def test_what_is_left_of_a_damaged_record_is_recovered(flown, tmp_path, monkeypa
     assert run.flaw == "recovered: the chunk from 1 s to 1.98 s does not fit its checksum"
     pose = flown.signals["pose.position"]
     assert run.signals["pose.position"].tobytes() == pose[(pose[:, 0] < 1.0) | (pose[:, 0] >= 2.0)].tobytes()
+    code, out, _ = call(monkeypatch, capsys, "replay", saved)
+    assert (code, out.startswith("identical")) == (0, True)
     code, out, err = call(monkeypatch, capsys, "recover", saved)
     told = f"{saved / 'run.mcap'}: is a recovered record already; there is nothing more to recover in it\n"
     assert (code, out, err) == (0, told, "")
