@@ -228,6 +228,7 @@ def _depend_on(file: Any, stamp: str) -> None:
     """Let code on disk count only where this stamp is the one it was made with."""
     file._source_stamp = (file._source_stamp, stamp)
     file._load_index = _forgiving(file._load_index)
+    file._load_data = _as_if_missing(file._load_data)
 
 
 def _once_for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
@@ -242,6 +243,18 @@ def _once_for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
         return template(by_place, {name: types.unliteral(given) for name, given in kws.items()})
 
     return template_of
+
+
+def _as_if_missing(load: Callable[[str], Any]) -> Callable[[str], Any]:
+    """Read code from a cache, what is damaged like what is not there: numba makes it again then."""
+
+    def load_or_miss(name: str) -> Any:
+        try:
+            return load(name)
+        except (EOFError, ValueError, pickle.UnpicklingError) as error:
+            raise FileNotFoundError(name) from error
+
+    return load_or_miss
 
 
 def _forgiving(load: Callable[[], dict[Any, Any]]) -> Callable[[], dict[Any, Any]]:
