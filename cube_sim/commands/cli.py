@@ -10,6 +10,7 @@ import errno
 import os
 import sys
 import traceback
+from contextlib import suppress
 from typing import Annotated
 
 import typer
@@ -75,12 +76,19 @@ def main() -> None:
             traceback.print_exc()
         elif isinstance(error, OSError) and error.filename is None and error.errno in _OF_OUTPUT:
             typer.echo(f"the output cannot be written: {error.strerror}", err=True)
+            _write_no_more()
         else:
             said = " ".join(str(error).split())
             typer.echo(f"unexpected {type(error).__name__}: {said} ({_TRACEBACK}=1 shows where)", err=True)
         sys.exit(NOT_JUDGED)
     finally:
         raise_on_interrupt()
+
+
+def _write_no_more() -> None:
+    """Let what stdout still holds go nowhere: Python would try again at its end, and end with a code of its own."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _version(asked: bool) -> None:
