@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import resource
+import sys
 from contextlib import contextmanager
 
 import pytest
@@ -18,11 +19,14 @@ ROOM = 5_000  # bytes, less than any of these writes at once
 def full_disk():
     """A file may not grow beyond `ROOM`: what a write meets on a full disk."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    writes_bytecode = sys.dont_write_bytecode
+    sys.dont_write_bytecode = True  # Python would leave its own files cut off, and read them again
     resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, hard))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        sys.dont_write_bytecode = writes_bytecode
 
 
 @pytest.fixture(scope="module")

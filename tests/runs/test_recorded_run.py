@@ -269,9 +269,11 @@ def test_exported_numbers_are_the_same_bits(flown, tmp_path, monkeypatch, capsys
 
 def test_an_export_that_is_interrupted_leaves_nothing(flown, tmp_path, monkeypatch, capsys):
     place = tmp_path / "tables"
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # what runs in the background may ignore it
     with monkeypatch.context() as patch:
         patch.setattr(tables, "write_csv", interrupted_after(tables.write_csv))
         code, out, err = call(monkeypatch, capsys, "export", flown.directory, place)
+    signal.signal(signal.SIGINT, before)
     assert (code, out, err) == (130, "", f"{place}: interrupted, nothing is written\n")
     assert not place.exists()
     assert call(monkeypatch, capsys, "export", flown.directory, place)[0] == 0
