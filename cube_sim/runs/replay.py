@@ -83,9 +83,8 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
         again = {name: _of_the_times(rows, run.signals.get(name)) for name, rows in again.items()}
     found = sorted(differences(run.signals, again), key=lambda each: -1.0 if each.first_s is None else each.first_s)
     holes = () if whole or run.end is None else run.end.missing_s
-    told = [[line for line in lines if whole or _is_recorded(line, until_s, holes)] for lines in (run.log, store.lines)]
-    then, now = told
-    other_log = _first_other(then, now)
+    logs = ([line for line in lines if whole or _is_recorded(line, until_s, holes)] for lines in (run.log, store.lines))
+    other_log = _first_other(*logs)
     versions = _other_versions(run.header.versions, inputs.versions)
     return Replayed(tuple(found), versions, other_log, until_s, len(again))
 
