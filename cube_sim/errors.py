@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from signal import SIGINT, Signals
+from signal import SIGINT
 from traceback import extract_tb
 
 from cube_sim.run_log import LogLine
+from cube_sim.uninterrupted import interrupted_by
 
 
 class CubeSimError(Exception):
@@ -103,7 +104,7 @@ class RunInterrupted(KeyboardInterrupt):
     """Ctrl-C during a flight, SIGTERM or SIGHUP.
 
     Attributes:
-        directory: where the recording of what was flown is, closed and readable, if there was to be one.
+        directory: where the recording of what was flown is, closed and readable, if there is one.
         log: what had been said at the level WARNING or above, in the order of time.
         number: of the signal.
     """
@@ -112,7 +113,7 @@ class RunInterrupted(KeyboardInterrupt):
         self, directory: Path, log: tuple[LogLine, ...] = (), recorded: bool = True, number: int = SIGINT
     ) -> None:
         self.directory, self.log, self.number = directory, log, number
-        said = "interrupted" if number == SIGINT else f"interrupted by {Signals(number).name}"
+        said = interrupted_by(number)
         super().__init__(f"{said}; recorded so far: {directory}" if recorded else said)
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
 from cube_sim.errors import DirectoryError, RecordingError
+from cube_sim.whole_file import part_of, undone_if_left, written_whole
 
 try:
     import fcntl
@@ -16,11 +17,11 @@ except ImportError:  # no such locks on Windows
     fcntl = None
 
 MCAP_FILE, RRD_FILE, RESOLVED_FILE, VERDICT_FILE = "run.mcap", "run.rrd", "resolved.yaml", "verdict.json"
-PART_FILE = ".verdict.json.part"
-"""The verdict while it is written: only a process that was killed leaves it behind."""
 FILES = (MCAP_FILE, RRD_FILE, RESOLVED_FILE, VERDICT_FILE)
 """Everything a run leaves behind."""
-OURS = (*FILES, PART_FILE)
+PARTS = tuple(part_of(Path(file)).name for file in FILES)
+"""The same while they are begun: only a process that was killed leaves one behind."""
+OURS = (*FILES, *PARTS)
 
 
 def require_writable(directory: Path) -> None:
@@ -67,36 +68,61 @@ def write_verdict(directory: Path, text: str) -> None:
     Raises:
         OSError: it cannot be written; what stood there before is as it was.
     """
-    part = directory / PART_FILE
-    try:
+    with written_whole(directory / VERDICT_FILE) as part:
         part.write_text(text, encoding="utf-8")
-        part.replace(directory / VERDICT_FILE)
-    except OSError:
-        part.unlink(missing_ok=True)
-        raise
 
 
-_claimed: dict[Path, bool] = {}
-"""Folders that runs of this process write into, and whether they were made for that."""
+class Claim:
+    """A folder held for one run; an earlier run's files stay in it until this one has something to put there.
 
-
-def abandon() -> bool:
-    """Remove what the runs of this process have begun to write; whether there are any.
-
-    For a process that ends before anything was flown.
+    Attributes:
+        directory: the folder.
+        begun: whether the run has begun to write: whether `begin` was called.
     """
-    for directory, made in _claimed.items():
+
+    def __init__(self, directory: Path, made: bool) -> None:
+        self.directory, self.begun, self._made = directory, False, made
+
+    def begin(self) -> None:
+        """Remove an earlier run's files: from now on the folder is this run's. Once is enough.
+
+        Raises:
+            DirectoryError: they cannot be removed.
+        """
+        if not self.begun:
+            with _as_directory_error(self.directory):
+                self.remove(FILES)
+            self.begun = True
+
+    def remove(self, files: Iterable[str]) -> None:
+        """Remove files of these names where there are any.
+
+        Raises:
+            OSError: one of them cannot be removed.
+        """
+        for file in files:
+            (self.directory / file).unlink(missing_ok=True)
+
+    def leave(self) -> None:
+        """Remove what is half written, and the folder too if it was made for a run that has not begun."""
         with contextlib.suppress(OSError):
-            for file in OURS:
-                (directory / file).unlink(missing_ok=True)
-            if made:
-                directory.rmdir()
-    return bool(_claimed)
+            self.remove(PARTS)
+            if self._made and not self.begun:
+                self.directory.rmdir()
+
+
+_claims: list[Claim] = []
+"""Of the runs of this process."""
+
+
+def nothing_recorded() -> bool:
+    """Whether a run of this process has claimed its folder, and not begun to record."""
+    return any(not each.begun for each in _claims)
 
 
 @contextlib.contextmanager
-def claim(directory: Path | None, name: str) -> Iterator[Path]:
-    """Hold a folder for one run: made if need be, an earlier run removed from it, closed to other runs.
+def claim(directory: Path | None, name: str) -> Iterator[Claim]:
+    """Hold a folder for one run: made if need be, closed to other runs.
 
     The claim is a lock on the folder itself, which the system lets go when the process ends, however it ends: no
     claim outlives its run. Where the file system knows no locks, the folder is not closed.
@@ -118,14 +144,15 @@ def claim(directory: Path | None, name: str) -> Iterator[Path]:
     with _locked(directory):
         # Only now is it certain that nobody else writes here.
         require_writable(directory)
+        held = Claim(directory, made)
         with _as_directory_error(directory):
-            for file in OURS:
-                (directory / file).unlink(missing_ok=True)
-        _claimed[directory] = made
+            held.remove(PARTS)  # of a process that was killed
+        _claims.append(held)
         try:
-            yield directory
+            with undone_if_left(held.leave):
+                yield held
         finally:
-            del _claimed[directory]
+            _claims.remove(held)
 
 
 def _make_new(name: str) -> Path:

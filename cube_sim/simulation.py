@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from signal import SIGINT, Signals
 from typing import Any, Literal
 
 import numpy as np
@@ -24,10 +23,10 @@ from cube_sim.recording.channels import units_of
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.run_end import How, RunEnd
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.run_directory import RESOLVED_FILE, claim, require_writable, write_verdict
+from cube_sim.run_directory import RESOLVED_FILE, Claim, claim, require_writable, write_verdict
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
-from cube_sim.uninterrupted import StoppedError, stoppable, uninterrupted
+from cube_sim.uninterrupted import name_of, signal_of, stoppable, uninterrupted
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 
 Progress = Callable[[float, float], None]
@@ -89,7 +88,7 @@ def run(
         ScenarioError: the scenario cannot be run; one line per mistake, nothing is written.
         DirectoryError: `out` holds something else, cannot be written, or another run is writing there.
         RecordingError: the disk is full, or gone.
-        RunInterrupted: Ctrl-C, SIGTERM or SIGHUP; what was flown is recorded.
+        RunInterrupted: Ctrl-C, SIGTERM or SIGHUP; what was flown is recorded, and where nothing was, nothing is.
     """
     return fly(scenario, overrides, out=out, progress=progress, record=record, live=live, keep_signals=keep_signals)
 
@@ -127,20 +126,26 @@ def fly(
     if wanted is not None:
         require_writable(wanted)
     mission = prepared(loaded)
-    with claim(wanted, loaded.scenario.name) as directory:
+    with claim(wanted, loaded.scenario.name) as place:
         try:
-            return _record_and_judge(loaded, mission, directory, progress, record, live, keep_signals)
+            return _record_and_judge(loaded, mission, place, progress, record, live, keep_signals)
         except OSError as error:
-            raise RecordingError(f"{directory}: cannot be written: {told(error)}") from error
+            raise RecordingError(f"{place.directory}: cannot be written: {told(error)}") from error
         except RunInterrupted:
             raise
         except KeyboardInterrupt as error:
-            number = error.number if isinstance(error, StoppedError) else SIGINT
-            raise RunInterrupted(directory, recorded=record != "none", number=number) from None
+            recorded = record != "none" and place.begun
+            raise RunInterrupted(place.directory, recorded=recorded, number=signal_of(error)) from None
 
 
 def _store(
-    directory: Path, loaded: Loaded, mission: Mission, record: Kept, live: int | None, keep_signals: bool
+    place: Claim,
+    loaded: Loaded,
+    mission: Mission,
+    record: Kept,
+    live: int | None,
+    keep_signals: bool,
+    begin: Callable[[], None],
 ) -> AbstractContextManager[SignalStore]:
     """Where the rows go."""
     if record == "none" and not keep_signals:
@@ -148,28 +153,39 @@ def _store(
     if record == "none":
         return nullcontext(SignalStore(mission.channels))
     inputs, view = header(loaded, mission.codes), record == "full"
-    return Recorder(directory, inputs, mission.channels, mission.model, view, mission.vehicle.name, live)
+    return Recorder(place.directory, inputs, mission.channels, mission.model, view, mission.vehicle.name, live, begin)
 
 
 def _record_and_judge(
     loaded: Loaded,
     mission: Mission,
-    directory: Path,
+    place: Claim,
     progress: Progress | None,
     record: Kept,
     live: int | None,
     keep_signals: bool,
 ) -> Run:
     """Fly and judge, into a folder that is ours."""
-    (directory / RESOLVED_FILE).write_text(loaded.resolved_yaml(directory), encoding="utf-8")
-    with _store(directory, loaded, mission, record, live, keep_signals) as recorder, ExitStack() as stack:
+    directory = place.directory
+    resolved = loaded.resolved_yaml(directory)
+
+    def begin() -> None:
+        if not place.begun:
+            place.begin()
+            (directory / RESOLVED_FILE).write_text(resolved, encoding="utf-8")
+
+    with _store(place, loaded, mission, record, live, keep_signals, begin) as recorder, ExitStack() as stack:
+        stack.callback(lambda: place.begun or recorder.clear())  # what never began to fly leaves nothing
         flight, clock = Loop(mission, recorder), _Clock()
         try:
             number = _fly(flight, _teller(stack, clock, progress, mission.scenario.duration_s))
-            stopped = "Ctrl-C" if number == SIGINT else Signals(number).name if number else ""
+            if number and not flight.tick:
+                raise RunInterrupted(directory, recorder.warnings, recorded=False, number=number)
+            stopped = name_of(number) if number else ""
             factor = clock.factor(flight.time_s)
             with uninterrupted():  # an end that is begun is brought to its end
                 recorder.settle()
+                begin()
                 early = EarlyEnd(flight.time_s, f"interrupted by {stopped}") if stopped else flight.ended_early
                 results = _results(mission, recorder)
                 verdict = overall(results, complete=early is None)
@@ -179,11 +195,15 @@ def _record_and_judge(
         except Exception as error:
             reason, period_s = told(error), mission.scenario.control_period_s
             ticks = max(flight.tick, round(recorder.last_s / period_s))  # amid a stretch the flight does not count on
-            with suppress(OSError, RecordingError):
-                recorder.finish(RunEnd("failed", reason, ticks, ticks * period_s, flight.given_up))
-            flown = Flown(ticks * period_s, EarlyEnd(ticks * period_s, reason), recorder.warnings)
-            with suppress(OSError):
-                write_verdict(directory, to_json("ERROR", (), 0.0, versions(), flown))
+            if ticks or place.begun:  # else nothing was flown, and what an earlier run has left stays
+                with suppress(OSError, RecordingError):
+                    recorder.finish(RunEnd("failed", reason, ticks, ticks * period_s, flight.given_up))
+                flown = Flown(ticks * period_s, EarlyEnd(ticks * period_s, reason), recorder.warnings)
+                with suppress(OSError):
+                    if record == "none":
+                        begin()
+                    if place.begun:  # there was room for the head of the record
+                        write_verdict(directory, to_json("ERROR", (), 0.0, versions(), flown))
             raise
     if stopped:
         raise RunInterrupted(directory, flown.log, record != "none", number)
@@ -203,10 +223,8 @@ def _fly(flight: Loop, tell: Callable[[float], None]) -> int:
     """Fly to the end; the number of the signal that stopped it before, 0 where none did."""
     try:
         flight.fly_to_its_end(tell)
-    except StoppedError as stopped:
-        return stopped.number
-    except KeyboardInterrupt:
-        return SIGINT
+    except KeyboardInterrupt as interrupt:
+        return signal_of(interrupt)
     return 0
 
 

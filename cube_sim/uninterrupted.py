@@ -4,13 +4,28 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 TERMINATIONS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
 GIVES_WAY = "gives_way"
 """The attribute of a handler of these that `stoppable` may take the place of."""
+
+
+def signal_of(interrupt: KeyboardInterrupt) -> int:
+    """The number of the signal that stopped something."""
+    return getattr(interrupt, "number", signal.SIGINT)
+
+
+def name_of(number: int) -> str:
+    """What people call a signal that stops something."""
+    return "Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name
+
+
+def interrupted_by(number: int) -> str:
+    """What is said of something that a signal has stopped."""
+    return "interrupted" if number == signal.SIGINT else f"interrupted by {name_of(number)}"
 
 
 class StoppedError(KeyboardInterrupt):
@@ -25,7 +40,8 @@ class StoppedError(KeyboardInterrupt):
         super().__init__(signal.Signals(number).name)
 
 
-def _stop(number: int, _: Any) -> None:
+def raise_stopped(number: int, _: Any) -> None:
+    """Handle a signal by a `StoppedError`."""
     raise StoppedError(number)
 
 
@@ -40,7 +56,7 @@ def stoppable() -> Iterator[None]:
     if threading.current_thread() is threading.main_thread():
         taken = [number for number in TERMINATIONS if _is_free(signal.getsignal(number))]
     for number in taken:
-        signal.signal(number, _stop)
+        signal.signal(number, raise_stopped)
     try:
         yield
     finally:
@@ -53,10 +69,13 @@ def _is_free(handler: Any) -> bool:
 
 
 @contextmanager
-def uninterrupted() -> Iterator[list[Any]]:
+def uninterrupted(start_up: bool = False) -> Iterator[list[Any]]:
     """Hold back Ctrl-C while this lasts, then raise it: for short pieces that must not be left half done.
 
     So are SIGTERM and SIGHUP within `stoppable`. Where somebody else handles one of them, it is left to them.
+
+    Args:
+        start_up: whether what ends the process at once while it starts up is held back as well.
 
     Yields:
         What is held back by now, for pieces that can be made shorter still.
@@ -64,7 +83,7 @@ def uninterrupted() -> Iterator[list[Any]]:
     ours = {}
     if threading.current_thread() is threading.main_thread():
         handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *TERMINATIONS)}
-        ours = {number: how for number, how in handlers.items() if how in (signal.default_int_handler, _stop)}
+        ours = {number: how for number, how in handlers.items() if callable(how) and _is_held(how, start_up)}
     caught: list[Any] = []
     for number in ours:
         signal.signal(number, lambda *told: caught.append(told))
@@ -74,5 +93,8 @@ def uninterrupted() -> Iterator[list[Any]]:
         for number, handler in ours.items():
             signal.signal(number, handler)
         if caught:
-            number = caught[0][0]
-            raise KeyboardInterrupt if number == signal.SIGINT else StoppedError(number)
+            ours[caught[0][0]](*caught[0])
+
+
+def _is_held(handler: Callable[..., Any], start_up: bool) -> bool:
+    return handler in (signal.default_int_handler, raise_stopped) or (start_up and getattr(handler, GIVES_WAY, False))

@@ -3,9 +3,35 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+_unfinished: list[Callable[[], None]] = []
+
+
+def undo_unfinished() -> None:
+    """Undo what is half written: for a process that ends at once, and passes no block on its way."""
+    for undo in reversed(_unfinished):
+        undo()
+
+
+@contextmanager
+def undone_if_left(undo: Callable[[], None]) -> Iterator[None]:
+    """Let something be undone where a block raises, or the process ends amid it by `undo_unfinished`."""
+    _unfinished.append(undo)
+    try:
+        yield
+    except BaseException:
+        undo()
+        raise
+    finally:
+        _unfinished.remove(undo)
+
+
+def part_of(file: Path) -> Path:
+    """Where a file is written before it is whole: in its folder, of the same suffix."""
+    return file.with_name(f".{file.stem}.part{file.suffix}")
 
 
 @contextmanager
@@ -27,14 +53,10 @@ def written_whole(file: Path) -> Iterator[Path]:
         yield file
         return
     file = file.resolve() if file.is_symlink() else file
-    part = file.with_name(f".{file.stem}.part{file.suffix}")
-    try:
+    part = part_of(file)
+    with undone_if_left(lambda: _remove(part)):
         yield part
         part.replace(file)
-    except BaseException:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise
 
 
 @contextmanager
@@ -48,17 +70,22 @@ def filled_whole(folder: Path) -> Iterator[None]:
         OSError: it cannot be made.
     """
     made = not folder.exists()
-    folder.mkdir(parents=True, exist_ok=True)
-    try:
+    with undone_if_left(lambda: _empty(folder, made)):
+        folder.mkdir(parents=True, exist_ok=True)
         yield
-    except BaseException:
+
+
+def _empty(folder: Path, made: bool) -> None:
+    with suppress(OSError):
         for each in folder.iterdir():
-            with suppress(OSError):
-                if each.is_dir():
-                    shutil.rmtree(each)
-                else:
-                    each.unlink()
-        with suppress(OSError):
-            if made:
-                folder.rmdir()
-        raise
+            _remove(each)
+        if made:
+            folder.rmdir()
+
+
+def _remove(place: Path) -> None:
+    with suppress(OSError):
+        if place.is_dir():
+            shutil.rmtree(place)
+        else:
+            place.unlink(missing_ok=True)

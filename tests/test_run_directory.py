@@ -14,12 +14,13 @@ from pathlib import Path
 import pytest
 
 from cube_sim.errors import DirectoryError
-from cube_sim.run_directory import FILES, claim, require_writable, write_verdict
+from cube_sim.run_directory import FILES, PARTS, claim, nothing_recorded, require_writable, write_verdict
 
 
 def prepare(folder):
-    with claim(folder, "dive") as directory:
-        assert directory == folder
+    with claim(folder, "dive") as place:
+        assert place.directory == folder
+        place.begin()
 
 
 def contents(folder):
@@ -35,6 +36,39 @@ def test_an_earlier_run_is_replaced_but_not_by_a_check(tmp_path, kept):
     assert contents(tmp_path) == before
     prepare(tmp_path)
     assert contents(tmp_path) == {}
+
+
+def test_an_earlier_run_stays_whole_until_the_new_one_begins(tmp_path):
+    for name in FILES:
+        (tmp_path / name).write_text("earlier")
+    before = contents(tmp_path)
+
+    def fail():
+        with claim(tmp_path, "dive") as place:
+            assert contents(tmp_path) == before
+            (tmp_path / PARTS[0]).write_text("begun")
+            raise ZeroDivisionError(place)
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert contents(tmp_path) == before
+    with claim(tmp_path, "dive") as place:
+        assert nothing_recorded()
+        place.begin()
+        (tmp_path / FILES[0]).write_text("new")
+        place.begin()
+        assert not nothing_recorded()
+    assert contents(tmp_path) == {Path(FILES[0]): b"new"}
+    assert not nothing_recorded()
+
+
+def test_a_folder_made_for_a_run_that_never_began_goes_with_it(tmp_path):
+    for begins in (False, True):
+        with contextlib.suppress(ZeroDivisionError), claim(tmp_path / "out", "dive") as place:
+            if begins:
+                place.begin()
+            raise ZeroDivisionError
+        assert (tmp_path / "out").exists() == begins
 
 
 def test_a_new_folder_is_made_with_its_parents_but_not_by_a_check(tmp_path):
@@ -86,7 +120,7 @@ def test_a_folder_without_write_permission_is_refused(tmp_path, monkeypatch):
 def test_default_folders_differ_and_name_the_scenario(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with contextlib.ExitStack() as runs:
-        folders = [runs.enter_context(claim(None, "dive")) for _ in range(4)]
+        folders = [runs.enter_context(claim(None, "dive")).directory for _ in range(4)]
         assert len(set(folders)) == 4
         for folder in folders:
             assert re.fullmatch(r"logs/dive-\d{8}T\d{6}Z(-\d+)?", str(folder))
@@ -102,8 +136,9 @@ def test_processes_that_start_together_share_no_folder(tmp_path):
 
 
 def _claimed(_):
-    with claim(None, "dive") as directory:
-        return str(directory)
+    with claim(None, "dive") as place:
+        place.begin()
+        return str(place.directory)
 
 
 def test_a_folder_in_use_is_refused_and_kept_until_the_run_ends(tmp_path):
@@ -155,7 +190,7 @@ def test_a_verdict_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
             with pytest.raises(OSError, match="No space"):
                 write_verdict(tmp_path, "two")
         assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"verdict.json": "one"}
-    (tmp_path / ".verdict.json.part").write_text("of a process that was killed")
+    (tmp_path / ".verdict.part.json").write_text("of a process that was killed")
     require_writable(tmp_path)
     prepare(tmp_path)
     assert not list(tmp_path.iterdir())

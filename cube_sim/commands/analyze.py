@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, INTERRUPTED, raise_on_interrupt, stop
+from cube_sim.commands.ending import BAD_INPUT, SIGNALLED, raise_on_interrupt, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import loss_progress
 from cube_sim.errors import CubeSimError
+from cube_sim.uninterrupted import interrupted_by, signal_of
 
 EPILOG = "Exit code: 0 analysed, 2 bad input."
 
@@ -61,8 +62,9 @@ def analyze(
             )
     except CubeSimError as error:
         stop(BAD_INPUT, str(error))
-    except KeyboardInterrupt:
-        stop(INTERRUPTED, "interrupted; nothing was written")
+    except KeyboardInterrupt as interrupt:
+        number = signal_of(interrupt)
+        stop(SIGNALLED + number, f"{interrupted_by(number)}; nothing was written")
     if json:
         print_json(analysis_report.to_dict(report))
     else:

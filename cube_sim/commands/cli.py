@@ -6,11 +6,7 @@ when a command runs, so that ``cube-sim --help`` answers at once.
 
 from __future__ import annotations
 
-import errno
-import os
 import sys
-import traceback
-from contextlib import suppress
 from typing import Annotated
 
 import typer
@@ -31,11 +27,7 @@ from cube_sim.commands import (
     signals,
     view,
 )
-from cube_sim.commands.ending import NOT_JUDGED, end_process, leave_on_interrupt, raise_on_interrupt
-
-_TRACEBACK = "CUBE_SIM_TRACEBACK"
-_OF_OUTPUT = (errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EDQUOT)
-"""What the system says of a place that takes no more; whoever writes a file says which."""
+from cube_sim.commands.ending import PASS, code_of, end_process, leave_on_interrupt, leave_to_others
 
 app = typer.Typer(
     help="Underwater vehicles in MuJoCo: real water, 3-D path following, exact thruster allocation.",
@@ -61,34 +53,30 @@ app.command()(reference.reference)
 
 
 def main() -> None:
-    """Run the command line; the one entry of ``cube-sim`` and ``python -m cube_sim``.
-
-    Exit code 1 says FAIL and nothing else: what nobody foresaw is one line and code 3.
-    """
+    """Run the command line: the one entry of ``cube-sim`` and ``python -m cube_sim``, and the one way out of both."""
     leave_on_interrupt()
     try:
-        app(prog_name="cube-sim")
-    except SystemExit as end:
-        end_process(end.code)
-        raise
-    except Exception as error:
-        if os.environ.get(_TRACEBACK):
-            traceback.print_exc()
-        elif isinstance(error, OSError) and error.filename is None and error.errno in _OF_OUTPUT:
-            typer.echo(f"the output cannot be written: {error.strerror}", err=True)
-            _write_no_more()
-        else:
-            said = " ".join(str(error).split())
-            typer.echo(f"unexpected {type(error).__name__}: {said} ({_TRACEBACK}=1 shows where)", err=True)
-        sys.exit(NOT_JUDGED)
+        code = _code_of_command()
+    except KeyboardInterrupt as late:  # the command had come to its end
+        code = code_of(late)
+    try:
+        end_process(code)
     finally:
-        raise_on_interrupt()
+        leave_to_others()
+    sys.exit(code)
 
 
-def _write_no_more() -> None:
-    """Let what stdout still holds go nowhere: Python would try again at its end, and end with a code of its own."""
-    with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _code_of_command() -> int:
+    """Run what was asked for; its exit code."""
+    command = typer.main.get_command(app)
+    try:
+        with command.make_context("cube-sim", sys.argv[1:]) as context:
+            command.invoke(context)
+    except BaseException as error:
+        leave_on_interrupt()
+        return code_of(error)
+    leave_on_interrupt()
+    return PASS
 
 
 def _version(asked: bool) -> None:

@@ -1,93 +1,155 @@
-"""How a command ends: its exit code, one line for each mistake, and Ctrl-C at any moment."""
+"""How every command ends: its exit code, one line for each mistake, and Ctrl-C at any moment."""
 
 from __future__ import annotations
 
 import atexit
+import errno
 import os
 import signal
 import sys
 import threading
+import traceback
+from collections.abc import Mapping
 from contextlib import suppress
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import typer
 
-from cube_sim.uninterrupted import GIVES_WAY, TERMINATIONS
+from cube_sim.uninterrupted import GIVES_WAY, TERMINATIONS, interrupted_by, raise_stopped, signal_of
 
 PASS, FAIL, BAD_INPUT, NOT_JUDGED = 0, 1, 2, 3
 SIGNALLED = 128
 """And the number of the signal, where one ends the process."""
-INTERRUPTED = SIGNALLED + signal.SIGINT
+BROKEN_PIPE = SIGNALLED + 13
+"""Of who writes to somebody that no longer reads, as a shell has it."""
 EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
 """Of each verdict."""
-_untidied: list[bool] = []
-_USUAL = {signal.SIGINT: signal.default_int_handler, **dict.fromkeys(TERMINATIONS, signal.SIG_DFL)}
+_TRACEBACK = "CUBE_SIM_TRACEBACK"
+_OF_OUTPUT = (errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EDQUOT)
+"""What the system says of a place that takes no more; whoever writes a file says which."""
+_USUAL: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, **dict.fromkeys(TERMINATIONS, signal.SIG_DFL)}
 """What becomes of a signal unless somebody says otherwise."""
+_RAISES: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, **dict.fromkeys(TERMINATIONS, raise_stopped)}
 
 
 def stop(code: int, message: str) -> NoReturn:
     """Say on stderr why the command ends, and end it with an exit code."""
-    with suppress(OSError):  # a terminal that was closed
-        typer.echo(message, err=True)
+    _say(message)
     raise typer.Exit(code)
 
 
 def leave_on_interrupt() -> None:
-    """From now on Ctrl-C, SIGTERM and SIGHUP end the process at once: there is nothing to save while it starts up.
+    """From now on Ctrl-C, SIGTERM and SIGHUP end the process at once: there is nothing to save.
 
     One of them is left alone where somebody else decides about it, as a shell does about Ctrl-C for what runs in the
     background, and nohup about SIGHUP.
     """
-    if threading.current_thread() is not threading.main_thread():
-        return
-    for number, usual in _USUAL.items():
-        if signal.getsignal(number) is usual:
-            signal.signal(number, _leave)
+    _handle(dict.fromkeys(_USUAL, _leave))
 
 
 def raise_on_interrupt() -> None:
-    """From now on Ctrl-C is the usual exception: there is something to bring to an end. The others are as usual too."""
-    for number, usual in _USUAL.items():
-        if signal.getsignal(number) is _leave:
-            signal.signal(number, usual)
+    """From now on they are exceptions, KeyboardInterrupt and `StoppedError`: there is something to bring to an end."""
+    _handle(_RAISES)
+
+
+def leave_to_others() -> None:
+    """From now on they are what they usually are."""
+    _handle(_USUAL)
+
+
+def _handle(handlers: Mapping[int, Any]) -> None:
+    """Let these handle signals that nobody else handles."""
+    if threading.current_thread() is threading.main_thread():
+        for number, handler in handlers.items():
+            if signal.getsignal(number) in (_leave, _USUAL[number], _RAISES[number]):
+                signal.signal(number, handler)
 
 
 def _leave(number: int, _: object) -> None:
     """End the process; an exception would be lost or renamed inside the import of a compiled library."""
-    # The progress bar hides the cursor.
-    # Nothing is imported here: who has not loaded this writes nothing.
-    written = sys.modules.get("cube_sim.run_directory")
-    by = "" if number == signal.SIGINT else f" by {signal.Signals(number).name}"
-    lost = "; nothing is recorded" if written is not None and written.abandon() else ""
+    # Nothing is imported here: who has not loaded these writes nothing.
+    written, runs = (sys.modules.get(f"cube_sim.{name}") for name in ("whole_file", "run_directory"))
+    lost = " while starting up; nothing is recorded" if runs is not None and runs.nothing_recorded() else ""
+    if written is not None:
+        written.undo_unfinished()
     with suppress(OSError):  # a terminal that was closed
-        erase = "\r\x1b[K\x1b[?25h" if sys.stderr.isatty() else ""
-        os.write(2, f"{erase}interrupted{by} while starting up{lost}\n".encode())
+        erase = "\r\x1b[K\x1b[?25h" if sys.stderr.isatty() else ""  # the progress bar hides the cursor
+        os.write(2, f"{erase}{interrupted_by(number)}{lost}\n".encode())
     os._exit(SIGNALLED + number)
 
 
 setattr(_leave, GIVES_WAY, True)
 
 
-def leave_untidied() -> None:
-    """Let `end_process` free nothing: tidying up after a flight takes half a second, and the system does it at once."""
-    _untidied[:] = [True]
+def code_of(error: BaseException) -> int:
+    """The exit code of a command that ends with an exception; what there is to say of it is said, in one line.
+
+    1 says FAIL and nothing else: what nobody foresaw has code 3.
+    """
+    match error:
+        case typer.Exit():
+            return error.exit_code
+        case SystemExit():
+            return error.code if isinstance(error.code, int) else NOT_JUDGED if error.code else 0
+        case typer.TyperException():
+            _say(_usage(error))
+            return getattr(error, "exit_code", BAD_INPUT)
+        case KeyboardInterrupt():
+            number = signal_of(error)
+            _say(interrupted_by(number))
+            return SIGNALLED + number
+        case OSError(filename=None, errno=errno.EPIPE):
+            _write_no_more()
+            return BROKEN_PIPE
+        case OSError(filename=None) if error.errno in _OF_OUTPUT:
+            _say(f"the output cannot be written: {error.strerror}")
+            _write_no_more()
+            return NOT_JUDGED
+    if os.environ.get(_TRACEBACK):
+        traceback.print_exception(error)
+    else:
+        said = " ".join(str(error).split())
+        name = f"{type(error).__name__}: {said}" if said else type(error).__name__
+        _say(f"unexpected {name} ({_TRACEBACK}=1 shows where)")
+    return NOT_JUDGED
 
 
-def end_process(code: int | str | None) -> None:
-    """End the process of a command that said `leave_untidied`; return where none has, or its words find no reader.
+def end_process(code: int) -> NoReturn:
+    """End the process; nothing is freed: after a flight that takes half a second, and the system does it at once.
 
-    Threads are waited for and `atexit` is heard, as at any end of Python's.
+    Threads are waited for and `atexit` is heard, as at any end of Python's. A signal ends it at once.
 
     Args:
-        code: of the `SystemExit` that ends the command.
+        code: its exit code, unless what is left to print finds no room, or nobody to read it.
     """
-    if not _untidied or isinstance(code, str):
-        return
+    leave_on_interrupt()
     threading._shutdown()  # type: ignore[attr-defined]
     atexit._run_exitfuncs()
     try:
         sys.stdout.flush()
         sys.stderr.flush()
-    except OSError:
-        return
-    os._exit(code or 0)
+    except OSError as error:
+        code = code_of(error)
+    os._exit(code)
+
+
+def _usage(error: typer.TyperException) -> str:
+    """What was wrong with a command's arguments, in one line; the help, where it is that."""
+    told = getattr(error, "format_message", error.__str__)().strip()
+    context = getattr(error, "ctx", None)
+    if context is not None and told == context.get_help().strip():
+        return told
+    told = " ".join(told.split()).removesuffix(".").replace("Value error, ", "")
+    name = " ".join(["cube-sim", *sys.argv[1:2]]) if context is None else context.command_path
+    return f"{name}: {told[:1].lower()}{told[1:]}; {name} --help says what there is"
+
+
+def _say(line: str) -> None:
+    with suppress(OSError):  # a terminal that was closed
+        typer.echo(line, err=True)
+
+
+def _write_no_more() -> None:
+    """Let what stdout still holds go nowhere: Python would try again at its end, and end with a code of its own."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

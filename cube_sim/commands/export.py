@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
@@ -15,7 +14,7 @@ from cube_sim.commands.output import hush_rerun
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError
 from cube_sim.run_directory import RRD_FILE
-from cube_sim.uninterrupted import stoppable
+from cube_sim.uninterrupted import interrupted_by, signal_of
 from cube_sim.whole_file import filled_whole
 
 if TYPE_CHECKING:
@@ -63,15 +62,15 @@ def export(
         if to.exists() and (not to.is_dir() or any(to.iterdir())):
             raise RecordingError(f"{to}: is not an empty folder")
         raise_on_interrupt()
-        with stoppable(), filled_whole(to):
+        with filled_whole(to):
             files = _written(recorded, to, format_, channels or ())
     except RecordingError as error:
         stop(BAD_INPUT, str(error))
     except (OSError, RuntimeError) as error:  # what Rerun says of a place that cannot be written is the second
         stop(NOT_JUDGED, f"{to}: cannot be written: {getattr(error, 'strerror', None) or error}")
     except KeyboardInterrupt as interrupt:
-        number = getattr(interrupt, "number", signal.SIGINT)
-        stop(SIGNALLED + number, f"{to}: interrupted, nothing is written")
+        number = signal_of(interrupt)
+        stop(SIGNALLED + number, f"{to}: {interrupted_by(number)}, nothing is written")
     for file in files:
         typer.echo(str(file))
     if recorded.flaw and format_ not in (Format.INPUTS, Format.LAYOUT):

@@ -26,8 +26,8 @@ def recover(
         typer.Option(
             "--output",
             metavar="FOLDER",
-            help="Where the record and its view go: new, empty, or that of an earlier run, which is replaced. Default: "
-            "beside the run, its name and _recovered.",
+            help="Where the record and its view go: new, empty, or that of an earlier run, which is replaced once "
+            "the new record is whole. Default: beside the run, its name and _recovered.",
         ),
     ] = None,
 ) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cube_sim.commands.account import early_end, lasted, log_lines, section
-from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, SIGNALLED, leave_untidied, stop
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, SIGNALLED, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides
@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 EPILOG = (
     "Exit code: 0 PASS, every check was shown to hold; 1 FAIL, one was shown not to, whatever else could not be "
     "judged; 2 bad input, nothing is written; 3 ERROR, nothing failed but something could not be judged, or the run "
-    "ended early; 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP: what was recorded is closed and stays, and "
-    "nothing is where that comes before the first second is flown."
+    "ended early; 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP: what was recorded is closed and stays. "
+    "Nothing is written where that, or an error, comes before anything is flown: an earlier run in the folder stays "
+    "whole until the first second of this one is recorded."
 )
 
 
@@ -41,8 +42,8 @@ def run(
     out: Annotated[
         Path | None,
         typer.Option(
-            help="Folder for the recording: new, empty, or an earlier run's, which is replaced. "
-            "Default: logs/NAME-UTC_TIME."
+            help="Folder for the recording: new, empty, or an earlier run's, which is replaced "
+            "once the first second is flown. Default: logs/NAME-UTC_TIME."
         ),
     ] = None,
     settings: Settings = None,
@@ -71,7 +72,6 @@ def run(
         _print_json(result)
     elif not quiet:
         _print_table(name, duration_s, result, record)
-    leave_untidied()
     raise typer.Exit(EXIT_CODES[result.verdict])
 
 

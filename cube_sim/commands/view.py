@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shutil import rmtree
+from signal import SIGINT
 from tempfile import TemporaryDirectory
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, SIGNALLED, raise_on_interrupt, stop
+from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, PASS, SIGNALLED, raise_on_interrupt, stop
 from cube_sim.commands.labels import labels
 from cube_sim.commands.output import hush_rerun
 from cube_sim.errors import RecordingError
-from cube_sim.uninterrupted import StoppedError, stoppable
-from cube_sim.whole_file import written_whole
+from cube_sim.uninterrupted import signal_of
+from cube_sim.whole_file import undone_if_left, written_whole
+
+if TYPE_CHECKING:
+    from cube_sim.runs.recorded_run import RecordedRun
 
 EPILOG = (
     "The view is made of run.mcap, whether run.rrd is beside it or not. Exit code: 0 looked at, 2 bad input, 3 there "
@@ -36,46 +41,55 @@ def view(
 ) -> None:
     """Look at a run, or at several on one time, in the Rerun viewer."""
     hush_rerun()
+    recorded = _read(runs, save)
     try:
         from cube_sim.recording.rerun.viewer import has_display, open_window, web_viewer
 
         if not web and save is None and not has_display():
             stop(NOT_JUDGED, "there is no screen here; --web serves the view to a browser, --save FILE.rrd writes it")
-        if save is not None and save.suffix.lower() != ".rrd" and not save.is_dir():
-            stop(BAD_INPUT, f"{save}: a view is a file of Rerun, {save.with_suffix('.rrd').name} for example")
-        with TemporaryDirectory() as folder:
-            rrd = Path(folder) / "run.rrd" if save is None else save
-            _write(runs, rrd)
-            if save is not None:
-                typer.echo(str(save))
-                return
-            raise_on_interrupt()
-            with stoppable():  # the viewer, a process of its own, would go on
-                if not web:
-                    return open_window(rrd)
-                with web_viewer(rrd) as viewer:
-                    typer.echo(f"{viewer.url}\nCtrl-C ends it")
-                    viewer.serve()
+        if save is not None:
+            _write(runs, recorded, save)
+            typer.echo(str(save))
+            return
+        with TemporaryDirectory() as folder, undone_if_left(lambda: rmtree(folder, ignore_errors=True)):
+            rrd = Path(folder) / "run.rrd"
+            _write(runs, recorded, rrd)
+            raise_on_interrupt()  # the viewer, a process of its own, would go on
+            if not web:
+                return open_window(rrd)
+            with web_viewer(rrd) as viewer:
+                typer.echo(f"{viewer.url}\nCtrl-C ends it")
+                viewer.serve()
     except RecordingError as error:
         stop(NOT_JUDGED, str(error))
-    except StoppedError as stopped:
-        raise typer.Exit(SIGNALLED + stopped.number) from None
-    except KeyboardInterrupt:
-        raise typer.Exit from None
+    except KeyboardInterrupt as interrupt:  # Ctrl-C is how one ends looking
+        number = signal_of(interrupt)
+        raise typer.Exit(PASS if number == SIGINT else SIGNALLED + number) from None
 
 
-def _write(runs: list[Path], rrd: Path) -> None:
-    """Make the view; bad input ends the command."""
-    from cube_sim.recording.export import rrd_from_mcap, rrd_from_records
+def _read(runs: list[Path], save: Path | None) -> list[RecordedRun]:
+    """Read the runs; bad input ends the command."""
     from cube_sim.recording.rerun.side_by_side import MOST_RUNS
     from cube_sim.runs.recorded_run import load_run
 
     try:
         if len(runs) > MOST_RUNS:
             raise RecordingError(f"{len(runs)} runs; a view shows up to {MOST_RUNS}")
+        if save is not None and save.suffix.lower() != ".rrd" and not save.is_dir():
+            raise RecordingError(f"{save}: a view is a file of Rerun, {save.with_suffix('.rrd').name} for example")
         recorded = [load_run(run) for run in runs]
-        if rrd.is_dir():
-            raise RecordingError(f"{rrd}: is a folder; give the name of a file")
+        if save is not None and save.is_dir():
+            raise RecordingError(f"{save}: is a folder; give the name of a file")
+    except RecordingError as error:
+        stop(BAD_INPUT, str(error))
+    return recorded
+
+
+def _write(runs: list[Path], recorded: list[RecordedRun], rrd: Path) -> None:
+    """Make the view; bad input ends the command."""
+    from cube_sim.recording.export import rrd_from_mcap, rrd_from_records
+
+    try:
         with written_whole(rrd) as part:
             if len(runs) == 1:
                 rrd_from_mcap(recorded[0].path, part)

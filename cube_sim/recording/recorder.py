@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
+from threading import Thread
 from types import TracebackType
 
 import mujoco
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Batch, Rows, Sink, View
+from cube_sim.recording.batch import Batch, Rows, View
 from cube_sim.recording.beside import SinkBeside
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
@@ -20,11 +23,13 @@ from cube_sim.recording.long_run import RecordedSignals
 from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.sink import McapSink
 from cube_sim.recording.run_end import RunEnd
+from cube_sim.recording.run_files import RunFiles
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
 
 MCAP_NAME = "run.mcap"
 RRD_NAME = "run.rrd"
+_VIEWS = "cube_sim.recording.rerun.sink"
 REMEDY = "`cube-sim export --format rrd` makes it of the record"
 
 MOST_KEPT_BYTES = 16_000_000
@@ -35,7 +40,8 @@ class Recorder(SignalStore):
     """Records a run into a directory.
 
     Rows are copied into memory at once and go to the files when their simulated second is over: a killed process loses
-    less than a simulated second, and what compiled code has flown while the one before was written.
+    less than a simulated second, and what compiled code has flown while the one before was written. The files are
+    opened for the first of them: until then an earlier run in the directory stays as it is.
 
     Rows are kept in memory too, for the checks, until they are `MOST_KEPT_BYTES`; from then on `signals` are read from
     the record.
@@ -54,41 +60,55 @@ class Recorder(SignalStore):
         view: bool = True,
         vehicle: str | None = None,
         live: int | None = None,
+        begin: Callable[[], None] = lambda: None,
     ) -> None:
-        """Start the files.
+        """Write nothing yet.
 
         Args:
-            directory: where they go; it exists.
+            directory: where the files go; it exists.
             header: the inputs of the run.
             channels: the channel table.
             model: the compiled model, for what there is to draw.
             view: whether the Rerun view is written beside the record.
             vehicle: the body whose pose is recorded; None for the first that swims.
             live: port of this machine at which a viewer shows the run while it flies; None for no such viewer.
+            begin: called when the files are to be opened, before a record that is there is replaced.
         """
         super().__init__(channels)
         self._closed, self._kept_bytes = False, 0
         self._recorded: RecordedSignals | None = None
         self.mcap = directory / MCAP_NAME
         self.rrd = directory / RRD_NAME
+        self._shown: SinkBeside | None = None
         name = vehicle or vehicle_name(model)
         scene = SceneRows(self._channels, model, vehicle, name)
-        self._record = McapSink(self.mcap, header, self._channels, name, scene)
-        self._shown = SinkBeside(lambda: self._view(header, model, vehicle)) if view else None
-        self._live = None if live is None else LiveSink(lambda: self._streamed(live, header, model, vehicle))
-        self._views: list[View] = [each for each in (self._live, self._shown) if each is not None]
-        self._sinks: list[Sink] = [self._record, *self._views]
+        if view or live is not None:
+            # What a view cannot do is told once, by `warnings`; unasked, Rerun would tell it in its own words as well.
+            os.environ.setdefault("RUST_LOG", "off")
+            # Only a run that wants a view pays for its import, while it starts up.
+            Thread(target=_load_views, name="view").start()
+
+        def record(place: Path) -> McapSink:
+            return McapSink(place, header, self._channels, name, scene)
+
+        def views() -> list[View]:
+            found: list[View] = []
+            if (port := live) is not None:
+                found.append(LiveSink(lambda: self._streamed(port, header, model, vehicle)))
+            if view:
+                self._shown = SinkBeside(lambda: self._view(header, model, vehicle))
+                found.append(self._shown)
+            return found
+
+        self._files = RunFiles(self.mcap, record, views, begin)
+        self._sinks.append(self._files)
 
     def _view(self, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> View:
-        # What it cannot write is told once, by `warnings`; unasked, Rerun would tell it in its own words as well.
-        os.environ.setdefault("RUST_LOG", "off")
-        # Only a run that wants the view pays for its import.
         from cube_sim.recording.rerun.sink import rerun_sink
 
         return rerun_sink(self.rrd, header, self._channels, model, vehicle)
 
     def _streamed(self, port: int, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> View:
-        os.environ.setdefault("RUST_LOG", "off")  # a viewer that is not there is no news to Rerun alone
         from cube_sim.recording.rerun.sink import live_sink
 
         return live_sink(port, header, self._channels, model, vehicle)
@@ -109,9 +129,7 @@ class Recorder(SignalStore):
             self.settle()
         finally:
             try:
-                self._record.finish(end)
-                for view in self._views:
-                    view.tell(end)
+                self._files.finish(end)
             finally:
                 self.close()
 
@@ -120,10 +138,7 @@ class Recorder(SignalStore):
         try:
             self.settle()
         finally:
-            views, self._views = self._views, []
-            for view in views:
-                view.close()
-            self._record.close()
+            self._files.close()
             if self._recorded is not None:
                 self._recorded.finished()
 
@@ -175,3 +190,8 @@ class Recorder(SignalStore):
     ) -> None:
         """Close the files, whatever happened."""
         self.close()
+
+
+def _load_views() -> None:
+    with suppress(Exception):  # told by the view that needs it
+        import_module(_VIEWS)

@@ -168,7 +168,7 @@ class SignalStore:
             self._written[name].append(taken)
 
     def _flush(self) -> None:
-        with uninterrupted():
+        with uninterrupted(start_up=True):  # with its first second a run begins to be recorded
             self._to_sinks()
 
     def _to_sinks(self) -> None:

@@ -13,8 +13,9 @@ from cube_sim.recording.mcap.sink import McapSink
 from cube_sim.recording.reading import CANNOT_KNOW, Recording
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.salvage import salvage
-from cube_sim.run_directory import MCAP_FILE, RRD_FILE, abandon, claim
+from cube_sim.run_directory import MCAP_FILE, RRD_FILE, Claim, claim
 from cube_sim.runs.recorded_run import RecordedRun, Span
+from cube_sim.whole_file import written_whole
 
 _MOST_TOLD = 3
 """So many losses are named in a line; the spans of time that they leave out are all named beside it."""
@@ -44,7 +45,7 @@ def recover(record: Path, directory: Path) -> Recovered | str:
 
     Args:
         record: the MCAP file.
-        directory: new, empty, or that of an earlier run, which is replaced.
+        directory: new, empty, or that of an earlier run, which is replaced once the new record is whole.
 
     Returns:
         Why there is nothing to recover, in words, where the record holds all it ever did: nothing is written then.
@@ -69,13 +70,9 @@ def recover(record: Path, directory: Path) -> Recovered | str:
         None if before is None else before.simulated_s,
         missing_s=missing,
     )
-    with claim(directory, run.scenario.name) as folder:
-        try:
-            _write(folder / MCAP_FILE, found.recording, end)
-        except BaseException:  # half a record would be one more to recover
-            abandon()
-            raise
-        return Recovered(folder, run.recorded_s, missing, found.dropped, _view(folder))
+    with claim(directory, run.scenario.name) as place:
+        _write(place, found.recording, end)
+        return Recovered(place.directory, run.recorded_s, missing, found.dropped, _view(place.directory))
 
 
 def _holds_all(run: RecordedRun) -> bool:
@@ -98,14 +95,17 @@ def _told(dropped: Sequence[str]) -> str:
     return "; ".join(dropped[:_MOST_TOLD]) + more
 
 
-def _write(path: Path, recording: Recording, end: RunEnd) -> None:
-    sink = McapSink(path, recording.header, recording.channels, recording.vehicle, _scene(recording))
-    try:
-        for batch in split_into_batches(recording.rows, recording.log):
-            sink.write(batch)
-        sink.finish(end)
-    finally:
-        sink.close()
+def _write(place: Claim, recording: Recording, end: RunEnd) -> None:
+    """Write the record, whole or not at all; an earlier run goes once there is another."""
+    with written_whole(place.directory / MCAP_FILE) as part:
+        sink = McapSink(part, recording.header, recording.channels, recording.vehicle, _scene(recording))
+        try:
+            for batch in split_into_batches(recording.rows, recording.log):
+                sink.write(batch)
+            sink.finish(end)
+        finally:
+            sink.close()
+        place.begin()
 
 
 def _scene(recording: Recording) -> SceneRows | None:
@@ -124,7 +124,8 @@ def _view(folder: Path) -> str:
     from cube_sim.recording.export import rrd_from_mcap
 
     try:
-        rrd_from_mcap(folder / MCAP_FILE, folder / RRD_FILE)
+        with written_whole(folder / RRD_FILE) as part:
+            rrd_from_mcap(folder / MCAP_FILE, part)
     except Exception as error:  # the view is made of the record again whenever somebody wants it
         return " ".join(str(error).split())
     return ""

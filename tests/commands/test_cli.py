@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from support.command_line import call, cube_sim, started
+from support.command_line import call, cube_sim, interruptible, started
 from support.scenario_files import FLIGHT, MINIMAL, write
 
 from cube_sim import fly, load_run
@@ -64,12 +64,56 @@ def test_help_imports_nothing_heavy(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "arguments", [["run"], ["run", "a.yaml", "b.yaml"], ["run", "a.yaml", "--no-such-option"], ["fly"]]
+    ("arguments", "told"),
+    [
+        (["run"], "cube-sim run: missing argument 'scenario'; "),
+        (["run", "a.yaml", "b.yaml"], "cube-sim run: got unexpected extra argument"),
+        (["run", "a.yaml", "--setings"], "cube-sim run: no such option: --setings (Possible options: --set); "),
+        (["run", "a.yaml", "--out"], "cube-sim run: option '--out' requires an argument; "),
+        (["run", "a.yaml", "--record", "all"], "cube-sim run: invalid value for '--record': 'all' is not one of"),
+        (["plot", "a", "--width-mm", "wide"], "cube-sim plot: invalid value for '--width-mm': "),
+        (["fly"], "cube-sim: no such command 'fly'; cube-sim --help says what there is"),
+        (["--quiet"], "cube-sim: no such option: --quiet; "),
+    ],
 )
-def test_usage_errors_are_bad_input(monkeypatch, capsys, arguments):
+def test_usage_errors_are_bad_input_and_one_line(monkeypatch, capsys, arguments, told):
     code, stdout, stderr = call(monkeypatch, capsys, *arguments)
+    assert (code, stdout, stderr.count("\n")) == (2, "", 1)
+    assert stderr.startswith(told)
+    assert stderr.endswith(" --help says what there is\n")
+
+
+def test_every_command_tells_a_usage_error_in_one_line(monkeypatch, capsys):
+    _, listed, _ = call(monkeypatch, capsys, "--help")
+    names = [line.split()[0] for line in listed.partition("Commands:")[2].splitlines() if line.strip()]
+    assert len(names) >= 14
+    for name in names:
+        code, stdout, stderr = call(monkeypatch, capsys, name, "--no-such-option")
+        assert (code, stdout, stderr.count("\n")) == (2, "", 1), name
+        assert stderr.startswith(f"cube-sim {name}: no such option: --no-such-option")
+
+
+def test_without_a_command_the_help_is_shown(monkeypatch, capsys):
+    code, stdout, stderr = call(monkeypatch, capsys)
     assert (code, stdout) == (2, "")
-    assert stderr.startswith("Usage: cube-sim")
+    assert stderr.startswith("Usage: cube-sim [OPTIONS] COMMAND")
+    assert "Fly a scenario" in stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("when", ["atexit.register(stop)", "schema.json_schema = stop"])
+def test_every_command_ends_alike_by_a_signal(tmp_path, number, when):
+    """Amid its work, and when all is said and the process ends."""
+    program = (
+        "import atexit, signal, sys\nfrom cube_sim.commands.cli import main\n"
+        "import cube_sim.scenario.json_schema as schema\n"
+        f"def stop():\n    signal.raise_signal({int(number)})\n"
+        f"{when}\nsys.argv = ['cube-sim', 'schema']\nmain()\n"
+    )
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, preexec_fn=interruptible)
+    said = "interrupted" if number == signal.SIGINT else f"interrupted by {signal.Signals(number).name}"
+    assert (done.returncode, done.stderr) == (128 + number, f"{said}\n")
 
 
 def test_version_and_schema_are_printed(monkeypatch, capsys):
@@ -134,7 +178,7 @@ def test_a_broken_pipe_is_not_a_traceback(tmp_path):
     process.stdout.close()
     assert process.stderr.read() == b""
     process.stderr.close()
-    process.wait(timeout=60)
+    assert process.wait(timeout=60) == 128 + signal.SIGPIPE  # as of any program; 1 would say FAIL
 
 
 # Flying
@@ -166,14 +210,23 @@ def test_a_failed_check_decides_whatever_could_not_be_judged(tmp_path, monkeypat
     assert [check["verdict"] for check in content["checks"]] == ["FAIL", "ERROR"]
 
 
-def test_what_nobody_foresaw_is_one_line_and_never_a_fail(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (ZeroDivisionError("a bug\nin two lines"), "ZeroDivisionError: a bug in two lines"),
+        (EOFError("no more"), "EOFError: no more"),
+        (EOFError(), "EOFError"),
+        (MemoryError(), "MemoryError"),
+    ],
+)
+def test_what_nobody_foresaw_is_one_line_and_never_a_fail(tmp_path, monkeypatch, capsys, error, told):
     path = write(tmp_path, FLIGHT)
 
     def broken(*_, **__):
-        raise ZeroDivisionError("a bug\nin two lines")
+        raise error
 
     monkeypatch.setattr("cube_sim.simulation.fly", broken)
-    line = "unexpected ZeroDivisionError: a bug in two lines (CUBE_SIM_TRACEBACK=1 shows where)\n"
+    line = f"unexpected {told} (CUBE_SIM_TRACEBACK=1 shows where)\n"
     assert call(monkeypatch, capsys, "run", path) == (3, "", line)
     monkeypatch.setenv("CUBE_SIM_TRACEBACK", "1")
     code, stdout, stderr = call(monkeypatch, capsys, "run", path)
@@ -229,6 +282,9 @@ def test_a_view_that_cannot_be_written_is_a_warning(tmp_path):
 def test_an_interrupt_while_starting_up_is_one_line(tmp_path, library, number):
     """A real signal when a certain library has just been loaded."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    out.mkdir()
+    for name in FILES:
+        (out / name).write_text("of an earlier run")
     give_up = time.monotonic() + 300  # it may have to compile first
     with started("run", path, "--out", out, "--set", "duration_s=3600", cwd=tmp_path) as process:
         while library not in Path(f"/proc/{process.pid}/maps").read_text():
@@ -240,10 +296,11 @@ def test_an_interrupt_while_starting_up_is_one_line(tmp_path, library, number):
     said = "interrupted" if number == signal.SIGINT else f"interrupted by {signal.Signals(number).name}"
     assert stderr.startswith(said)
     assert len(stderr.splitlines()) == 1
-    if stderr.startswith(f"{said} while starting up"):
-        assert stderr in (f"{said} while starting up\n", f"{said} while starting up; nothing is recorded\n")
-        assert not out.exists()
+    if stderr in (f"{said}\n", f"{said} while starting up; nothing is recorded\n"):
+        assert sorted(each.name for each in out.iterdir()) == sorted(FILES)
+        assert {each.read_text() for each in out.iterdir()} == {"of an earlier run"}
     else:  # it had begun to fly
+        assert stderr == f"{said}; recorded so far: {out}\n"
         assert load_run(out).end.how == "interrupted"
 
 

@@ -53,6 +53,13 @@ def test_what_is_no_run_is_one_line(tmp_path, monkeypatch, capsys):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_what_is_no_run_is_told_before_that_there_is_no_screen(tmp_path, no_screen, monkeypatch, capsys):
+    code, out, err = call(monkeypatch, capsys, "view", tmp_path / "none")
+    assert (code, out, err) == (2, "", f"{tmp_path / 'none'}: no such file\n")
+    code, out, err = call(monkeypatch, capsys, "view", *[tmp_path] * 7)
+    assert (code, out, err) == (2, "", "7 runs; a view shows up to 6\n")
+
+
 def test_a_view_that_cannot_be_written_is_one_line(recorded, tmp_path, monkeypatch, capsys):
     code, out, err = call(monkeypatch, capsys, "view", recorded, "--save", tmp_path / "no" / "a.rrd")
     assert (code, out, err.count("\n")) == (3, "", 1)

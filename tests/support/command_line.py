@@ -26,7 +26,7 @@ def without_compiling(err: str) -> str:
     return err.replace(f"{COMPILES}\n", "")
 
 
-def _interruptible() -> None:
+def interruptible() -> None:
     """Put Ctrl-C back: what a job in the background starts would not hear of it."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
@@ -36,7 +36,7 @@ def started(*arguments, cwd) -> Iterator[subprocess.Popen[str]]:
     """Start it as a shell does, to be interrupted; it is gone when the block ends."""
     command = [sys.executable, "-m", "cube_sim", *map(str, arguments)]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(command, cwd=cwd, text=True, preexec_fn=_interruptible, **pipes) as process:
+    with subprocess.Popen(command, cwd=cwd, text=True, preexec_fn=interruptible, **pipes) as process:
         try:
             yield process
         finally:

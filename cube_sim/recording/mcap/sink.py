@@ -87,6 +87,14 @@ class McapSink:
         self._sequences = [0] * len(self._ids)
         self._lines = 0
 
+    def move_to(self, path: Path) -> None:
+        """Go on at another place, in the same folder; what is there is replaced.
+
+        Raises:
+            OSError: it cannot be put there.
+        """
+        self._writer.move_to(path)
+
     def write(self, batch: Batch) -> None:
         """Write a batch as one chunk and hand it to the operating system."""
         parts, places, which, rows = [], {}, [], 0

@@ -91,6 +91,17 @@ class McapWriter:
         self._write(MCAP0_MAGIC)
         self._write_record(Header(profile="", library=LIBRARY))
 
+    def move_to(self, path: Path) -> None:
+        """Go on at another place, in the same folder; what is there is replaced.
+
+        Raises:
+            OSError: it cannot be put there.
+        """
+        self._file.close()  # not every system moves a file that is open
+        self.path.replace(path)
+        self.path, self._file = path, path.open("r+b", buffering=0)
+        self._file.seek(self._position)
+
     def add_metadata(self, name: str, data: Mapping[str, str]) -> None:
         """Write a named table of texts, before the chunks or after them."""
         offset = self._position
