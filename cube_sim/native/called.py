@@ -13,17 +13,19 @@ from typing import Any
 import llvmlite.binding as llvm
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
+from numba.core.compiler import CompileResult
 from numba.core.compiler_machinery import FunctionPass, register_pass
 from numba.core.typed_passes import NoPythonSupportedFeatureValidation
 
+from cube_sim.native.lent import LendingCompiler
 
-class CalledCompiler(CompilerBase):
-    """numba's compiler up to code that is put into other code."""
+
+class CalledCompiler(LendingCompiler):
+    """The compiler up to code that is put into other code."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's own passes, writing into a `CalledLibrary`."""
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        """The passes, writing into a `CalledLibrary`."""
+        [passes] = super().define_pipelines()
         passes.add_pass_after(_IntoCalledLibrary, NoPythonSupportedFeatureValidation)
         passes.finalize()
         return [passes]

@@ -6,7 +6,7 @@ function is written in only. Here it covers also
 - the functions it calls from other files, to any depth;
 - the constants and the fields of named tuples it takes from outside;
 - the files of the intrinsics it uses;
-- this file and `cube_sim.native.called`, which say how it is compiled.
+- this file, `cube_sim.native.called` and `cube_sim.native.lent`, which say how it is compiled.
 
 Functions must therefore be defined before those that call them.
 """
@@ -31,6 +31,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
 from cube_sim.native.called import CalledCache, CalledCompiler
+from cube_sim.native.lent import LendingCompiler
 
 
 @intrinsic
@@ -203,7 +204,7 @@ def unlocked(function: Callable[..., Any]) -> Any:
 def _compile(function: Callable[..., Any], **options: Any) -> Any:
     # Nothing calls these functions from C; a door for it would take a tenth of the time compiling takes.
     way: dict[str, Any] = dict(fastmath=False, error_model="numpy", no_cfunc_wrapper=True, **options)
-    dispatcher = numba.njit(cache=True, **way)(function)
+    dispatcher = numba.njit(cache=True, pipeline_class=LendingCompiler, **way)(function)
     file, stamp = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None), ""
     if file is not None:  # numba has no public way to say what a cached function depends on
         stamp = _stamp(function)
@@ -292,7 +293,10 @@ def _stamp(function: Callable[..., Any]) -> str:
 
 @cache
 def _how() -> tuple[bytes, ...]:
-    return tuple(Path(file).read_bytes() for file in (__file__, inspect.getfile(CalledCompiler)))
+    return tuple(
+        Path(file).read_bytes()
+        for file in (__file__, inspect.getfile(CalledCompiler), inspect.getfile(LendingCompiler))
+    )
 
 
 def _names(code: CodeType) -> set[str]:
