@@ -6,6 +6,6 @@ cannot be judged is an ERROR, never a PASS.
 """
 
 from cube_sim.checks.allowed_forces import distance_to_allowed
-from cube_sim.checks.evaluating import SignalsInBlocks, evaluate
+from cube_sim.checks.evaluating import Evaluation, SignalsInBlocks, evaluate
 
-__all__ = ["SignalsInBlocks", "distance_to_allowed", "evaluate"]
+__all__ = ["Evaluation", "SignalsInBlocks", "distance_to_allowed", "evaluate"]

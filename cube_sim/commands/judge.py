@@ -12,7 +12,13 @@ from cube_sim.commands.output import print_json
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError, ScenarioError
 
-EPILOG = "Exit code: 0 PASS, 1 FAIL, 2 bad input, 3 ERROR: something could not be judged. Nothing is written."
+EPILOG = (
+    "Of a record that is not complete (cut off, recovered, of a run that was interrupted) the rows that are there "
+    "judge: a check is FAIL where they show that it fails, whatever is missing, and ERROR where what is missing might "
+    "change it; the whole is never a PASS. A record that was altered shows nothing. Exit code: 0 PASS, every check "
+    "was shown to hold; 1 FAIL, one was shown not to; 2 bad input; 3 ERROR, nothing failed but something could not be "
+    "judged, or is not complete. Nothing is written."
+)
 
 
 def judge(

@@ -31,7 +31,7 @@ def recover(
         ),
     ] = None,
 ) -> None:
-    """Save what can be read of a record that was cut off or damaged, and say which seconds are missing.
+    """Save what can be read of a record that was cut off or damaged, and say which rows of which channels are missing.
 
     What is saved never counts as a complete run.
     """
@@ -51,8 +51,10 @@ def recover(
     typer.echo(f"recovered up to {saved.recorded_s:g} s: {saved.directory}")
     for line in saved.dropped:
         typer.echo(f"  dropped: {line}")
-    for start, end in saved.missing_s:
-        typer.echo(f"  missing: {start:g} s to {end:g} s")
+    if saved.changed:
+        typer.echo(f"  not to be trusted: {saved.changed}")
+    for line in saved.missing:
+        typer.echo(f"  missing: {line}")
     if saved.view:
         typer.echo(f"  no view: {saved.view}")
 

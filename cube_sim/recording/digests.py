@@ -6,10 +6,10 @@ give damaged rows a fresh checksum. These digests are of the numbers, and no oth
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from json import dumps
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -53,14 +53,26 @@ def head_digests(tables: Mapping[str, Mapping[str, str]], files: Mapping[str, by
     }
 
 
-def first_other(
+class Other(NamedTuple):
+    """Something in a record that is not as its digests have it.
+
+    Attributes:
+        text: what, in words.
+        lost: whether it is merely missing: of what is there nothing is known to be changed.
+    """
+
+    text: str
+    lost: bool
+
+
+def others(
     digests: Mapping[str, Any],
     channels: Sequence[Channel],
     rows: Mapping[str, Rows],
     log: Iterable[LogLine],
     head: Mapping[str, Mapping[str, str]],
-) -> str:
-    """What is not as the digests of a record have it, in words; "" where all is.
+) -> Iterator[Other]:
+    """What is not as the digests of a record have it.
 
     Args:
         digests: as the record has them.
@@ -72,24 +84,28 @@ def first_other(
     for kind, one in (("files", "the file"), ("tables", "the table")):
         for name, digest in digests[kind].items():
             if head[kind].get(name) != digest:
-                return f"{one} {name!r} in it is {'not the one recorded' if name in head[kind] else 'missing'}"
+                yield Other(
+                    f"{one} {name!r} in it is {'not the one recorded' if name in head[kind] else 'missing'}", False
+                )
     found = {channel.name: channel for channel in channels}
     for name, told in digests["channels"].items():
         if name not in found:
-            return f"the channel {name!r} is missing"
+            yield Other(f"the channel {name!r} is missing", True)
+            continue
         digest, some = ChannelDigest(found[name]), rows.get(name)
         if some is not None:
             digest.take(some)
         if digest.told() != told:
             count = 0 if some is None else len(some)
-            if count != told["rows"]:
-                return f"it holds {count} of {told['rows']} rows of the channel {name!r}"
-            return f"the channel {name!r} is not the one recorded"
-    if others := [name for name in found if name not in digests["channels"]]:
-        return f"the channel {others[0]!r} is none of those recorded"
+            if count == told["rows"]:
+                yield Other(f"the channel {name!r} is not the one recorded", False)
+            else:
+                yield Other(f"it holds {count} of {told['rows']} rows of the channel {name!r}", count < told["rows"])
+    for name in found:
+        if name not in digests["channels"]:
+            yield Other(f"the channel {name!r} is none of those recorded", False)
     if log_digest(log) != digests["log"]:
-        return "the log is not the one recorded"
-    return ""
+        yield Other("the log is not the one recorded", True)
 
 
 def _of_table(table: Mapping[str, str]) -> str:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows, signals
 from cube_sim.recording.channels import Channel
-from cube_sim.recording.digests import first_other, head_digests
+from cube_sim.recording.digests import head_digests, others
 from cube_sim.recording.header import RecordedCode, RunHeader
 from cube_sim.recording.mcap.names import (
     ASSETS,
@@ -49,6 +49,8 @@ class Recording:
         log: the messages, in the order of time.
         end: how the run ended; None where the record does not say it, as after a crash and before format 3.
         flaw: why this is not all of what was recorded of a flight that came to its end, in words; "" if it is.
+        counts: how many rows of each channel were recorded, as the end of the record says; empty where it does not.
+        changed: what of that which is here is not as it was written, in words; "" where nothing is known to be.
     """
 
     header: RunHeader
@@ -58,6 +60,8 @@ class Recording:
     log: tuple[LogLine, ...]
     end: RunEnd | None = None
     flaw: str = ""
+    counts: Mapping[str, int] = field(default_factory=dict)
+    changed: str = ""
 
     @property
     def signals(self) -> dict[str, Rows]:
@@ -168,28 +172,24 @@ def read_header(contents: McapContents) -> tuple[RunHeader, str]:
 
 def read_end(contents: McapContents, read: Recording) -> Recording:
     """A recording with how its run ended, and with its flaw if it has one."""
-    end, flaw = _end(contents, read)
-    return replace(read, end=end, flaw=flaw)
-
-
-def _end(contents: McapContents, read: Recording) -> tuple[RunEnd | None, str]:
-    """How the run ended, and why what was read is not all of a flight that came to its end."""
     texts = contents.metadata.get(END_METADATA)
     if texts is None:
         whole = contents.complete and contents.metadata[RUN_METADATA]["format"] in EARLIER
-        return None, CANNOT_KNOW if whole else NO_END
+        return replace(read, flaw=CANNOT_KNOW if whole else NO_END)
     try:
         end, digests = from_texts(texts)
+        counts = {name: int(told["rows"]) for name, told in digests["channels"].items()}
         head = head_digests(contents.metadata, contents.attachments)
-        other = first_other(digests, read.channels, read.rows, read.log, head)
+        found = list(others(digests, read.channels, read.rows, read.log, head))
     except (RecordingError, ValueError, TypeError, KeyError) as error:
-        return None, str(error) if isinstance(error, RecordingError) else "how the run ended cannot be read"
-    if other:
-        return end, f"{ALTERED}: {other}"
-    if not end.of_itself:
+        said = str(error) if isinstance(error, RecordingError) else "how the run ended cannot be read"
+        return replace(read, flaw=said)
+    changed = next((f"{ALTERED}: {other.text}" for other in found if not other.lost), "")
+    flaw = f"{ALTERED}: {found[0].text}" if found else ""
+    if not found and not end.of_itself:
         when = "" if end.simulated_s is None or end.how == "recovered" else f" at {end.simulated_s:g} s"
-        return end, f"{end.how}{when}{f': {end.reason}' if end.reason else ''}"
-    return end, ""
+        flaw = f"{end.how}{when}{f': {end.reason}' if end.reason else ''}"
+    return replace(read, end=end, flaw=flaw, counts=counts, changed=changed)
 
 
 def _is_input(name: str) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
 from hashlib import sha256
 from json import dumps, loads
 from typing import Any, Literal, get_args
@@ -30,6 +31,7 @@ class RunEnd:
         verdict: of the run; None where it was not judged.
         checks: one result per check of the scenario.
         missing_s: from when to when rows are missing [s], of a recovered record.
+        missing_rows: how many, by channel, as far as it is known; written where there are any.
     """
 
     how: How
@@ -40,6 +42,7 @@ class RunEnd:
     verdict: Verdict | None = None
     checks: tuple[CheckResult, ...] = ()
     missing_s: tuple[tuple[float, float], ...] = ()
+    missing_rows: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def of_itself(self) -> bool:
@@ -58,6 +61,8 @@ def to_texts(end: RunEnd, digests: dict[str, Any]) -> dict[str, str]:
         Each attribute as JSON, `digests`, and the SHA-256 of all these.
     """
     plain = {**asdict(end), "digests": digests}
+    if not end.missing_rows:
+        del plain["missing_rows"]
     texts = {name: dumps(value, sort_keys=True, ensure_ascii=False) for name, value in plain.items()}
     return {**texts, OWN_SHA256: _sha256(texts)}
 
@@ -73,8 +78,8 @@ def from_texts(texts: dict[str, str]) -> tuple[RunEnd, dict[str, Any]]:
         raise RecordingError("how the run ended is damaged")
     plain = {name: loads(text) for name, text in rest.items()}
     digests = plain.pop("digests")
-    known = {field.name for field in fields(RunEnd)}
-    if not known <= plain.keys() or plain["how"] not in get_args(How):
+    known = {each.name for each in fields(RunEnd)}
+    if not known - {"missing_rows"} <= plain.keys() or plain["how"] not in get_args(How):
         raise RecordingError("how the run ended is told in words that this version does not know")
     plain["checks"] = tuple(CheckResult(**check) for check in plain["checks"])
     plain["missing_s"] = tuple((start, end) for start, end in plain["missing_s"])

@@ -20,11 +20,10 @@ from cube_sim.recording.reading import ALTERED, CANNOT_KNOW, NO_END, Recording, 
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE, record_of
 from cube_sim.run_log import LogLine
+from cube_sim.runs.losses import Loss, Span, losses_of, spans_without_rows
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.document import parse
 from cube_sim.verdict import CheckResult, Verdict
-
-Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -113,8 +112,9 @@ class RecordedRun:
 
     @property
     def altered(self) -> bool:
-        """Whether something in the record is not as it was written, by the digests at its end."""
-        return self.recording.flaw.startswith(ALTERED)
+        """Whether something in the record is not as it was written, by the digests at its end, or was not before."""
+        saved = self.end is not None and self.end.how == "recovered" and self.end.reason.startswith(ALTERED)
+        return saved or self.recording.flaw.startswith(ALTERED)
 
     @property
     def checks(self) -> tuple[CheckResult, ...]:
@@ -155,13 +155,19 @@ class RecordedRun:
     @cached_property
     def missing_s(self) -> tuple[Span, ...]:
         """From when to when there are no rows [s], of the channel that has most; none of a run that is whole."""
-        period_s, end = self.scenario.control_period_s, self.end
-        last_s = self.scenario.duration_s if end is None or end.simulated_s is None else end.simulated_s
         times = max((rows[:, 0] for rows in self.recording.rows.values()), key=len, default=np.empty(0))
-        # A row stands for the period that it begins; the last one is the state at the end.
-        edges = np.concatenate([[-period_s], times, [last_s + period_s]])
-        gaps = np.flatnonzero(np.diff(edges) > 1.5 * period_s)
-        return tuple((float(edges[k] + period_s), float(min(edges[k + 1], last_s))) for k in gaps)
+        return spans_without_rows(times, self.scenario.control_period_s, self._last_s)
+
+    @cached_property
+    def losses(self) -> tuple[Loss, ...]:
+        """What each channel lacks, of those that lack anything; none of a run that is whole."""
+        return losses_of(self.recording, self.scenario.control_period_s, self._last_s)
+
+    @property
+    def _last_s(self) -> float:
+        """When the last row should be [s]."""
+        end = self.end
+        return self.scenario.duration_s if end is None or end.simulated_s is None else end.simulated_s
 
     def to_pandas(self, channel: str) -> Any:
         """The rows of a channel as a DataFrame, named as by `cube-sim export`, with units: the time is "t [s]".

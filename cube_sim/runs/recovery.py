@@ -14,7 +14,8 @@ from cube_sim.recording.reading import CANNOT_KNOW, Recording
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.salvage import salvage
 from cube_sim.run_directory import MCAP_FILE, RRD_FILE, Claim, claim
-from cube_sim.runs.recorded_run import RecordedRun, Span
+from cube_sim.runs.losses import told as told_losses
+from cube_sim.runs.recorded_run import RecordedRun
 from cube_sim.whole_file import written_whole
 
 _MOST_TOLD = 3
@@ -28,14 +29,16 @@ class Recovered:
     Attributes:
         directory: where the new record is, and its view.
         recorded_s: how far the record goes [s].
-        missing_s: from when to when rows are missing [s].
+        missing: which channels lack how many rows, and from when to when, a line each.
+        changed: what of that which is there is not as it was recorded; "" where nothing is known to be.
         dropped: what could not be read, a line each.
         view: why the view could not be made; "" if it was.
     """
 
     directory: Path
     recorded_s: float
-    missing_s: tuple[Span, ...]
+    missing: tuple[str, ...]
+    changed: str
     dropped: tuple[str, ...]
     view: str
 
@@ -61,18 +64,21 @@ def recover(record: Path, directory: Path) -> Recovered | str:
     run = RecordedRun(record, found.recording, None)
     if not found.dropped and _holds_all(run):
         return _nothing_to_recover(run)
-    missing = run.missing_s
-    before = run.end
+    before, changed = run.end, found.recording.changed
+    whole = {channel.name for channel in found.recording.channels if channel.every_tick}
+    lost = told_losses(run.losses, whole)
+    because = changed or _told(found.dropped) or (_told(lost) if run.altered else run.flaw)
     end = RunEnd(
         "recovered",
-        _told(found.dropped) or run.flaw,
+        because,
         None if before is None else before.ticks,
         None if before is None else before.simulated_s,
-        missing_s=missing,
+        missing_s=run.missing_s,
+        missing_rows={loss.channel: loss.rows for loss in run.losses},
     )
     with claim(directory, run.scenario.name) as place:
         _write(place, found.recording, end)
-        return Recovered(place.directory, run.recorded_s, missing, found.dropped, _view(place.directory))
+        return Recovered(place.directory, run.recorded_s, tuple(lost), changed, found.dropped, _view(place.directory))
 
 
 def _holds_all(run: RecordedRun) -> bool:

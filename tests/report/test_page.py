@@ -241,10 +241,10 @@ def test_what_is_not_recorded_is_not_drawn_as_flown():
 
 def test_a_check_is_not_shown_to_hold_where_nothing_is_recorded():
     verdict, (cross_track, forces), _ = judged(with_gap())
-    assert (verdict, cross_track.verdict, forces.verdict) == ("ERROR", "FAIL", "ERROR")
+    assert (verdict, cross_track.verdict, forces.verdict) == ("FAIL", "FAIL", "ERROR")
     assert forces.detail.endswith("nothing is recorded from 3 s to 4 s")
-    _, (cross_track, forces), _ = judged(with_gap(6.0, 7.5))
-    assert (cross_track.verdict, forces.verdict) == ("ERROR", "ERROR")
+    verdict, (cross_track, forces), _ = judged(with_gap(6.0, 7.5))
+    assert (verdict, cross_track.verdict, forces.verdict) == ("ERROR", "ERROR", "ERROR")
 
 
 def test_several_runs_share_their_plots():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import signal
 from dataclasses import replace
@@ -13,6 +14,7 @@ import pyarrow.parquet
 import pytest
 from mcap.reader import make_reader
 from support.command_line import call
+from support.laundering import written_anew
 from support.own_code import scenario_with
 
 import cube_sim
@@ -314,7 +316,7 @@ def test_what_is_left_of_a_damaged_record_is_recovered(flown, tmp_path, monkeypa
     assert out.splitlines() == [
         f"recovered up to 3 s: {saved}",
         "  dropped: the chunk from 1 s to 1.98 s does not fit its checksum",
-        "  missing: 1 s to 2 s",
+        "  missing: 1 s to 2 s: 50 of 151 rows each of every channel",
     ]
     assert (saved / "run.rrd").stat().st_size > 10_000
     with (saved / "run.mcap").open("rb") as stream:
@@ -333,12 +335,39 @@ def test_what_is_left_of_a_damaged_record_is_recovered(flown, tmp_path, monkeypa
     assert call(monkeypatch, capsys, "recover", tmp_path / "nope") == (2, "", f"{tmp_path / 'nope'}: no such file\n")
     code, out, _ = call(monkeypatch, capsys, "judge", saved, "--json")
     assert (code, json.loads(out)["verdict"]) == (3, "ERROR")
+    checks = tmp_path / "checks.yaml"
+    checks.write_text("checks:\n  - {kind: signal, signal: pose.position, statistic: max, at_most: 1}\n")
+    code, out, _ = call(monkeypatch, capsys, "judge", saved, "--checks", checks, "--json")
+    assert (code, json.loads(out)["verdict"]) == (1, "FAIL")
+
+
+def test_a_channel_that_is_gone_and_rows_that_are_gone_are_named(flown, tmp_path, monkeypatch, capsys):
+    """As a tool that filters topics leaves a file: nothing in it is damaged."""
+    record = written_anew(
+        flown.directory / "run.mcap",
+        target=tmp_path / "some.mcap",
+        keep=lambda found: found[1].topic != "/wrench" and not (found[1].topic == "/pose" and found[2].sequence == 7),
+        left_out={"/wrench"},
+    )
+    code, out, _ = call(monkeypatch, capsys, "recover", record)
+    lines = out.splitlines()
+    assert (code, lines[0]) == (0, f"recovered up to 3 s: {tmp_path / 'some_recovered'}")
+    told = ["0 s to 3 s: all 151 rows of wrench", "0.14 s to 0.16 s: 1 of 151 rows of pose"]
+    assert sorted(lines[1:]) == sorted(f"  missing: {each}" for each in told)
+    run = cube_sim.load_run(tmp_path / "some_recovered")
+    assert run.end.reason == "; ".join(told[::-1])
+    assert {loss.channel: loss.rows for loss in run.losses} == {"wrench": 151, "pose": 1}
+    checks = tmp_path / "checks.yaml"
+    by = "  - {kind: signal, name: below %s m, signal: pose.position, statistic: max, at_most: %s}\n"
+    checks.write_text("checks:\n" + by % (99, 99) + by % (1, 1))
+    code, out, _ = call(monkeypatch, capsys, "judge", tmp_path / "some_recovered", "--checks", checks, "--json")
+    assert (code, [each["verdict"] for each in json.loads(out)["checks"]]) == (1, ["ERROR", "FAIL"])
 
 
 def test_what_a_kill_left_is_recovered_and_what_is_whole_is_left_alone(flown, tmp_path, monkeypatch, capsys):
     code, out, _ = call(monkeypatch, capsys, "recover", cut(flown, tmp_path), "--output", tmp_path / "saved")
     assert code == 0
-    assert out.splitlines()[-1].endswith(" s to 3 s")
+    assert re.fullmatch(r"  missing: [12] s to 3 s: \d+ rows each of every channel", out.splitlines()[-1])
     assert cube_sim.load_run(tmp_path / "saved").recorded_s < 2.5
     code, out, _ = call(monkeypatch, capsys, "recover", flown.directory, "--output", tmp_path / "none")
     assert (code, "is complete; there is nothing to recover" in out) == (0, True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import struct
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import lru_cache
 from pathlib import Path
 from random import Random
@@ -43,6 +43,7 @@ def written_anew(
     sequence: Callable[[int], int] = lambda number: number,
     twice: bool = False,
     same_channels: bool = True,
+    left_out: Collection[str] = (),
     **options: Any,
 ) -> Path:
     """Write what recordings hold into one file, by the public reader and writer.
@@ -54,6 +55,7 @@ def written_anew(
         keep: which messages.
         sequence: a message's number of that before.
         twice: whether each message is written twice.
+        left_out: topics that are not even declared.
         same_channels: whether channels alike become one, as `mcap merge` has it.
         options: of the writer.
     """
@@ -69,6 +71,8 @@ def written_anew(
             for each in held.metadata:
                 writer.add_metadata(each.name, each.metadata)
             for channel in held.summary.channels.values():
+                if channel.topic in left_out:
+                    continue
                 schema = held.summary.schemas[channel.schema_id]
                 key = channel.topic if same_channels else (k, channel.topic)
                 if key not in ids:

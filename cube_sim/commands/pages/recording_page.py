@@ -144,8 +144,13 @@ checksum: `cube-sim recover` writes the others into a new record, which is never
 {FORMAT} are read as well; they do not say how their run ended, nobody can tell whether their numbers were altered, and
 they never count as complete.
 
+`recover` names each channel that lacks rows, from when to when, and how many: `load_run(...).losses` has the same.
 Where a recovered record has no rows, nothing is drawn: curves are broken, pages hatch that time and name it at the top.
-A check that passed by the rows that are left is an ERROR."""
+
+`cube-sim judge` judges a record that is not complete by the rows that are there. A check is FAIL where they show that
+it fails, whatever is missing: a maximum beyond its limit stays beyond it. What missing rows of its window might change
+is an ERROR: a maximum within its limit, an RMS, a value at the end. The whole is FAIL or ERROR, never PASS. So a run
+that was interrupted, ERROR in its own `verdict.json`, may be shown to FAIL. A record that was altered shows nothing."""
 _VERDICT = f"""\
 `verdict` is PASS when every check was shown to hold, FAIL when one was shown not to, ERROR when none failed but
 something could not be judged. `value` is the worst value and `at_s` when it was. `margin` is its distance from the
