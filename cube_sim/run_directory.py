@@ -57,9 +57,13 @@ def record_of(path: Path) -> Path:
         RecordingError: there is none.
     """
     record = path / MCAP_FILE if path.is_dir() else path
-    if not record.is_file():
-        raise RecordingError(f"{path}: no {MCAP_FILE} here" if path.is_dir() else f"{path}: no such file")
-    return record
+    if record.is_file():
+        return record
+    if (path / VERDICT_FILE).is_file():
+        raise RecordingError(f"{path}: is the folder of a run without a record: there is a verdict and no {MCAP_FILE}")
+    if path.is_dir():
+        raise RecordingError(f"{path}: is not the folder of a run: there is no {MCAP_FILE} in it")
+    raise RecordingError(f"{path}: is not a regular file, no record" if path.exists() else f"{path}: no such file")
 
 
 def write_verdict(directory: Path, text: str) -> None:

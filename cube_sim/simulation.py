@@ -34,9 +34,9 @@ Kept = Literal["full", "mcap", "none"]
 """What a run leaves beside its verdict: the record and its view, the record alone, nothing."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """What a run leaves in memory; the same stands in its directory.
+    """What a run leaves in memory; the same stands in its directory. It equals itself alone.
 
     Attributes:
         verdict: PASS, FAIL or ERROR (could not be judged).
@@ -60,6 +60,11 @@ class Run:
     simulated_s: float
     ended_early: EarlyEnd | None
     log: tuple[LogLine, ...]
+
+    def __repr__(self) -> str:
+        """Verdict, time and place, in one line."""
+        end = "" if self.ended_early is None else f", ended early: {self.ended_early.reason}"
+        return f"<Run {self.verdict}: {self.simulated_s:g} s{end}: {self.directory}>"
 
 
 def run(

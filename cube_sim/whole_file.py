@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from errno import ENOENT
 from pathlib import Path
 
 _unfinished: list[Callable[[], None]] = []
@@ -53,6 +54,8 @@ def written_whole(file: Path) -> Iterator[Path]:
         yield file
         return
     file = file.resolve() if file.is_symlink() else file
+    if not file.parent.exists():
+        raise FileNotFoundError(ENOENT, f"there is no folder {file.parent}")
     part = part_of(file)
     with undone_if_left(lambda: _remove(part)):
         yield part

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cube_sim.whole_file import filled_whole, written_whole
+from cube_sim.whole_file import filled_whole, undo_unfinished, written_whole
 
 
 def test_a_file_is_replaced_once_it_is_whole(tmp_path):
@@ -32,6 +32,23 @@ def test_what_fails_leaves_the_earlier_file_and_nothing_else(tmp_path, error):
         fail()
     assert file.read_text() == "earlier"
     assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_folder_that_is_missing_is_named(tmp_path):
+    with pytest.raises(FileNotFoundError) as raised, written_whole(tmp_path / "no" / "page.html"):
+        pass
+    assert raised.value.strerror == f"there is no folder {tmp_path / 'no'}"
+
+
+def test_a_process_that_ends_at_once_leaves_nothing_half_written(tmp_path):
+    file, folder = tmp_path / "page.html", tmp_path / "tables"
+    file.write_text("earlier")
+    with pytest.raises(FileNotFoundError), written_whole(file) as part, filled_whole(folder):
+        part.write_text("half")
+        (folder / "a.csv").write_text("half")
+        undo_unfinished()
+        assert list(tmp_path.iterdir()) == [file]
+        assert file.read_text() == "earlier"
 
 
 def test_a_link_stays_one_and_a_device_is_written_as_it_is(tmp_path):

@@ -17,12 +17,13 @@ if TYPE_CHECKING:
 
     from rich.table import Table
 
-    from cube_sim.runs.comparison import SignalDifference
+    from cube_sim.runs.comparison import InputDifference, SignalDifference
     from cube_sim.runs.recorded_run import RecordedRun
 
 EPILOG = (
     "Exit code: 0 the same within the tolerances, row for row; 1 something differs, rows that one of them lacks "
-    "included; 2 bad input. A record that is not complete is told on stderr."
+    "included; 2 bad input. Values of the scenario and files that are not the same are named, files by the start of "
+    "their SHA-256; they change no exit code. A record that is not complete is told on stderr."
 )
 
 
@@ -40,27 +41,46 @@ def diff(
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the differences as JSON.")] = False,
 ) -> None:
-    """Compare two runs: which signals differ, from when on, and by how much."""
+    """Compare two runs: which settings and files, which signals, from when on, and by how much."""
     try:
-        from cube_sim.runs.comparison import differences
+        from cube_sim.runs.comparison import differences, other_files, other_settings
         from cube_sim.runs.recorded_run import load_run
 
         runs = load_run(one), load_run(other)
         allowed = _tolerances(tolerance or [], runs[0])
         found = list(differences(runs[0].signals, runs[1].signals, allowed.__getitem__))
+        settings = other_settings(runs[0].resolved, runs[1].resolved)
+        files = other_files(runs[0].header, runs[1].header)
     except (RecordingError, ValueError) as error:
         stop(BAD_INPUT, str(error))
     for run in runs:
         if run.flaw:
             typer.echo(f"{run.path}: {run.flaw}", err=True)
     if json:
-        print_json([each.to_dict() for each in found])
-    elif found:
-        console = console_for_tables()
-        console.print(_table(found, runs[0]))
+        inputs = {"settings": [vars(each) for each in settings], "files": [vars(each) for each in files]}
+        print_json({**inputs, "signals": [each.to_dict() for each in found]})
     else:
-        typer.echo(f"the same: {len(runs[0].signals)} signals")
+        for line in _lines("setting", settings) + _lines("file", files, _DIGEST):
+            typer.echo(line)
+        if found:
+            console_for_tables().print(_table(found, runs[0]))
+        else:
+            typer.echo(f"the same: {len(runs[0].signals)} signals")
     raise typer.Exit(FAIL if found else PASS)
+
+
+_DIGEST, _MOST = 12, 60
+"""So many characters are shown of a digest and of a value."""
+
+
+def _lines(what: str, others: Sequence[InputDifference], most: int = _MOST) -> list[str]:
+    return [f"{what} {each.key}: {_short(each.one, most)} against {_short(each.other, most)}" for each in others]
+
+
+def _short(value: str, most: int) -> str:
+    if most == _DIGEST:
+        return value[:most] or "none"
+    return (value if len(value) <= most else f"{value[: most - 3]}...") or "none"
 
 
 class _Tolerances(dict[str, float]):

@@ -40,9 +40,9 @@ def export(
         Format,
         typer.Option(
             "--format",
-            help="csv and parquet: a file per channel, names and units in its header. rrd: the view for the Rerun "
-            "viewer. inputs: the scenario and every file it flies on, ready to be run. layout: how Foxglove and "
-            "Lichtblick show run.mcap.",
+            help="csv and parquet: a file per channel, names and units in its header, codes as numbers and as words. "
+            "rrd: the view for the Rerun viewer. inputs: the scenario and every file it flies on, ready to be run. "
+            "layout: how Foxglove and Lichtblick show run.mcap.",
         ),
     ] = Format.CSV,
     channels: Annotated[

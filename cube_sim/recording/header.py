@@ -60,6 +60,13 @@ class RunHeader:
     seed: int = 0
 
     @property
+    def build(self) -> str:
+        """Which code of cube_sim flew: the start of the SHA-256 of its source, and its commit where that is known."""
+        source, commit = self.versions.get(SOURCE, ""), self.versions.get(COMMIT, "")
+        at = f" (commit {commit[:12]}{commit[40:]})" if commit else ""
+        return f"source {source[:12]}{at}" if source else "not recorded"
+
+    @property
     def mjcf(self) -> str:
         """Text of the MJCF; what is no UTF-8 in it is replaced."""
         return self.inputs[self.model].decode(errors="replace")

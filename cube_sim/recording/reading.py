@@ -37,9 +37,9 @@ CANNOT_KNOW = "its format says neither how the run ended nor whether anything wa
 """Of a record from before format 3 whose file has its end."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
-    """A run, read back.
+    """A run, read back; it equals itself alone.
 
     Attributes:
         header: the inputs of the run.
@@ -62,6 +62,11 @@ class Recording:
     flaw: str = ""
     counts: Mapping[str, int] = field(default_factory=dict)
     changed: str = ""
+
+    def __repr__(self) -> str:
+        """Vehicle, size and flaw, in one line."""
+        rows = sum(map(len, self.rows.values()))
+        return f"<Recording of {self.vehicle}: {len(self.channels)} channels, {rows} rows, {self.flaw or 'complete'}>"
 
     @property
     def signals(self) -> dict[str, Rows]:

@@ -1,15 +1,18 @@
-"""Two runs, signal by signal."""
+"""Two runs: what they were made of, and signal by signal."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from hashlib import sha256
+from json import dumps
 from math import inf
 from typing import Any
 
 import numpy as np
 
 from cube_sim.recording.batch import Rows
+from cube_sim.recording.header import RunHeader
 
 Signals = Mapping[str, Rows]
 
@@ -37,6 +40,61 @@ class SignalDifference:
     def to_dict(self) -> dict[str, Any]:
         """The same as plain data, for JSON: an infinite difference is null."""
         return {**vars(self), "largest": None if self.largest == inf else self.largest}
+
+
+@dataclass(frozen=True)
+class InputDifference:
+    """That two runs are not made of the same.
+
+    Attributes:
+        key: dotted path of a scenario's value, or the name of a file.
+        one: of the first run: the value as JSON, or the SHA-256 of the file; "" where it has none.
+        other: of the second.
+    """
+
+    key: str
+    one: str
+    other: str
+
+
+def other_settings(one: Mapping[str, Any], other: Mapping[str, Any]) -> list[InputDifference]:
+    """Values of two scenarios that are not the same, in the order of the first.
+
+    Args:
+        one: every default written out, plain data.
+        other: likewise.
+    """
+    return list(_other_values("", one, other))
+
+
+def other_files(one: RunHeader, other: RunHeader) -> list[InputDifference]:
+    """Files that are not the same, by their digests: model, what it includes, tables, Python of the user's own."""
+    then, now = _digests(one), _digests(other)
+    names = [name for name in dict.fromkeys([*then, *now]) if then.get(name) != now.get(name)]
+    return [InputDifference(name, then.get(name, ""), now.get(name, "")) for name in names]
+
+
+def _digests(header: RunHeader) -> dict[str, str]:
+    files = {name: sha256(data).hexdigest() for name, data in header.inputs.items()}
+    return files | {code.file: code.digest for code in header.code}
+
+
+def _other_values(key: str, a: Any, b: Any) -> Iterator[InputDifference]:
+    if isinstance(a, list) and isinstance(b, list):
+        a, b = dict(enumerate(a)), dict(enumerate(b))
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        for name in dict.fromkeys([*a, *b]):
+            below = f"{key}.{name}" if key else str(name)
+            if name in a and name in b:
+                yield from _other_values(below, a[name], b[name])
+            else:
+                yield InputDifference(below, *(_json(each[name]) if name in each else "" for each in (a, b)))
+    elif a != b:
+        yield InputDifference(key, _json(a), _json(b))
+
+
+def _json(value: Any) -> str:
+    return dumps(value, ensure_ascii=False, default=str)
 
 
 def differences(

@@ -17,18 +17,18 @@ from cube_sim.recording.batch import BySignal, Rows
 from cube_sim.recording.channels import Field
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.reading import ALTERED, CANNOT_KNOW, NO_END, Recording, read_recording
-from cube_sim.recording.run_end import RunEnd
+from cube_sim.recording.run_end import How, RunEnd
 from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE, record_of
 from cube_sim.run_log import LogLine
 from cube_sim.runs.losses import Loss, Span, losses_of, spans_without_rows
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.document import parse
-from cube_sim.verdict import CheckResult, Verdict
+from cube_sim.verdict import CheckResult, EarlyEnd, Verdict
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class RecordedRun:
-    """A run as its files have it.
+    """A run as its files have it; it equals itself alone: `cube-sim diff` and `differences` compare two.
 
     Attributes:
         path: of the record.
@@ -99,6 +99,50 @@ class RecordedRun:
         return self.recording.end
 
     @property
+    def how(self) -> How | None:
+        """How the run ended, in a word; None where the record does not say it."""
+        return None if self.end is None else self.end.how
+
+    @property
+    def simulated_s(self) -> float:
+        """Simulated time from the start to the end [s]; as far as the record goes where it does not say it."""
+        return self.recorded_s if self.end is None or self.end.simulated_s is None else self.end.simulated_s
+
+    @property
+    def ended_early(self) -> EarlyEnd | None:
+        """When and why the run, or what there is of it, ended before its time; None where all of it was flown."""
+        if self.end is None:
+            lines = [line for line in self.log if line.level == "ERROR" and line.t >= self.recorded_s]
+            return EarlyEnd(self.recorded_s, lines[-1].text if lines else self.flaw) if self.flaw or lines else None
+        match self.end.how:
+            case "completed":
+                return None
+            case "interrupted":
+                return EarlyEnd(self.simulated_s, f"interrupted by {self.end.reason}")
+            case "recovered" if self._reaches_its_end:
+                return None
+        return EarlyEnd(min(self.recorded_s, self.simulated_s), self.end.reason)
+
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Of each package that took part in the numbers, and of what else did."""
+        return self.header.versions
+
+    @property
+    def build(self) -> str:
+        """Which code of cube_sim flew: the start of the SHA-256 of its source, and its commit where that is known."""
+        return self.header.build
+
+    def __repr__(self) -> str:
+        """Name, verdict and how it ended, in one line."""
+        try:
+            name = self.resolved.get("name", "")
+        except RecordingError:
+            name = "of no scenario"
+        ended = self.how or "without an end"
+        return f"<RecordedRun {name}: {self.verdict or 'not judged'}, {ended}, {self.simulated_s:g} s: {self.path}>"
+
+    @property
     def verdict(self) -> Verdict | None:
         """What the run was judged, in the same word as `cube_sim.run(...).verdict`.
 
@@ -135,17 +179,23 @@ class RecordedRun:
         if flaw == CANNOT_KNOW:
             # Rows that do not reach the end of the time are known not to be all, unless the flight ended itself.
             of_itself = any(line.level == "ERROR" and line.t >= self.recorded_s for line in self.log)
-            whole = self.recorded_s > (self.scenario.ticks - 0.5) * self.scenario.control_period_s
-            return flaw if of_itself or whole else self._early
+            return flaw if of_itself or self._reaches_its_end else self._early
         return self._early if flaw == NO_END else f"{self._early}: {flaw}"
 
     @property
     def _early(self) -> str:
-        early = f"the record ends early, at {self.recorded_s:g} s"
+        early = f"the record ends early, at {self.recorded_s:.10g} s"
         try:
-            return f"{early} of {self.scenario.duration_s:g} s"
+            if self._reaches_its_end:
+                return f"its rows go to the end, {self.scenario.duration_s:.10g} s, but {NO_END}"
+            return f"{early} of {self.scenario.duration_s:.10g} s"
         except RecordingError:  # a scenario of another version can be looked at all the same
             return early
+
+    @property
+    def _reaches_its_end(self) -> bool:
+        """Whether there are rows of the last control period."""
+        return self.recorded_s > (self.scenario.ticks - 0.5) * self.scenario.control_period_s
 
     @property
     def recorded_s(self) -> float:

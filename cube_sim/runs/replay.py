@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
@@ -14,7 +14,7 @@ from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.flight import Loop, prepared
 from cube_sim.mission.run_header import header
 from cube_sim.recording.batch import Rows
-from cube_sim.recording.header import COMMIT, SOURCE
+from cube_sim.recording.header import COMMIT, SOURCE, RunHeader
 from cube_sim.recording.mcap.names import MODEL
 from cube_sim.recording.saved_inputs import save_inputs
 from cube_sim.recording.signal_store import SignalStore
@@ -85,7 +85,7 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
     holes = () if whole or run.end is None else run.end.missing_s
     logs = ([line for line in lines if whole or _is_recorded(line, until_s, holes)] for lines in (run.log, store.lines))
     other_log = _first_other(*logs)
-    versions = _other_versions(run.header.versions, inputs.versions)
+    versions = _other_versions(run.header, inputs)
     return Replayed(tuple(found), versions, other_log, until_s, len(again))
 
 
@@ -98,18 +98,13 @@ def _of_the_times(rows: Rows, recorded: Rows | None) -> Rows:
     return rows if recorded is None else rows[np.isin(rows[:, 0], recorded[:, 0])]
 
 
-def _other_versions(then: Mapping[str, str], now: Mapping[str, str]) -> tuple[str, ...]:
+def _other_versions(recorded: RunHeader, ours: RunHeader) -> tuple[str, ...]:
+    then, now = recorded.versions, ours.versions
     names = [name for name in sorted({*then, *now} - {SOURCE, COMMIT}) if then.get(name) != now.get(name)]
     lines = [f"{name} {then.get(name, 'none')}, now {now.get(name, 'none')}" for name in names]
     if then.get(SOURCE) != now.get(SOURCE):  # another commit of the same code is no difference
-        lines.insert(0, f"the code of cube_sim is not the same: {_build(then)}, now {_build(now)}")
+        lines.insert(0, f"the code of cube_sim is not the same: {recorded.build}, now {ours.build}")
     return tuple(lines)
-
-
-def _build(versions: Mapping[str, str]) -> str:
-    source, commit = versions.get(SOURCE, ""), versions.get(COMMIT, "")
-    at = f" (commit {commit[:12]}{commit[40:]})" if commit else ""
-    return f"source {source[:12]}{at}" if source else "not recorded"
 
 
 def _first_other(then: Sequence[LogLine], now: Sequence[LogLine]) -> tuple[str, str] | None:

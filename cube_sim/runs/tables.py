@@ -1,9 +1,9 @@
-"""A recorded run as tables: a file per channel, names and units in the header."""
+"""A recorded run as tables: a file per channel, names and units in the header, codes as numbers and as words."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
@@ -17,6 +17,20 @@ from cube_sim.recording.channels import Channel
 from cube_sim.runs.recorded_run import RecordedRun
 
 TIME = "t [s]"
+WORD = "name"
+"""In brackets, where other columns have their unit: of a column that has the words of the codes before it."""
+
+
+class Words(NamedTuple):
+    """What codes mean.
+
+    Attributes:
+        known: what 0, 1, 2 ... mean.
+        words: of each row; None where its code is none of these.
+    """
+
+    known: tuple[str, ...]
+    words: tuple[str | None, ...]
 
 
 class Table(NamedTuple):
@@ -26,11 +40,21 @@ class Table(NamedTuple):
         name: of the channel.
         columns: a name for each, with its unit in brackets; the first is the simulated time.
         rows: (n, 1 + width).
+        labels: of columns that are codes, what 0, 1, 2 ... mean, by their index.
     """
 
     name: str
     columns: tuple[str, ...]
     rows: Rows
+    labels: Mapping[int, tuple[str, ...]]
+
+    def parts(self) -> Iterator[tuple[str, Rows | Words]]:
+        """Every column by its name; behind one of codes another has their words."""
+        for index, name in enumerate(self.columns):
+            codes = self.rows[:, index]
+            yield name, codes
+            if index in self.labels:
+                yield f"{name.rpartition(' [')[0]} [{WORD}]", Words(self.labels[index], tuple(_words(self, index)))
 
 
 def tables_of(run: RecordedRun, wanted: Sequence[str] = ()) -> Iterator[Table]:
@@ -44,7 +68,7 @@ def tables_of(run: RecordedRun, wanted: Sequence[str] = ()) -> Iterator[Table]:
         rows = run.recording.rows.get(channel.name)
         if rows is None or (wanted and channel.name not in wanted):
             continue
-        yield Table(channel.name, _columns(run, channel), rows)
+        yield _table(run, channel, rows)
 
 
 def table_of(run: RecordedRun, channel: str) -> Table:
@@ -59,7 +83,7 @@ def table_of(run: RecordedRun, channel: str) -> Table:
         hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
         raise RecordingError(f"{run.path}: no channel {channel!r}; {hint}")
     rows = run.recording.rows.get(channel, np.empty((0, 1 + known[channel].width)))
-    return Table(channel, _columns(run, known[channel]), rows)
+    return _table(run, known[channel], rows)
 
 
 def pandas_frame(table: Table) -> Any:
@@ -68,7 +92,12 @@ def pandas_frame(table: Table) -> Any:
     Raises:
         RecordingError: pandas is not installed.
     """
-    return _library("pandas").DataFrame(_by_name(table))
+    pandas = _library("pandas")
+    columns = {
+        name: pandas.Categorical(part.words, part.known) if isinstance(part, Words) else part
+        for name, part in table.parts()
+    }
+    return pandas.DataFrame(columns)
 
 
 def polars_frame(table: Table) -> Any:
@@ -77,7 +106,12 @@ def polars_frame(table: Table) -> Any:
     Raises:
         RecordingError: polars is not installed.
     """
-    return _library("polars").DataFrame(_by_name(table))
+    polars = _library("polars")
+    columns = {
+        name: polars.Series(name, part.words, polars.Enum(part.known)) if isinstance(part, Words) else part
+        for name, part in table.parts()
+    }
+    return polars.DataFrame(columns)
 
 
 def _library(name: str) -> Any:
@@ -87,17 +121,24 @@ def _library(name: str) -> Any:
         raise RecordingError(f"{name} is not installed: pip install {name}") from None
 
 
-def _by_name(table: Table) -> dict[str, Rows]:
-    return {name: table.rows[:, index] for index, name in enumerate(table.columns)}
-
-
-def _columns(run: RecordedRun, channel: Channel) -> tuple[str, ...]:
+def _table(run: RecordedRun, channel: Channel, rows: Rows) -> Table:
     names = (name for field in channel.fields for name in run.column_names(f"{channel.name}.{field.name}"))
-    return (TIME, *(name.removeprefix(f"{channel.name}.") for name in names))
+    labels = {
+        index: field.labels
+        for field, columns in zip(channel.fields, channel.columns, strict=True)
+        for index in range(columns.start, columns.stop)
+        if field.labels
+    }
+    return Table(channel.name, (TIME, *(name.removeprefix(f"{channel.name}.") for name in names)), rows, labels)
+
+
+def _words(table: Table, index: int) -> Iterator[str | None]:
+    labels = dict(enumerate(table.labels[index]))
+    return (labels.get(code) for code in table.rows[:, index].tolist())  # 2.0 finds 2
 
 
 def write_csv(table: Table, folder: Path) -> Path:
-    """Write CHANNEL.csv; numbers so that they read back to the same bits.
+    """Write CHANNEL.csv; numbers so that they read back to the same bits, a code without a word as an empty one.
 
     Raises:
         OSError: it cannot be written.
@@ -105,13 +146,14 @@ def write_csv(table: Table, folder: Path) -> Path:
     file = folder / f"{table.name}.csv"
     with file.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(table.columns)
-        writer.writerows(table.rows.tolist())
+        names, parts = zip(*table.parts(), strict=True)
+        writer.writerow(names)
+        writer.writerows(zip(*(p.words if isinstance(p, Words) else p.tolist() for p in parts), strict=True))
     return file
 
 
 def write_parquet(table: Table, folder: Path) -> Path:
-    """Write CHANNEL.parquet, a column of float64 for each number.
+    """Write CHANNEL.parquet, a column of float64 for each number, and a dictionary of the words of codes.
 
     Raises:
         OSError: it cannot be written.
@@ -120,5 +162,14 @@ def write_parquet(table: Table, folder: Path) -> Path:
     import pyarrow.parquet
 
     file = folder / f"{table.name}.parquet"
-    pyarrow.parquet.write_table(pyarrow.table(_by_name(table)), file)
+    columns = {name: _arrow_words(part) if isinstance(part, Words) else part for name, part in table.parts()}
+    pyarrow.parquet.write_table(pyarrow.table(columns), file)
     return file
+
+
+def _arrow_words(words: Words) -> Any:
+    import pyarrow
+
+    number = {word: index for index, word in enumerate(words.known)}
+    codes = pyarrow.array([None if word is None else number[word] for word in words.words], pyarrow.int8())
+    return pyarrow.DictionaryArray.from_arrays(codes, pyarrow.array(words.known))

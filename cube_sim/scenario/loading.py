@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ from cube_sim.scenario.schema import Scenario
 
 # Far above any scenario; a recording or a table given by mistake is not parsed for minutes.
 _LARGEST_BYTES = 1_000_000
+_SCENARIO, _CHECKS = "scenario file", "file of checks"
+_KEYS = tuple(Scenario.model_fields)
 
 
 @dataclass(frozen=True)
@@ -136,7 +139,10 @@ def load_checks(
         ScenarioError: with one ``file:line:column: path: message`` per mistake.
     """
     path = Path(path)
-    document = _parsed(path, _read(path))
+    document = _parsed(path, _read(path, _CHECKS), _CHECKS)
+    strange = [Refusal((key,), _no_such_key(str(key)), at_key=True) for key in document.data if key not in _KEYS]
+    if strange:
+        raise ScenarioError([_line(path, _place(refusal, document, ())) for refusal in strange])
     if "checks" not in document.data:
         raise ScenarioError([f"{path}:1:1: checks: is missing; give a list of checks"])
     data = {**scenario, "checks": document.data["checks"]}
@@ -147,13 +153,20 @@ def load_checks(
     return checks
 
 
-def _parsed(path: Path, text: str) -> Document:
+def _no_such_key(key: str) -> str:
+    near = get_close_matches(key, _KEYS, n=1)
+    return f"unknown key; did you mean {near[0]}?" if near else "unknown key; known: checks, and those of a scenario"
+
+
+def _parsed(path: Path, text: str, what: str = _SCENARIO) -> Document:
     document = parse(text)
     if document.data is None:
         raise ScenarioError([_line(path, mistake) for mistake in document.mistakes])
     if not isinstance(document.data, dict):
+        inside = " with checks: in it" if what == _CHECKS else ""
+        held = type(document.data).__name__
         raise ScenarioError(
-            [f"{path}:1:1: a scenario is a block of keys, this file holds a {type(document.data).__name__}"]
+            [f"{path}:1:1: a {what.removesuffix(' file')} is a block of keys{inside}, this file holds a {held}"]
         )
     return document
 
@@ -191,15 +204,13 @@ def _validated(
     return scenario
 
 
-def _read(path: Path) -> str:
+def _read(path: Path, what: str = _SCENARIO) -> str:
     try:
         # A pipe or a device would be read for ever, or only once.
         if path.exists() and not path.is_file():
-            raise ScenarioError(
-                [f"{path}: is {'a folder' if path.is_dir() else 'not a regular file'}, not a scenario file"]
-            )
+            raise ScenarioError([f"{path}: is {'a folder' if path.is_dir() else 'not a regular file'}, not a {what}"])
         if path.stat().st_size > _LARGEST_BYTES:
-            raise ScenarioError([f"{path}: is larger than {_LARGEST_BYTES} bytes, so it is no scenario file"])
+            raise ScenarioError([f"{path}: is larger than {_LARGEST_BYTES} bytes, so it is no {what}"])
         content = path.read_bytes()
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cube_sim.runs.comparison import differences
+from cube_sim.recording.header import RecordedCode, RunHeader
+from cube_sim.runs.comparison import InputDifference, differences, other_files, other_settings
 
 T = np.arange(5.0)
 
@@ -69,3 +70,24 @@ def test_where_times_differ_common_ones_are_compared():
     (found,) = differences(BASE, other)
     assert "4 at the same times" in found.text
     assert (found.first_s, found.largest) == (3.0, 4.0)
+
+
+def test_settings_that_differ_are_named_by_their_dotted_key():
+    one = {"seed": 1, "path": {"points_m": [[0, 0], [1, 2]], "type": "line"}, "battery": None, "events": []}
+    other = {"seed": 1, "path": {"points_m": [[0, 0], [1, 3]], "type": "line"}, "events": [{"at_s": 2}], "new": True}
+    assert other_settings(one, one) == []
+    assert other_settings(one, other) == [
+        InputDifference("path.points_m.1.1", "2", "3"),
+        InputDifference("battery", "null", ""),
+        InputDifference("events.0", "", '{"at_s": 2}'),
+        InputDifference("new", "", "true"),
+    ]
+
+
+def test_files_that_differ_are_named_by_their_digests():
+    one = RunHeader("", "", "model/a.xml", {"model/a.xml": b"a", "model/b.obj": b"b"})
+    other = RunHeader("", "", "model/a.xml", {"model/a.xml": b"c"}, (RecordedCode("control.law", "own.py:law", "x"),))
+    assert other_files(one, one) == []
+    found = {each.key: (each.one[:4], each.other[:4]) for each in other_files(one, other)}
+    # of a shell: printf a | sha256sum
+    assert found == {"model/a.xml": ("ca97", "2e7d"), "model/b.obj": ("3e23", ""), "control.law/own.py": ("", "2d71")}

@@ -21,6 +21,7 @@ import cube_sim
 from cube_sim.errors import RecordingError, RunInterrupted, UnknownSignalError
 from cube_sim.runs import tables
 from cube_sim.scenario.loading import loaded_again
+from cube_sim.verdict import EarlyEnd
 
 pytestmark = pytest.mark.flight
 
@@ -72,12 +73,29 @@ def test_it_has_what_the_run_had(flown):
     assert run.column_names("wrench.demanded")[2:4] == ("wrench.demanded.Fz [N]", "wrench.demanded.Mx [N m]")
     assert run.column_names("path_error.cross_track") == ("path_error.cross_track [m]",)
     assert cube_sim.load_run(flown.directory / "run.mcap").told == run.told
+    assert run.versions.keys() >= flown.versions.keys()
+    assert (run.how, run.ended_early, run.simulated_s) == ("completed", None, flown.simulated_s)
+    assert run.build.startswith(f"source {run.versions['cube-sim source'][:12]}")
+    for each in (run, run.recording, flown):
+        assert len(repr(each)) < 200 + len(str(run.path))
+        assert "\n" not in repr(each)
+        assert each == each
+        assert each != cube_sim.load_run(flown.directory)
+        assert each in {each}
+    assert repr(run) == f"<RecordedRun short_flight: PASS, completed, 3 s: {run.path}>"
 
 
 def test_what_is_no_run_is_refused(tmp_path, flown):
     with pytest.raises(RecordingError, match="no such file"):
         cube_sim.load_run(tmp_path / "none.mcap")
-    with pytest.raises(RecordingError, match=r"no run\.mcap here"):
+    with pytest.raises(RecordingError, match=r"is not the folder of a run: there is no run\.mcap in it"):
+        cube_sim.load_run(tmp_path)
+    with pytest.raises(RecordingError, match=r"^/dev/null: is not a regular file, no record$"):
+        cube_sim.load_run("/dev/null")
+    (tmp_path / "verdict.json").write_text("{}")
+    with pytest.raises(
+        RecordingError, match=r"is the folder of a run without a record: there is a verdict and no run\.m"
+    ):
         cube_sim.load_run(tmp_path)
     shutil.copy(flown.directory / "run.mcap", tmp_path)
     (tmp_path / "verdict.json").write_text("{")
@@ -141,6 +159,7 @@ def test_an_interrupted_run_is_replayed_as_far_as_it_goes(tmp_path, monkeypatch,
     run = cube_sim.load_run(tmp_path / "run")
     assert not run.complete
     assert run.flaw == f"interrupted at {run.end.simulated_s:g} s: Ctrl-C"
+    assert run.ended_early == EarlyEnd(run.end.simulated_s, "interrupted by Ctrl-C")
     told = json.loads((tmp_path / "run" / "verdict.json").read_text())
     assert (told["verdict"], told["ended_early"]["reason"]) == ("ERROR", "interrupted by Ctrl-C")
     assert run.end.verdict == "ERROR"
@@ -170,15 +189,19 @@ def test_diff_names_signals_and_keeps_to_tolerances(flown, other, monkeypatch, c
     code, out, _ = call(monkeypatch, capsys, "diff", flown.directory, flown.directory / "run.mcap")
     assert (code, out) == (0, f"the same: {len(flown.signals)} signals\n")
     code, out, _ = call(monkeypatch, capsys, "diff", flown.directory, other.directory, "--json")
-    found = {each["signal"]: each for each in json.loads(out)}
+    told = json.loads(out)
+    found = {each["signal"]: each for each in told["signals"]}
     assert code == 1
+    assert told["settings"] == [{"key": "guidance.speed_m_s", "one": "0.4", "other": "0.41"}]
+    assert told["files"] == []
     assert "path.position" not in found
     assert (
         found["pose.position"]["largest"]
         == np.abs(flown.signals["pose.position"] - other.signals["pose.position"]).max()
     )
     code, out, _ = call(monkeypatch, capsys, "diff", flown.directory, other.directory, "--tolerance", "1e9")
-    assert code == 0
+    told = f"setting guidance.speed_m_s: 0.4 against 0.41\nthe same: {len(flown.signals)} signals\n"
+    assert (code, out) == (0, told)
     code, out, _ = call(monkeypatch, capsys, "diff", flown.directory, other.directory, "--tolerance", "pose=1e9")
     assert code == 1
     assert "pose." not in out
@@ -233,6 +256,24 @@ def test_other_checks_judge_it_otherwise(flown, tmp_path, monkeypatch, capsys):
     checks.write_text("name: x\n")
     code, _, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
     assert (code, err) == (2, f"{checks}:1:1: checks: is missing; give a list of checks\n")
+    for text, told in (
+        (
+            "- {kind: path_end, reach_m: 1}\n",
+            ":1:1: a file of checks is a block of keys with checks: in it, this file holds",
+        ),
+        ("seed: 1\nchekcs: []\n", ":2:1: chekcs: unknown key; did you mean checks?"),
+        ("checks: []\nzzz: 1\n", ":2:1: zzz: unknown key; known: checks, and those of a scenario"),
+        (
+            "checks:\n  - {kind: path_end, reach_m: 1, far: 2}\n",
+            ":2:34: checks.0.far: unknown key; known: name, kind, reach_m",
+        ),
+    ):
+        checks.write_text(text)
+        code, out, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert err.startswith(f"{checks}{told}")
+    code, out, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", tmp_path)
+    assert (code, out, err) == (2, "", f"{tmp_path}: is a folder, not a file of checks\n")
 
 
 def test_a_record_cut_short_is_never_a_pass(flown, tmp_path, monkeypatch, capsys):
@@ -256,6 +297,11 @@ def test_exported_numbers_are_the_same_bits(flown, tmp_path, monkeypatch, capsys
     lines = (tmp_path / "csv" / "wrench.csv").read_text().splitlines()
     assert lines[0].split(",")[:2] == ["t [s]", "demanded.Fx [N]"]
     read = np.array([[float(number) for number in line.split(",")] for line in lines[1:]])
+    words = (tmp_path / "csv" / "allocation.csv").read_text().splitlines()
+    assert words[0].split(",")[3:5] == ["status [1]", "status [name]"]
+    assert words[1].split(",")[3:5] == ["0.0", "EXACT"]
+    codes = pyarrow.parquet.read_table(tmp_path / "parquet" / "allocation.parquet").column("status [name]")
+    assert set(codes.to_pylist()) == {"EXACT"}
     assert read[:, 7:13].tobytes() == np.ascontiguousarray(wrench[:, 1:]).tobytes()
     table = pyarrow.parquet.read_table(tmp_path / "parquet" / "wrench.parquet")
     assert table.column("allocated.Mz [N m]").to_numpy().tobytes() == np.ascontiguousarray(wrench[:, 6]).tobytes()
@@ -364,11 +410,25 @@ def test_a_channel_that_is_gone_and_rows_that_are_gone_are_named(flown, tmp_path
     assert (code, [each["verdict"] for each in json.loads(out)["checks"]]) == (1, ["ERROR", "FAIL"])
 
 
+def test_a_record_that_lacks_its_last_words_alone_does_not_end_early(flown, tmp_path):
+    record = tmp_path / "cut.mcap"
+    whole = (flown.directory / "run.mcap").read_bytes()
+    record.write_bytes(whole[: whole.index(b"\x03\0\0\0end") - 9])
+    run = cube_sim.load_run(record)
+    assert run.recorded_s == 3.0
+    assert run.flaw == "its rows go to the end, 3 s, but it does not say how the run ended"
+
+
 def test_what_a_kill_left_is_recovered_and_what_is_whole_is_left_alone(flown, tmp_path, monkeypatch, capsys):
     code, out, _ = call(monkeypatch, capsys, "recover", cut(flown, tmp_path), "--output", tmp_path / "saved")
     assert code == 0
     assert re.fullmatch(r"  missing: [12] s to 3 s: \d+ rows each of every channel", out.splitlines()[-1])
-    assert cube_sim.load_run(tmp_path / "saved").recorded_s < 2.5
+    saved = cube_sim.load_run(tmp_path / "saved")
+    assert saved.recorded_s < 2.5
+    assert (saved.how, saved.ended_early.time_s) == ("recovered", saved.recorded_s)
+    cut_off = cube_sim.load_run(tmp_path / "cut")
+    assert (cut_off.how, cut_off.ended_early) == (None, EarlyEnd(saved.recorded_s, cut_off.flaw))
+    assert "not judged, without an end" in repr(cut_off)
     code, out, _ = call(monkeypatch, capsys, "recover", flown.directory, "--output", tmp_path / "none")
     assert (code, "is complete; there is nothing to recover" in out) == (0, True)
     assert not (tmp_path / "none").exists()

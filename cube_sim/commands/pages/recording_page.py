@@ -96,6 +96,19 @@ t, error = signals["path_error.cross_track"].T  # column 0 is the simulated time
 
 recording = read_recording("logs/first/run.mcap")  # the same, and the inputs: .header.scenario, .header.mjcf, .log ...
 """
+_AS_A_RUN = """\
+import cube_sim
+
+run = cube_sim.load_run("logs/first")  # a folder, or its run.mcap
+run.signals["pose.position"], run.fields["pose.position"].unit
+run.verdict, run.checks, run.how, run.ended_early, run.simulated_s, run.versions, run.build, run.flaw, run.losses
+run.to_pandas("allocation")  # or to_polars
+"""
+_TABLES = """\
+A frame, and a table of `cube-sim export`, has a column for each number: its name and, in brackets, its unit. A code has
+two: `status [1]` is the number, `status [name]` its word, a categorical in pandas, an Enum in polars, a dictionary in
+Parquet. A number that stands for nothing has no word. `run.fields["allocation.status"].labels` has all there are.
+A run equals itself alone; `cube-sim diff` compares two. Below a run is what the file holds, and nothing else:"""
 _POSE, _PATH_ERROR = Channel("pose", ()), Channel("path_error", ())
 _LAYOUT = f"""\
 An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
@@ -172,7 +185,8 @@ _CHANNELS = f"""\
 1 is a pure number. Quaternions are w, x, y, z. "Every period" is a row for each control period, {TICK_HZ:g} Hz unless
 the scenario sets `control_period_s`. A row "on change" holds until the next; no check can be made of it. What is not
 modelled is not recorded: `power` has the quantities that the model and the scenario state, `charge` with a `battery`
-alone."""
+alone. `power.voltage` is that of the bus: of a `battery` as it sags; without one the constant voltage for which the
+model states what its thrusters do (`NAME:thruster_voltage`), at which they are simulated."""
 
 
 def recording_page() -> str:
@@ -182,6 +196,8 @@ def recording_page() -> str:
     parts = [
         _INTRODUCTION.rstrip(),
         heading(2, "Read it in Python"),
+        block(_AS_A_RUN, "python"),
+        _TABLES,
         block(_READING, "python"),
         heading(2, "How `run.mcap` is laid out"),
         _LAYOUT,
