@@ -34,7 +34,14 @@ def plot(
             "beside the run, under its name.",
         ),
     ] = None,
-    width_mm: Annotated[float, typer.Option(min=40.0, max=1000.0, help="Width of the figure [mm].")] = 170.0,
+    width_mm: Annotated[
+        float,
+        typer.Option(
+            min=55.0,
+            max=1000.0,
+            help="Width of the figure [mm]; below 120 the path is above the curves, not beside them.",
+        ),
+    ] = 170.0,
     from_s: Annotated[float | None, typer.Option(metavar="S", help="Start of the time drawn [s].")] = None,
     to_s: Annotated[float | None, typer.Option(metavar="S", help="End of the time drawn [s].")] = None,
 ) -> None:

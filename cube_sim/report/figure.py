@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 FORMATS = (".png", ".svg", ".pdf")
 WIDTH_MM, ROW_MM = 170.0, 42.0
 """Two columns of a usual journal; height of a panel."""
+BESIDE_MM, _LEAST_FRAME_MM = 120.0, 15.0
+"""From which width on the path is beside the curves over time instead of above them; the least width of a frame."""
 
 _MM_PER_INCH = 25.4
 _NOISE = 2e-5
@@ -75,7 +78,7 @@ def save_figure(
         window_s: from when to when [s]; None for the whole run.
 
     Raises:
-        RecordingError: no such signal, or nothing to draw of it.
+        RecordingError: no such signal, nothing to draw of it, or too little room for what is written.
         OSError: the file cannot be written.
     """
     panels = [panel_of(subject, signal) for signal in signals] or usual_panels(subject)
@@ -85,23 +88,48 @@ def save_figure(
     from matplotlib.figure import Figure
 
     with rc_context(_STYLE):
-        usual = not signals
+        mapped = not signals and subject.has("pose.position")
+        beside = mapped and width_mm >= BESIDE_MM
         rows = len(panels)
-        figure = Figure(figsize=(width_mm / _MM_PER_INCH, (8.0 + ROW_MM * rows) / _MM_PER_INCH))
-        if usual and subject.has("pose.position"):
+        tall = ROW_MM * (rows + (mapped and not beside)) + (width_mm if mapped and not beside else 0.0)
+        figure = Figure(figsize=(width_mm / _MM_PER_INCH, (8.0 + tall) / _MM_PER_INCH))
+        if beside:
             grid = figure.add_gridspec(rows, 2, width_ratios=[1.0, 1.35])
             above = [
                 _plan(figure.add_subplot(grid[: max(rows - 1, 1), 0]), subject, window_s),
                 _over_time(figure.add_subplot(grid[rows - 1, 0]), height_panel(subject), subject, window_s),
             ]
             places = [grid[row, 1] for row in range(rows)]
+        elif mapped:
+            grid = figure.add_gridspec(rows + 2, 1, height_ratios=[width_mm, *[ROW_MM] * (rows + 1)])
+            above = [_plan(figure.add_subplot(grid[0, 0]), subject, window_s)]
+            panels = [height_panel(subject), *panels]
+            places = [grid[row, 0] for row in range(1, rows + 2)]
         else:
             grid, above = figure.add_gridspec(rows, 1), []
             places = [grid[row, 0] for row in range(rows)]
         above += _stack(figure, places, panels, subject, window_s)
-        write_above(figure, above)
+        with catch_warnings():
+            simplefilter("ignore", UserWarning)  # of frames that collapse: they are looked at below
+            write_above(figure, above)
+            figure.draw_without_rendering()
+        _require_room(figure, width_mm)
         suffix = file.suffix.lower()
         figure.savefig(file, format=suffix[1:], metadata=_NO_DATES[suffix])
+
+
+def _require_room(figure: Figure, width_mm: float) -> None:
+    """Make sure that a figure that has been laid out shows its curves, and that nothing written is cut off.
+
+    Raises:
+        RecordingError: it does not.
+    """
+    mm = _MM_PER_INCH / figure.dpi
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        ends = 0.0 if legend is None else legend.get_window_extent().x1 * mm
+        if axes.bbox.width * mm < _LEAST_FRAME_MM or ends > width_mm + 0.5:
+            raise RecordingError(f"--width-mm {width_mm:g}: too narrow for what is written beside the curves")
 
 
 def _stack(

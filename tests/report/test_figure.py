@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
@@ -9,6 +11,7 @@ from support.command_line import call
 from support.own_code import scenario_with
 
 import cube_sim
+from cube_sim.report import figure
 from cube_sim.report.above_frame import write_names
 from cube_sim.report.figure import save_figure
 from cube_sim.report.happenings import EVENT, Happening
@@ -38,6 +41,38 @@ def test_the_usual_figure_is_written_beside_the_run(flown, monkeypatch, capsys):
     with Image.open(file) as picture:
         assert picture.width == pytest.approx(170 / 25.4 * 300, abs=1)
         assert len(picture.convert("RGB").resize((200, 150)).getcolors(30_000)) > 50
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("width", [55, 85, 119, 120, 300])
+@pytest.mark.parametrize("signals", [[], ["thrusters.force", "wrench.demanded", "path_error.cross_track"]])
+def test_every_width_that_is_allowed_shows_curves_and_all_that_is_written(flown, monkeypatch, width, signals):
+    made = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: made.append(self))
+    subject = Subject(cube_sim.load_run(flown), "run", "#000")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        save_figure(subject, signals, flown / "a.png", width)
+    (drawn,) = made
+    mm = 25.4 / drawn.dpi
+    for axes in drawn.axes:
+        assert axes.bbox.width * mm > 15.0
+        assert axes.bbox.height * mm > 10.0
+        assert axes.get_tightbbox().x1 * mm < width + 0.5
+        assert axes.get_tightbbox().x0 * mm > -0.5
+
+
+@pytest.mark.flight
+def test_a_width_without_room_is_one_line(flown, tmp_path, monkeypatch, capsys):
+    file = tmp_path / "a.png"
+    code, out, err = call(monkeypatch, capsys, "plot", flown, "--out", file, "--width-mm", "40")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith("cube-sim plot: invalid value for '--width-mm': ")
+    monkeypatch.setitem(figure._STYLE, "legend.fontsize", 40.0)
+    code, out, err = call(monkeypatch, capsys, "plot", flown, "--out", file, "--width-mm", "55")
+    told = "--width-mm 55: too narrow for what is written beside the curves\n"
+    assert (code, out, err) == (2, "", told)
+    assert not file.exists()
 
 
 @pytest.mark.flight
@@ -126,4 +161,5 @@ def test_names_of_events_do_not_meet():
 
 
 def test_what_is_no_run_is_one_line(tmp_path, monkeypatch, capsys):
-    assert call(monkeypatch, capsys, "plot", tmp_path) == (2, "", f"{tmp_path}: no run.mcap here\n")
+    told = f"{tmp_path}: is not the folder of a run: there is no run.mcap in it\n"
+    assert call(monkeypatch, capsys, "plot", tmp_path) == (2, "", told)

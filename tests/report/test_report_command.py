@@ -24,7 +24,7 @@ def test_what_is_no_run_is_one_line(tmp_path, monkeypatch, capsys):
     code, out, err = call(monkeypatch, capsys, "report", tmp_path / "none")
     assert (code, out, err) == (2, "", f"{tmp_path / 'none'}: no such file\n")
     code, out, err = call(monkeypatch, capsys, "report", tmp_path)
-    assert (code, out, err) == (2, "", f"{tmp_path}: no run.mcap here\n")
+    assert (code, out, err) == (2, "", f"{tmp_path}: is not the folder of a run: there is no run.mcap in it\n")
     (tmp_path / "run.mcap").write_bytes(b"nothing of ours")
     code, out, err = call(monkeypatch, capsys, "report", tmp_path)
     assert (code, out, err.count("\n")) == (2, "", 1)
