@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import resource
+import shutil
 import sys
 from contextlib import contextmanager
 
@@ -72,3 +73,16 @@ def test_nothing_half_written_stays(flown, cut_off, tmp_path, monkeypatch, capsy
     assert err.count("\n") == 1
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(["cut", *[target] * bool(place.suffix)])
     assert not place.suffix or place.read_text() == "earlier"
+
+
+@pytest.mark.flight
+def test_what_cannot_be_recovered_leaves_the_run_that_it_was_to_replace(cut_off, flown, tmp_path, monkeypatch, capsys):
+    place = tmp_path / "saved"
+    shutil.copytree(flown, place)
+    before = {each.name: each.read_bytes() for each in place.iterdir()}
+    with full_disk():
+        code, out, _ = call(monkeypatch, capsys, "recover", cut_off, "--output", place)
+    assert (code, out) == (3, "")
+    assert {each.name: each.read_bytes() for each in place.iterdir()} == before
+    assert call(monkeypatch, capsys, "recover", cut_off, "--output", place)[0] == 0
+    assert sorted(each.name for each in place.iterdir()) == ["run.mcap", "run.rrd"]

@@ -406,6 +406,30 @@ def test_a_short_row_is_refused_in_the_middle_of_a_block(tmp_path):
             recorder.append("pose", 0.02, np.zeros(4), np.zeros(4))
 
 
+def test_a_recorder_that_is_given_nothing_leaves_what_is_there(tmp_path):
+    names = "run.mcap", "run.rrd"
+    for name in names:
+        (tmp_path / name).write_text("earlier")
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        assert recorder.signals["pose.position"].shape == (0, 4)
+    assert {each.name: each.read_text() for each in tmp_path.iterdir()} == dict.fromkeys(
+        ("run.mcap", "run.rrd"), "earlier"
+    )
+
+
+def test_the_record_takes_its_place_with_its_first_second(tmp_path):
+    (tmp_path / "run.mcap").write_text("earlier")
+    seen = []
+    begin = lambda: seen.append((tmp_path / "run.mcap").read_text())  # noqa: E731
+    with Recorder(tmp_path, HEADER, table(), model(), view=False, begin=begin) as recorder:
+        fly(recorder, 50)
+        assert (seen, (tmp_path / "run.mcap").read_text()) == ([], "earlier")
+        fly(recorder, 1, 50)
+        assert seen == ["earlier"]
+        assert len(read_signals(recorder.mcap)["pose.position"]) == 50
+    assert [each.name for each in tmp_path.iterdir()] == ["run.mcap"]
+
+
 def test_nothing_can_be_added_after_the_end(tmp_path):
     recorder = Recorder(tmp_path, HEADER, table(), model())
     recorder.log(0.0, "INFO", "start")
