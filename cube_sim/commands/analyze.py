@@ -17,7 +17,7 @@ EPILOG = "Exit code: 0 analysed, 2 bad input."
 
 
 def analyze(
-    model: Annotated[Path, typer.Argument(help="MJCF file of a vehicle, for example models/cube.xml.")],
+    model: Annotated[Path, typer.Argument(metavar="MODEL", help="MJCF file of a vehicle: models/cube.xml.")],
     lost: Annotated[str, typer.Option(metavar="NAMES", help="Dead thrusters, for example T1,T4.")] = "",
     losses: Annotated[
         int, typer.Option(metavar="N", help="Tabulate every loss of up to N thrusters, at most 3, on top of --lost.")

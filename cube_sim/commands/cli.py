@@ -27,29 +27,30 @@ from cube_sim.commands import (
     signals,
     view,
 )
-from cube_sim.commands.ending import PASS, code_of, end_process, leave_on_interrupt, leave_to_others
+from cube_sim.commands.ending import EPILOG, PASS, code_of, end_process, leave_on_interrupt, leave_to_others
 
 app = typer.Typer(
     help="Underwater vehicles in MuJoCo: real water, 3-D path following, exact thruster allocation.",
+    epilog=EPILOG,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-app.command(epilog=run.EPILOG)(run.run)
-app.command(epilog=replay.EPILOG)(replay.replay)
-app.command(epilog=diff.EPILOG)(diff.diff)
-app.command(epilog=judge.EPILOG)(judge.judge)
-app.command(epilog=report.EPILOG)(report.report)
-app.command(epilog=view.EPILOG)(view.view)
-app.command(epilog=plot.EPILOG)(plot.plot)
-app.command(epilog=export.EPILOG)(export.export)
-app.command(epilog=recover.EPILOG)(recover.recover)
-app.command(epilog=signals.EPILOG)(signals.signals)
-app.command(epilog=analyze.EPILOG)(analyze.analyze)
-app.command(epilog=examples.EPILOG)(examples.examples)
-app.command()(schema.schema)
-app.command()(reference.reference)
+app.command(short_help="Fly a scenario, record it, judge its checks.", epilog=run.EPILOG)(run.run)
+app.command(short_help="Fly a recorded run again and compare it bit by bit.", epilog=replay.EPILOG)(replay.replay)
+app.command(short_help="Compare two runs: settings, files, signals.", epilog=diff.EPILOG)(diff.diff)
+app.command(short_help="Judge a recorded run again, by its checks or others.", epilog=judge.EPILOG)(judge.judge)
+app.command(short_help="Write a run, or several, as one HTML page.", epilog=report.EPILOG)(report.report)
+app.command(short_help="Look at a run, or several, in the Rerun viewer.", epilog=view.EPILOG)(view.view)
+app.command(short_help="Draw signals of a run as PNG, SVG or PDF.", epilog=plot.EPILOG)(plot.plot)
+app.command(short_help="Write a recorded run as tables, a view, inputs, a layout.", epilog=export.EPILOG)(export.export)
+app.command(short_help="Save what can be read of a damaged record.", epilog=recover.EPILOG)(recover.recover)
+app.command(short_help="List what a scenario records and its checks may name.", epilog=signals.EPILOG)(signals.signals)
+app.command(short_help="Say what a vehicle's thrusters can do, all or some.", epilog=analyze.EPILOG)(analyze.analyze)
+app.command(short_help="Copy models and scenarios to start from.", epilog=examples.EPILOG)(examples.examples)
+app.command(short_help="Print the JSON schema of scenario files, for editors.")(schema.schema)
+app.command(short_help="Print the reference of scenarios or of recordings.")(reference.reference)
 
 
 def main() -> None:

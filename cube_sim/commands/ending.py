@@ -22,6 +22,11 @@ SIGNALLED = 128
 """And the number of the signal, where one ends the process."""
 BROKEN_PIPE = SIGNALLED + 13
 """Of who writes to somebody that no longer reads, as a shell has it."""
+EPILOG = (
+    "The exit codes of a command are told by its own --help. Of every command 2 is bad input, 3 an error too that "
+    "nobody foresaw, 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, and 141 that nobody reads what it prints."
+)
+"""Of the help of all commands together."""
 EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
 """Of each verdict."""
 _TRACEBACK = "CUBE_SIM_TRACEBACK"

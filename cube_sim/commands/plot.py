@@ -21,7 +21,7 @@ def plot(
     signals: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[SIGNAL...]",
+            metavar="SIGNAL",
             help="What is drawn, a panel each: path_error.cross_track, thrusters.force, thrusters.force.T3. Default: "
             "the path from above, heights, path errors, force demanded, thrusters.",
         ),

@@ -17,7 +17,7 @@ EPILOG = "Exit code: 0 written, whatever the verdict; 2 bad input; 3 it cannot b
 
 
 def report(
-    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of runs, or their run.mcap.")],
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN", help="Folders of runs, or their run.mcap.")],
     out: Annotated[
         Path | None,
         typer.Option(

@@ -38,7 +38,7 @@ class Recorded(Enum):
 
 
 def run(
-    scenario: Annotated[Path, typer.Argument(help="Scenario file, for example scenarios/cube_helix.yaml.")],
+    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file: scenarios/cube_helix.yaml.")],
     out: Annotated[
         Path | None,
         typer.Option(

@@ -29,7 +29,7 @@ HOW_TO_USE = (
 
 
 def signals(
-    scenario: Annotated[Path, typer.Argument(help="Scenario file, for example scenarios/cube_helix.yaml.")],
+    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file: scenarios/cube_helix.yaml.")],
     settings: Settings = None,
     json: Annotated[bool, typer.Option("--json", help="Print the list as JSON.")] = False,
 ) -> None:

@@ -29,7 +29,7 @@ EPILOG = (
 def view(
     runs: Annotated[
         list[Path],
-        typer.Argument(metavar="RUN...", help="Folders of runs, or their run.mcap; several are shown in one view."),
+        typer.Argument(metavar="RUN", help="Folders of runs, or their run.mcap; several are shown in one view."),
     ],
     web: Annotated[
         bool, typer.Option("--web", help="Serve the view to a browser on this machine, until Ctrl-C.")

@@ -141,7 +141,7 @@ def sensor_table(subjects: Sequence[Subject]) -> str:
 
 def _account(subject: Subject, result: CheckResult, quantity: JudgedQuantity) -> str:
     """Why it is so, as far as the record tells: when the limit was first passed, and what was the case at that time."""
-    if result.value is None or result.at_s is None:
+    if result.value is None or result.at_s is None or result.verdict == "ERROR":
         return text(result.detail)
     lines = [text(line) for line in circumstances(subject, result.at_s)]
     first = beyond_from(quantity, result.relation, result.limit) if quantity.every_sample else None
@@ -159,7 +159,7 @@ def _brief(subject: Subject, result: CheckResult | None) -> str:
         return '<span class="dim">not asked</span>'
     colour = colours.of_verdict(result.verdict)
     said = f'<b style="color:{colour}">{text(result.verdict)}</b> '
-    if result.value is None or result.at_s is None:
+    if result.value is None or result.at_s is None or result.verdict == "ERROR":
         return said + text(result.detail)
     sign = "≤" if result.relation == "<=" else "≥"
     asked = "" if result.verdict == "PASS" else ", must be"

@@ -66,7 +66,7 @@ def test_help_imports_nothing_heavy(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["run"], "cube-sim run: missing argument 'scenario'; "),
+        (["run"], "cube-sim run: missing argument 'SCENARIO'; "),
         (["run", "a.yaml", "b.yaml"], "cube-sim run: got unexpected extra argument"),
         (["run", "a.yaml", "--setings"], "cube-sim run: no such option: --setings (Possible options: --set); "),
         (["run", "a.yaml", "--out"], "cube-sim run: option '--out' requires an argument; "),
@@ -85,8 +85,9 @@ def test_usage_errors_are_bad_input_and_one_line(monkeypatch, capsys, arguments,
 
 def test_every_command_tells_a_usage_error_in_one_line(monkeypatch, capsys):
     _, listed, _ = call(monkeypatch, capsys, "--help")
-    names = [line.split()[0] for line in listed.partition("Commands:")[2].splitlines() if line.strip()]
+    names = [line.split()[0] for line in listed.partition("Commands:")[2].partition("\n\n")[0].splitlines() if line]
     assert len(names) >= 14
+    assert "..." not in listed.partition("Commands:")[2]  # each is told to its end
     for name in names:
         code, stdout, stderr = call(monkeypatch, capsys, name, "--no-such-option")
         assert (code, stdout, stderr.count("\n")) == (2, "", 1), name

@@ -247,6 +247,11 @@ def test_a_check_is_not_shown_to_hold_where_nothing_is_recorded():
     assert (verdict, cross_track.verdict, forces.verdict) == ("ERROR", "ERROR", "ERROR")
 
 
+def test_a_check_that_cannot_be_judged_says_why():
+    for page in (report([with_gap(6.0, 7.5)], ["run"]), report([with_gap(6.0, 7.5), synthetic_run()], ["a", "b"])):
+        assert words(page).count("nothing is recorded from 6 s to 7.5 s") == 2
+
+
 def test_several_runs_share_their_plots():
     runs = [synthetic_run(), synthetic_run(name="other", noise=3.0, complete=False, until_s=8.0)]
     page = report(runs, ["first", "second"])
