@@ -10,7 +10,7 @@ font:14px/1.45 system-ui,"Segoe UI",Roboto,"Helvetica Neue",Arial,"DejaVu Sans",
 h1{font-size:24px;margin:0 0 4px}
 h2{font-size:17px;margin:30px 0 8px;padding-bottom:3px;border-bottom:1px solid #d0d7de}
 p{margin:4px 0}
-nav{font-size:13px;margin:10px 0}nav a{margin-right:14px;color:#0058a3;text-decoration:none}
+nav{font-size:13px;margin:10px 0}nav a{display:inline-block;margin-right:14px;color:#0058a3;text-decoration:none}
 .verdict{display:inline-block;padding:1px 10px;border-radius:4px;color:#fff;font-weight:600;white-space:nowrap}
 .dim,.fact{color:#57606a}.remark{color:#c4231c;font-weight:600}
 table{border-collapse:collapse;margin:6px 0;font-size:13px;width:100%}
@@ -42,6 +42,11 @@ svg .a{font-size:11px;font-weight:600;paint-order:stroke;stroke:#fff;stroke-widt
 svg .cross{stroke:#000;stroke-width:.8;pointer-events:none}
 svg .read{font-size:11px;paint-order:stroke;stroke:#fff;stroke-width:4px;stroke-linejoin:round;pointer-events:none}
 footer{margin-top:30px;color:#57606a;font-size:12px}
+@media screen and (max-width:760px){
+body{padding:14px 12px 40px}
+table{display:block;overflow-x:auto}td.w,td.k{min-width:200px;overflow-wrap:break-word}
+.two{grid-template-columns:1fr}
+}
 @page{size:A4;margin:12mm}
 @media print{
 body{max-width:none;padding:0;font-size:10pt}
