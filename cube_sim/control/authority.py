@@ -216,7 +216,8 @@ def remaining_capability(
     allowed = AllowedForces.from_limits(weakened, len(weakened), dead_zones=False)
     found = subspaces(A[:, counts], length_m=lever_arm(A, SPATIAL))
     largest = float(np.max(np.abs(limits), initial=0.0))
-    left = replace(left, budget=ForceBudget(attainable_set(found, allowed), left.held), strongest=largest)
+    budget = ForceBudget(attainable_set(found, allowed), left.held, A[:, counts], weakened[:, (0, 3)].T)
+    left = replace(left, budget=budget, strongest=largest)
     if stuck or hold is None or hold.hull is None:
         return left
     if left.authority not in (Authority.TRIM, Authority.PLANE, Authority.LINE):

@@ -41,10 +41,14 @@ class ForceBudget:
     Attributes:
         attainable: the wrenches of those that respond.
         held: (6,) [N, N m] of those that are stuck, on top of it.
+        matrix: A (6,k) of those that respond.
+        limits: (2,k) their least and largest forces [N].
     """
 
     attainable: AttainableSet
     held: Vector
+    matrix: Matrix
+    limits: Matrix
 
     @cached_property
     def normals(self) -> Matrix:

@@ -19,14 +19,16 @@ from cube_sim.control.course_trim import CourseTrims
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
+from cube_sim.control.holding import Holding, Stuck
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
 from cube_sim.control.pointing_zero import slowest_zero_time
 from cube_sim.control.priority import force_with_torque, yield_attitude
 from cube_sim.control.refuge import KeptMotion, Refuge
+from cube_sim.control.resting import Rest, nearest_rest
 from cube_sim.control.roomiest_attitude import has_enough
-from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode, SafeModeGoal
+from cube_sim.control.safe_mode import CLOSE_M, POINTING_M, LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.control.shortage import SHORTAGE, watch_shortage
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
@@ -44,6 +46,8 @@ SLOWER_AT_TRIM = 2.0
 """Where roll or pitch is left to the water, the balance of force and torque is sought this many times more slowly."""
 MOST_WAITING = 4.0
 """The loop whose attitude points the thrust is made no slower than this many times its time (a choice)."""
+OVERPOWERED = "in no attitude can the others make up for what is stuck"
+"""Words for that."""
 UNDER_WAY_RAD = 0.7
 """Farther than this from that attitude a hull is on its way there; to be short of force on the way will pass."""
 
@@ -92,6 +96,7 @@ class PathFollower:
         self.shortage: Record = np.zeros(1, SHORTAGE)
         self.desired: Vector = np.array([1.0, 0.0, 0.0, 0.0])
         self._goal: SafeModeGoal | None = None
+        self._holding: Holding | None = None
         self.balanced: BalancedAttitude | None = None
         self.monitor = LossOfTargetMonitor(self.safe_mode)
         self.coupling = force_with_torque(self.loops.dynamics.total_mass)
@@ -101,7 +106,7 @@ class PathFollower:
         """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
         self.capability = left
         self.balanced, self._loops, self._approach = None, self.loops, self.approach
-        self._refuge = Refuge()
+        self._refuge, self._holding = Refuge(), None
         budget = left.budget
         self._left = left.record(self.loops.dynamics.total_mass)
         self.dragged = bool(self._left["dragged"].any())
@@ -110,6 +115,10 @@ class PathFollower:
             # A thruster has stuck: whether the others have enough beside it is seen at once.
             wished = rotation_from_quaternion(self.desired)
             self.shortage["pressed"] |= not has_enough(*self.kept(1.0), wished)
+        wish = rotation_from_quaternion(self.desired)
+        self.overpowered = bool(left.held.any()) and not self._rest(wish, 1.0).held
+        close = POINTING_M if left.steers_by_attitude else CLOSE_M
+        self.monitor.look_closely(close if self.overpowered else None)
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self.monitor.restart()
@@ -139,7 +148,7 @@ class PathFollower:
         """See `Controller.decide`."""
         seen = self._seen(state)
         view = self.view(state) if seen is None else view_of(seen)
-        goal = self._safe_mode_goal(state, view, dt)
+        goal = self._safe_mode_goal(state, view, force_ratio, dt)
         mode = self._mode(state, force_ratio)
         followed = np.zeros(1, FOLLOWED)
         if seen is not None and goal is None and self._compiled is not None and not self._refuge.taken:
@@ -157,6 +166,8 @@ class PathFollower:
             quaternion = attitude.quaternion
             self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
         answer = followed[0]
+        if self._holding is not None and self._holding.left_alone:
+            answer["wrench"] = self.capability.held
         if self.capability.budget is not None:
             balanced = NEVER_BALANCED if self.balanced is None else self.balanced.memory
             watch_shortage(self.shortage, bool(answer["enough"]), self.balanced is not None, balanced, dt)
@@ -264,16 +275,53 @@ class PathFollower:
             before["velocity"].copy(),
         )
 
-    def _safe_mode_goal(self, state: State, view: TargetView, dt: float) -> SafeModeGoal | None:
+    def _safe_mode_goal(self, state: State, view: TargetView, force_ratio: float, dt: float) -> SafeModeGoal | None:
         """Where to go instead of along the path, once there is a reason to; only other thrusters end it."""
         if self._goal is None:
             lost = self.capability.reason if self.capability.authority is Authority.SAFE else ""
             reason = lost or self.monitor.reason(view, dt)
+            if reason and self.overpowered:
+                reason = f"{reason}; {OVERPOWERED}"
             self._goal = SafeModeGoal(self.safe_mode, state, reason) if reason else None
+        if self._goal is not None and self.safe_mode.surface is None and self.capability.held.any():
+            self._hold(self._goal, state, force_ratio, dt)
         return self._goal
+
+    def _hold(self, goal: SafeModeGoal, state: State, force_ratio: float, dt: float) -> None:
+        """Hold a place beside what is stuck, or let go where that is better."""
+        budget, before = self.capability.budget, self._holding
+        if budget is None:
+            return
+        off = goal.off_m(state.position)
+        if before is not None:
+            before.watch(off, dt)
+            if not before.over:
+                return
+        points, rest = self.capability.steers_by_attitude, self._rest(state.rotation, force_ratio)
+        stuck = Stuck.of(budget, self.loops.dynamics, rest, state, self._current, points)
+        self._holding = Holding.first(stuck, off) if before is None else before.next(stuck, off)
+        if before is not None or self._holding.attitude is not None:
+            self.balanced, self._refuge = None, Refuge()  # what it sought before has led nowhere
+        if self._holding.left_alone != (before is not None and before.left_alone):
+            goal.say_left_alone(self._holding.left_alone)
+
+    def _rest(self, near: Matrix, force_ratio: float) -> Rest:
+        """Where the hull rests beside what is stuck."""
+        budget = self.capability.budget
+        if budget is None:
+            return Rest(near, self.capability.held, False)
+        return nearest_rest(self.loops.dynamics.record, budget, force_ratio, -self._current, near)
+
+    @property
+    def _current(self) -> Vector:
+        """The current (3,) as it is estimated [m/s], world axes; zero where nobody estimates it."""
+        return np.zeros(3) if self.current_observer is None else self.current_observer.estimate
 
     def _mode(self, state: State, force_ratio: float) -> AttitudeMode:
         """Who says which attitude to take."""
+        if self._goal is not None and self._held_in is not None and not self.capability.steers_by_attitude:
+            self.balanced = None
+            return self._held_in
         chosen = self._refuge.taken or self.balanced is not None or self.capability.steers_by_attitude
         if self.pressed and not chosen and self._is_under_way(state, force_ratio):
             self.shortage["since"], self.shortage["pressed"] = 0.0, False
@@ -288,7 +336,19 @@ class PathFollower:
                 self.balanced = self._judged_again(self.balanced, state.rotation)
             return self.balanced
         self.balanced = None
-        return self.attitude if self._goal is None else self._goal.attitude
+        return self._wish
+
+    @property
+    def _wish(self) -> AttitudeMode:
+        """The attitude that would be taken if the thrusters could make anything."""
+        if self._goal is None:
+            return self.attitude
+        return self._goal.attitude if self._held_in is None else self._held_in
+
+    @property
+    def _held_in(self) -> AttitudeMode | None:
+        """The attitude in which a place is held beside what is stuck; None for no other than usual."""
+        return None if self._holding is None else self._holding.attitude
 
     def _pointing_time(self, left: Capability) -> float:
         """How fast the attitude points the thrust [s]: where turning pushes the hull in another trim, no faster."""
@@ -308,7 +368,7 @@ class PathFollower:
             BALANCING
             * self._loops.attitude_time
             * (SLOWER_AT_TRIM if self.capability.authority is Authority.TRIM else 1.0),
-            self.attitude if self._goal is None else self._goal.attitude,
+            self._wish,
             most_rate=self.loops.most_rate,
         )
 
@@ -333,15 +393,13 @@ class PathFollower:
 
     def _look_back(self, situation: Situation, dt: float) -> None:
         """Leave the refuge once it is no more of use."""
-        wish = self.attitude if self._goal is None else self._goal.attitude
-        back = rotation_from_quaternion(wish.attitude(situation, dt).quaternion)
+        back = rotation_from_quaternion(self._wish.attitude(situation, dt).quaternion)
         if self._refuge.look_back(self.kept(situation.force_ratio), back, self.shortage["since"][0] != 0.0):
             self.shortage["pressed"] = False
 
     def kept(self, force_ratio: float) -> KeptMotion:
         """The motion at the least pace."""
-        current = np.zeros(3) if self.current_observer is None else self.current_observer.estimate
-        flow_W = LEAST_PACE * self.memory["velocity"][0] - current
+        flow_W = LEAST_PACE * self.memory["velocity"][0] - self._current
         return KeptMotion(self.loops.dynamics.record, self._budget, force_ratio, flow_W)
 
     def _secondary(self, wrench: Vector, state: State) -> Vector:
@@ -351,7 +409,9 @@ class PathFollower:
         would have a component along them again. Where the hull has turned to where the thrusters have enough, that
         attitude is held first, and what is to move it is what gives way.
         """
-        if self._refuge.taken:
+        if self._holding is not None and self._holding.left_alone:
+            return np.zeros(6)
+        if self._refuge.taken or (self._held_in is not None and not self.capability.steers_by_attitude):
             still = self.loops.dynamics.steady_wrenches(np.zeros((1, 3)), state.rotation[2:])[0]
             return np.concatenate([wrench[:3] - still[:3], np.zeros(3)])
         secondary = np.zeros(6)

@@ -12,6 +12,9 @@ from cube_sim.guidance.law import DesiredMotion, TargetView
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Record, State, Vector, quaternion_from_euler
 
+CLOSE_M, POINTING_M, CLOSE_S = 1.5, 4.0, 3.0
+"""Limits and patience, where they are no less, of a vehicle that no attitude holds at rest beside what is stuck; the
+second for one that points its thrust, which may be held as it turns round and round (choices)."""
 NEARER = 0.01
 """Share of the distance limit by which a vehicle far off has to come nearer within its patience (a choice)."""
 
@@ -58,7 +61,17 @@ class SafeModeGoal:
 
     def set_reason(self, reason: str) -> None:
         """Say why the path is given up; what the vehicle does instead is added."""
+        self._why = reason
         self.reason = f"{reason}; {self._does}"
+
+    def say_left_alone(self, alone: bool) -> None:
+        """Say that the thrusters that work are off from now on, or are tried again."""
+        off = "the thrusters that work would carry it farther than what is stuck, and are off"
+        self.reason = f"{self._why}; {off if alone else self._does}"
+
+    def off_m(self, position: Vector) -> float:
+        """How far a vehicle is from the place [m]."""
+        return float(np.linalg.norm(self._place - position))
 
     def motion(self, position: Vector) -> DesiredMotion:
         """Towards the place, never faster than the mode's speed."""
@@ -90,7 +103,15 @@ class LossOfTargetMonitor:
     """
 
     def __init__(self, mode: SafeMode) -> None:
+        self._mode = mode
         self.memory: Record = np.array([(mode.limit, mode.patience, False, 0.0, np.inf, 0.0)], LOSS)
+
+    def look_closely(self, limit_m: float | None) -> None:
+        """Give up sooner, where what is known of the thrusters says that the path is being left for good; None not."""
+        limit, patience = self._mode.limit, self._mode.patience
+        if limit_m is not None and np.isfinite(limit):
+            limit, patience = min(limit, limit_m), min(patience, CLOSE_S)
+        self.memory["limit"], self.memory["patience"] = limit, patience
 
     def restart(self) -> None:
         """Begin to count anew, from where the vehicle takes its path up again."""

@@ -1,0 +1,167 @@
+"""Attitudes in which a hull is held at rest beside what its stuck thrusters do, and the one carried off least.
+
+In an attitude the thrusters that work make of the wrench that rest asks for what they can: its torque first, or the
+hull does not stay there, then as much of its force as is left. What is missing of the force carries the hull off.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cube_sim.control.pace import ForceBudget
+from cube_sim.control.roomiest_attitude import spread_attitudes
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import Matrix, Record, Vector
+from cube_sim.tuples import rotated, to_body, triple
+from cube_sim.vehicle.laws.hull_motion import steady_wrench
+from cube_sim.wrench.axes import SPATIAL
+from cube_sim.wrench.matrix import lever_arm
+
+TORQUE_FIRST = 5.0
+"""How many times a torque that is missing counts as much as the force it takes on the thrusters' rms arm (a choice)."""
+SWEEPS = 60
+"""Over the thrusters, for the forces that leave least missing."""
+FINE = 1e-4
+"""Share of the largest force by which a sweep that changes less is the last."""
+STEPS_RAD = np.array([0.3, 0.15, 0.075, 0.04, 0.02, 0.01, 0.005])
+"""Turns by which an attitude is made better, the large ones first."""
+STARTS = 12
+"""How many of the attitudes spread over all are made better so."""
+SHARES = (0.9, 1.0)
+"""Of their force that thrusters may use in an attitude to rest in: with something to brake with if there is one."""
+AT_REST = 0.02
+"""Share of what is stuck, or of `LITTLE` of the largest force, below which a missing wrench counts as none."""
+LITTLE = 0.1
+
+
+class Rest(NamedTuple):
+    """An attitude to rest in, or the one where least is missing for it.
+
+    Attributes:
+        attitude: R_WB (3,3).
+        missing: the wrench (6,) that is missing for rest there [N, N m], body axes.
+        held: whether that is next to nothing.
+    """
+
+    attitude: Matrix
+    missing: Vector
+    held: bool
+
+
+class _Reckoned(NamedTuple):
+    """Arguments of the compiled functions, everything in newtons: torques over the thrusters' rms arm."""
+
+    matrix: Matrix
+    gram: Vector
+    least: Vector
+    most: Vector
+    stuck: Vector
+    scale: Vector
+
+
+def nearest_rest(hull: Record, budget: ForceBudget, force_ratio: float, flow_W: Vector, near: Matrix) -> Rest:
+    """The attitude nearest to one in which the thrusters hold the hull at rest; if there is none, the best there is.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        budget: what the thrusters can make, and what is stuck.
+        force_ratio: share of their force that the supply leaves the thrusters.
+        flow_W: velocity through the water at rest (3,) [m/s], world axes.
+        near: R_WB (3,3).
+    """
+    scale = SPATIAL.scale(lever_arm(budget.matrix, SPATIAL)) * np.array([1.0] * 3 + [TORQUE_FIRST] * 3)
+    matrix, stuck = np.ascontiguousarray(scale[:, None] * budget.matrix), scale * budget.held
+    gram = np.sum(matrix**2, axis=0)
+    found: list[Rest] = []
+    largest = float(np.max(np.abs(budget.limits), initial=0.0))
+    good = (AT_REST * max(float(np.linalg.norm(stuck)), LITTLE * largest)) ** 2
+    attitudes = np.concatenate([near[None], _headed_like(near), spread_attitudes()])
+    for share in SHARES:
+        least, most = share * force_ratio * budget.limits
+        reckoned = _Reckoned(matrix, gram, least, most, stuck, scale)
+        sizes = np.empty(len(attitudes))
+        look_round(hull, *reckoned, flow_W, attitudes, sizes)
+        starts = [0, *(int(i) for i in np.argsort(sizes, kind="stable")[:STARTS])]
+        found = [_made_better(hull, reckoned, flow_W, attitudes[i], good) for i in starts]
+        at_rest = [rest for rest in found if rest.held]
+        if at_rest:
+            return max(at_rest, key=lambda rest: float(np.sum(rest.attitude * near)))
+    return min(found, key=lambda rest: float(np.linalg.norm(scale * rest.missing)))
+
+
+def _headed_like(near: Matrix) -> Matrix:
+    """The attitudes spread over all, each turned about the vertical to where it is nearest to another (3,3)."""
+    spread = spread_attitudes()
+    product = np.einsum("kij,lj->kil", spread, near)
+    angle = np.arctan2(product[:, 0, 1] - product[:, 1, 0], product[:, 0, 0] + product[:, 1, 1])
+    c, s, turn = np.cos(angle), np.sin(angle), np.zeros_like(spread)
+    turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1], turn[:, 2, 2] = c, -s, s, c, 1.0
+    return turn @ spread
+
+
+def _made_better(hull: Record, reckoned: _Reckoned, flow_W: Vector, start: Matrix, good: float) -> Rest:
+    """The attitude that is found from a start, turning to where less is missing until no more than `good` is."""
+    residual = np.empty(6)
+    attitude, size = turn_to_less(hull, *reckoned, flow_W, start, good, STEPS_RAD, residual)
+    return Rest(attitude, residual / reckoned.scale, size <= good)
+
+
+@compiled
+def what_is_missing(hull, matrix, gram, least, most, stuck, scale, flow, R, residual):
+    """What is missing for rest in an attitude (3,3), into `residual` (6,), scaled; returns its size squared [N^2].
+
+    The forces that leave least missing are found one by one, again and again: gram is the square of each column.
+    """
+    wrench, forces = steady_wrench(hull, to_body(R, flow), (R[2, 0], R[2, 1], R[2, 2])), np.zeros(len(least))
+    largest = 0.0
+    for i in range(6):
+        residual[i] = scale[i] * wrench[i] - stuck[i]
+    for k in range(len(least)):
+        largest = max(largest, most[k], -least[k])
+    for _ in range(SWEEPS):
+        moved = 0.0
+        for k in range(len(least)):
+            slope = 0.0
+            for i in range(6):
+                slope += matrix[i, k] * residual[i]
+            change = min(max(forces[k] + slope / gram[k], least[k]), most[k]) - forces[k]
+            forces[k] += change
+            moved = max(moved, abs(change))
+            for i in range(6):
+                residual[i] -= matrix[i, k] * change
+        if moved < FINE * largest:
+            break
+    size = 0.0
+    for i in range(6):
+        size += residual[i] * residual[i]
+    return size
+
+
+@compiled
+def look_round(hull, matrix, gram, least, most, stuck, scale, flow_W, attitudes, sizes):
+    """What is missing in each of the attitudes (q,3,3), squared [N^2], into `sizes` (q,)."""
+    flow, residual = triple(flow_W), np.empty(6)
+    for q in range(len(attitudes)):
+        R = attitudes[q]
+        sizes[q] = what_is_missing(hull, matrix, gram, least, most, stuck, scale, flow, R, residual)
+
+
+@compiled
+def turn_to_less(hull, matrix, gram, least, most, stuck, scale, flow_W, start, good, steps, residual):
+    """An attitude turned step by step to where less is missing, and how much is, squared [N^2]; `residual` filled."""
+    flow, R = triple(flow_W), start
+    best = what_is_missing(hull, matrix, gram, least, most, stuck, scale, flow, R, residual)
+    for step in steps:
+        moved = True
+        while moved and best > good:
+            moved = False
+            for k in range(6):
+                spin = (1.0 if k % 3 == 0 else 0.0, 1.0 if k % 3 == 1 else 0.0, 1.0 if k % 3 == 2 else 0.0)
+                tried = rotated(R, spin, step if k < 3 else -step)
+                size = what_is_missing(hull, matrix, gram, least, most, stuck, scale, flow, tried, residual)
+                if size < 0.999 * best:
+                    best, R, moved = size, tried, True
+    best = what_is_missing(hull, matrix, gram, least, most, stuck, scale, flow, R, residual)
+    return R, best
