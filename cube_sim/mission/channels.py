@@ -41,7 +41,7 @@ def why_unknown(quantity: str, scenario: Scenario, vehicle: Vehicle) -> str:
         stated = bool(np.all(thrusters.power_coefficients > 0.0))
         return "" if stated else WHY_NOT_SUPPLIED[quantity]
     if quantity == "voltage":
-        stated = np.isfinite(thrusters.voltage).all() and len(np.unique(thrusters.voltage)) == 1
+        stated = np.isfinite(thrusters.voltage).all() and len(set(thrusters.voltage.tolist())) == 1
         return "" if stated else WHY_NOT_SUPPLIED[quantity]
     return "" if scenario.battery is not None else WHY_NOT_SUPPLIED[quantity]
 

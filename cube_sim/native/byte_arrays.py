@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba.core import cgutils, types
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array
+from cube_sim.native.intrinsics import Intrinsic
 
 
-@intrinsic
+@Intrinsic
 def copy_bytes(typingctx: Any, out: Any, at: Any, source: Any, start: Any, count: Any) -> Any:
     """Copy bytes from one array to another.
 
@@ -21,6 +19,8 @@ def copy_bytes(typingctx: Any, out: Any, at: Any, source: Any, start: Any, count
         start: where in it.
         count: how many.
     """
+    from numba.core import cgutils, types
+    from numba.np.arrayobj import make_array
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         into = builder.gep(make_array(signature.args[0])(context, builder, args[0]).data, [args[1]])
@@ -31,7 +31,7 @@ def copy_bytes(typingctx: Any, out: Any, at: Any, source: Any, start: Any, count
     return types.void(out, types.intp, source, types.intp, types.intp), codegen
 
 
-@intrinsic
+@Intrinsic
 def put_integer(typingctx: Any, out: Any, at: Any, value: Any) -> Any:
     """Write an integer as its bytes, as many as its type has, in the machine's order.
 
@@ -41,6 +41,8 @@ def put_integer(typingctx: Any, out: Any, at: Any, value: Any) -> Any:
         at: where in it.
         value: the integer.
     """
+    from numba.core import types
+    from numba.np.arrayobj import make_array
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         place = builder.gep(make_array(signature.args[0])(context, builder, args[0]).data, [args[1]])

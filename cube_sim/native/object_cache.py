@@ -39,14 +39,13 @@ def addresses(
         runtime: makes numba's runtime known to the linker, for code that leans on it; with None such code is not kept.
     """
     _initialise()
-    processor = f"{llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
     versions = f"{llvmlite.__version__} {llvm.llvm_version_info}"
-    parts = [key, processor, versions, source_digest(__name__)]
+    parts = [key, processor(), versions, source_digest(__name__)]
     digest = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:20]
     folders, endings = cache_folders(), (_ALONE,) if runtime is None else (_ALONE, _LEANING)
     for folder in folders:
         for ending in endings:
-            objects = {name: _read(folder / f"{name}-{digest}{ending}") for name in names}
+            objects = {name: read(folder / f"{name}-{digest}{ending}") for name in names}
             if all(objects.values()):
                 if runtime is not None and ending == _LEANING:
                     runtime()
@@ -62,7 +61,7 @@ def addresses(
     else:
         return {name: keep(compiled[name]) for name in names}
     for folder in folders:
-        if all(_write(folder / f"{name}-{digest}{ending}", code) for name, code in objects.items() if code):
+        if all(write(folder / f"{name}-{digest}{ending}", code) for name, code in objects.items() if code):
             break
     return {name: _link(code, name) for name, code in objects.items() if code}
 
@@ -136,15 +135,28 @@ def machine() -> Any:
     )
 
 
+def processor() -> str:
+    """Names this machine's processor and what it can do."""
+    return f"{llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+
+
 def _link(code: bytes, name: str) -> int:
+    return linked(code).get_function_address(name)
+
+
+def linked(code: bytes) -> Any:
+    """What knows the addresses in an object file, which is in memory from now on as long as the process lives.
+
+    Every name it takes from outside must be known: LLVM ends the process otherwise.
+    """
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     _engines.append(engine)
-    return engine.get_function_address(name)
+    return engine
 
 
-def _read(path: Path) -> bytes | None:
+def read(path: Path) -> bytes | None:
     """The object code of a whole file that belongs to this user or the system; None for any other."""
     try:
         content = path.read_bytes()
@@ -157,7 +169,7 @@ def _read(path: Path) -> bytes | None:
     return code if code and hashlib.sha256(code).digest() == content[:_DIGEST_SIZE] else None
 
 
-def _write(path: Path, code: bytes) -> bool:
+def write(path: Path, code: bytes) -> bool:
     """Write at once or not at all; other processes may be reading or writing the same file."""
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba.core import types
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array
+from cube_sim.native.intrinsics import Intrinsic
 
 
-@intrinsic
+@Intrinsic
 def publish(typingctx: Any, numbers: Any, at: Any, value: Any) -> Any:
     """Write one of the numbers, after all that was written before it: whoever reads it sees that too.
 
@@ -19,6 +17,8 @@ def publish(typingctx: Any, numbers: Any, at: Any, value: Any) -> Any:
         at: which of them.
         value: what it becomes.
     """
+    from numba.core import types
+    from numba.np.arrayobj import make_array
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         place = builder.gep(make_array(signature.args[0])(context, builder, args[0]).data, [args[1]])
@@ -28,7 +28,7 @@ def publish(typingctx: Any, numbers: Any, at: Any, value: Any) -> Any:
     return types.void(numbers, types.intp, types.int64), codegen
 
 
-@intrinsic
+@Intrinsic
 def published(typingctx: Any, numbers: Any, at: Any) -> Any:
     """One of the numbers as it is now, read before all that is read after it.
 
@@ -37,6 +37,8 @@ def published(typingctx: Any, numbers: Any, at: Any) -> Any:
         numbers: (n,) int64.
         at: which of them.
     """
+    from numba.core import types
+    from numba.np.arrayobj import make_array
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         place = builder.gep(make_array(signature.args[0])(context, builder, args[0]).data, [args[1]])

@@ -265,12 +265,12 @@ def test_a_read_only_or_shifted_wrench_is_answered_without_compiling_anew():
     """Compiled code knows these as other types: each would stop the vehicle for half a minute, once."""
     allocator, wrench = Allocator(jack(), LIMITS), np.array([9.0, 1.0, 2.0])
     expected = allocator.allocate(wrench)
-    known = [len(function.signatures) for function in (solve_each, subset_problem)]
+    known = [len(function.forms) for function in (solve_each, subset_problem)]
     shifted = np.frombuffer(bytearray(25), np.float64, offset=1)
     shifted[:] = wrench
     for same in (np.broadcast_to(wrench, (1, 3))[0], np.repeat(wrench, 2)[::2], shifted, np.ma.array(wrench)):
         assert allocator.allocate(same).force.tobytes() == expected.force.tobytes()
-    assert [len(function.signatures) for function in (solve_each, subset_problem)] == known
+    assert [len(function.forms) for function in (solve_each, subset_problem)] == known
 
 
 def test_status_says_where_the_search_gave_up_its_proof():

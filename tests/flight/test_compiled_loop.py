@@ -186,7 +186,7 @@ def test_one_machine_code_flies_either_law_by_any_allocation():
     for name in ("cube_helix", "infante_spline", "bluerov2_free", "jack_contraction"):
         Flight(SCENARIOS / f"{name}.yaml").fly(5)
     Flight(HELIX, {"allocation.change_limit_N": 3.0}).fly(5)
-    assert len(fly.overloads) == 1
+    assert len(fly.forms) == 1
 
 
 @pytest.mark.flight

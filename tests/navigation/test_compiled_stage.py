@@ -113,7 +113,7 @@ def test_a_compass_that_reads_where_the_estimate_is_too_steep_is_neither_fused_n
 def test_it_is_compiled_once_for_all_sets():
     for aids in SETS.values():
         navigate(truths(weaving, 0.1), aids=aids)
-    assert len(estimate.signatures) == 1
+    assert len(estimate.forms) == 1
 
 
 @pytest.mark.parametrize("ahead", [1, 7, 400])

@@ -17,7 +17,7 @@ from cube_sim.flight.rows import rows_for
 from cube_sim.guidance.target_record import RunningParts
 from cube_sim.mission import Mission
 from cube_sim.mission.surface_watch import Boxes
-from cube_sim.native.compiled import address_of, compile_for
+from cube_sim.native.compiled import address_of, prepare
 from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters, estimate
 from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion
@@ -95,8 +95,8 @@ def begin_ticks(
         rows_for(mission.channels, count),
         notes,
     )
-    if not fly.overloads:
-        compile_for(fly, *given)  # another process may still compile what lies at the addresses
+    if not fly.forms:
+        prepare(fly, *given)  # another process may still compile what lies at the addresses
     codes = *by.addresses, allocator.codes(), estimating_address() if sensing.navigated else 0
     return Stretch(mission, allocator, by.target, given._replace(codes=codes))
 

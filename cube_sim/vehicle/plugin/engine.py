@@ -7,16 +7,14 @@ went well; if not, MuJoCo's words are in the buffer, and the mjData have to be r
 
 from __future__ import annotations
 
-from numba import types
-
 from cube_sim.native.compiled import compiled
+from cube_sim.native.intrinsics import External
 from cube_sim.vehicle.plugin.guard import NAMES
 
-_KIND = types.int64(types.int64, types.int64, types.int64)
-_forward = types.ExternalFunction(NAMES["forward"], _KIND)
-_forward_again = types.ExternalFunction(NAMES["forward_again"], _KIND)
-_step_on = types.ExternalFunction(NAMES["step_on"], _KIND)
-_step = types.ExternalFunction(NAMES["step"], _KIND)
+_forward = External(NAMES["forward"], 3)
+_forward_again = External(NAMES["forward_again"], 3)
+_step_on = External(NAMES["step_on"], 3)
+_step = External(NAMES["step"], 3)
 
 
 @compiled
