@@ -1,4 +1,4 @@
-"""Rows that nobody keeps: the checks look at them while the run flies."""
+"""Checks that look at rows as they come, so that nobody has to keep them."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ BLOCK_S = 60.0
 """So much of a run is judged at once [s]."""
 
 
-class JudgedStore(SignalStore):
-    """What the loop calls where the verdict alone is wanted: it holds a minute of rows, however long the run.
+class JudgedRows:
+    """Judges a run batch by batch, as a sink; it holds a minute of what the checks look at, however long the run.
 
     Args:
         channels: the channel table.
@@ -26,16 +26,25 @@ class JudgedStore(SignalStore):
     """
 
     def __init__(self, channels: Sequence[Channel], checks: Sequence[AnyCheck]) -> None:
-        super().__init__(channels)
+        self._channels = channels
         self._evaluation, self._judge_at = Evaluation(checks), BLOCK_S
         self._names = [f"{channel.name}.{field.name}" for channel in channels for field in channel.fields]
         needed = self._evaluation.needs.intersection(self._names)
         self._needed = [c for c in channels if needed.intersection(f"{c.name}.{field.name}" for field in c.fields)]
+        self._rows: dict[str, list[Rows]] = {channel.name: [] for channel in self._needed}
 
-    @property
-    def signals(self) -> Mapping[str, Rows]:
-        """None."""
-        return BySignal[Rows]()
+    def write(self, batch: Batch) -> None:
+        """Take the next batch."""
+        for name, rows in self._rows.items():
+            if name in batch.rows:
+                rows.append(batch.rows[name])
+        last = max((float(rows[-1, 0]) for rows in batch.rows.values()), default=-np.inf)
+        if last >= self._judge_at:
+            self._judge(np.floor(last))  # blocks of whole seconds: the results are those of the whole run, to the bit
+            self._judge_at = np.floor(last) + BLOCK_S
+
+    def close(self) -> None:
+        """Nothing comes after."""
 
     def results(self, duration_s: float) -> tuple[CheckResult, ...]:
         """Judge, once nothing comes any more.
@@ -43,25 +52,40 @@ class JudgedStore(SignalStore):
         Args:
             duration_s: how long the run should have been.
         """
-        self._flush()
         self._judge(np.inf)
         return self._evaluation.results(self._names, duration_s=duration_s, units=units_of(self._channels))
-
-    def _keep(self, batch: Batch) -> None:
-        for channel in self._needed:
-            if channel.name in batch.rows:
-                self._written[channel.name].append(batch.rows[channel.name])
-        last = max((float(rows[-1, 0]) for rows in batch.rows.values()), default=-np.inf)
-        if last >= self._judge_at:
-            self._judge(np.floor(last))  # blocks of whole seconds: the results are those of the whole run, to the bit
-            self._judge_at = np.floor(last) + BLOCK_S
 
     def _judge(self, end: float) -> None:
         """Judge the rows before a time [s], and forget them."""
         block: dict[str, Rows] = {}
         for channel in self._needed:
-            rows = np.concatenate([np.empty((0, 1 + channel.width)), *self._written[channel.name]])
+            rows = np.concatenate([np.empty((0, 1 + channel.width)), *self._rows[channel.name]])
             count = int(np.searchsorted(rows[:, 0], end))
             block |= signals((channel,), {channel.name: rows[:count]})
-            self._written[channel.name] = [rows[count:].copy()]
+            self._rows[channel.name] = [rows[count:].copy()]
         self._evaluation.take({name: block[name] for name in self._evaluation.needs if name in block})
+
+
+class JudgedStore(SignalStore):
+    """What the loop calls where the verdict alone is wanted: rows are judged, and nobody keeps them.
+
+    Args:
+        channels: the channel table.
+        judge: of the rows.
+    """
+
+    def __init__(self, channels: Sequence[Channel], judge: JudgedRows) -> None:
+        super().__init__(channels)
+        self._judge = judge
+
+    @property
+    def signals(self) -> Mapping[str, Rows]:
+        """None."""
+        return BySignal[Rows]()
+
+    def settle(self) -> None:
+        """Let the last rows be judged."""
+        self._flush()
+
+    def _keep(self, batch: Batch) -> None:
+        self._judge.write(batch)

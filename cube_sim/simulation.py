@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cube_sim.checks import evaluate
 from cube_sim.errors import RecordingError, RunInterrupted, told
 from cube_sim.flight import Loop, prepared
-from cube_sim.judged_store import JudgedStore
+from cube_sim.judged_store import JudgedRows, JudgedStore
 from cube_sim.mission import Mission
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
@@ -149,16 +149,17 @@ def _store(
     mission: Mission,
     record: Kept,
     live: int | None,
-    keep_signals: bool,
+    judge: JudgedRows | None,
     begin: Callable[[], None],
 ) -> AbstractContextManager[SignalStore]:
     """Where the rows go."""
-    if record == "none" and not keep_signals:
-        return nullcontext(JudgedStore(mission.channels, mission.scenario.checks))
+    if record == "none" and judge is not None:
+        return nullcontext(JudgedStore(mission.channels, judge))
     if record == "none":
         return nullcontext(SignalStore(mission.channels))
     inputs, view = header(loaded, mission.codes), record == "full"
-    return Recorder(place.directory, inputs, mission.channels, mission.model, view, mission.vehicle.name, live, begin)
+    shown = mission.channels, mission.model, view, mission.vehicle.name, live
+    return Recorder(place.directory, inputs, *shown, begin, judge)
 
 
 def _record_and_judge(
@@ -179,7 +180,8 @@ def _record_and_judge(
             place.begin()
             (directory / RESOLVED_FILE).write_text(resolved, encoding="utf-8")
 
-    with _store(place, loaded, mission, record, live, keep_signals, begin) as recorder, ExitStack() as stack:
+    judge = None if record == "none" and keep_signals else JudgedRows(mission.channels, mission.scenario.checks)
+    with _store(place, loaded, mission, record, live, judge, begin) as recorder, ExitStack() as stack:
         stack.callback(lambda: place.begun or recorder.clear())  # what never began to fly leaves nothing
         flight, clock = Loop(mission, recorder), _Clock()
         try:
@@ -192,7 +194,7 @@ def _record_and_judge(
                 recorder.settle()
                 begin()
                 early = EarlyEnd(flight.time_s, f"interrupted by {stopped}") if stopped else flight.ended_early
-                results = _results(mission, recorder)
+                results = _results(mission, recorder, judge)
                 verdict = overall(results, complete=early is None)
                 recorder.finish(_end(flight, stopped, verdict, results))
                 flown = Flown(flight.time_s, early, recorder.warnings)
@@ -215,11 +217,11 @@ def _record_and_judge(
     return Run(verdict, results, recorder.signals, directory, factor, versions(), flight.time_s, early, flown.log)
 
 
-def _results(mission: Mission, recorder: SignalStore) -> tuple[CheckResult, ...]:
-    """What the checks say of all that has been flown."""
+def _results(mission: Mission, recorder: SignalStore, judge: JudgedRows | None) -> tuple[CheckResult, ...]:
+    """What the checks say of all that has been flown, which they have seen where there is a judge."""
     scenario = mission.scenario
-    if isinstance(recorder, JudgedStore):
-        return recorder.results(scenario.duration_s)
+    if judge is not None:
+        return judge.results(scenario.duration_s)
     units = units_of(mission.channels)
     return evaluate(scenario.checks, recorder.signals, duration_s=scenario.duration_s, units=units)
 

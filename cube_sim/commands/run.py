@@ -85,6 +85,10 @@ def _fly(
     from cube_sim.scenario.python_block import python_blocks
 
     keep_little()
+    if record is Recorded.FULL and live is None:
+        from cube_sim.recording.rerun.apart import begin
+
+        begin()
     try:
         loaded = load(scenario, overrides(settings))
         if out is not None:

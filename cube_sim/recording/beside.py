@@ -9,8 +9,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from cube_sim.recording.batch import Batch, View
 from cube_sim.recording.run_end import RunEnd
 
-MOST_WAITING = 100
-"""So many batches may wait to be written before whoever hands them on waits too: a few megabytes."""
+MOST_WAITING = 200
+"""So many batches may wait to be written before whoever hands them on waits too: some ten megabytes."""
 
 
 class SinkBeside:

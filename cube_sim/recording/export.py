@@ -18,7 +18,7 @@ from cube_sim.recording.rerun.drawn import drawn_from
 from cube_sim.recording.rerun.gathering import gathered
 from cube_sim.recording.rerun.side_by_side import looks, side_by_side
 from cube_sim.recording.rerun.sink import PIECE_S, finish, rerun_sink
-from cube_sim.recording.rerun.story import story_of
+from cube_sim.recording.rerun.telling import story_of
 
 
 def rrd_from_mcap(mcap: Path, rrd: Path) -> None:

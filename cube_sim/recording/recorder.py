@@ -13,7 +13,7 @@ from types import TracebackType
 import mujoco
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Batch, Rows, View
+from cube_sim.recording.batch import Batch, Rows, Sink, View
 from cube_sim.recording.beside import SinkBeside
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_name
@@ -22,6 +22,7 @@ from cube_sim.recording.live import LiveSink
 from cube_sim.recording.long_run import RecordedSignals
 from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.sink import McapSink
+from cube_sim.recording.rerun.apart import is_begun, view_apart
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.run_files import RunFiles
 from cube_sim.recording.signal_store import SignalStore
@@ -43,8 +44,8 @@ class Recorder(SignalStore):
     less than a simulated second, and what compiled code has flown while the one before was written. The files are
     opened for the first of them: until then an earlier run in the directory stays as it is.
 
-    Rows are kept in memory too, for the checks, until they are `MOST_KEPT_BYTES`; from then on `signals` are read from
-    the record.
+    Rows are kept in memory too, for whoever asks for `signals`, until they are `MOST_KEPT_BYTES`; from then on they
+    are read from the record.
 
     Attributes:
         mcap: path of the record.
@@ -61,6 +62,7 @@ class Recorder(SignalStore):
         vehicle: str | None = None,
         live: int | None = None,
         begin: Callable[[], None] = lambda: None,
+        also: Sink | None = None,
     ) -> None:
         """Write nothing yet.
 
@@ -73,6 +75,7 @@ class Recorder(SignalStore):
             vehicle: the body whose pose is recorded; None for the first that swims.
             live: port of this machine at which a viewer shows the run while it flies; None for no such viewer.
             begin: called when the files are to be opened, before a record that is there is replaced.
+            also: who looks at the batches once they are in the record.
         """
         super().__init__(channels)
         self._closed, self._kept_bytes = False, 0
@@ -86,7 +89,8 @@ class Recorder(SignalStore):
             # What a view cannot do is told once, by `warnings`; unasked, Rerun would tell it in its own words as well.
             os.environ.setdefault("RUST_LOG", "off")
             # Only a run that wants a view pays for its import, while it starts up.
-            Thread(target=_load_views, name="view").start()
+            if live is not None or not is_begun():
+                Thread(target=_load_views, name="view").start()
 
         def record(place: Path) -> McapSink:
             return McapSink(place, header, self._channels, name, scene)
@@ -101,9 +105,15 @@ class Recorder(SignalStore):
             return found
 
         self._files = RunFiles(self.mcap, record, views, begin)
-        self._sinks.append(self._files)
+        self._sinks += [self._files, *([] if also is None else [also])]
 
     def _view(self, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> View:
+        if is_begun():
+            from cube_sim.recording.rerun.telling import story_of
+
+            view = view_apart(self.rrd, header, self._channels, model, vehicle, story_of(header))
+            if view is not None:
+                return view
         from cube_sim.recording.rerun.sink import rerun_sink
 
         return rerun_sink(self.rrd, header, self._channels, model, vehicle)

@@ -84,7 +84,7 @@ class McapSink:
         self._ids.append(self._writer.add_channel(TRANSFORM_TOPIC, FRAME_TRANSFORM, frame_transform_schema()))
         self._log_id = self._writer.add_channel(LOG_TOPIC, LOG, log_schema())
         self._templates, self._streams = _templates(self._ids, layouts)
-        self._sequences = [0] * len(self._ids)
+        self._sequences = np.zeros(len(self._ids), np.int64)
         self._lines = 0
 
     def move_to(self, path: Path) -> None:
@@ -97,28 +97,25 @@ class McapSink:
 
     def write(self, batch: Batch) -> None:
         """Write a batch as one chunk and hand it to the operating system."""
-        parts, places, which, rows = [], {}, [], 0
         drawn = {} if self._scene is None else self._scene.of(batch)
-        for name, table in [*batch.rows.items(), *drawn.items()]:
-            number = self._numbers[name]
-            places[number] = rows, *table.shape
-            parts.append(table.reshape(-1))
-            which.append(number)
-            rows += table.size
+        tables = {**batch.rows, **drawn}
+        which = [self._numbers[name] for name in tables]
+        shapes = np.array([table.shape for table in tables.values()], np.int64).reshape(-1, 2)
+        starts = np.concatenate([[0], np.cumsum(shapes[:, 0] * shapes[:, 1])])
+        parts = [table.reshape(-1) for table in tables.values()]
+        places = np.hstack([starts[:-1, None], shapes])
         if _POSE in batch.rows:
-            transform = len(self._ids) - 1
-            places[transform] = places[self._numbers[_POSE]]
-            which.append(transform)
-        streams = self._streams[which + [-1] * bool(batch.log)]
-        for stream, number in zip(streams, which, strict=False):
-            stream["row"], stream["count"], stream["width"] = places[number]
-            stream["sequence"] = self._sequences[number]
-            self._sequences[number] += places[number][1]
+            which.append(len(self._ids) - 1)
+            places = np.vstack([places, places[which.index(self._numbers[_POSE])]])
         said = _NOTHING_SAID
+        streams = self._streams[which + [-1] * bool(batch.log)]
         if batch.log:
             said = self._say(batch.log)
             parts.append(np.array([line.t for line in batch.log]))
-            streams[-1]["row"], streams[-1]["count"], streams[-1]["width"] = rows, len(batch.log), 1
+            places = np.vstack([places, [starts[-1], len(batch.log), 1]])
+        streams["row"], streams["count"], streams["width"] = places.T
+        streams["sequence"][: len(which)] = self._sequences[which]
+        self._sequences[which] += places[: len(which), 1]
         if parts:
             self._writer.write_chunk(self._encoded(streams, np.concatenate(parts), said))
         # What is in the file, no more: a full disk may have kept this batch out of it.

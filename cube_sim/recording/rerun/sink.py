@@ -18,7 +18,7 @@ from cube_sim.recording.rerun.blueprint import blueprint
 from cube_sim.recording.rerun.drawing import RunDrawing
 from cube_sim.recording.rerun.drawn import Drawn, drawn_from
 from cube_sim.recording.rerun.gathering import GatheringSink
-from cube_sim.recording.rerun.story import story_of
+from cube_sim.recording.rerun.story import Story
 from cube_sim.recording.rerun.viewer import LOCAL
 from cube_sim.recording.run_end import RunEnd
 
@@ -28,14 +28,20 @@ viewer makes several."""
 
 
 def rerun_sink(
-    path: Path, header: RunHeader, channels: Sequence[Channel], model: mujoco.MjModel, vehicle: str | None = None
+    path: Path,
+    header: RunHeader,
+    channels: Sequence[Channel],
+    model: mujoco.MjModel,
+    vehicle: str | None = None,
+    story: Story | None = None,
 ) -> View:
     """Start an .rrd file that takes batches as they come.
 
-    The vehicle is the body of that name; without a name the first with a free joint.
+    The vehicle is the body of that name; without a name the first with a free joint. The story is the header's, which
+    takes a reader of scenarios where nobody has it ready.
     """
     path.write_bytes(b"")  # a place that cannot be written is found out now
-    return GatheringSink(RerunSink(lambda stream: stream.save(path), header, channels, model, vehicle), PIECE_S)
+    return GatheringSink(RerunSink(lambda stream: stream.save(path), header, channels, model, vehicle, story), PIECE_S)
 
 
 FLUSH_S = 10.0
@@ -67,6 +73,7 @@ class RerunSink:
         channels: Sequence[Channel],
         model: mujoco.MjModel,
         vehicle: str | None = None,
+        story: Story | None = None,
         live: bool = False,
     ) -> None:
         """Nothing is sent before the first batch.
@@ -77,11 +84,12 @@ class RerunSink:
             channels: the channel table.
             model: the compiled model.
             vehicle: the body that swims; None for the first that can.
+            story: of the run; None for what its header tells.
             live: whether it is watched while it flies: a recording of its own beside that of the file.
         """
         self._live = live
         self._send_to, self._header, self._channels = send_to, header, channels
-        self._model, self._vehicle = model, vehicle
+        self._model, self._vehicle, self._story = model, vehicle, story
         self._name = ""
         self._begun: tuple[rr.RecordingStream, RunDrawing] | None = None
 
@@ -102,7 +110,7 @@ class RerunSink:
 
     def _begin(self, first: Batch) -> tuple[rr.RecordingStream, RunDrawing]:
         """Name the recording and its layout: only the first batch says what the run is like."""
-        story, identity = story_of(self._header), _identity(self._header, first)
+        story, identity = self._story or _story_of(self._header), _identity(self._header, first)
         identity = uuid4().hex if self._live else identity
         drawn = drawn_from(self._channels, self._model, self._vehicle, story, first)
         # No property but its name is sent: Rerun would put the wall clock into the others.
@@ -115,6 +123,12 @@ class RerunSink:
         stream.send_blueprint(blueprint(drawn), make_active=True)
         self._begun = stream, drawing
         return self._begun
+
+
+def _story_of(header: RunHeader) -> Story:
+    from cube_sim.recording.rerun.telling import story_of
+
+    return story_of(header)
 
 
 def finish(stream: rr.RecordingStream) -> None:

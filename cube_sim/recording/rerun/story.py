@@ -2,15 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-
-from pydantic import ValidationError
-
-from cube_sim.recording.header import RunHeader
-from cube_sim.scenario import Scenario
-from cube_sim.scenario.check_blocks import AnyCheck, SignalCheckBlock
-from cube_sim.scenario.document import parse
 
 
 @dataclass(frozen=True)
@@ -66,42 +58,3 @@ class Story:
     speed_m_s: float | None
     events: tuple[Event, ...]
     limits: tuple[Limit, ...]
-
-
-def story_of(header: RunHeader) -> Story:
-    """What the header tells; of a scenario that this version does not know, nothing."""
-    try:
-        scenario = Scenario.model_validate(parse(header.resolved).data)
-    except ValidationError:
-        return Story("", "", None, None, (), ())
-    events = sorted((Event(event.at_s, event.title) for event in scenario.events), key=lambda event: event.t)
-    limits = (_limit(check, scenario.duration_s) for check in scenario.checks if isinstance(check, SignalCheckBlock))
-    name, speed = scenario.name, scenario.guidance.speed_m_s
-    return Story(name, _text(scenario, events, header), scenario.duration_s, speed, tuple(events), tuple(limits))
-
-
-def _text(scenario: Scenario, events: Sequence[Event], header: RunHeader) -> str:
-    said = [f"# {scenario.name}", scenario.description]
-    said.append(f"{scenario.duration_s:g} s, {header.model.removeprefix('model/')}, seed {header.seed}")
-    if scenario.checks:
-        said.append("## Checks")
-        said.append("\n".join(f"- {_asked(check)}" for check in scenario.checks))
-    if events:
-        said.append("## Events")
-        said.append("\n".join(f"- {event.t:g} s: {event.text}" for event in events))
-    return "\n\n".join(part for part in said if part)
-
-
-def _asked(check: AnyCheck) -> str:
-    return f"{check.title} {_bound(check)}"
-
-
-def _bound(check: AnyCheck) -> str:
-    relation = {"<=": "≤", ">=": "≥"}[check.bound.relation]
-    return f"{relation} {check.bound.limit:g}"
-
-
-def _limit(check: SignalCheckBlock, duration_s: float) -> Limit:
-    start = 0.0 if check.from_s is None else check.from_s
-    end = duration_s if check.to_s is None else min(check.to_s, duration_s)
-    return Limit(check.signal, check.component, f"{check.statistic} {_bound(check)}", check.bound.limit, start, end)
