@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -87,15 +87,18 @@ class Claim:
     def __init__(self, directory: Path, made: bool) -> None:
         self.directory, self.begun, self._made = directory, False, made
 
-    def begin(self) -> None:
+    def begin(self, but: Collection[str] = ()) -> None:
         """Remove an earlier run's files: from now on the folder is this run's. Once is enough.
+
+        Args:
+            but: those that another takes the place of in one move, which no kill comes amid.
 
         Raises:
             DirectoryError: they cannot be removed.
         """
         if not self.begun:
             with _as_directory_error(self.directory):
-                self.remove(FILES)
+                self.remove(file for file in FILES if file not in but)
             self.begun = True
 
     def remove(self, files: Iterable[str]) -> None:

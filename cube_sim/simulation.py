@@ -23,11 +23,12 @@ from cube_sim.recording.channels import units_of
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.run_end import How, RunEnd
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.run_directory import RESOLVED_FILE, Claim, claim, require_writable, write_verdict
+from cube_sim.run_directory import MCAP_FILE, RESOLVED_FILE, Claim, claim, require_writable, write_verdict
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
 from cube_sim.uninterrupted import name_of, signal_of, stoppable, uninterrupted
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
+from cube_sim.whole_file import written_whole
 
 Progress = Callable[[float, float], None]
 Kept = Literal["full", "mcap", "none"]
@@ -177,8 +178,9 @@ def _record_and_judge(
 
     def begin() -> None:
         if not place.begun:
-            place.begin()
-            (directory / RESOLVED_FILE).write_text(resolved, encoding="utf-8")
+            with written_whole(directory / RESOLVED_FILE) as part:
+                part.write_text(resolved, encoding="utf-8")
+                place.begin(but=() if record == "none" else (MCAP_FILE,))
 
     judge = None if record == "none" and keep_signals else JudgedRows(mission.channels, mission.scenario.checks)
     with _store(place, loaded, mission, record, live, judge, begin) as recorder, ExitStack() as stack:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+from pathlib import Path
 
 import pytest
 from support.own_code import scenario_with
@@ -63,13 +64,14 @@ def test_whatever_ends_the_start_leaves_it(earlier, monkeypatch, error, place):
     assert contents(out) == before
 
 
-def test_a_disk_without_room_for_the_head_of_the_record_leaves_it(earlier, monkeypatch):
+@pytest.mark.parametrize(("kind", "call"), [(writer.McapWriter, "add_attachment"), (Path, "write_text")])
+def test_a_disk_without_room_for_what_comes_first_leaves_it(earlier, monkeypatch, kind, call):
     scenario, out, before = earlier
 
-    def full(*_):
+    def full(*_, **__):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(writer.McapWriter, "add_attachment", full)
+    monkeypatch.setattr(kind, call, full)
     with pytest.raises(RecordingError, match="No space left on device"):
         cube_sim.run(scenario, SECOND, out)
     assert contents(out) == before

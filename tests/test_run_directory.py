@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from cube_sim.errors import DirectoryError
-from cube_sim.run_directory import FILES, PARTS, claim, nothing_recorded, require_writable, write_verdict
+from cube_sim.run_directory import FILES, MCAP_FILE, PARTS, claim, nothing_recorded, require_writable, write_verdict
 
 
 def prepare(folder):
@@ -60,6 +60,14 @@ def test_an_earlier_run_stays_whole_until_the_new_one_begins(tmp_path):
         assert not nothing_recorded()
     assert contents(tmp_path) == {Path(FILES[0]): b"new"}
     assert not nothing_recorded()
+
+
+def test_what_is_replaced_in_one_move_stays_until_then(tmp_path):
+    for name in FILES:
+        (tmp_path / name).write_text("earlier")
+    with claim(tmp_path, "dive") as place:
+        place.begin(but=(MCAP_FILE,))
+    assert contents(tmp_path) == {Path(MCAP_FILE): b"earlier"}
 
 
 def test_a_folder_made_for_a_run_that_never_began_goes_with_it(tmp_path):

@@ -111,7 +111,7 @@ def _write(place: Claim, recording: Recording, end: RunEnd) -> None:
             sink.finish(end)
         finally:
             sink.close()
-        place.begin()
+        place.begin(but=(MCAP_FILE,))
 
 
 def _scene(recording: Recording) -> SceneRows | None:
