@@ -9,8 +9,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from cube_sim.recording.batch import Batch, View
 from cube_sim.recording.run_end import RunEnd
 
-MOST_WAITING = 200
-"""So many batches may wait to be written before whoever hands them on waits too: some ten megabytes."""
+MOST_WAITING = 60
+"""So many batches may wait to be written before whoever hands them on waits too: of five seconds each 15 megabytes."""
 
 
 class SinkBeside:

@@ -23,6 +23,7 @@ from cube_sim.recording.long_run import RecordedSignals
 from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.sink import McapSink
 from cube_sim.recording.rerun.apart import is_begun, view_apart
+from cube_sim.recording.rerun.gathering import GatheringSink
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.run_files import RunFiles
 from cube_sim.recording.signal_store import SignalStore
@@ -32,6 +33,10 @@ MCAP_NAME = "run.mcap"
 RRD_NAME = "run.rrd"
 _VIEWS = "cube_sim.recording.rerun.sink"
 REMEDY = "`cube-sim export --format rrd` makes it of the record"
+
+HANDED_ON_S = 5
+"""So many simulated seconds at a time go to the view, which is written in larger pieces still: each costs a change of
+threads and a message to another process."""
 
 MOST_KEPT_BYTES = 16_000_000
 """Five minutes of an eight-thruster vehicle at 50 Hz."""
@@ -101,7 +106,7 @@ class Recorder(SignalStore):
                 found.append(LiveSink(lambda: self._streamed(port, header, model, vehicle)))
             if view:
                 self._shown = SinkBeside(lambda: self._view(header, model, vehicle))
-                found.append(self._shown)
+                found.append(GatheringSink(self._shown, HANDED_ON_S))
             return found
 
         self._files = RunFiles(self.mcap, record, views, begin)
