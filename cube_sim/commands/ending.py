@@ -94,8 +94,6 @@ def code_of(error: BaseException) -> int:
     match error:
         case typer.Exit():
             return error.exit_code
-        case SystemExit():
-            return error.code if isinstance(error.code, int) else NOT_JUDGED if error.code else 0
         case typer.TyperException():
             _say(_usage(error))
             return getattr(error, "exit_code", BAD_INPUT)

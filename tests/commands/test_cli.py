@@ -218,6 +218,7 @@ def test_a_failed_check_decides_whatever_could_not_be_judged(tmp_path, monkeypat
         (EOFError("no more"), "EOFError: no more"),
         (EOFError(), "EOFError"),
         (MemoryError(), "MemoryError"),
+        (SystemExit(0), "SystemExit: 0"),  # code of a user's own may end as it likes; that is no PASS
     ],
 )
 def test_what_nobody_foresaw_is_one_line_and_never_a_fail(tmp_path, monkeypatch, capsys, error, told):
