@@ -28,6 +28,7 @@ from cube_sim.commands import (
     view,
 )
 from cube_sim.commands.ending import EPILOG, PASS, code_of, end_process, leave_on_interrupt, leave_to_others
+from cube_sim.native.heap import seldom_look_for_circles
 
 app = typer.Typer(
     help="Underwater vehicles in MuJoCo: real water, 3-D path following, exact thruster allocation.",
@@ -56,6 +57,7 @@ app.command(short_help="Print the reference of scenarios or of recordings.")(ref
 def main() -> None:
     """Run the command line: the one entry of ``cube-sim`` and ``python -m cube_sim``, and the one way out of both."""
     leave_on_interrupt()
+    seldom_look_for_circles()
     try:
         code = _code_of_command()
     except KeyboardInterrupt as late:  # the command had come to its end

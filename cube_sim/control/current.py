@@ -35,7 +35,7 @@ class CurrentObserver:
     def __init__(self, dynamics: Dynamics, time: float) -> None:
         self._hull, self.time = dynamics.record, time
         slope = current_slope(self._hull, np.eye(3), QUIET * np.ones(3), QUIET * np.ones(3), (0.0, 0.0, 0.0))
-        damping = float(np.median(np.abs(np.diag(slope))))
+        damping = float(np.sort(np.abs(np.diag(slope)))[1])  # the median: numpy's loads masked arrays
         self.damping = max(damping, SLOWEST_DECAY * float(np.trace(dynamics.total_mass[:3, :3])) / 3.0)
         self.estimate = np.zeros(3)
 

@@ -15,6 +15,8 @@ import sys
 from contextlib import suppress
 from typing import IO, TYPE_CHECKING, Any
 
+from cube_sim.native.heap import seldom_look_for_circles
+
 if TYPE_CHECKING:
     from cube_sim.recording.batch import Batch, View
     from cube_sim.recording.run_end import RunEnd
@@ -112,6 +114,7 @@ def serve() -> None:
     given, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     sys.meta_path.insert(0, _WithoutPandas)
+    seldom_look_for_circles()
     from cube_sim.recording.rerun.sink import rerun_sink
 
     answers.write(_READY)
