@@ -60,7 +60,8 @@ def diff(
         inputs = {"settings": [vars(each) for each in settings], "files": [vars(each) for each in files]}
         print_json({**inputs, "signals": [each.to_dict() for each in found]})
     else:
-        for line in _lines("setting", settings) + _lines("file", files, _DIGEST):
+        inputs = _lines("setting", settings) + _lines("file", files, _DIGEST)
+        for line in [*inputs, *[""] * bool(inputs and found)]:
             typer.echo(line)
         if found:
             console_for_tables().print(_table(found, runs[0]))

@@ -73,7 +73,7 @@ def test_what_cannot_be_written_is_one_line(flown, tmp_path, monkeypatch, capsys
     assert record.read_bytes() == before
     code, out, err = call(monkeypatch, capsys, "report", flown, "--out", tmp_path / "no" / "page.html")
     assert (code, out) == (3, "")
-    assert err == f"{tmp_path / 'no' / 'page.html'}: cannot be written: No such file or directory\n"
+    assert err == f"{tmp_path / 'no' / 'page.html'}: cannot be written: there is no folder {tmp_path / 'no'}\n"
 
 
 @pytest.mark.flight
