@@ -14,7 +14,7 @@ import numba
 from numba.core import types
 
 from cube_sim.native.called import CalledCache, CalledCompiler
-from cube_sim.native.doors import Code, answers_of, outside_of
+from cube_sim.native.doors import MachineCode, answers_of, outside_of
 from cube_sim.native.lent import LendingCompiler
 
 
@@ -56,7 +56,7 @@ def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> Any:
     return dispatcher.overloads[kinds]
 
 
-def code_of(dispatcher: Any, overload: Any) -> Code | None:
+def code_of(dispatcher: Any, overload: Any) -> MachineCode | None:
     """The machine code of what is compiled, as numba's own cache has it; None where that has none.
 
     numba keeps it nowhere else.
@@ -75,7 +75,7 @@ def code_of(dispatcher: Any, overload: Any) -> Code | None:
     machine_code, llvm_code = content
     environments = [environment, *(each for each in others if each.env_name != fndesc.env_name)]
     answer = signature.return_type
-    return Code(
+    return MachineCode(
         machine_code=machine_code,
         entry=fndesc.llvm_func_name,
         door=fndesc.llvm_cpython_wrapper_name,

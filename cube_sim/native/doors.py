@@ -32,7 +32,7 @@ _SAYS_NOTHING = "NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS"
 
 
 @dataclass(frozen=True)
-class Code:
+class MachineCode:
     """Machine code of a function, and the words to use it by.
 
     Attributes:
@@ -94,7 +94,7 @@ def on_disk(name: str, stamp: str) -> bool:
     )
 
 
-def keep(name: str, kinds: str, stamp: str, code: Code) -> None:
+def keep(name: str, kinds: str, stamp: str, code: MachineCode) -> None:
     """Leave code for other processes, where it can be told to them."""
     if not _usual():
         return
@@ -107,15 +107,15 @@ def keep(name: str, kinds: str, stamp: str, code: Code) -> None:
             return
 
 
-def _unpacked(content: bytes, stamp: str) -> Code | None:
+def _unpacked(content: bytes, stamp: str) -> MachineCode | None:
     try:
         made_from, code = pickle.loads(content)
-        return Code(**code) if made_from == stamp else None
+        return MachineCode(**code) if made_from == stamp else None
     except Exception:  # of an earlier version, which may name what is no more
         return None
 
 
-def _opened(name: str, code: Code) -> Door | None:
+def _opened(name: str, code: MachineCode) -> Door | None:
     numba_runtime.make_known()
     if any(llvm.address_of_symbol(each) is None for each in code.outside):
         return None
