@@ -133,6 +133,8 @@ class _Parts:
                 loose.append(data[start:position])
             if opcode == Opcode.FOOTER:
                 self.contents.complete = data.endswith(MCAP0_MAGIC)
+                if position < len(data) - len(MCAP0_MAGIC):
+                    self.dropped.append("what comes after the record's end: another file, it may be")
                 break
         if loose:
             self.chunks.append(b"".join(loose))

@@ -10,7 +10,7 @@ from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import split_into_batches
 from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.sink import McapSink
-from cube_sim.recording.reading import CANNOT_KNOW, Recording
+from cube_sim.recording.reading import CANNOT_KNOW, Recording, read_recording
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.salvage import salvage
 from cube_sim.run_directory import MCAP_FILE, RRD_FILE, Claim, claim
@@ -62,12 +62,13 @@ def recover(record: Path, directory: Path) -> Recovered | str:
         raise RecordingError(f"{directory}: is the folder of the record itself; give another")
     found = salvage(record)
     run = RecordedRun(record, found.recording, None)
-    if not found.dropped and _holds_all(run):
+    refused = _refused(record)
+    if not refused and _holds_all(run) and (run.complete or not found.dropped):
         return _nothing_to_recover(run)
     before, changed = run.end, found.recording.changed
     whole = {channel.name for channel in found.recording.channels if channel.every_tick}
     lost = told_losses(run.losses, whole)
-    because = changed or _told(found.dropped) or (_told(lost) if run.altered else run.flaw)
+    because = changed or _told(found.dropped) or (_told(lost) if run.altered else run.flaw) or refused
     end = RunEnd(
         "recovered",
         because,
@@ -79,6 +80,15 @@ def recover(record: Path, directory: Path) -> Recovered | str:
     with claim(directory, run.scenario.name) as place:
         _write(place, found.recording, end)
         return Recovered(place.directory, run.recorded_s, tuple(lost), changed, found.dropped, _view(place.directory))
+
+
+def _refused(record: Path) -> str:
+    """Why every other reader refuses a record, all of whose pieces may be sound; "" where it is read."""
+    try:
+        read_recording(record)
+    except RecordingError as error:
+        return str(error)
+    return ""
 
 
 def _holds_all(run: RecordedRun) -> bool:

@@ -419,6 +419,25 @@ def test_a_record_that_lacks_its_last_words_alone_does_not_end_early(flown, tmp_
     assert run.flaw == "its rows go to the end, 3 s, but it does not say how the run ended"
 
 
+def test_two_records_in_one_file_are_no_complete_record_for_anybody(flown, tmp_path, monkeypatch, capsys):
+    twice = tmp_path / "twice.mcap"
+    twice.write_bytes((flown.directory / "run.mcap").read_bytes() * 2)
+    assert call(monkeypatch, capsys, "judge", twice)[0] == 2
+    code, out, _ = call(monkeypatch, capsys, "recover", twice)
+    assert (code, "complete" in out, "dropped: what comes after the record's end" in out) == (0, False, True)
+    saved = cube_sim.load_run(tmp_path / "twice_recovered")
+    assert (saved.complete, saved.recorded_s, saved.losses) == (False, 3.0, ())
+
+
+def test_a_complete_record_without_the_last_bytes_of_its_summary_is_left_alone(flown, tmp_path, monkeypatch, capsys):
+    short = tmp_path / "short.mcap"
+    short.write_bytes((flown.directory / "run.mcap").read_bytes()[:-100])
+    assert cube_sim.load_run(short).complete
+    code, out, _ = call(monkeypatch, capsys, "recover", short)
+    assert (code, "is complete; there is nothing to recover" in out) == (0, True)
+    assert not (tmp_path / "short_recovered").exists()
+
+
 def test_what_a_kill_left_is_recovered_and_what_is_whole_is_left_alone(flown, tmp_path, monkeypatch, capsys):
     code, out, _ = call(monkeypatch, capsys, "recover", cut(flown, tmp_path), "--output", tmp_path / "saved")
     assert code == 0
