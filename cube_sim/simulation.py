@@ -191,6 +191,8 @@ def _record_and_judge(
             if number and not flight.tick:
                 raise RunInterrupted(directory, recorder.warnings, recorded=False, number=number)
             stopped = name_of(number) if number else ""
+            if number:
+                recorder.hurry()
             factor = clock.factor(flight.time_s)
             with uninterrupted():  # an end that is begun is brought to its end
                 recorder.settle()

@@ -13,6 +13,15 @@ GIVES_WAY = "gives_way"
 """The attribute of a handler of these that `stoppable` may take the place of."""
 
 
+_held_back: list[list[Any]] = []
+"""What each `uninterrupted` that lasts holds back."""
+
+
+def is_asked_to_end() -> bool:
+    """Whether a signal is held back at this moment."""
+    return any(_held_back)
+
+
 def signal_of(interrupt: KeyboardInterrupt) -> int:
     """The number of the signal that stopped something."""
     return getattr(interrupt, "number", signal.SIGINT)
@@ -87,9 +96,13 @@ def uninterrupted(start_up: bool = False) -> Iterator[list[Any]]:
     caught: list[Any] = []
     for number in ours:
         signal.signal(number, lambda *told: caught.append(told))
+    if ours:
+        _held_back.append(caught)
     try:
         yield caught
     finally:
+        if ours:  # in the main thread, where what is begun last is over first
+            _held_back.pop()
         for number, handler in ours.items():
             signal.signal(number, handler)
         if caught:

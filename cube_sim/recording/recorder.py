@@ -24,6 +24,7 @@ from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.sink import McapSink
 from cube_sim.recording.rerun.apart import is_begun, view_apart
 from cube_sim.recording.rerun.gathering import GatheringSink
+from cube_sim.recording.rerun.patience import Patience
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.run_files import RunFiles
 from cube_sim.recording.signal_store import SignalStore
@@ -88,6 +89,7 @@ class Recorder(SignalStore):
         self.mcap = directory / MCAP_NAME
         self.rrd = directory / RRD_NAME
         self._shown: SinkBeside | None = None
+        self._patience = Patience()
         name = vehicle or vehicle_name(model)
         scene = SceneRows(self._channels, model, vehicle, name)
         if view or live is not None:
@@ -116,7 +118,7 @@ class Recorder(SignalStore):
         if is_begun():
             from cube_sim.recording.rerun.telling import story_of
 
-            view = view_apart(self.rrd, header, self._channels, model, vehicle, story_of(header))
+            view = view_apart(self._patience, self.rrd, header, self._channels, model, vehicle, story_of(header))
             if view is not None:
                 return view
         from cube_sim.recording.rerun.sink import rerun_sink
@@ -127,6 +129,10 @@ class Recorder(SignalStore):
         from cube_sim.recording.rerun.sink import live_sink
 
         return live_sink(port, header, self._channels, model, vehicle)
+
+    def hurry(self) -> None:
+        """Wait for the view only for some seconds from now on: somebody wants the run to end."""
+        self._patience.hurried = True
 
     def settle(self) -> None:
         """Send the last rows to the files: nothing can be added from now on."""
@@ -154,8 +160,15 @@ class Recorder(SignalStore):
             self.settle()
         finally:
             self._files.close()
+            self._remove_an_empty_view()
             if self._recorded is not None:
                 self._recorded.finished()
+
+    def _remove_an_empty_view(self) -> None:
+        if self._shown is not None and self._shown.failure:
+            with suppress(OSError):
+                if self.rrd.is_file() and not self.rrd.stat().st_size:
+                    self.rrd.unlink()
 
     @property
     def warnings(self) -> tuple[LogLine, ...]:

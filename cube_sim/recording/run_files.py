@@ -59,13 +59,15 @@ class RunFiles:
             view.tell(end)
 
     def close(self) -> None:
-        """Close what has been opened; once is enough."""
+        """Close what has been opened, the record first: views may have to be waited for. Once is enough."""
         self._closed = True
         views, self._views = self._views, ()
-        for view in views:
-            view.close()
-        if self._record is not None:
-            self._record.close()
+        try:
+            if self._record is not None:
+                self._record.close()
+        finally:
+            for view in views:
+                view.close()
 
     def _opened(self) -> McapSink:
         if self._record is None:

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import os
+import select
 import signal
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from support.helix_run import END, HEADER, fly, model, table
 
+from cube_sim import load_run
+from cube_sim.recording import beside
 from cube_sim.recording.recorder import Recorder
-from cube_sim.recording.rerun import apart
+from cube_sim.recording.rerun import apart, patience
+from cube_sim.recording.rerun.patience import Patience
+from cube_sim.uninterrupted import uninterrupted
 
 TICKS = 130
 
@@ -36,6 +42,10 @@ def begun(monkeypatch):
     yield process
     apart._let_go()
     process.wait(60)
+
+
+def await_ready(begun: subprocess.Popen[bytes]) -> None:
+    assert select.select([begun.stdout], [], [], 60)[0]
 
 
 def recorded(folder: Path) -> Recorder:
@@ -63,6 +73,80 @@ def test_one_that_is_killed_costs_the_view_alone(begun, tmp_path):
         recorder.finish(END)
     (warning,) = recorder.warnings
     assert warning.text.startswith("run.rrd cannot be written: the process that draws it ended with code -9; ")
+    assert not recorder.rrd.exists()  # it was empty
+
+
+STANDS_STILL = "run.rrd cannot be written: the process that draws it stands still; "
+
+
+def stopped_amid(folder: Path, begun: subprocess.Popen[bytes]) -> Recorder:
+    """A recorder whose view stands still once it draws, with more on its way to it than a pipe takes."""
+    recorder = Recorder(folder, HEADER, table(), model())
+    fly(recorder, TICKS)
+    assert recorder._shown._made.result(60) is not None
+    begun.send_signal(signal.SIGSTOP)
+    fly(recorder, 20 * TICKS, first=TICKS)
+    return recorder
+
+
+def test_one_that_stands_still_is_given_up(begun, tmp_path, monkeypatch):
+    await_ready(begun)
+    monkeypatch.setattr(patience, "TAKES_S", 0.3)
+    monkeypatch.setattr(beside, "MOST_WAITING", 2)  # so that the flight has to wait for it
+    with stopped_amid(tmp_path, begun) as recorder:
+        (warning,) = recorder.warnings  # the flight has gone on without it
+        assert warning.text.startswith(STANDS_STILL)
+        recorder.finish(END)
+    assert begun.wait(60) == -signal.SIGKILL
+    assert not recorder.rrd.exists()
+    (warning,) = recorder.warnings
+    assert warning.text.startswith(STANDS_STILL)
+    kept = load_run(tmp_path)
+    assert kept.complete
+    assert kept.recorded_s > 10.0
+
+
+def test_one_that_stands_still_at_the_end_is_given_up(begun, tmp_path, monkeypatch):
+    monkeypatch.setattr(patience, "ENDS_S", 0.3)
+    with Recorder(tmp_path, HEADER, table(), model()) as recorder:
+        fly(recorder, 52)  # a pipe takes what they are
+        while not recorder.rrd.exists():  # it has taken what it draws
+            assert begun.poll() is None
+            time.sleep(0.01)
+        begun.send_signal(signal.SIGSTOP)
+        recorder.finish(END)
+    (warning,) = recorder.warnings
+    assert warning.text.startswith(STANDS_STILL)
+    assert begun.wait(60) == -signal.SIGKILL
+
+
+def finish_once_asked_to_end(recorder: Recorder, held_back: bool) -> None:
+    with uninterrupted():
+        if held_back:
+            os.kill(os.getpid(), signal.SIGINT)
+        recorder.finish(END)
+
+
+@pytest.mark.parametrize("held_back", [False, True])
+def test_a_run_that_is_to_end_waits_less_for_it(begun, tmp_path, monkeypatch, held_back):
+    monkeypatch.setattr(patience, "HURRIED_S", 0.3)
+    with stopped_amid(tmp_path, begun) as recorder:
+        if not held_back:
+            recorder.hurry()
+        with pytest.raises(KeyboardInterrupt) if held_back else nullcontext():
+            finish_once_asked_to_end(recorder, held_back)
+    (warning,) = recorder.warnings
+    assert warning.text.startswith(STANDS_STILL)
+    assert load_run(tmp_path).complete
+
+
+def test_one_that_stands_still_before_it_is_ready_is_not_waited_for(begun, tmp_path, monkeypatch):
+    monkeypatch.setattr(patience, "TAKES_S", 0.3)
+    begun.send_signal(signal.SIGSTOP)
+    here = recorded(tmp_path / "run")
+    assert here.warnings == ()
+    assert begun.wait(60) == -signal.SIGKILL
+    assert rerun("rrd", "verify", here.rrd).returncode == 0
 
 
 def test_a_place_that_cannot_be_written_is_told(begun, tmp_path):
@@ -85,12 +169,12 @@ def test_where_it_does_not_come_up_the_view_is_drawn_here(begun, tmp_path):
 def test_whoever_wants_no_view_lets_it_go(begun):
     apart._let_go()
     assert begun.wait(60) == -signal.SIGKILL
-    assert apart.view_apart(Path("nowhere"), HEADER, table(), model()) is None
+    assert apart.view_apart(Patience(), Path("nowhere"), HEADER, table(), model()) is None
 
 
 def test_what_was_handed_on_is_drawn_when_whoever_flew_is_gone(begun, tmp_path):
     rrd = tmp_path / "run.rrd"
-    view = apart.view_apart(rrd, HEADER, table(), model(), None)
+    view = apart.view_apart(Patience(), rrd, HEADER, table(), model(), None)
     assert view is not None
     view.tell(END)
     begun.stdin.close()  # as the end of a process does
@@ -99,7 +183,7 @@ def test_what_was_handed_on_is_drawn_when_whoever_flew_is_gone(begun, tmp_path):
 
 
 def test_ctrl_c_is_for_who_flies(begun, tmp_path):
-    begun.stdout.peek(1)  # it is ready
+    await_ready(begun)
     begun.send_signal(signal.SIGINT)
     begun.send_signal(signal.SIGTERM)
     time.sleep(0.1)

@@ -1,7 +1,7 @@
 """The view, drawn by a process of its own: to import Rerun takes as long as to fly two minutes.
 
 Whoever is about to fly once says so by `begin`, and loads what flying takes while the other process loads Rerun.
-Nothing depends on it: where it does not come up, the view is drawn here.
+Nothing depends on it: where it does not come up, the view is drawn here; where it stands still, it is given up.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import atexit
 import os
 import pickle
+import select
 import signal
 import subprocess
 import sys
@@ -16,18 +17,21 @@ from contextlib import suppress
 from typing import IO, TYPE_CHECKING, Any
 
 from cube_sim.native.heap import seldom_look_for_circles
+from cube_sim.recording.rerun import patience as waiting
+from cube_sim.recording.rerun.patience import Patience, StalledError
 
 if TYPE_CHECKING:
     from cube_sim.recording.batch import Batch, View
     from cube_sim.recording.run_end import RunEnd
 
 _READY = b"ready\n"
+_KILLED_S = 1.0
 _waiting: list[subprocess.Popen[bytes]] = []
 
 
 def begin() -> None:
     """Start a process that gets ready for the next view of this one."""
-    if _waiting or (os.cpu_count() or 1) < 2 or not sys.executable:
+    if _waiting or (os.cpu_count() or 1) < 2 or not sys.executable or not hasattr(select, "poll"):
         return
     command = [sys.executable, "-c", f"from {__name__} import serve; serve()"]
     # It draws with one thread, opens no window, and what it has to say it says by its answer.
@@ -35,7 +39,7 @@ def begin() -> None:
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
     try:
         # In a session of its own: Ctrl-C and the end of a terminal are for who flies, and brings the view to its end.
-        process = subprocess.Popen(command, env=surroundings, start_new_session=True, **pipes)  # type: ignore[call-overload]
+        process = subprocess.Popen(command, env=surroundings, start_new_session=True, bufsize=0, **pipes)  # type: ignore[call-overload]
     except OSError:
         return
     _waiting.append(process)
@@ -47,10 +51,11 @@ def is_begun() -> bool:
     return bool(_waiting)
 
 
-def view_apart(*arguments: Any) -> View | None:
+def view_apart(patience: Patience, *arguments: Any) -> View | None:
     """A view written by the process that has been begun; None where there is none.
 
     Args:
+        patience: how long that process is waited for.
         arguments: of `cube_sim.recording.rerun.sink.rerun_sink`.
     """
     if not _waiting:
@@ -60,22 +65,22 @@ def view_apart(*arguments: Any) -> View | None:
         content = pickle.dumps(arguments)
         assert process.stdin is not None
         assert process.stdout is not None
-        if process.stdout.readline() != _READY:
+        os.set_blocking(process.stdin.fileno(), False)
+        if patience.received(process.stdout.fileno(), waiting.TAKES_S, len(_READY)) != _READY:
             raise EOFError
-        process.stdin.write(content)
-        process.stdin.flush()
+        patience.send(process.stdin.fileno(), content)
     except Exception:  # it has not come up, or the model is of a kind that cannot be told
-        process.kill()
-        process.wait()
+        _end(process)
         return None
-    return _ViewApart(process, process.stdin, process.stdout)
+    return _ViewApart(process, process.stdin, process.stdout, patience)
 
 
 class _ViewApart:
     """Hands everything on to the process that draws."""
 
-    def __init__(self, process: subprocess.Popen[bytes], to: IO[bytes], answers: IO[bytes]) -> None:
-        self._process, self._to, self._answers = process, to, answers
+    def __init__(self, process: subprocess.Popen[bytes], to: IO[bytes], answers: IO[bytes], patience: Patience) -> None:
+        self._process, self._to, self._answers, self._patience = process, to, answers, patience
+        self._stalled: StalledError | None = None
 
     def write(self, batch: Batch) -> None:
         """Hand the next batch on."""
@@ -92,19 +97,38 @@ class _ViewApart:
             RuntimeError: it is not, and why.
         """
         self._call("close")
-        with suppress(OSError):
-            self._to.close()
+        self._to.close()
         try:
-            failure = pickle.load(self._answers)
+            answer = self._patience.received(self._answers.fileno(), waiting.ENDS_S)
+        except StalledError as error:
+            self._give_up(error)
+            raise
+        try:
+            failure = pickle.loads(answer)
         except (EOFError, pickle.UnpicklingError):
             failure = ""
-        if code := self._process.wait():
+        try:
+            code = self._process.wait(waiting.TAKES_S)  # it has closed its end of the pipe: it ends, or has
+        except subprocess.TimeoutExpired:
+            _end(self._process)
+            raise RuntimeError("the process that draws it does not end") from None
+        if code:
             raise RuntimeError(failure or f"the process that draws it ended with code {code}")
 
     def _call(self, name: str, *arguments: Any) -> None:
-        with suppress(BrokenPipeError):  # what became of it is told at the end
-            pickle.dump((name, arguments), self._to)
-            self._to.flush()
+        if self._stalled is not None:
+            raise self._stalled
+        try:
+            self._patience.send(self._to.fileno(), pickle.dumps((name, arguments)))
+        except BrokenPipeError:  # what became of it is told at the end
+            pass
+        except StalledError as error:
+            self._give_up(error)
+            raise
+
+    def _give_up(self, error: StalledError) -> None:
+        self._stalled = error
+        _end(self._process)
 
 
 def serve() -> None:
@@ -158,6 +182,13 @@ def _drawn(given: IO[bytes], make: Any, arguments: tuple[Any, ...]) -> str:
             failure = failure or _said(error)
         if name == "close":
             return failure
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End it now; what hangs at a disk is left to the system."""
+    process.kill()
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(_KILLED_S)
 
 
 def _said(error: Exception) -> str:
