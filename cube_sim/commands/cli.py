@@ -27,7 +27,15 @@ from cube_sim.commands import (
     signals,
     view,
 )
-from cube_sim.commands.ending import EPILOG, PASS, code_of, end_process, leave_on_interrupt, leave_to_others
+from cube_sim.commands.ending import (
+    EPILOG,
+    PASS,
+    code_of,
+    end_process,
+    leave_on_interrupt,
+    leave_to_others,
+    open_what_is_closed,
+)
 from cube_sim.native.heap import seldom_look_for_circles
 
 app = typer.Typer(
@@ -56,6 +64,7 @@ app.command(short_help="Print the reference of scenarios or of recordings.")(ref
 
 def main() -> None:
     """Run the command line: the one entry of ``cube-sim`` and ``python -m cube_sim``, and the one way out of both."""
+    open_what_is_closed()
     leave_on_interrupt()
     seldom_look_for_circles()
     try:

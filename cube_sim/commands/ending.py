@@ -43,6 +43,23 @@ def stop(code: int, message: str) -> NoReturn:
     raise typer.Exit(code)
 
 
+def open_what_is_closed() -> None:
+    """Let what a process of a closed stdin, stdout or stderr reads be empty, and what it prints go nowhere.
+
+    Python has None in their places, and the system would give their numbers to the next files that are opened: a
+    record would hold what a library prints.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            # The lowest number that is free, and those below are taken; processes that are started get it too.
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+
+
 def leave_on_interrupt() -> None:
     """From now on Ctrl-C, SIGTERM and SIGHUP end the process at once: there is nothing to save.
 

@@ -33,6 +33,10 @@ class Format(Enum):
     LAYOUT = "layout"
 
 
+_OF_CHANNELS = (Format.CSV, Format.PARQUET)
+"""What has a file per channel."""
+
+
 def export(
     run: RunArgument,
     to: Annotated[Path, typer.Argument(metavar="FOLDER", help="Where the files go: new, or empty.")],
@@ -46,10 +50,14 @@ def export(
         ),
     ] = Format.CSV,
     channels: Annotated[
-        list[str] | None, typer.Option("--channel", metavar="NAME", help="Only this one. May be repeated.")
+        list[str] | None,
+        typer.Option("--channel", metavar="NAME", help="Only this one, of csv or parquet. May be repeated."),
     ] = None,
 ) -> None:
     """Write a recorded run in another form."""
+    if channels and format_ not in _OF_CHANNELS:
+        formats = " and ".join(each.value for each in _OF_CHANNELS)
+        raise typer.BadParameter(f"--channel is of {formats}; {format_.value} is made of the whole run")
     hush_rerun()
     try:
         from cube_sim.runs.recorded_run import load_run

@@ -40,6 +40,8 @@ def view(
     ] = None,
 ) -> None:
     """Look at a run, or at several on one time, in the Rerun viewer."""
+    if web and save is not None:
+        raise typer.BadParameter("--web shows the view and --save writes it: give one of them")
     hush_rerun()
     recorded = _read(runs, save)
     try:

@@ -8,6 +8,7 @@ import os
 import pty
 import re
 import resource
+import shlex
 import shutil
 import signal
 import subprocess
@@ -72,6 +73,14 @@ def test_help_imports_nothing_heavy(tmp_path):
         (["run", "a.yaml", "--out"], "cube-sim run: option '--out' requires an argument; "),
         (["run", "a.yaml", "--record", "all"], "cube-sim run: invalid value for '--record': 'all' is not one of"),
         (["plot", "a", "--width-mm", "wide"], "cube-sim plot: invalid value for '--width-mm': "),
+        (
+            ["view", "a", "--web", "--save", "a.rrd"],
+            "cube-sim view: invalid value: --web shows the view and --save writes it: ",
+        ),
+        (
+            ["export", "a", "b", "--format", "rrd", "--channel", "pose"],
+            "cube-sim export: invalid value: --channel is of csv and ",
+        ),
         (["fly"], "cube-sim: no such command 'fly'; cube-sim --help says what there is"),
         (["--quiet"], "cube-sim: no such option: --quiet; "),
     ],
@@ -170,6 +179,40 @@ def test_output_that_finds_no_room_is_one_line(tmp_path):
             command = [sys.executable, "-m", "cube_sim", *map(str, arguments)]
             done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
         assert (done.returncode, done.stderr) == (3, "the output cannot be written: No space left on device\n")
+
+
+@pytest.mark.flight
+def test_closed_streams_change_neither_the_code_nor_what_is_recorded(tmp_path):
+    """`cube-sim judge RUN >&- 2>&-`, as a shell runs it."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    ends = [
+        (("schema",), 0),
+        (("run", path, "--out", out, "--record", "mcap"), 0),
+        (("judge", out), 0),
+        (("run", path, "--record", "none", "--set", "checks.0.at_most=-1"), 1),
+        (("export", out, tmp_path / "tables", "--channel", "pose"), 0),
+        (("judge", tmp_path / "nothing"), 2),
+    ]
+    for arguments, code in ends:
+        command = shlex.join([sys.executable, "-m", "cube_sim", *map(str, arguments)])
+        for closed in (">&-", "2>&-", "<&- >&- 2>&-"):
+            if arguments[0] == "export":
+                shutil.rmtree(tmp_path / "tables", ignore_errors=True)
+            done = subprocess.run(
+                ["sh", "-c", f"{command} {closed}"], cwd=tmp_path, capture_output=True, text=True, timeout=300
+            )
+            assert (done.returncode, "Traceback" in done.stderr) == (code, False), (arguments, closed)
+
+
+def test_what_a_library_prints_is_not_in_the_files_of_a_process_whose_streams_are_closed(tmp_path):
+    program = (
+        "from cube_sim.commands.ending import open_what_is_closed as opened; import os, subprocess; opened(); "
+        "file = open('record', 'wb'); file.write(b'rows'); file.flush(); os.write(1, b'said'); os.write(2, b'said'); "
+        "subprocess.run(['echo', 'said'], check=True); print('said', flush=True)"
+    )
+    command = f"{shlex.join([sys.executable, '-c', program])} <&- >&- 2>&-"
+    assert subprocess.run(["sh", "-c", command], cwd=tmp_path, timeout=60).returncode == 0
+    assert (tmp_path / "record").read_bytes() == b"rows"
 
 
 def test_a_broken_pipe_is_not_a_traceback(tmp_path):
