@@ -37,7 +37,7 @@ def judge(
         from cube_sim.runs.judging import judged, nameable
         from cube_sim.scenario.loading import load_checks
 
-        asked = None if checks is None else load_checks(checks, recorded.resolved, nameable(recorded))
+        asked = None if checks is None else load_checks(checks, recorded.resolved, nameable(recorded), recorded.fields)
         verdict, results, remarks = judged(recorded, asked)
     except (RecordingError, ScenarioError) as error:
         stop(BAD_INPUT, str(error))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -126,7 +126,7 @@ def _plain(value: Any) -> Any:
 
 
 def load_checks(
-    path: str | os.PathLike[str], scenario: Mapping[str, Any], widths: Mapping[str, int]
+    path: str | os.PathLike[str], scenario: Mapping[str, Any], widths: Mapping[str, int], recorded: Collection[str]
 ) -> tuple[AnyCheck, ...]:
     """Read the checks of a file, of a scenario or of one that holds nothing else, to judge another scenario's run.
 
@@ -134,6 +134,7 @@ def load_checks(
         path: the YAML file.
         scenario: the scenario that was flown, as its file would hold it.
         widths: signal -> how many numbers a sample has, of those that a check may name.
+        recorded: those of them that the run recorded.
 
     Raises:
         ScenarioError: with one ``file:line:column: path: message`` per mistake.
@@ -147,7 +148,8 @@ def load_checks(
         raise ScenarioError([f"{path}:1:1: checks: is missing; give a list of checks"])
     data = {**scenario, "checks": document.data["checks"]}
     checks = _validated(path, document, data, (), [], None).checks
-    refusals = [Refusal(_location(place), text, at_key=False) for place, text in signal_mistakes(checks, widths)]
+    mistakes = signal_mistakes(checks, widths, recorded=recorded)
+    refusals = [Refusal(_location(place), text, at_key=False) for place, text in mistakes]
     if refusals:
         raise ScenarioError([_line(path, _place(refusal, document, ())) for refusal in refusals])
     return checks

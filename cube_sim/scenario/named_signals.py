@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
 from cube_sim.scenario.check_blocks import AnyCheck
 
+_NEAREST = 3
+"""Of the signals that there are, so many are named to whoever names none of them."""
+
 
 def signal_mistakes(
-    checks: Sequence[AnyCheck], widths: Mapping[str, int], why_absent: Callable[[str], str] = lambda _: ""
+    checks: Sequence[AnyCheck],
+    widths: Mapping[str, int],
+    why_absent: Callable[[str], str] = lambda _: "",
+    recorded: Collection[str] | None = None,
 ) -> Iterator[tuple[str, str]]:
     """Checks of signals, or of columns, that are none.
 
     Args:
         checks: of a scenario.
-        widths: signal -> how many numbers a sample has, of those that are recorded.
+        widths: signal -> how many numbers a sample has, of those that may be named.
         why_absent: why a signal is not recorded that could be, in words; "" where that is not known.
+        recorded: the signals that there are, one of which may be meant; None for all that may be named.
 
     Yields:
         Dotted path of the value at fault, and what is wrong with it.
@@ -29,8 +36,10 @@ def signal_mistakes(
             if why := why_absent(signal):
                 yield f"checks.{i}.signal", f"'{signal}' is not recorded: {why}"
                 continue
-            near = get_close_matches(signal, widths, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(widths)}"
+            known = widths if recorded is None else recorded
+            near = get_close_matches(signal, known, n=1)
+            nearest = ", ".join(get_close_matches(signal, known, n=_NEAREST, cutoff=0.0)) or "none"
+            hint = f"did you mean {near[0]}?" if near else f"the nearest of {len(known)} are {nearest}"
             yield f"checks.{i}.signal", f"no signal '{signal}' is recorded, {hint}"
         elif component is not None and component >= widths[signal]:
             yield f"checks.{i}.component", f"{signal} has columns 0 to {widths[signal] - 1}"

@@ -253,6 +253,13 @@ def test_other_checks_judge_it_otherwise(flown, tmp_path, monkeypatch, capsys):
     code, _, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
     said = "checks.0.signal: no signal 'pose.positon' is recorded, did you mean pose.position?"
     assert (code, err) == (2, f"{checks}:2:28: {said}\n")
+    # No battery and no navigation: neither is there to be meant.
+    for meant in ("power.charg", "navigation.positions", "foo.bar"):
+        checks.write_text(f"checks:\n  - {{kind: signal, signal: {meant}, statistic: max, at_most: 1}}\n")
+        code, _, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
+        told = err.partition("is recorded, ")[2].removeprefix("did you mean ").rpartition(" are ")[2].strip("?\n")
+        assert (code, err.count("\n"), told != "") == (2, 1, True)
+        assert set(told.split(", ")) <= set(cube_sim.load_run(flown.directory).fields)
     checks.write_text("name: x\n")
     code, _, err = call(monkeypatch, capsys, "judge", flown.directory, "--checks", checks)
     assert (code, err) == (2, f"{checks}:1:1: checks: is missing; give a list of checks\n")
