@@ -57,8 +57,9 @@ def plot(
         from cube_sim.runs.recorded_run import load_run
 
         recorded = load_run(run)
-        start = 0.0 if from_s is None else from_s
-        end = recorded.recorded_s if to_s is None else to_s
+        # What is outside the run would leave its curves no room.
+        start = 0.0 if from_s is None or from_s < 0.0 else from_s
+        end = recorded.recorded_s if to_s is None or to_s > recorded.recorded_s else to_s
         if start >= recorded.recorded_s:
             raise RecordingError(f"--from-s {start:g}: the run ends at {recorded.recorded_s:g} s")
         if not start < end:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from warnings import catch_warnings, simplefilter
@@ -113,9 +114,12 @@ def save_figure(
             simplefilter("ignore", UserWarning)  # of frames that collapse: they are looked at below
             write_above(figure, above)
             figure.draw_without_rendering()
-        _require_room(figure, width_mm)
-        suffix = file.suffix.lower()
-        figure.savefig(file, format=suffix[1:], metadata=_NO_DATES[suffix])
+            _require_room(figure, width_mm)
+            suffix = file.suffix.lower()
+            # Not to the file: each format has words of its own for a disk that is full.
+            drawn = BytesIO()
+            figure.savefig(drawn, format=suffix[1:], metadata=_NO_DATES[suffix])
+    file.write_bytes(drawn.getbuffer())
 
 
 def _require_room(figure: Figure, width_mm: float) -> None:
@@ -161,7 +165,8 @@ def _over_time(
         asked = name == TARGET
         shown = rows[(rows[:, 0] >= start) & (rows[:, 0] <= end)]
         colour = colours.FAINT if asked else colours.of_index(own.index(name))
-        line, drawn = "--" if asked else "-", "steps-post" if panel.states else "default"
+        line = "--" if asked else colours.dash_of_index(own.index(name))
+        drawn = "steps-post" if panel.states else "default"
         axes.plot(shown[:, 0], shown[:, 1], color=colour, linestyle=line, drawstyle=drawn, label=name)
     axes.set_xlim(start, max(end, start + 1e-9))
     unit = [panel.unit] if panel.unit not in ("", "1") else []

@@ -9,6 +9,7 @@ import numpy as np
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows
+from cube_sim.report.colours import MOST_CURVES
 from cube_sim.report.subject import Subject
 
 TARGET = "target"
@@ -73,9 +74,14 @@ def panel_of(subject: Subject, name: str) -> Plot:
         name: channel.field, or channel.field.column.
 
     Raises:
-        RecordingError: no such signal, or nothing was recorded of it.
+        RecordingError: no such signal, more columns than are told apart, or nothing was recorded of it.
     """
     if name in subject.run.fields:
+        if (count := subject.run.fields[name].width) > MOST_CURVES:
+            raise RecordingError(
+                f"{name} has {count} columns, {MOST_CURVES} at most are told apart in one panel; name one of them: "
+                f"{name}.{subject.columns(name)[0]}"
+            )
         panel = _whole(subject, name)
     else:
         signal, _, part = name.rpartition(".")

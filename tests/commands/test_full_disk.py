@@ -51,6 +51,7 @@ def cut_off(flown, tmp_path):
     [
         (["report"], "--out", "page.html"),
         (["plot"], "--out", "figure.png"),
+        (["plot"], "--out", "figure.pdf"),
         (["view"], "--save", "view.rrd"),
         (["export"], None, "tables"),
         (["export", "--format", "parquet"], None, "tables"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
@@ -11,9 +12,10 @@ from support.command_line import call
 from support.own_code import scenario_with
 
 import cube_sim
-from cube_sim.report import figure
+from cube_sim.report import colours, figure
 from cube_sim.report.above_frame import write_names
 from cube_sim.report.figure import save_figure
+from cube_sim.report.figure_panels import Plot
 from cube_sim.report.happenings import EVENT, Happening
 from cube_sim.report.subject import Subject
 
@@ -138,11 +140,41 @@ def test_a_code_is_drawn_by_names_and_a_limit_on_a_norm_not_beside_its_parts(flo
         (["--out", "a.jpg"], "a.jpg: a figure is one of .png, .svg, .pdf"),
         (["pose"], "pose is a channel; its signals are pose.position, pose.quaternion"),
         (["--from-s", "500"], "--from-s 500: the run ends at 4 s"),
+        (["--to-s", "nan"], "there is nothing to draw from 0 s to nan s"),
+        (
+            ["path.points"],
+            "path.points has 1200 columns, 16 at most are told apart in one panel; name one of them: path.points.0/x",
+        ),
         (["--from-s", "3", "--to-s", "2"], "there is nothing to draw from 3 s to 2 s"),
     ],
 )
 def test_mistakes_are_one_line(flown, arguments, said, monkeypatch, capsys):
     assert call(monkeypatch, capsys, "plot", flown, *arguments) == (2, "", f"{said}\n")
+
+
+@pytest.mark.flight
+def test_a_time_outside_the_run_is_cut_to_the_run(flown, tmp_path, monkeypatch, capsys):
+    whole, cut = tmp_path / "whole.svg", tmp_path / "cut.svg"
+    assert call(monkeypatch, capsys, "plot", flown, "--out", whole)[0] == 0
+    code, _, err = call(monkeypatch, capsys, "plot", flown, "--from-s", "-1e9", "--to-s", "1e9", "--out", cut)
+    assert (code, err, cut.read_bytes() == whole.read_bytes()) == (0, "", True)
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("width", [55, 170])
+def test_a_figure_says_nothing_and_tells_its_curves_apart(flown, monkeypatch, width):
+    """Of more curves than there are colours: as those of a vehicle with twelve thrusters."""
+    made = []
+    monkeypatch.setattr(Figure, "draw_without_rendering", lambda self: made.append(self))
+    monkeypatch.setattr(Figure, "savefig", lambda *_, **__: warnings.warn("collapsed", UserWarning, stacklevel=1))
+    rows = np.column_stack([np.arange(4.0), np.arange(4.0)])
+    panel = Plot("force [N]", tuple((f"T{k}", rows) for k in range(colours.MOST_CURVES)))
+    monkeypatch.setattr(figure, "panel_of", lambda *_: panel)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        save_figure(Subject(cube_sim.load_run(flown), "run", "#000"), ["any"], flown / "a.png", width)
+    curves = [line for line in made[0].axes[0].get_lines() if line.get_label().startswith("T")]
+    assert len({(line.get_color(), line.get_linestyle()) for line in curves}) == colours.MOST_CURVES == len(curves)
 
 
 def test_names_of_events_do_not_meet():
