@@ -175,19 +175,21 @@ def _record_and_judge(
     """Fly and judge, into a folder that is ours."""
     directory = place.directory
     resolved = loaded.resolved_yaml(directory)
+    to_be_ended = _ToBeEnded()
 
     def begin() -> None:
         if not place.begun:
+            to_be_ended.begin()
             with written_whole(directory / RESOLVED_FILE) as part:
                 part.write_text(resolved, encoding="utf-8")
                 place.begin(but=() if record == "none" else (MCAP_FILE,))
 
     judge = None if record == "none" and keep_signals else JudgedRows(mission.channels, mission.scenario.checks)
-    with _store(place, loaded, mission, record, live, judge, begin) as recorder, ExitStack() as stack:
+    with to_be_ended, _store(place, loaded, mission, record, live, judge, begin) as recorder, ExitStack() as stack:
         stack.callback(lambda: place.begun or recorder.clear())  # what never began to fly leaves nothing
         flight, clock = Loop(mission, recorder), _Clock()
         try:
-            number = _fly(flight, _teller(stack, clock, progress, mission.scenario.duration_s))
+            number = _fly(flight, _teller(to_be_ended, clock, progress, mission.scenario.duration_s))
             if number and not flight.tick:
                 raise RunInterrupted(directory, recorder.warnings, recorded=False, number=number)
             stopped = name_of(number) if number else ""
@@ -258,11 +260,25 @@ class _Clock:
         return (simulated_s - flown) / (now - begun)
 
 
-def _teller(stack: ExitStack, clock: _Clock, progress: Progress | None, whole_s: float) -> Callable[[float], None]:
+class _ToBeEnded(ExitStack):
+    """While this lasts, and from when it is begun, a signal stops the flight and leads to its ordinary end."""
+
+    _begun = False
+
+    def begin(self) -> None:
+        """There is something to bring to an end, or will be at once; more than once is as good."""
+        if not self._begun:
+            self._begun = True
+            self.enter_context(stoppable())
+
+
+def _teller(
+    to_be_ended: _ToBeEnded, clock: _Clock, progress: Progress | None, whole_s: float
+) -> Callable[[float], None]:
     """What is told the simulated time about once a second; from the first on there is something to bring to an end.
 
     Args:
-        stack: unwound once it is.
+        to_be_ended: begun then.
         clock: told as well.
         progress: of whoever watches.
         whole_s: to be simulated [s].
@@ -274,7 +290,7 @@ def _teller(stack: ExitStack, clock: _Clock, progress: Progress | None, whole_s:
         if not begun:
             begun = True
             clock.told(t)
-            stack.enter_context(stoppable())
+            to_be_ended.begin()
         if progress is not None:
             progress(t, whole_s)
 

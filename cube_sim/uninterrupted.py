@@ -13,13 +13,32 @@ GIVES_WAY = "gives_way"
 """The attribute of a handler of these that `stoppable` may take the place of."""
 
 
-_held_back: list[list[Any]] = []
-"""What each `uninterrupted` that lasts holds back."""
+class _Piece:
+    """A piece of work that is not interrupted, and what is held back meanwhile."""
+
+    def __init__(self) -> None:
+        self.caught: list[Any] = []
+        self.handlers: dict[int, Callable[..., Any]] = {}
+
+    def hold(self, number: int, handler: Callable[..., Any]) -> None:
+        """From now on hold a signal back, for this handler."""
+        self.handlers[number] = handler
+        signal.signal(number, lambda *told: self.caught.append(told))
+
+    def let_go(self) -> None:
+        for number, handler in self.handlers.items():
+            signal.signal(number, handler)
+        for told in [told for told in self.caught if told[0] in self.handlers][:1]:
+            self.handlers[told[0]](*told)
+
+
+_pieces: list[_Piece] = []
+"""Those that last, of the main thread: the outermost first."""
 
 
 def is_asked_to_end() -> bool:
     """Whether a signal is held back at this moment."""
-    return any(_held_back)
+    return any(piece.caught for piece in _pieces)
 
 
 def signal_of(interrupt: KeyboardInterrupt) -> int:
@@ -58,23 +77,41 @@ def raise_stopped(number: int, _: Any) -> None:
 def stoppable() -> Iterator[None]:
     """While this lasts, SIGTERM and SIGHUP are a `StoppedError`: there is something to bring to an end.
 
-    Where somebody else has said what becomes of them, as nohup does, it stays. Afterwards they end the process again
-    as they always do.
+    So is Ctrl-C a KeyboardInterrupt where it would end the process at once. Within `uninterrupted`, however deep, all
+    of them wait for the end of its outermost piece from now on, those too that are held back already.
+
+    Where somebody else has said what becomes of them, as nohup does, it stays. Afterwards SIGTERM and SIGHUP end the
+    process again as they always do.
     """
     taken: list[int] = []
     if threading.current_thread() is threading.main_thread():
-        taken = [number for number in TERMINATIONS if _is_free(signal.getsignal(number))]
+        taken = [number for number in (signal.SIGINT, *TERMINATIONS) if _is_free(number)]
     for number in taken:
-        signal.signal(number, raise_stopped)
+        _raise_from_now_on(number)
     try:
         yield
     finally:
         for number in taken:
-            signal.signal(number, signal.SIG_DFL)
+            if number in TERMINATIONS:
+                signal.signal(number, signal.SIG_DFL)
 
 
-def _is_free(handler: Any) -> bool:
-    return handler is signal.SIG_DFL or getattr(handler, GIVES_WAY, False)
+def _is_free(number: int) -> bool:
+    held = [piece.handlers[number] for piece in _pieces if number in piece.handlers]
+    handler = held[0] if held else signal.getsignal(number)
+    return (handler is signal.SIG_DFL and number in TERMINATIONS) or getattr(handler, GIVES_WAY, False)
+
+
+def _raise_from_now_on(number: int) -> None:
+    handler = signal.default_int_handler if number == signal.SIGINT else raise_stopped
+    if not _pieces:
+        signal.signal(number, handler)
+        return
+    outermost, *inner = _pieces
+    outermost.hold(number, handler)
+    for piece in inner:
+        piece.handlers.pop(number, None)
+        outermost.caught += [told for told in piece.caught if told[0] == number]
 
 
 @contextmanager
@@ -89,24 +126,20 @@ def uninterrupted(start_up: bool = False) -> Iterator[list[Any]]:
     Yields:
         What is held back by now, for pieces that can be made shorter still.
     """
-    ours = {}
-    if threading.current_thread() is threading.main_thread():
-        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *TERMINATIONS)}
-        ours = {number: how for number, how in handlers.items() if callable(how) and _is_held(how, start_up)}
-    caught: list[Any] = []
-    for number in ours:
-        signal.signal(number, lambda *told: caught.append(told))
-    if ours:
-        _held_back.append(caught)
+    piece = _Piece()
+    if threading.current_thread() is not threading.main_thread():
+        yield piece.caught
+        return
+    _pieces.append(piece)
+    for number in (signal.SIGINT, *TERMINATIONS):
+        handler = signal.getsignal(number)
+        if callable(handler) and _is_held(handler, start_up):
+            piece.hold(number, handler)
     try:
-        yield caught
+        yield piece.caught
     finally:
-        if ours:  # in the main thread, where what is begun last is over first
-            _held_back.pop()
-        for number, handler in ours.items():
-            signal.signal(number, handler)
-        if caught:
-            ours[caught[0][0]](*caught[0])
+        _pieces.pop()
+        piece.let_go()
 
 
 def _is_held(handler: Callable[..., Any], start_up: bool) -> bool:

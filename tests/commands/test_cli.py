@@ -487,6 +487,23 @@ def test_an_interrupted_run_closes_its_recording(tmp_path, number, code, told):
 
 
 @pytest.mark.flight
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_upon_the_first_second_recorded_closes_the_recording(tmp_path, number):
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    give_up = time.monotonic() + 300  # it may have to compile first
+    with started("run", path, "--out", out, "--set", "duration_s=3600", cwd=tmp_path) as process:
+        while not (out / "run.mcap").exists():
+            assert process.poll() is None, process.communicate()
+            assert time.monotonic() < give_up, "the run did not begin to record"
+        process.send_signal(number)
+        _, stderr = process.communicate(timeout=30)
+    assert process.returncode == 128 + number
+    assert stderr.endswith(f"; recorded so far: {out}\n")
+    assert load_run(out).end.how == "interrupted"
+    assert (out / "verdict.json").exists()
+
+
+@pytest.mark.flight
 def test_an_interrupted_run_says_what_it_had_warned_of(tmp_path, monkeypatch, capsys):
     """Whoever stops a flight wants to know why it went astray."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
