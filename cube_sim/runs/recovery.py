@@ -62,8 +62,9 @@ def recover(record: Path, directory: Path) -> Recovered | str:
         raise RecordingError(f"{directory}: is the folder of the record itself; give another")
     found = salvage(record)
     run = RecordedRun(record, found.recording, None)
-    refused = _refused(record)
-    if not refused and _holds_all(run) and (run.complete or not found.dropped):
+    seems_whole = _holds_all(run) and (run.complete or not found.dropped)
+    refused = _refused(record) if seems_whole else ""
+    if seems_whole and not refused:
         return _nothing_to_recover(run)
     before, changed = run.end, found.recording.changed
     whole = {channel.name for channel in found.recording.channels if channel.every_tick}
