@@ -22,6 +22,8 @@ FILES = (MCAP_FILE, RRD_FILE, RESOLVED_FILE, VERDICT_FILE)
 PARTS = tuple(part_of(Path(file)).name for file in FILES)
 """The same while they are begun: only a process that was killed leaves one behind."""
 OURS = (*FILES, *PARTS)
+VERDICT_BYTES = 32768
+"""More than a verdict takes but for one of dozens of checks."""
 
 
 def require_writable(directory: Path) -> None:
@@ -66,14 +68,27 @@ def record_of(path: Path) -> Path:
     raise RecordingError(f"{path}: is not a regular file, no record" if path.exists() else f"{path}: no such file")
 
 
+def reserve_verdict(directory: Path) -> None:
+    """Take the room of verdict.json now: a run that finds the disk full can still say so there.
+
+    Raises:
+        OSError: there is none.
+    """
+    with part_of(directory / VERDICT_FILE).open("wb") as part:
+        part.write(bytes(VERDICT_BYTES))
+
+
 def write_verdict(directory: Path, text: str) -> None:
-    """Write verdict.json, whole or not at all.
+    """Write verdict.json, whole or not at all, into the room that may have been reserved.
 
     Raises:
         OSError: it cannot be written; what stood there before is as it was.
     """
     with written_whole(directory / VERDICT_FILE) as part:
-        part.write_text(text, encoding="utf-8")
+        part.touch()
+        with part.open("r+b") as file:
+            file.write(text.encode())
+            file.truncate()
 
 
 class Claim:

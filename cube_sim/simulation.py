@@ -23,7 +23,15 @@ from cube_sim.recording.channels import units_of
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.run_end import How, RunEnd
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.run_directory import MCAP_FILE, RESOLVED_FILE, Claim, claim, require_writable, write_verdict
+from cube_sim.run_directory import (
+    MCAP_FILE,
+    RESOLVED_FILE,
+    Claim,
+    claim,
+    require_writable,
+    reserve_verdict,
+    write_verdict,
+)
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
 from cube_sim.uninterrupted import name_of, signal_of, stoppable, uninterrupted
@@ -182,6 +190,7 @@ def _record_and_judge(
             to_be_ended.begin()
             with written_whole(directory / RESOLVED_FILE) as part:
                 part.write_text(resolved, encoding="utf-8")
+                reserve_verdict(directory)
                 place.begin(but=() if record == "none" else (MCAP_FILE,))
 
     judge = None if record == "none" and keep_signals else JudgedRows(mission.channels, mission.scenario.checks)

@@ -12,6 +12,7 @@ import cube_sim
 from cube_sim.errors import CubeSimError, RecordingError, RunInterrupted
 from cube_sim.flight import Loop
 from cube_sim.recording.mcap import writer
+from cube_sim.recording.reading import read_recording
 
 pytestmark = pytest.mark.flight
 SECOND = {"duration_s": 1.5}
@@ -64,7 +65,9 @@ def test_whatever_ends_the_start_leaves_it(earlier, monkeypatch, error, place):
     assert contents(out) == before
 
 
-@pytest.mark.parametrize(("kind", "call"), [(writer.McapWriter, "add_attachment"), (Path, "write_text")])
+@pytest.mark.parametrize(
+    ("kind", "call"), [(writer.McapWriter, "add_attachment"), (writer.McapWriter, "write_chunk"), (Path, "write_text")]
+)
 def test_a_disk_without_room_for_what_comes_first_leaves_it(earlier, monkeypatch, kind, call):
     scenario, out, before = earlier
 
@@ -75,6 +78,21 @@ def test_a_disk_without_room_for_what_comes_first_leaves_it(earlier, monkeypatch
     with pytest.raises(RecordingError, match="No space left on device"):
         cube_sim.run(scenario, SECOND, out)
     assert contents(out) == before
+
+
+def test_a_record_takes_its_place_with_rows_in_it(earlier, monkeypatch):
+    """A kill at any moment leaves a record that has some."""
+    scenario, out, before = earlier
+    seen, move_to = [], writer.McapWriter.move_to
+
+    def watched(self, path):
+        assert path.read_bytes() == before[path.name]
+        seen.append(len(read_recording(self.path).signals["pose.position"]))
+        move_to(self, path)
+
+    monkeypatch.setattr(writer.McapWriter, "move_to", watched)
+    cube_sim.run(scenario, SECOND, out)
+    assert seen == [50]
 
 
 def test_it_is_there_while_the_first_second_is_flown_and_then_replaced(earlier, monkeypatch):

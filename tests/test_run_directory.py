@@ -14,7 +14,18 @@ from pathlib import Path
 import pytest
 
 from cube_sim.errors import DirectoryError
-from cube_sim.run_directory import FILES, MCAP_FILE, PARTS, claim, nothing_recorded, require_writable, write_verdict
+from cube_sim.run_directory import (
+    FILES,
+    MCAP_FILE,
+    PARTS,
+    VERDICT_BYTES,
+    VERDICT_FILE,
+    claim,
+    nothing_recorded,
+    require_writable,
+    reserve_verdict,
+    write_verdict,
+)
 
 
 def prepare(folder):
@@ -96,6 +107,19 @@ def test_anything_else_is_refused_and_kept(tmp_path, name):
         with pytest.raises(DirectoryError, match=re.escape(f"{tmp_path}: holds {name}, not from a run")):
             attempt(tmp_path)
     assert contents(tmp_path) == before
+
+
+def test_a_verdict_goes_where_room_was_reserved(tmp_path):
+    with claim(tmp_path, "dive") as place:
+        reserve_verdict(tmp_path)
+        place.begin()
+        reserved = (tmp_path / PARTS[FILES.index(VERDICT_FILE)]).stat()
+        assert 512 * reserved.st_blocks >= VERDICT_BYTES
+        for text in ("{}\n", "ü" * VERDICT_BYTES):  # shorter than the room, and longer
+            write_verdict(tmp_path, text)
+            assert (tmp_path / VERDICT_FILE).read_text("utf-8") == text
+            assert ((tmp_path / VERDICT_FILE).stat().st_ino == reserved.st_ino) == (text == "{}\n")
+    assert contents(tmp_path).keys() == {Path(VERDICT_FILE)}
 
 
 def test_a_folder_by_the_name_of_a_recording_is_refused(tmp_path):
@@ -192,7 +216,7 @@ def test_a_verdict_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
     def full(*_, **__):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    for call in ("write_text", "replace"):
+    for call in ("touch", "open", "replace"):
         with monkeypatch.context() as patch:
             patch.setattr(Path, call, full)
             with pytest.raises(OSError, match="No space"):

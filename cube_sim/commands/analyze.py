@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, SIGNALLED, raise_on_interrupt, stop
+from cube_sim.commands.ending import BAD_INPUT, stop
+from cube_sim.commands.leaving import SIGNALLED, raise_on_interrupt
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import loss_progress
 from cube_sim.errors import CubeSimError

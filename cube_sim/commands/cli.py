@@ -32,10 +32,9 @@ from cube_sim.commands.ending import (
     PASS,
     code_of,
     end_process,
-    leave_on_interrupt,
-    leave_to_others,
     open_what_is_closed,
 )
+from cube_sim.commands.leaving import leave_on_interrupt, leave_to_others
 from cube_sim.native.heap import seldom_look_for_circles
 
 app = typer.Typer(
@@ -63,7 +62,7 @@ app.command(short_help="Print the reference of scenarios or of recordings.")(ref
 
 
 def main() -> None:
-    """Run the command line: the one entry of ``cube-sim`` and ``python -m cube_sim``, and the one way out of both."""
+    """Run the command line, and end the process."""
     open_what_is_closed()
     leave_on_interrupt()
     seldom_look_for_circles()

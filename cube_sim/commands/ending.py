@@ -1,25 +1,22 @@
-"""How every command ends: its exit code, one line for each mistake, and Ctrl-C at any moment."""
+"""How every command ends: its exit code, and one line for each mistake."""
 
 from __future__ import annotations
 
 import atexit
 import errno
 import os
-import signal
 import sys
 import threading
 import traceback
-from collections.abc import Mapping
 from contextlib import suppress
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import typer
 
-from cube_sim.uninterrupted import GIVES_WAY, TERMINATIONS, interrupted_by, raise_stopped, signal_of
+from cube_sim.commands.leaving import SIGNALLED, leave_on_interrupt
+from cube_sim.uninterrupted import interrupted_by, signal_of
 
 PASS, FAIL, BAD_INPUT, NOT_JUDGED = 0, 1, 2, 3
-SIGNALLED = 128
-"""And the number of the signal, where one ends the process."""
 BROKEN_PIPE = SIGNALLED + 13
 """Of who writes to somebody that no longer reads, as a shell has it."""
 EPILOG = (
@@ -32,9 +29,6 @@ EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
 _TRACEBACK = "CUBE_SIM_TRACEBACK"
 _OF_OUTPUT = (errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EDQUOT)
 """What the system says of a place that takes no more; whoever writes a file says which."""
-_USUAL: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, **dict.fromkeys(TERMINATIONS, signal.SIG_DFL)}
-"""What becomes of a signal unless somebody says otherwise."""
-_RAISES: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, **dict.fromkeys(TERMINATIONS, raise_stopped)}
 
 
 def stop(code: int, message: str) -> NoReturn:
@@ -58,49 +52,6 @@ def open_what_is_closed() -> None:
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
-
-
-def leave_on_interrupt() -> None:
-    """From now on Ctrl-C, SIGTERM and SIGHUP end the process at once: there is nothing to save.
-
-    One of them is left alone where somebody else decides about it, as a shell does about Ctrl-C for what runs in the
-    background, and nohup about SIGHUP.
-    """
-    _handle(dict.fromkeys(_USUAL, _leave))
-
-
-def raise_on_interrupt() -> None:
-    """From now on they are exceptions, KeyboardInterrupt and `StoppedError`: there is something to bring to an end."""
-    _handle(_RAISES)
-
-
-def leave_to_others() -> None:
-    """From now on they are what they usually are."""
-    _handle(_USUAL)
-
-
-def _handle(handlers: Mapping[int, Any]) -> None:
-    """Let these handle signals that nobody else handles."""
-    if threading.current_thread() is threading.main_thread():
-        for number, handler in handlers.items():
-            if signal.getsignal(number) in (_leave, _USUAL[number], _RAISES[number]):
-                signal.signal(number, handler)
-
-
-def _leave(number: int, _: object) -> None:
-    """End the process; an exception would be lost or renamed inside the import of a compiled library."""
-    # Nothing is imported here: who has not loaded these writes nothing.
-    written, runs = (sys.modules.get(f"cube_sim.{name}") for name in ("whole_file", "run_directory"))
-    lost = " while starting up; nothing is recorded" if runs is not None and runs.nothing_recorded() else ""
-    if written is not None:
-        written.undo_unfinished()
-    with suppress(OSError):  # a terminal that was closed
-        erase = "\r\x1b[K\x1b[?25h" if sys.stderr.isatty() else ""  # the progress bar hides the cursor
-        os.write(2, f"{erase}{interrupted_by(number)}{lost}\n".encode())
-    os._exit(SIGNALLED + number)
-
-
-setattr(_leave, GIVES_WAY, True)
 
 
 def code_of(error: BaseException) -> int:

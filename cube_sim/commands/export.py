@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, SIGNALLED, raise_on_interrupt, stop
+from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
+from cube_sim.commands.leaving import SIGNALLED, raise_on_interrupt
 from cube_sim.commands.output import hush_rerun
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError

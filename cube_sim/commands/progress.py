@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 
-from cube_sim.commands.ending import raise_on_interrupt
+from cube_sim.commands.leaving import raise_on_interrupt
 
 COMPILES = "compiling for this machine, once after an installation or an update: about a minute"
 

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cube_sim.commands.account import early_end, lasted, log_lines, section
-from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, SIGNALLED, stop
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, stop
+from cube_sim.commands.leaving import SIGNALLED
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, PASS, SIGNALLED, raise_on_interrupt, stop
+from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, PASS, stop
 from cube_sim.commands.labels import labels
+from cube_sim.commands.leaving import SIGNALLED, raise_on_interrupt
 from cube_sim.commands.output import hush_rerun
 from cube_sim.errors import RecordingError
 from cube_sim.uninterrupted import signal_of

@@ -14,8 +14,8 @@ from cube_sim.whole_file import part_of
 class RunFiles:
     """A sink that opens the record and its views with the first second it gets, and not before.
 
-    What goes wrong while a run starts up leaves the place as it was: the record is begun beside it, and put there once
-    its head is written.
+    What goes wrong while a run starts up leaves the place as it was, and nothing is written from then on: the record is
+    begun beside it, and put there once its first second is written.
 
     Args:
         mcap: path of the record.
@@ -42,7 +42,10 @@ class RunFiles:
         Raises:
             OSError: there is no room for it. Where it is the first, the place is as it was.
         """
-        self._opened().write(batch)
+        if self._record is None:
+            self._open(lambda record: record.write(batch))
+        else:
+            self._record.write(batch)
         for view in self._views:
             view.write(batch)
 
@@ -54,7 +57,10 @@ class RunFiles:
         """
         if self._closed:
             return
-        self._opened().finish(end)
+        if self._record is None:
+            self._open(lambda record: record.finish(end))
+        else:
+            self._record.finish(end)
         for view in self._views:
             view.tell(end)
 
@@ -69,15 +75,15 @@ class RunFiles:
             for view in views:
                 view.close()
 
-    def _opened(self) -> McapSink:
-        if self._record is None:
-            part = part_of(self._mcap)
-            try:
-                record = self._make_record(part)
-                self._begin()
-                record.move_to(self._mcap)
-            except BaseException:
-                part.unlink(missing_ok=True)
-                raise
-            self._record, self._views = record, self._make_views()
-        return self._record
+    def _open(self, write_first: Callable[[McapSink], None]) -> None:
+        part = part_of(self._mcap)
+        try:
+            record = self._make_record(part)
+            write_first(record)
+            self._begin()
+            record.move_to(self._mcap)
+        except BaseException:
+            self._closed = True
+            part.unlink(missing_ok=True)
+            raise
+        self._record, self._views = record, self._make_views()

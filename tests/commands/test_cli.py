@@ -126,6 +126,22 @@ def test_every_command_ends_alike_by_a_signal(tmp_path, number, when):
     assert (done.returncode, done.stderr) == (128 + number, f"{said}\n")
 
 
+@pytest.mark.parametrize("library", ["typer", "fcntl"])
+def test_an_interrupt_amid_an_import_is_one_line(tmp_path, library):
+    """Before the command line is loaded, and amid the module that claims a folder."""
+    run = ["cube-sim", "run", str(write(tmp_path, FLIGHT))]
+    program = (
+        "import signal, sys\nfrom cube_sim.__main__ import main\n"
+        "class Interrupts:\n    @staticmethod\n    def find_spec(name, *_):\n"
+        f"        if name == {library!r}:\n            signal.raise_signal(signal.SIGINT)\n"
+        f"assert {library!r} not in sys.modules\n"
+        f"sys.meta_path.insert(0, Interrupts)\nsys.argv = {run!r}\nmain()\n"
+    )
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, preexec_fn=interruptible)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
 def test_version_and_schema_are_printed(monkeypatch, capsys):
     assert call(monkeypatch, capsys, "--version") == (0, f"{version('cube-sim')}\n", "")
     assert call(monkeypatch, capsys, "schema") == (0, json_schema(), "")
