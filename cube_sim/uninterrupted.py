@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 TERMINATIONS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+_SIGNALS = (signal.SIGINT, *TERMINATIONS)
 GIVES_WAY = "gives_way"
 """The attribute of a handler of these that `stoppable` may take the place of."""
 
@@ -130,10 +131,10 @@ def uninterrupted(start_up: bool = False) -> Iterator[list[Any]]:
     if threading.current_thread() is not threading.main_thread():
         yield piece.caught
         return
+    held = {number for outer in _pieces for number in outer.handlers}  # asking the system takes longer
     _pieces.append(piece)
-    for number in (signal.SIGINT, *TERMINATIONS):
-        handler = signal.getsignal(number)
-        if callable(handler) and _is_held(handler, start_up):
+    for number in _SIGNALS:
+        if number not in held and callable(handler := signal.getsignal(number)) and _is_held(handler, start_up):
             piece.hold(number, handler)
     try:
         yield piece.caught

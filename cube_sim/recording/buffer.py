@@ -74,6 +74,10 @@ class ChannelBuffer:
         self._rows[self._count : end] = rows
         self._count = end
 
+    def __len__(self) -> int:
+        """How many rows have been collected so far."""
+        return self._count if self._whole is None else len(self._whole)
+
     @property
     def rows(self) -> Rows:
         """The rows collected so far, (n, 1+width), still here."""

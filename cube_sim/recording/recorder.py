@@ -202,7 +202,8 @@ class Recorder(SignalStore):
         if self._kept_bytes <= MOST_KEPT_BYTES:
             super()._keep(batch)
         else:
-            self._written = {name: [] for name in self._written}
+            for kept in self._written.values():
+                kept.clear()
 
     def _advance(self, t: float) -> None:
         if self._closed:

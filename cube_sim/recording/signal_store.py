@@ -40,6 +40,7 @@ class SignalStore:
         self._written: dict[str, list[Rows]] = {channel.name: [] for channel in self._channels}
         self._log: list[LogLine] = []
         self._lines: list[LogLine] = []
+        self._waits = False
         self._time = -np.inf
         self._batch_end = -np.inf
 
@@ -58,6 +59,7 @@ class SignalStore:
         if t != self._time:
             self._advance(t)
         self._buffer(channel).append(t, values)
+        self._waits = True
 
     @property
     def writes(self) -> bool:
@@ -97,6 +99,7 @@ class SignalStore:
         with uninterrupted():  # all channels or none
             for channel, table in rows:
                 self._buffer(channel).extend(table, ours)
+            self._waits = True
             self._time = max(self._time, last)
 
     def log(self, t: float, level: str, text: str) -> None:
@@ -116,6 +119,7 @@ class SignalStore:
             self._advance(t)
         line = LogLine(round(t, 9), level, text)  # a time that is a whole number of ticks may be off by rounding
         self._log.append(line)
+        self._waits = True
         self._lines.append(line)
 
     def hurry(self) -> None:
@@ -171,15 +175,13 @@ class SignalStore:
             self._written[name].append(taken)
 
     def _flush(self) -> None:
-        with uninterrupted(start_up=True):  # with its first second a run begins to be recorded
-            self._to_sinks()
+        if self._waits:
+            with uninterrupted(start_up=True):  # with its first second a run begins to be recorded
+                self._to_sinks()
 
     def _to_sinks(self) -> None:
-        rows = {name: buffer.take() for name, buffer in self._buffers.items()}
-        batch = Batch({name: taken for name, taken in rows.items() if len(taken)}, self._log)
-        if not batch.rows and not batch.log:
-            return
-        self._log = []
+        batch = Batch({name: buffer.take() for name, buffer in self._buffers.items() if len(buffer)}, self._log)
+        self._log, self._waits = [], False
         self._keep(batch)
         for sink in self._sinks:
             sink.write(batch)

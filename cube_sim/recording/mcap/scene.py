@@ -102,7 +102,7 @@ class SceneRows:
         self._reach = vehicle_reach(model, vehicle) or 0.5
         self._forward, self._backward = (_along(sign * mounts.axes) for sign in (1.0, -1.0))
         self._largest_N = 0.0
-        self._begun, self._last, self._trail_due = False, dict[str, int](), 0.0
+        self._begun, self._last, self._trail_due = False, dict[str, float](), 0.0
         self._trail: list[tuple[NDArray[np.float64], bool]] = []
         self._trail_s = 0.0
         hull = _hull(model, vehicle, frame, self._reach)
@@ -121,6 +121,14 @@ class SceneRows:
         if ("target", "position") in widths:
             layout, seconds = frame_transform_layout(TARGET_FRAME)
             self.topics.append(DrawnTopic(TARGET_TOPIC, FRAME_TRANSFORM, frame_transform_schema(), layout, seconds))
+        declared = {drawn.topic for drawn in self.topics}
+        made = (
+            (PATH_TOPIC, "path", self._path),
+            (TRAIL_TOPIC, "pose", self._trails),
+            (THRUST_TOPIC, "thrusters", self._thrust),
+            (TARGET_TOPIC, "target", self._target),
+        )
+        self._made = [each for each in made if each[0] in declared]
 
     def of(self, batch: Batch) -> Mapping[str, Rows]:
         """Rows of the topics that have any in this batch, by topic; column 0 is the time."""
@@ -128,14 +136,8 @@ class SceneRows:
         if not self._begun and batch.rows:
             self._begun = True
             found[HULL_TOPIC] = np.array([[min(float(rows[0, 0]) for rows in batch.rows.values())]])
-        declared = {drawn.topic for drawn in self.topics}
-        for topic, channel, rows_of in (
-            (PATH_TOPIC, "path", self._path),
-            (TRAIL_TOPIC, "pose", self._trails),
-            (THRUST_TOPIC, "thrusters", self._thrust),
-            (TARGET_TOPIC, "target", self._target),
-        ):
-            if topic in declared and channel in batch.rows:
+        for topic, channel, rows_of in self._made:
+            if channel in batch.rows:
                 if "actuation" in batch.rows and not self._largest_N:
                     self._largest_N = self._largest(batch.rows["actuation"][:1])
                 rows = rows_of(batch.rows[channel])
@@ -156,9 +158,12 @@ class SceneRows:
         rows = rows[self._steps(THRUST_TOPIC, rows, THRUST_HZ)]
         force = rows[:, self._columns["thrusters", "force"]]
         scale = _LONGEST_ARROW * self._reach / (self._largest_N or 50.0)
-        turned = np.where((force >= 0)[:, :, None], self._forward, self._backward)
-        arrows = np.concatenate([turned, _rounded(np.abs(force)[:, :, None] * scale, _ARROW_FINENESS)], axis=2)
-        return np.hstack([rows[:, :1], arrows.reshape(len(rows), -1)])
+        n, m = force.shape
+        drawn = np.empty((n, 1 + 5 * m))
+        drawn[:, 0], arrows = rows[:, 0], drawn[:, 1:].reshape(n, m, 5)
+        arrows[:, :, :4] = np.where((force >= 0)[:, :, None], self._forward, self._backward)
+        arrows[:, :, 4] = _rounded(np.abs(force) * scale, _ARROW_FINENESS)
+        return drawn
 
     def _trails(self, rows: Rows) -> Rows:
         """A row whenever the trail is due: the ends of its pieces, the earliest first."""
@@ -178,12 +183,13 @@ class SceneRows:
                 made.append(np.concatenate([row[:1], _rounded(np.stack([starts, points[1:]], axis=1).ravel())]))
         return np.array(made)
 
-    def _steps(self, what: str, rows: Rows, hz: float) -> NDArray[np.bool_]:
+    def _steps(self, what: str, rows: Rows, hz: float) -> NDArray[np.intp]:
         """Which rows are the first of their step, whatever batches they come in."""
-        steps = np.floor(rows[:, 0] * hz + 1e-6).astype(np.int64)
-        first = np.diff(steps, prepend=self._last.get(what, -1)) > 0
-        self._last[what] = int(steps[-1])
-        return first
+        steps = np.empty(1 + len(rows))
+        steps[0] = self._last.get(what, -1.0)
+        np.floor(rows[:, 0] * hz + 1e-6, out=steps[1:])
+        self._last[what] = float(steps[-1])
+        return np.flatnonzero(steps[1:] > steps[:-1])
 
     def _largest(self, rows: Rows) -> float:
         limits = np.abs(rows[:, self._columns["actuation", "limits"]])

@@ -84,7 +84,8 @@ class McapSink:
         self._ids.append(self._writer.add_channel(TRANSFORM_TOPIC, FRAME_TRANSFORM, frame_transform_schema()))
         self._log_id = self._writer.add_channel(LOG_TOPIC, LOG, log_schema())
         self._templates, self._streams = _templates(self._ids, layouts)
-        self._sequences = np.zeros(len(self._ids), np.int64)
+        self._lengths = self._streams["length"].tolist()
+        self._sequences = [0] * len(self._ids)
         self._lines = 0
 
     def move_to(self, path: Path) -> None:
@@ -97,43 +98,51 @@ class McapSink:
 
     def write(self, batch: Batch) -> None:
         """Write a batch as one chunk and hand it to the operating system."""
-        drawn = {} if self._scene is None else self._scene.of(batch)
-        tables = {**batch.rows, **drawn}
-        which = [self._numbers[name] for name in tables]
-        shapes = np.array([table.shape for table in tables.values()], np.int64).reshape(-1, 2)
-        starts = np.concatenate([[0], np.cumsum(shapes[:, 0] * shapes[:, 1])])
-        parts = [table.reshape(-1) for table in tables.values()]
-        places = np.hstack([starts[:-1, None], shapes])
+        tables = [*batch.rows.items(), *(() if self._scene is None else self._scene.of(batch).items())]
+        which, places, at = [], [], 0
+        for name, table in tables:
+            n, width = table.shape
+            which.append(self._numbers[name])
+            places.append((at, width, n))
+            at += n * width
         if _POSE in batch.rows:
             which.append(len(self._ids) - 1)
-            places = np.vstack([places, places[which.index(self._numbers[_POSE])]])
-        said = _NOTHING_SAID
-        streams = self._streams[which + [-1] * bool(batch.log)]
+            places.append(places[which.index(self._numbers[_POSE])])
+        parts, said = [table.reshape(-1) for _, table in tables], _NOTHING_SAID
+        numbers = [self._sequences[k] for k in which]
+        for k, (_, _, n) in zip(which, places, strict=True):
+            self._sequences[k] += n
         if batch.log:
             said = self._say(batch.log)
             parts.append(np.array([line.t for line in batch.log]))
-            places = np.vstack([places, [starts[-1], len(batch.log), 1]])
-        streams["row"], streams["count"], streams["width"] = places.T
-        streams["sequence"][: len(which)] = self._sequences[which]
-        self._sequences[which] += places[: len(which), 1]
+            which.append(len(self._ids))
+            places.append((at, 1, len(batch.log)))
+            numbers.append(0)
         if parts:
-            self._writer.write_chunk(self._encoded(streams, np.concatenate(parts), said))
+            streams = self._streams[which]
+            changing = [(*place, number) for place, number in zip(places, numbers, strict=True)]
+            streams.view(np.int64).reshape(len(which), -1)[:, -4:] = changing  # the last four of a `STREAM`
+            counts = [n for _, _, n in places]
+            size = sum(n * self._lengths[k] for k, n in zip(which, counts, strict=True)) + len(said.records)
+            self._writer.write_chunk(self._encoded(streams, counts, size, np.concatenate(parts), said))
         # What is in the file, no more: a full disk may have kept this batch out of it.
         for name, table in batch.rows.items():
             self._digests[name].take(table)
         self._said += batch.log
 
-    def _encoded(self, streams: NDArray[np.void], numbers: NDArray[np.float64], said: ReadyMade) -> Messages:
-        counts, ahead = streams["count"], self._writer.ahead
-        chunk = np.empty(ahead + int(counts @ streams["length"]) + len(said.records), np.uint8)
-        index = np.empty(len(streams) * INDEX_HEAD + INDEX_ENTRY * int(counts.sum()), np.uint8)
+    def _encoded(
+        self, streams: NDArray[np.void], counts: Sequence[int], size: int, numbers: NDArray[np.float64], said: ReadyMade
+    ) -> Messages:
+        ahead = self._writer.ahead
+        chunk = np.empty(ahead + size, np.uint8)
+        index = np.empty(len(counts) * INDEX_HEAD + INDEX_ENTRY * sum(counts), np.uint8)
         numbers = np.asarray(numbers, "<f8")
         start, end, fit = encode(streams, self._templates, numbers, numbers.view(np.uint8), said, ahead, chunk, index)
         if not fit:
             raise RecordingError(
                 f"{self._writer.path}: a code is a whole number from 0 to 127; one of this second is none"
             )
-        channels = list(zip(streams["channel_id"].tolist(), counts.tolist(), strict=True))
+        channels = list(zip(streams["channel_id"].tolist(), counts, strict=True))
         return Messages(chunk, index, channels, start, end)
 
     def _say(self, log: Sequence[LogLine]) -> ReadyMade:
