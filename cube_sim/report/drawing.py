@@ -13,12 +13,15 @@ import numpy as np
 
 from cube_sim.report.decimation import Values, decimated, held, stepped
 from cube_sim.report.guides import LEFT, limits, points
+from cube_sim.report.legend import draw_legend, legend_lines
 from cube_sim.report.markup import element, text
 from cube_sim.report.panel import Curve, Mark, Panel, TimeAxis, Zone
 from cube_sim.report.scale import Scale, scale_for
 
 RIGHT, TOP, BOTTOM = 14, 36, 20
 WIDE, HALF = 1080, 532
+_LINE, _LINES, _HEAD_EM = 13, 2, 7.4
+"""Height of a line above the frame, how many of them have room there, width of a character of the title [px]."""
 _FINER = 10
 _STROKES = {"solid": "c", "dashed": "c d", "thin": "c t"}
 
@@ -27,7 +30,11 @@ def draw(panel: Panel, axis: TimeAxis, width: int = WIDE) -> str:
     """Draw a panel over its time axis."""
     across = Scale(axis.start_s, axis.end_s, width - LEFT - RIGHT)
     up = _vertical(panel)
+    entries = legend_lines(panel, _HEAD_EM * _title_length(panel, up), across.pixels)
+    above = _LINE * max(len(entries) - _LINES, 0)
     parts = [
+        *_head(panel, up, _LINE - above),
+        *draw_legend(entries, LEFT, _LINE - above, _LINE),
         *_frame(panel, across, up, width),
         *(_zone(zone, across, up) for zone in panel.zones),
         *gaps(axis, across, LEFT, TOP, panel.height),
@@ -40,7 +47,7 @@ def draw(panel: Panel, axis: TimeAxis, width: int = WIDE) -> str:
     return element(
         "svg",
         "".join(parts),
-        viewBox=f"0 0 {width} {whole}",
+        viewBox=f"0 {-above} {width} {whole + above}",
         class_="time" if width == WIDE else "time half",
         role="img",
         aria_label=panel.title,
@@ -52,11 +59,6 @@ def draw(panel: Panel, axis: TimeAxis, width: int = WIDE) -> str:
         data_h=panel.height,
         data_unit=panel.unit,
     )
-
-
-def text_width(said: str) -> float:
-    """Width of a legend's text [px], rather too much than too little: no fonts are measured here."""
-    return sum(8.4 if each.isupper() else 6.8 for each in said)
 
 
 def _vertical(panel: Panel) -> Scale:
@@ -108,41 +110,20 @@ def _frame(panel: Panel, across: Scale, up: Scale, width: int) -> Iterable[str]:
         yield f'<text class="n" x="{x}" y="{bottom + 13}" text-anchor="middle">{text(label)}</text>'
     yield f'<text class="n" x="{LEFT - 12}" y="{bottom + 13}" text-anchor="end">t [s]</text>'
     yield f'<rect class="f" x="{LEFT}" y="{TOP}" width="{across.pixels:.0f}" height="{panel.height}"/>'
-    unit = "" if panel.unit in ("", "1") else f" [{panel.unit}]"
+
+
+def _head(panel: Panel, up: Scale, y: float) -> Iterable[str]:
     note = f'<tspan class="e"> {text(panel.note)}</tspan>' if panel.note else ""
     kind = ', <tspan class="e">logarithmic</tspan>' if up.logarithmic else ""
-    yield f'<text class="h" x="{LEFT}" y="13">{text(panel.title)}{text(unit)}{kind}{note}</text>'
-    taken = len(panel.title + unit + panel.note) + (13 if up.logarithmic else 0)
-    yield from _legend(panel, right, LEFT + 7.4 * taken)
+    yield f'<text class="h" x="{LEFT}" y="{y}">{text(panel.title)}{text(_unit(panel))}{kind}{note}</text>'
 
 
-def _legend(panel: Panel, right: float, left: float) -> Iterable[str]:
-    """From the right end of the title's line towards the left; a second line where that is full."""
-    entries: dict[str, tuple[str, str]] = {}
-    for each in panel.curves:
-        if each.label:
-            entries.setdefault(each.label, (each.colour, each.style))
-    for each in panel.zones:
-        if each.label:
-            entries.setdefault(each.label, (each.colour, "zone"))
-    x, y = right, 13
-    for label, (colour, style) in reversed(entries.items()):
-        wide = 26 + text_width(label)
-        if x - wide < left and y == 13:
-            x, y, left = right, 26, LEFT + 120
-        x -= wide
-        middle = y - 4
-        if style == "zone":
-            yield element("rect", x=f"{x:.0f}", y=y - 9, width=18, height=10, fill=colour)
-        elif style == "dots":
-            yield element("circle", cx=f"{x + 9:.0f}", cy=middle, r=2.2, fill=colour)
-        elif style == "crosses":
-            yield f'<path stroke="{colour}" d="M{x + 6:.0f} {middle - 3}l6 6m0 -6l-6 6"/>'
-        else:
-            dash = ' stroke-dasharray="5 3"' if style == "dashed" else ""
-            wide = 1 if style == "thin" else 2
-            yield f'<path stroke="{colour}" stroke-width="{wide}"{dash} d="M{x:.0f} {middle}h18"/>'
-        yield f'<text class="l" x="{x + 21:.0f}" y="{y}">{text(label)}</text>'
+def _unit(panel: Panel) -> str:
+    return "" if panel.unit in ("", "1") else f" [{panel.unit}]"
+
+
+def _title_length(panel: Panel, up: Scale) -> int:
+    return len(panel.title + _unit(panel) + panel.note) + (13 if up.logarithmic else 0)
 
 
 def _zone(zone: Zone, across: Scale, up: Scale) -> str:

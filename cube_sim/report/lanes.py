@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.report.decimation import Values
-from cube_sim.report.drawing import LEFT, RIGHT, WIDE, gaps, text_width
+from cube_sim.report.drawing import LEFT, RIGHT, WIDE, gaps
+from cube_sim.report.legend import text_width
 from cube_sim.report.markup import element, text
 from cube_sim.report.panel import TimeAxis
 from cube_sim.report.scale import Scale
