@@ -1,11 +1,12 @@
-"""Fly every loss of one, two and three thrusters and compare with what the actuation analysis predicted.
+"""Fly every loss of one, two and three thrusters, or four, and compare with what the actuation analysis predicted.
 
+    python benchmarks/survival.py --losses 4
     python benchmarks/survival.py --out logs/survival
     python benchmarks/survival.py --set current_m_s=[0,0.4,0] --set model=../models/bluerov2_heavy.xml
 
 Each loss flies scenarios/cube_survival.yaml with its thrusters dying at 20 s; the figure is the cross-track RMS from
 45 s on. The analysis is asked beforehand, from the actuation matrix and the limits alone. Writes survival.csv, and
-survival.png: singles and pairs as a matrix, triples as a list.
+survival.png: singles and pairs as a matrix, larger losses as a list.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def fly(losses: list[tuple[str, ...]], settings: dict[str, Any], threads: int) -
     checks = [judged | {"statistic": statistic} for statistic in ("rms", "max")]
     failures = [[{"kind": "thrusters", "at_s": FAILURE_S, "thrusters": [*lost], "state": "dead"}] for lost in losses]
     varied = [settings | {"events": events, "checks": checks} for events in failures]
-    expected, flights = predictions(settings), []
+    expected, flights = predictions(settings, max(map(len, losses))), []
     flown = cube_sim.fly_many(SCENARIO, varied, threads=threads, signals=["health.authority"])
     for lost, outcome in zip(losses, flown, strict=True):
         rms, worst = (check.value for check in outcome.checks)
@@ -65,7 +66,7 @@ def fly(losses: list[tuple[str, ...]], settings: dict[str, Any], threads: int) -
     return flights
 
 
-def predictions(settings: dict[str, Any]) -> dict[tuple[str, ...], tuple[bool, str]]:
+def predictions(settings: dict[str, Any], most: int) -> dict[tuple[str, ...], tuple[bool, str]]:
     """Lost thrusters -> what the analysis expects of the vehicle, at the mission's own speed and limits."""
     from cube_sim.actuation import PathRequirements, survivability
     from cube_sim.scenario import load
@@ -83,6 +84,7 @@ def predictions(settings: dict[str, Any]) -> dict[tuple[str, ...], tuple[bool, s
         limits,
         names=vehicle.thrusters.names,
         hull=vehicle.dynamics,
+        most=most,
         requirements=PathRequirements(speed_m_s=scenario.guidance.speed_m_s),
     )
     return {case.lost: (case.verdict.follows, case.verdict.reason) for case in table.cases if case.lost}
@@ -92,7 +94,9 @@ def main() -> None:
     """Fly all losses and write the table and the picture."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--out", type=Path, default=Path("logs/survival"), help="folder for the table and the picture")
-    parser.add_argument("--losses", type=int, nargs="+", default=[1, 2, 3], choices=[1, 2, 3], help="how many at once")
+    parser.add_argument(
+        "--losses", type=int, nargs="+", default=[1, 2, 3], choices=[1, 2, 3, 4], help="how many at once"
+    )
     parser.add_argument("--threads", type=int, default=os.cpu_count() or 1, help="flights at a time")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="a value of the scenario: current_m_s=[0,0.4,0]"
@@ -106,7 +110,7 @@ def main() -> None:
 
     try:
         settings = overrides(arguments.set)
-        names = sorted({name for lost in predictions(settings) for name in lost})
+        names = sorted({name for lost in predictions(settings, 1) for name in lost})
         losses = [lost for n in arguments.losses for lost in combinations(names, n)]
         ordered = fly(losses, settings, arguments.threads)
     except CubeSimError as error:
@@ -145,7 +149,7 @@ def print_summary(flights: list[Flight], out: Path) -> None:
 
 
 def draw(flights: list[Flight], names: list[str], path: Path) -> None:
-    """Singles on the diagonal and pairs off it as a matrix; triples as bars."""
+    """Singles on the diagonal and pairs off it as a matrix; larger losses as bars."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -156,10 +160,10 @@ def draw(flights: list[Flight], names: list[str], path: Path) -> None:
     rms = {f.lost: np.nan if f.rms_m is None else 1e3 * f.rms_m for f in flights}
     matrix = np.full((len(names), len(names)), np.nan)
     for lost, value in rms.items():
-        if len(lost) <= 2:
+        if len(lost) in (1, 2):
             i, j = names.index(lost[0]), names.index(lost[-1])
             matrix[i, j] = matrix[j, i] = value
-    triples = sorted((f for f in flights if len(f.lost) == 3), key=lambda f: rms[f.lost])
+    many = sorted((f for f in flights if len(f.lost) > 2), key=lambda f: (len(f.lost), rms[f.lost]))
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5.6), width_ratios=(1.0, 1.25), layout="constrained")
     image = left.imshow(matrix, cmap="viridis", norm=LogNorm(0.1, 1000.0))
     left.set_xticks(range(len(names)), names)
@@ -169,16 +173,14 @@ def draw(flights: list[Flight], names: list[str], path: Path) -> None:
             left.text(j, i, f"{value:.2g}", ha="center", va="center", fontsize=8, color="w" if value < 30.0 else "k")
     left.set_title("one lost (diagonal) and two lost")
     figure.colorbar(image, ax=left, label="cross-track RMS after recovery [mm]", shrink=0.85)
-    if triples:
-        colours = ["#0072b2" if f.predicted else "#d55e00" for f in triples]
-        right.bar(range(len(triples)), [rms[f.lost] for f in triples], color=colours)
-        right.set_xticks(
-            range(len(triples)), ["".join(f.lost).replace("T", "") for f in triples], rotation=90, fontsize=7
-        )
+    if many:
+        colours = ["#0072b2" if f.predicted else "#d55e00" for f in many]
+        right.bar(range(len(many)), [rms[f.lost] for f in many], color=colours)
+        right.set_xticks(range(len(many)), ["".join(f.lost).replace("T", "") for f in many], rotation=90, fontsize=7)
         right.axhline(1e3 * LIMIT_M, color="k", lw=0.8, ls="--")
         right.set_yscale("log")
         right.set_ylabel("cross-track RMS after recovery [mm]")
-        right.set_title("three lost: blue predicted to follow, orange predicted not to")
+        right.set_title("three and more lost: blue predicted to follow, orange predicted not to")
     figure.savefig(path, dpi=140)
 
 

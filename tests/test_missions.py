@@ -203,11 +203,11 @@ def test_a_vehicle_for_the_plane_is_judged_in_it(turned):
 
 def test_a_process_that_hangs_or_dies_costs_its_own_call_only():
     calls = [("6 * 7",), ("__import__('os')._exit(3)",), ("1 / 0",), ("__import__('time').sleep(600)",), ("'last'",)]
-    found = {index: (good, value) for index, good, value in in_processes(eval, calls, jobs=2, cpu_s=60.0, wall_s=20.0)}
+    found = {index: (good, value) for index, good, value in in_processes(eval, calls, jobs=2, cpu_s=60.0, wall_s=10.0)}
     assert found[0] == (True, 42)
     assert found[1] == (False, "crash: the process died")
     assert found[2] == (False, "ZeroDivisionError: division by zero")
-    assert found[3] == (False, "timeout: 20 s")
+    assert found[3] == (False, "timeout: 10 s")
     assert found[4] == (True, "last")
 
 

@@ -120,6 +120,14 @@ def test_one_that_stands_still_at_the_end_is_given_up(begun, tmp_path, monkeypat
     assert begun.wait(60) == -signal.SIGKILL
 
 
+@pytest.fixture
+def interruptible():
+    """Ctrl-C counts, though a shell starts what it puts into the background without it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def finish_once_asked_to_end(recorder: Recorder, held_back: bool) -> None:
     with uninterrupted():
         if held_back:
@@ -128,7 +136,7 @@ def finish_once_asked_to_end(recorder: Recorder, held_back: bool) -> None:
 
 
 @pytest.mark.parametrize("held_back", [False, True])
-def test_a_run_that_is_to_end_waits_less_for_it(begun, tmp_path, monkeypatch, held_back):
+def test_a_run_that_is_to_end_waits_less_for_it(begun, tmp_path, monkeypatch, held_back, interruptible):
     monkeypatch.setattr(patience, "HURRIED_S", 0.3)
     with stopped_amid(tmp_path, begun) as recorder:
         if not held_back:
