@@ -24,6 +24,7 @@ def recover(
     output: Annotated[
         Path | None,
         typer.Option(
+            "--out",
             "--output",
             metavar="FOLDER",
             help="Where the record and its view go: new, empty, or that of an earlier run, which is replaced once "

@@ -57,7 +57,7 @@ def cut_off(flown, tmp_path):
         (["export", "--format", "parquet"], None, "tables"),
         (["export", "--format", "rrd"], None, "view"),
         (["export", "--format", "inputs"], None, "inputs"),
-        (["recover"], "--output", "saved"),
+        (["recover"], "--out", "saved"),
     ],
 )
 def test_nothing_half_written_stays(flown, cut_off, tmp_path, monkeypatch, capsys, command, option, target):
@@ -82,8 +82,8 @@ def test_what_cannot_be_recovered_leaves_the_run_that_it_was_to_replace(cut_off,
     shutil.copytree(flown, place)
     before = {each.name: each.read_bytes() for each in place.iterdir()}
     with full_disk():
-        code, out, _ = call(monkeypatch, capsys, "recover", cut_off, "--output", place)
+        code, out, _ = call(monkeypatch, capsys, "recover", cut_off, "--out", place)
     assert (code, out) == (3, "")
     assert {each.name: each.read_bytes() for each in place.iterdir()} == before
-    assert call(monkeypatch, capsys, "recover", cut_off, "--output", place)[0] == 0
+    assert call(monkeypatch, capsys, "recover", cut_off, "--out", place)[0] == 0
     assert sorted(each.name for each in place.iterdir()) == ["run.mcap", "run.rrd"]

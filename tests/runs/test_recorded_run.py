@@ -446,7 +446,7 @@ def test_a_complete_record_without_the_last_bytes_of_its_summary_is_left_alone(f
 
 
 def test_what_a_kill_left_is_recovered_and_what_is_whole_is_left_alone(flown, tmp_path, monkeypatch, capsys):
-    code, out, _ = call(monkeypatch, capsys, "recover", cut(flown, tmp_path), "--output", tmp_path / "saved")
+    code, out, _ = call(monkeypatch, capsys, "recover", cut(flown, tmp_path), "--out", tmp_path / "saved")
     assert code == 0
     assert re.fullmatch(r"  missing: [12] s to 3 s: \d+ rows each of every channel", out.splitlines()[-1])
     saved = cube_sim.load_run(tmp_path / "saved")

@@ -1,0 +1,62 @@
+"""Checks that no flight could answer are refused before it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cube_sim.errors import ScenarioError
+from cube_sim.mission import prepare
+from cube_sim.scenario import load
+
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+
+
+def prepared(check, scenario="cube_navigated"):
+    checks = [{"kind": "signal", "at_most": 1.0, **check}]
+    return prepare(load(SCENARIOS / f"{scenario}.yaml", {"checks": checks, "duration_s": 20.0, "events": []}))
+
+
+@pytest.mark.parametrize(
+    ("check", "said"),
+    [
+        (
+            {"signal": "actuation.limits", "statistic": "max"},
+            "signal: 'actuation.limits' is recorded on change, it has no samples to take a statistic of",
+        ),
+        (
+            {"signal": "pose.position", "statistic": "rms", "from_s": 5.001, "to_s": 5.015},
+            "to_s: the window 5.001 s to 5.015 s holds no sample of pose.position, which has one every 0.02 s; "
+            "rms needs 2",
+        ),
+        (
+            {"signal": "pose.position", "statistic": "mean", "from_s": 19.99},
+            "from_s: the window 19.99 s to 20 s holds one sample of pose.position, which has one every 0.02 s; "
+            "mean needs 2",
+        ),
+        (
+            {"signal": "sensor_dvl.velocity", "statistic": "max", "to_s": 0.1},
+            "to_s: the window 0 s to 0.1 s holds at most one sample of sensor_dvl.velocity, which has one every 0.2 s; "
+            "max needs 2",
+        ),
+    ],
+)
+def test_a_window_without_its_samples_is_refused(check, said):
+    with pytest.raises(ScenarioError) as refused:
+        prepared(check)
+    assert str(refused.value) == f"override checks: checks.0.{said}"
+
+
+@pytest.mark.parametrize(
+    "check",
+    [
+        {"signal": "pose.position", "statistic": "final", "from_s": 5.001, "to_s": 5.021},
+        {"signal": "pose.position", "statistic": "max", "from_s": 5.001, "to_s": 5.045},
+        {"signal": "pose.position", "statistic": "final", "from_s": 19.99},
+        {"signal": "sensor_dvl.velocity", "statistic": "final", "to_s": 0.1},
+        {"signal": "sensor_dvl.velocity", "statistic": "max", "to_s": 0.3},
+    ],
+)
+def test_a_window_that_may_hold_them_is_not(check):
+    assert prepared(check).scenario.checks
