@@ -75,8 +75,9 @@ A run writes four files into its folder.
 | `verdict.json` | the verdict, of each check value, limit, margin, unit, time and reason, and the log's warnings |
 
 They are opened when the first simulated second is flown, or the end of a shorter flight. Until then an earlier run in
-the folder stays whole, whatever becomes of this one: bad input, an error, Ctrl-C, a kill, a disk without room. A
-`recover` replaces it once the new record is whole.
+the folder stays whole, whatever becomes of this one: bad input, an error, Ctrl-C, a kill, a disk without room. The new
+record takes its place in one move, with its first second in it. The room of `verdict.json` is taken then too: a disk
+that fills later is told there. A `recover` replaces an earlier run once the new record is whole.
 
 A signal is called `channel.field`, as in `path_error.cross_track`: by that name a check asks for it, and by that name
 it is read back. `cube-sim signals SCENARIO` lists those of one scenario, with the names of its thrusters and sensors.
