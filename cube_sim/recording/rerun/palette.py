@@ -32,7 +32,7 @@ IDLE: Rgb = (58, 66, 78)
 BAD: Rgb = (220, 50, 60)
 SURFACE: Rgb = (48, 92, 124)
 LIMIT: Rgb = (235, 70, 80)
-EVENT: Rgb = (235, 235, 235)
+EVENT: Rgb = (148, 148, 148)  # seen on the dark and on the light background of the viewer
 
 
 def series(count: int) -> list[Rgb]:
