@@ -64,8 +64,14 @@ def _call_in_c(address, given, answer):
     return law(given.ctypes.data_as(doubles), answer.ctypes.data_as(doubles))
 
 
+def _columns_times(address: int, x: tuple[float, ...]) -> tuple[float, ...]:
+    columns = vector(address, 36).reshape(6, 6)
+    return tuple(sum(float(columns[j, i]) * x[j] for j in range(6)) for i in range(6))
+
+
 _MEMORY = SimpleNamespace(
     double=lambda address, i: ctypes.c_double.from_address(address + 8 * i).value,
+    columns_times=_columns_times,
     integer=lambda address, i: ctypes.c_int32.from_address(address + 4 * i).value,
     field=lambda address, offset: ctypes.c_int64.from_address(address + offset).value,
     put=_put,
@@ -103,6 +109,7 @@ _PLAIN = (
     "cube_sim.tuples",
     "cube_sim.vehicle.laws.",
     "cube_sim.vehicle.plugin.inertia",
+    "cube_sim.vehicle.plugin.curve_record",
     "cube_sim.guidance.",
     "cube_sim.navigation.",
     "cube_sim.control.",

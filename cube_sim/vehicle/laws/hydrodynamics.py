@@ -25,16 +25,21 @@ def coriolis(M, nu):
         M: (6,6) [kg, kg m, kg m^2], symmetric.
         nu: velocity [v; w], a 6-tuple, body axes [m/s, rad/s].
     """
-    m = matrix_times_tuple(M, nu)
-    p, h, v, w = m[:3], m[3:], nu[:3], nu[3:]
+    return coriolis_of(matrix_times_tuple(M, nu), nu)
+
+
+@compiled
+def coriolis_of(momentum, nu):
+    """`coriolis` by [p; h] = M nu, a 6-tuple [kg m/s, kg m^2/s]."""
+    p, h, v, w = momentum[:3], momentum[3:], nu[:3], nu[3:]
     force, munk, gyro = cross_tuples(w, p), cross_tuples(v, p), cross_tuples(w, h)
     return (force[0], force[1], force[2], munk[0] + gyro[0], munk[1] + gyro[1], munk[2] + gyro[2])
 
 
 @compiled
-def damping(D, D_q, nu_r):
-    """D nu_r + D_q |nu_r| nu_r [N, N m], a 6-tuple: linear and quadratic drag; arguments as in `water_wrench`."""
-    squares = (
+def squares(nu_r):
+    """|nu_r| nu_r of a 6-tuple, each by itself."""
+    return (
         abs(nu_r[0]) * nu_r[0],
         abs(nu_r[1]) * nu_r[1],
         abs(nu_r[2]) * nu_r[2],
@@ -42,7 +47,12 @@ def damping(D, D_q, nu_r):
         abs(nu_r[4]) * nu_r[4],
         abs(nu_r[5]) * nu_r[5],
     )
-    a, b = matrix_times_tuple(D, nu_r), matrix_times_tuple(D_q, squares)
+
+
+@compiled
+def damping(D, D_q, nu_r):
+    """D nu_r + D_q |nu_r| nu_r [N, N m], a 6-tuple: linear and quadratic drag; arguments as in `water_wrench`."""
+    a, b = matrix_times_tuple(D, nu_r), matrix_times_tuple(D_q, squares(nu_r))
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5])
 
 
@@ -75,17 +85,40 @@ def water_wrench(M_A, D, D_q, R_WB, nu, v_c_W, buoyancy_W, r_CB):
         The wrench in body axes at the body origin as a 6-tuple [N, N m].
     """
     nu_r = relative_velocity(R_WB, nu, v_c_W)
-    turning = cross_tuples(nu_r[3:], nu_r[:3])
-    carried = matrix_times_tuple(M_A, (turning[0], turning[1], turning[2], 0.0, 0.0, 0.0))
-    c = coriolis(M_A, nu_r)
-    d = damping(D, D_q, nu_r)
+    carried, momentum = matrix_times_tuple(M_A, turning(nu_r)), matrix_times_tuple(M_A, nu_r)
+    linear, quadratic = matrix_times_tuple(D, nu_r), matrix_times_tuple(D_q, squares(nu_r))
+    return water_wrench_of(carried, momentum, linear, quadratic, R_WB, nu_r, buoyancy_W, r_CB)
+
+
+@compiled
+def turning(nu_r):
+    """[w x v_r; 0] [m/s^2], a 6-tuple: how the relative velocity (6-tuple) turns in body axes."""
+    a = cross_tuples(nu_r[3:], nu_r[:3])
+    return (a[0], a[1], a[2], 0.0, 0.0, 0.0)
+
+
+@compiled
+def water_wrench_of(carried, momentum, linear, quadratic, R_WB, nu_r, buoyancy_W, r_CB):
+    """`water_wrench` by the products of its matrices.
+
+    Args:
+        carried: M_A [w x v_r; 0] [N, N m], a 6-tuple like all but R_WB and the last two.
+        momentum: M_A nu_r [kg m/s, kg m^2/s].
+        linear: D nu_r [N, N m].
+        quadratic: D_q |nu_r| nu_r [N, N m].
+        R_WB: as in `water_wrench`, like the last two.
+        nu_r: relative velocity, body axes [m/s, rad/s].
+        buoyancy_W: see there.
+        r_CB: see there.
+    """
+    c = coriolis_of(momentum, nu_r)
     f = to_body(R_WB, buoyancy_W)
     moment = cross_tuples(r_CB, f)
     return (
-        carried[0] - c[0] - d[0] + f[0],
-        carried[1] - c[1] - d[1] + f[1],
-        carried[2] - c[2] - d[2] + f[2],
-        carried[3] - c[3] - d[3] + moment[0],
-        carried[4] - c[4] - d[4] + moment[1],
-        carried[5] - c[5] - d[5] + moment[2],
+        carried[0] - c[0] - (linear[0] + quadratic[0]) + f[0],
+        carried[1] - c[1] - (linear[1] + quadratic[1]) + f[1],
+        carried[2] - c[2] - (linear[2] + quadratic[2]) + f[2],
+        carried[3] - c[3] - (linear[3] + quadratic[3]) + moment[0],
+        carried[4] - c[4] - (linear[4] + quadratic[4]) + moment[1],
+        carried[5] - c[5] - (linear[5] + quadratic[5]) + moment[2],
     )

@@ -9,6 +9,12 @@ from cube_sim.native.compiled import compiled
 
 
 @compiled
+def between(x, x_low, x_high, y_low, y_high):
+    """y(x) on the straight line through (x_low, y_low) and (x_high, y_high)."""
+    return y_low + (x - x_low) / (x_high - x_low) * (y_high - y_low)
+
+
+@compiled
 def interpolate(x, xs, ys):
     """Piecewise linear y(x) through the points xs (n,), increasing, and ys (n,); constant beyond the ends."""
     last = xs.shape[0] - 1
@@ -23,7 +29,7 @@ def interpolate(x, xs, ys):
             low = middle
         else:
             high = middle
-    return ys[low] + (x - xs[low]) / (xs[high] - xs[low]) * (ys[high] - ys[low])
+    return between(x, xs[low], xs[high], ys[low], ys[high])
 
 
 @compiled

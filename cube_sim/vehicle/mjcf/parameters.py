@@ -156,7 +156,7 @@ def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float
         body=body,
         displaced_mass=density * volume,
         centre_of_buoyancy=_vector(numerics, f"{body}:centre_of_buoyancy", 3),
-        added_mass=added_mass,
+        added_mass=0.5 * (added_mass + added_mass.T),  # to the last digit: rows are read as columns
         linear_damping=linear,
         quadratic_damping=quadratic,
     )

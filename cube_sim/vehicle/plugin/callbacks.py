@@ -16,11 +16,21 @@ import numba
 from numba import types
 
 from cube_sim.vehicle.laws.current import accelerating_water, current_at
-from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, water_wrench
-from cube_sim.vehicle.laws.thrust_law import force_of_command
+from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
 from cube_sim.vehicle.plugin import layout
+from cube_sim.vehicle.plugin.curve_record import steady_force
 from cube_sim.vehicle.plugin.inertia import put_factors, put_inertia
-from cube_sim.vehicle.plugin.memory import call_force, double, field, force_table, integer, matrix, put, vector
+from cube_sim.vehicle.plugin.memory import (
+    call_force,
+    columns_times,
+    double,
+    field,
+    force_table,
+    integer,
+    matrix,
+    put,
+    vector,
+)
 
 _factor_mass_matrix = types.ExternalFunction("mj_factorM", types.void(types.int64, types.int64))
 _project_constraints = types.ExternalFunction("mj_projectConstraint", types.void(types.int64, types.int64))
@@ -83,7 +93,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         if address == 0:
             return 0
         address += 8 * integer(field(m, numeric_adr), last)
-        if double(address, 0) != layout.MAGIC:
+        if field(address, 0) != layout.MAGIC_BITS:
             return 0
         return address
 
@@ -142,13 +152,15 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                     steady,
                     double(m + opt_timestep, 0),
                 )
-            F = water_wrench(
-                M_A,
-                matrix(hull + 8 * layout.LINEAR, 6, 6),
-                matrix(hull + 8 * layout.QUADRATIC, 6, 6),
+            nu_r = relative_velocity(R, nu, current)
+            added = hull + 8 * layout.ADDED_MASS
+            F = water_wrench_of(
+                columns_times(added, turning(nu_r)),
+                columns_times(added, nu_r),
+                columns_times(hull + 8 * layout.LINEAR, nu_r),
+                columns_times(hull + 8 * layout.QUADRATIC, squares(nu_r)),
                 R,
-                nu,
-                current,
+                nu_r,
                 (-displaced * down[0], -displaced * down[1], -displaced * down[2]),
                 r_CB,
             )
@@ -156,7 +168,6 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 F = _plus(F, accelerating_water(M_A, displaced, r_CB, R, surge))
             function = int(double(hull, layout.FORCE))
             if function >= 0:
-                nu_r = relative_velocity(R, nu, current)
                 F = _plus(F, _user_wrench(function, double(packed, layout.PROCESS), time, position, rotation, nu, nu_r))
             if double(m + opt_density, 0) != 0.0 or double(m + opt_viscosity, 0) != 0.0:
                 F = _not_a_number()  # MuJoCo's own fluid model was switched on later: every force twice
@@ -183,15 +194,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         stuck = double(curve, layout.STUCK)
         if stuck == stuck:  # a number: the thruster holds that force whatever the command
             return stuck * double(curve, layout.SUPPLY)
-        n = int(double(curve, layout.POINTS))
         adr = integer(field(m, actuator_actadr), actuator) + integer(field(m, actuator_actnum), actuator) - 1
-        force = force_of_command(
-            double(field(d, act), adr),
-            double(curve, layout.DEAD_LOW),
-            double(curve, layout.DEAD_HIGH),
-            vector(curve + 8 * layout.CURVE, n),
-            vector(curve + 8 * (layout.CURVE + n), n),
-        )
+        force = steady_force(double(field(d, act), adr), curve)
         return force * double(curve, layout.EFFICIENCY) * double(curve, layout.SUPPLY)
 
     # With numpy's error model a division by zero gives inf, as in C: nothing here can raise, so no exception code.

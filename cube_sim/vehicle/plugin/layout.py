@@ -5,7 +5,7 @@ doubles from the array's beginning:
 
     header          MAGIC, number of hulls, start of the hull records, start of the thruster table,
                     start of the current's table or -1, number of the process whose user forces it names
-    hull records    HULL_SIZE values each
+    hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric
     thruster table  one value per actuator of the model: the start of its curve record, or -1 for no thruster
     curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
                     voltage [V], pulse widths of the commands -1, 0 and 1 [us], c_1..c_n, F_1..F_n [N];
@@ -18,8 +18,11 @@ change while a model is in use (`cube_sim.vehicle.faults`, `cube_sim.vehicle.cur
 
 from __future__ import annotations
 
+import struct
+
 PACKED = "cube_sim:packed"
 MAGIC = -7.390851332151607e-137  # nobody's physical value; the callbacks' test for "one of ours"
+MAGIC_BITS = struct.unpack("=q", struct.pack("=d", MAGIC))[0]  # the same as the integer that its bytes are
 
 FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's table of user forces
 

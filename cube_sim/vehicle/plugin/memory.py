@@ -19,6 +19,7 @@ from numba.extending import intrinsic
 from cube_sim.vehicle.plugin import layout
 
 _DOUBLE, _INT64 = ir.DoubleType(), ir.IntType(64)
+_INT32 = ir.IntType(32)
 
 
 @intrinsic
@@ -40,11 +41,39 @@ def double(typingctx, address, i):
 
 
 @intrinsic
+def columns_times(typingctx, address, x):
+    """M x, a 6-tuple, of a 6-tuple and a matrix (6,6) that lies there column by column.
+
+    Four elements and two are formed at once, in vectors, each from its first product to its sixth: the bits are those
+    of `cube_sim.tuples.matrix_times_tuple`.
+    """
+
+    def codegen(context, builder, signature, args):
+        parts = []
+        for begin, size in ((0, 4), (4, 2)):
+            kind = ir.VectorType(_DOUBLE, size)
+            total = None
+            for j in range(6):
+                place = _element(builder, (args[0], ir.Constant(_INT64, 6 * j + begin)), 8, kind)
+                column = builder.load(place, align=8)
+                nothing, first = ir.Constant(kind, ir.Undefined), ir.Constant(_INT32, 0)
+                factor = builder.insert_element(nothing, builder.extract_value(args[1], j), first)
+                everywhere = ir.Constant(ir.VectorType(_INT32, size), [0] * size)
+                product = builder.fmul(column, builder.shuffle_vector(factor, nothing, everywhere))
+                total = product if total is None else builder.fadd(total, product)
+            parts += [builder.extract_element(total, ir.Constant(_INT32, i)) for i in range(size)]
+        return cgutils.pack_array(builder, parts)
+
+    six = types.UniTuple(types.float64, 6)
+    return six(types.int64, six), codegen
+
+
+@intrinsic
 def integer(typingctx, address, i):
     """Element i of an array of 32-bit integers."""
 
     def codegen(context, builder, signature, args):
-        return builder.sext(builder.load(_element(builder, args, 4, ir.IntType(32))), _INT64)
+        return builder.sext(builder.load(_element(builder, args, 4, _INT32)), _INT64)
 
     return types.int64(types.int64, types.int64), codegen
 

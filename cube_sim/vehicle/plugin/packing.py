@@ -72,8 +72,8 @@ def _hull_record(hull: HullParameters, body: int, dof: int, force: int) -> NDArr
     record[layout.BODY], record[layout.DOF], record[layout.DISPLACED_MASS] = body, dof, hull.displaced_mass
     record[layout.CENTRE : layout.ADDED_MASS] = hull.centre_of_buoyancy
     record[layout.ADDED_MASS : layout.LINEAR] = hull.added_mass.ravel()
-    record[layout.LINEAR : layout.QUADRATIC] = hull.linear_damping.ravel()
-    record[layout.QUADRATIC : layout.FORCE] = hull.quadratic_damping.ravel()
+    record[layout.LINEAR : layout.QUADRATIC] = hull.linear_damping.T.ravel()
+    record[layout.QUADRATIC : layout.FORCE] = hull.quadratic_damping.T.ravel()
     record[layout.FORCE] = force
     return record
 
