@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, FAIL, PASS, stop
+from cube_sim.commands.ending import BAD_INPUT, FAIL, PASS, read_or_not, stop
 from cube_sim.commands.output import console_for_tables, print_json
 from cube_sim.errors import RecordingError
 
@@ -56,17 +56,18 @@ def diff(
     for run in runs:
         if run.flaw:
             typer.echo(f"{run.path}: {run.flaw}", err=True)
-    if json:
-        inputs = {"settings": [vars(each) for each in settings], "files": [vars(each) for each in files]}
-        print_json({**inputs, "signals": [each.to_dict() for each in found]})
-    else:
-        inputs = _lines("setting", settings) + _lines("file", files, _DIGEST)
-        for line in [*inputs, *[""] * bool(inputs and found)]:
-            typer.echo(line)
-        if found:
-            console_for_tables().print(_table(found, runs[0]))
+    with read_or_not():
+        if json:
+            inputs = {"settings": [vars(each) for each in settings], "files": [vars(each) for each in files]}
+            print_json({**inputs, "signals": [each.to_dict() for each in found]})
         else:
-            typer.echo(f"the same: {len(runs[0].signals)} signals")
+            inputs = _lines("setting", settings) + _lines("file", files, _DIGEST)
+            for line in [*inputs, *[""] * bool(inputs and found)]:
+                typer.echo(line)
+            if found:
+                console_for_tables().print(_table(found, runs[0]))
+            else:
+                typer.echo(f"the same: {len(runs[0].signals)} signals")
     raise typer.Exit(FAIL if found else PASS)
 
 

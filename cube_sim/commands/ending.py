@@ -8,7 +8,8 @@ import os
 import sys
 import threading
 import traceback
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import NoReturn
 
 import typer
@@ -21,7 +22,8 @@ BROKEN_PIPE = SIGNALLED + 13
 """Of who writes to somebody that no longer reads, as a shell has it."""
 EPILOG = (
     "The exit codes of a command are told by its own --help. Of every command 2 is bad input, 3 an error too that "
-    "nobody foresaw, 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, and 141 that nobody reads what it prints."
+    "nobody foresaw, 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, and 141 that nobody reads what it prints; the codes of run, "
+    "replay, diff and judge say what they found, whoever reads it."
 )
 """Of the help of all commands together."""
 EXIT_CODES = {"PASS": PASS, "FAIL": FAIL, "ERROR": NOT_JUDGED}
@@ -35,6 +37,16 @@ def stop(code: int, message: str) -> NoReturn:
     """Say on stderr why the command ends, and end it with an exit code."""
     _say(message)
     raise typer.Exit(code)
+
+
+@contextmanager
+def read_or_not() -> Iterator[None]:
+    """Print within what may find nobody to read it: the command's code says the same."""
+    try:
+        yield
+        sys.stdout.flush()
+    except BrokenPipeError:
+        _write_no_more()
 
 
 def open_what_is_closed() -> None:

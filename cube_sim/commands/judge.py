@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, stop
-from cube_sim.commands.output import print_json
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, read_or_not, stop
+from cube_sim.commands.output import console_of_stdout, print_json
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError, ScenarioError
 
@@ -41,12 +41,12 @@ def judge(
         verdict, results, remarks = judged(recorded, asked)
     except (RecordingError, ScenarioError) as error:
         stop(BAD_INPUT, str(error))
-    if json:
-        print_json({"verdict": verdict, "checks": [vars(result) for result in results], "remarks": list(remarks)})
-    else:
-        from rich.console import Console
+    with read_or_not():
+        if json:
+            print_json({"verdict": verdict, "checks": [vars(result) for result in results], "remarks": list(remarks)})
+        else:
+            from cube_sim.commands.result_table import result_table
 
-        from cube_sim.commands.result_table import result_table
-
-        Console().print(result_table(f"{recorded.scenario.name}: judged again", verdict, results, remarks))
+            title = f"{recorded.scenario.name}: judged again"
+            console_of_stdout().print(result_table(title, verdict, results, remarks))
     raise typer.Exit(EXIT_CODES[verdict])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 from typing import TYPE_CHECKING, Any
@@ -29,11 +30,20 @@ def print_json(content: Any) -> None:
     typer.echo(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def console_for_tables() -> Console:
-    """A console as wide as the terminal, or at least `FILE_WIDTH` where there is none."""
+def console_of_stdout() -> Console:
+    """A console to which nobody may listen any more: that is an error of the system's, as of any other print."""
     from rich.console import Console
 
-    console = Console()
+    class StdoutConsole(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE))
+
+    return StdoutConsole()
+
+
+def console_for_tables() -> Console:
+    """That console as wide as the terminal, or at least `FILE_WIDTH` where there is none."""
+    console = console_of_stdout()
     if not console.is_terminal:
         console.width = max(console.width, FILE_WIDTH)
     return console

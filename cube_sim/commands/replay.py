@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cube_sim.commands.ending import BAD_INPUT, FAIL, NOT_JUDGED, PASS, stop
+from cube_sim.commands.ending import BAD_INPUT, FAIL, NOT_JUDGED, PASS, read_or_not, stop
 from cube_sim.commands.output import print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.errors import CubeSimError, ModelError, RecordingError, ScenarioError
@@ -43,11 +43,12 @@ def replay(
         stop(BAD_INPUT, str(error))
     except CubeSimError as error:
         stop(NOT_JUDGED, str(error))
-    if json:
-        print_json(_to_dict(result))
-    elif not quiet:
-        for line in _lines(recorded, result):
-            typer.echo(line)
+    with read_or_not():
+        if json:
+            print_json(_to_dict(result))
+        elif not quiet:
+            for line in _lines(recorded, result):
+                typer.echo(line)
     raise typer.Exit(PASS if result.identical else FAIL)
 
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cube_sim.commands.account import early_end, lasted, log_lines, section
-from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, stop
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, read_or_not, stop
 from cube_sim.commands.leaving import SIGNALLED
-from cube_sim.commands.output import print_json
+from cube_sim.commands.output import console_of_stdout, print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides
 from cube_sim.errors import CubeSimError, DirectoryError, ModelError, RunInterrupted, ScenarioError
@@ -69,10 +69,11 @@ def run(
 ) -> None:
     """Fly a scenario, record it, judge its checks."""
     name, duration_s, result = _fly(scenario, settings, out, record, live_port if live else None, hidden=quiet)
-    if json:
-        _print_json(result)
-    elif not quiet:
-        _print_table(name, duration_s, result, record)
+    with read_or_not():
+        if json:
+            _print_json(result)
+        elif not quiet:
+            _print_table(name, duration_s, result, record)
     raise typer.Exit(EXIT_CODES[result.verdict])
 
 
@@ -145,12 +146,10 @@ def _print_json(result: Run) -> None:
 
 
 def _print_table(name: str, duration_s: float, result: Run, record: Recorded) -> None:
-    from rich.console import Console
-
     from cube_sim.commands.result_table import result_table
     from cube_sim.run_directory import RRD_FILE
 
-    console = Console()
+    console = console_of_stdout()
     title = f"{name}: {lasted(result, duration_s)}, {result.real_time_factor:.1f} x real time"
     console.print(result_table(title, result.verdict, result.checks, early_end(result)))
     kept = "verdict" if record is Recorded.NONE else "recording"

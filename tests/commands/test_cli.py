@@ -19,7 +19,7 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from support.command_line import call, cube_sim, interruptible, started
+from support.command_line import call, cube_sim, interruptible, started, without_compiling
 from support.scenario_files import FLIGHT, MINIMAL, write
 
 from cube_sim import fly, load_run
@@ -242,6 +242,28 @@ def test_a_broken_pipe_is_not_a_traceback(tmp_path):
 
 
 # Flying
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("more", [[], ["--json"]])
+def test_what_was_found_is_told_by_the_code_whoever_reads_it(tmp_path, more):
+    """`cube-sim run scenario.yaml | grep -q PASS`, which ends as soon as it has read that."""
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    other = fly(path, {"guidance.speed_m_s": 0.11}, out=tmp_path / "other").directory
+    for arguments, code in (
+        (("run", path, "--out", out), 0),
+        (("run", path, "--record", "none", "--set", "checks.0.at_most=-1"), 1),
+        (("judge", out), 0),
+        (("replay", out), 0),
+        (("diff", out, other), 1),
+        (("signals", path), 128 + signal.SIGPIPE),
+    ):
+        command = [sys.executable, "-m", "cube_sim", *map(str, arguments), *more]
+        process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process.stdout.close()
+        said = without_compiling(process.stderr.read())
+        process.stderr.close()
+        assert (process.wait(timeout=120), said) == (code, ""), arguments
 
 
 def test_pass_fail_and_error_have_their_exit_codes(tmp_path, monkeypatch, capsys):
