@@ -89,14 +89,16 @@ var x=(t-d.t0)/(d.t1-d.t0)*W,box=s.getBoundingClientRect();
 s.cross_.setAttribute('d','M'+(L+x)+' '+T+'v'+h);
 if(box.top>innerHeight||0>box.bottom)return;
 s.said_.textContent='';
-var right=x>W*.75;s.said_.setAttribute('text-anchor',right?'end':'start');
+var right=x>W*.5;s.said_.setAttribute('text-anchor',right?'end':'start');
 var tx=L+x+(right?-6:6);s.said_.setAttribute('x',tx);s.said_.setAttribute('y',T+11);
 var line=make('tspan','');line.textContent=t.toFixed(2)+' s';s.said_.appendChild(line);
 curves(s).slice(0,Math.floor(h/13)-1).forEach(function(c){
 var y=at(c,x*10);if(y===null)return;
 var f=1-y/10/h,a=+d.y0,b=+d.y1,v=d.log?Math.pow(10,Math.log10(a)+f*(Math.log10(b)-Math.log10(a))):a+f*(b-a);
 var e=make('tspan','');e.setAttribute('x',tx);e.setAttribute('dy',12);e.setAttribute('fill',c.colour);
-e.textContent=(c.label?c.label+' ':'')+v.toPrecision(3);s.said_.appendChild(e)})})}
+e.textContent=said(v,(b-a)/h/10,d.log)+' '+c.label;s.said_.appendChild(e)})})}
+function said(v,fine,log){var n=Math.max(0,Math.ceil(-Math.log10(fine)));
+return log||n>6?v.toPrecision(3):(Math.abs(v)>fine?v:0).toFixed(n)}
 function time(s,e){var b=s.getBoundingClientRect(),k=s.viewBox.baseVal.width,d=s.dataset;
 var f=((e.clientX-b.left)/b.width*k-L)/(k-L-14);
 return +d.t0+Math.min(1,Math.max(0,f))*(d.t1-d.t0)}
