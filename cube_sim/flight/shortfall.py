@@ -46,10 +46,12 @@ class Shortfall:
         since_s: time of the first [s].
         until_s: time of the last so far [s].
         status: of the worst.
+        believed: (m,) the efficiencies that are believed in it.
         off_m: how much further the vehicle was from its target than at the beginning, at most [m].
     """
 
-    def __init__(self, since_s: float, distance_m: float) -> None:
+    def __init__(self, since_s: float, distance_m: float, believed: Vector) -> None:
+        self.believed = believed
         self.since_s = self.until_s = since_s
         self.status, self.off_m = Status.EXACT, 0.0
         self._distance, self._residual, self._at = distance_m, -1.0, since_s
@@ -69,12 +71,12 @@ class Shortfall:
         self.until_s = t
         residual = float(rows.allocation[k, 1])
         if residual > self._residual:
-            m = (rows.health.shape[1] - 2) // 2
+            m = len(self.believed)
             self._residual, self._at, self.status = residual, t, status
             self._demanded = rows.wrench[k, 1:7].copy()
             self._missing = self._demanded - rows.wrench[k, 7:13]
             self._force = rows.thrusters[k, 1 : 1 + m].copy()
-            self._share = rows.health[k, 1 + m : 1 + 2 * m] * force_ratio
+            self._share = believed_efficiency(rows, k) * force_ratio
 
     def watch(self, distance_m: float) -> None:
         """Take in how far from its target the vehicle is, at any tick of the stretch and a little after [m]."""
@@ -116,6 +118,12 @@ class Shortfall:
         if np.any(thrust.limits[:, 1] < thrust.limits[:, 2]):
             return "less than the thrusters' dead zones leave"
         return ""
+
+
+def believed_efficiency(rows: TickRows, k: int) -> Vector:
+    """(m,) the efficiencies that are believed at a tick of the flight, a row of its own."""
+    m = (rows.health.shape[1] - 2) // 2
+    return rows.health[k, 1 + m : 1 + 2 * m].copy()
 
 
 def listed(names: Sequence[str]) -> str:

@@ -1,12 +1,18 @@
-"""Messages about demanded wrenches that stay unattainable: one for each stretch of them, when it is over."""
+"""Messages about demanded wrenches that stay unattainable: one for each stretch of them, when it is over.
+
+A fault that is found, or a thruster that comes back, ends a stretch: what dead zones swallowed before is no part of
+what the fault left out of reach.
+"""
 
 from __future__ import annotations
 
 from math import sqrt
 
+import numpy as np
+
 from cube_sim.allocation import Status
 from cube_sim.flight.rows import TickRows
-from cube_sim.flight.shortfall import Shortfall, Thrust
+from cube_sim.flight.shortfall import Shortfall, Thrust, believed_efficiency
 from cube_sim.recording.signal_store import SignalStore
 
 PATIENCE_S = 1.0
@@ -65,7 +71,13 @@ class UnattainableLog:
             return
         along, cross = float(rows.path_error[k, 1]), float(rows.path_error[k, 4])
         distance = sqrt(along * along + cross * cross)
-        stretch = self._stretch = self._stretch or Shortfall(t, distance)
+        believed = believed_efficiency(rows, k)
+        if self._stretch is not None and not np.array_equal(believed, self._stretch.believed):
+            # What other thrusters missed, for reasons of their own, is another stretch.
+            self._tell(t, self._stretch)
+            if status is Status.EXACT:
+                return
+        stretch = self._stretch = self._stretch or Shortfall(t, distance, believed)
         stretch.watch(distance)
         if status is not Status.EXACT:
             stretch.take(t, rows, k, status, force_ratio)

@@ -101,6 +101,19 @@ def test_a_dead_thruster_is_at_no_limit():
     assert "30 of 30 N forward missing: no thruster that works makes any of it" in text
 
 
+def test_what_dead_zones_swallowed_before_is_told_apart_from_what_a_fault_leaves_out_of_reach():
+    rows = flown(300)
+    missed(rows, range(50, 150), [1.0, 0, 0, 0, 0, 0], [0.0, 0.0])
+    missed(rows, range(150, 250), [30.0, 0, 0, 0, 0, 0], [0.0, 0.0])
+    rows.health[150:, 1 + 2] = 0.0  # the first is believed dead from 3 s on
+    (first, _, swallowed), (_, _, lost) = told(rows)
+    assert first == pytest.approx(150 * DT)
+    assert "from 1.00 s to 2.98 s" in swallowed
+    assert "less than the thrusters' dead zones leave" in swallowed
+    assert "from 3.00 s to 4.98 s" in lost
+    assert "30 of 30 N forward missing: no thruster that works makes any of it" in lost
+
+
 def test_a_demand_that_is_none_is_an_error_at_once_and_once():
     rows = flown(200)
     rows.allocation[10:20, 3] = rows.allocation[30:40, 3] = Status.INVALID_WRENCH
