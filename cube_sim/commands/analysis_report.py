@@ -18,9 +18,11 @@ from cube_sim.actuation.path_following.steady_turn import TurningTrim, turning_t
 from cube_sim.actuation.path_following.trim import CourseAttitudes
 from cube_sim.actuation.path_following.verdict import Verdict
 from cube_sim.actuation.survivability import LossCase
+from cube_sim.commands.stuck_report import FaultCase, fault_cases
 from cube_sim.control.authority import Authority, Capability, remaining_capability
 from cube_sim.control.critical_speed import CriticalSpeed, critical_speed
 from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
+from cube_sim.control.transient import Transient
 from cube_sim.control.turning_limit import turning_of
 from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ActuationError
@@ -45,6 +47,7 @@ class Report:
         analysis: of the thrusters that are left.
         turning: how tightly it turns, where it follows a path; None where it follows none.
         critical: up to which speed it keeps margins, likewise; None in the plane, too, where other laws fly it.
+        stuck: every single thruster dead and stuck; None where that was not asked for.
         table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
             was wanted.
     """
@@ -56,6 +59,7 @@ class Report:
     turning: TurningTrim | None
     critical: CriticalSpeed | None
     table: Survivability | None
+    stuck: tuple[FaultCase, ...] | None = None
 
 
 def report_on(
@@ -68,6 +72,7 @@ def report_on(
     speed_m_s: float | None = None,
     cost_limit: float | None = None,
     picture: Path | None = None,
+    stuck: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Report:
     """Analyse a model's thrusters, and draw the picture when one is wanted.
@@ -80,6 +85,7 @@ def report_on(
         planar: look at Fx, Fy and Mz only, for a vehicle kept at its depth.
         speed_m_s: at which path following is judged; default that of `PathRequirements`.
         cost_limit: drop the directions that cost more than this [N/N], and judge what is left.
+        stuck: judge every single thruster dead, and stuck at half of its limits and at its limits.
         picture: PNG, SVG or PDF to write; it shows losses of up to three.
         progress: called with (cases done, all cases) while losses are tabulated.
 
@@ -93,6 +99,8 @@ def report_on(
         raise ActuationError(f"--losses {losses}: between 0 and {MOST_LOSSES}")
     if speed_m_s is not None and not SPEEDS_M_S[0] <= speed_m_s <= SPEEDS_M_S[1]:
         raise ActuationError(f"--speed {speed_m_s:g}: between {SPEEDS_M_S[0]:g} and {SPEEDS_M_S[1]:g} m/s")
+    if planar and stuck:
+        raise ActuationError("--stuck looks at all six components: leave --planar out")
     if picture is not None:
         check_path(picture)
     vehicle = Vehicle.from_model(load_model(str(model)), hull)
@@ -138,7 +146,10 @@ def report_on(
     )
     if picture is not None and table is not None:
         save_picture(picture, A, limits, table, names=names, title=title)
-    return Report(model, title, vehicle, analysis, turning, critical, table)
+    cases = None
+    if stuck:
+        cases = fault_cases(vehicle, requirements.speed_m_s, lost=gone, cost_limit=cost_limit, progress=progress)
+    return Report(model, title, vehicle, analysis, turning, critical, table, cases)
 
 
 def _turning(analysis: Analysis, vehicle: Vehicle, speed_m_s: float, left: Capability | None) -> TurningTrim | None:
@@ -227,6 +238,7 @@ def to_dict(report: Report) -> dict[str, Any]:
         "verdict": _verdict(a.verdict),
         "turning": _turning_trim(report.turning),
         "critical_speed": None if report.critical is None else report.critical._asdict(),
+        "stuck": None if report.stuck is None else [_fault_case(case) for case in report.stuck],
         "losses": None if report.table is None else [_case(case) for case in report.table.cases],
     }
     return _plain(content)
@@ -281,6 +293,28 @@ def _case(case: LossCase) -> dict[str, Any]:
         "extents": [_extent(e) for e in case.extents],
         "verdict": _verdict(case.verdict),
     }
+
+
+def _fault_case(case: FaultCase) -> dict[str, Any]:
+    return {
+        "thruster": case.fault.thruster,
+        "force_N": case.fault.force_N,
+        "state": "dead" if case.fault.force_N is None else "stuck",
+        "authority": case.authority.name,
+        "left": case.left,
+        "follows": case.follows,
+        "reason": case.reason or None,
+        "tilt_rad": case.tilt_rad,
+        "rest_m_s": case.rest_m_s,
+        "alone_m_s": case.alone_m_s,
+        "found_s": case.found_s,
+        "transient": _transient(case.transient),
+        "transient_at_rest": _transient(case.transient_at_rest),
+    }
+
+
+def _transient(transient: Transient) -> dict[str, Any]:
+    return {"bound_m": transient.bound_m, "no_bound": transient.reason or None, "turns_rad": transient.turns_rad}
 
 
 def _plain(value: Any) -> Any:

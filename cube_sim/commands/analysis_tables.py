@@ -12,6 +12,7 @@ from cube_sim.actuation.path_following.controllable_trim import FURTHEST
 from cube_sim.actuation.path_following.steady_turn import TIGHTEST_M
 from cube_sim.commands.analysis_report import Report
 from cube_sim.commands.output import console_for_tables
+from cube_sim.commands.stuck_tables import faults_in_words, faults_table
 from cube_sim.control.critical_speed import FASTEST_M_S, CriticalSpeed
 from cube_sim.wrench.axes import PLANAR
 
@@ -47,6 +48,10 @@ def print_report(report: Report) -> None:
         console.print(_losses(report.table))
         for losses in range(1, report.table.most + 1):
             line(_count(report.table, losses))
+    if report.stuck is not None:
+        console.print(faults_table(report.stuck))
+        for text in faults_in_words(report.stuck):
+            line(text)
     line(f"path following: {'yes' if a.verdict.follows else 'no'} ({a.verdict.outcome.value}). {a.verdict.reason}")
     if a.verdict.follows:
         line(f"turning: {_turning(report)}")

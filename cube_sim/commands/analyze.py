@@ -42,6 +42,14 @@ def analyze(
         Path | None,
         typer.Option(metavar="FILE", help="Draw force and torque sets and all losses of up to 3: PNG, SVG or PDF."),
     ] = None,
+    stuck: Annotated[
+        bool,
+        typer.Option(
+            "--stuck",
+            help="Tabulate every single thruster dead, and stuck at half of either limit and at the limits: what is "
+            "left, whether the path is followed, how fast the hull is carried off, how far it leaves its path at most.",
+        ),
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
 ) -> None:
     """Say what a vehicle's thrusters can do, what it loses with some of them, and whether it still follows a path."""
@@ -59,6 +67,7 @@ def analyze(
                 speed_m_s=speed,
                 cost_limit=cost_limit,
                 picture=picture,
+                stuck=stuck,
                 progress=progress,
             )
     except CubeSimError as error:

@@ -38,11 +38,9 @@ def closing_speed(left: Capability, dynamics: Dynamics, lateral_time: float) -> 
     """
     if left.budget is None or left.authority not in (Authority.HOLONOMIC, Authority.LEVEL, Authority.TRIM):
         return 0.0
-    box = np.array(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3)).reshape(3, -1).T
-    box = box[np.any(box != 0.0, axis=1)]
+    ways = unit_box()
     if left.level:
-        box = box[box[:, 2] == 0.0]
-    ways = box / np.linalg.norm(box, axis=1, keepdims=True)
+        ways = ways[ways[:, 2] == 0.0]
     slow, fast = 0.0, FASTEST_M_S
     braking = STEEPEST / lateral_time
     if _affords(left, dynamics, braking, fast * ways):
@@ -54,6 +52,13 @@ def closing_speed(left: Capability, dynamics: Dynamics, lateral_time: float) -> 
         else:
             fast = middle
     return slow
+
+
+def unit_box() -> Matrix:
+    """(26,3) unit vectors to the sides, edges and corners of a box."""
+    box = np.array(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3)).reshape(3, -1).T
+    box = box[np.any(box != 0.0, axis=1)]
+    return box / np.linalg.norm(box, axis=1, keepdims=True)
 
 
 def _affords(left: Capability, dynamics: Dynamics, braking: float, velocities: Matrix) -> bool:

@@ -41,7 +41,7 @@ from cube_sim.wrench.health import Health
 
 _LENGTHS = (1, 4, 16)
 """Lengths of the windows under noise, in lengths of the first."""
-_AT_ONCE_S, _AT_ONCE_TICKS = 0.1, 4
+AT_ONCE_S, AT_ONCE_TICKS = 0.1, 4
 """The readings that show a thruster stuck at a large force: of so long [s], and so many at least."""
 _SAME_EFFICIENCY = 0.1
 """Readings of an efficiency that differ by less are the same."""
@@ -107,7 +107,7 @@ class Diagnosis:
         n, m = max(2, round(window_s / dt)), len(probe_N)
         self._threshold, self._noise = threshold_N, noise_N
         self._lengths = tuple(n * k for k in _LENGTHS) if noise_N > 0.0 else (n,)
-        self._at_once = min(n, max(_AT_ONCE_TICKS, round(_AT_ONCE_S / dt)))
+        self._at_once = min(n, max(AT_ONCE_TICKS, round(AT_ONCE_S / dt)))
         self._expected, self._measured = np.zeros((self._lengths[-1], m)), np.zeros((self._lengths[-1], m))
         self._ring = np.zeros(2, dtype=np.int64)
         self._gain = TelemetryGain(m, gain_tolerance, n * threshold_N**2)

@@ -30,6 +30,7 @@ from cube_sim.control.resting import Rest, nearest_rest
 from cube_sim.control.roomiest_attitude import has_enough
 from cube_sim.control.safe_mode import CLOSE_M, POINTING_M, LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.control.shortage import SHORTAGE, watch_shortage
+from cube_sim.control.thrown import LoopSpeeds
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.guidance.view_record import record_of, see_level, view_of
@@ -197,9 +198,13 @@ class PathFollower:
 
     def _estimates(self) -> tuple[Vector, Vector]:
         """The disturbance and the current as they are estimated."""
-        flow, observer = self.current_observer, self.observer
-        current = np.zeros(3) if flow is None else flow.estimate.copy()
-        return np.zeros(6) if observer is None else observer.memory["estimate"][0].copy(), current
+        return self.disturbance, self.current.copy()
+
+    def loop_speeds(self, delay_s: float) -> LoopSpeeds:
+        """The times of the loops that fly now, behind a delay [s]."""
+        loops, observer = self._loops, self.observer
+        learns = inf if observer is None else observer.time
+        return LoopSpeeds(loops.velocity_time, loops.attitude_time, loops.rate_time, learns, delay_s)
 
     def _follow(
         self,
@@ -298,7 +303,7 @@ class PathFollower:
             if not before.over:
                 return
         points, rest = self.capability.steers_by_attitude, self._rest(state.rotation, force_ratio)
-        stuck = Stuck.of(budget, self.loops.dynamics, rest, state, self._current, points)
+        stuck = Stuck.of(budget, self.loops.dynamics, rest, state, self.current, points)
         self._holding = Holding.first(stuck, off) if before is None else before.next(stuck, off)
         if before is not None or self._holding.attitude is not None:
             self.balanced, self._refuge = None, Refuge()  # what it sought before has led nowhere
@@ -310,10 +315,15 @@ class PathFollower:
         budget = self.capability.budget
         if budget is None:
             return Rest(near, self.capability.held, False)
-        return nearest_rest(self.loops.dynamics.record, budget, force_ratio, -self._current, near)
+        return nearest_rest(self.loops.dynamics.record, budget, force_ratio, -self.current, near)
 
     @property
-    def _current(self) -> Vector:
+    def disturbance(self) -> Vector:
+        """The wrench (6,) that the model does not explain [N, N m], body axes, as estimated; zero where it is not."""
+        return np.zeros(6) if self.observer is None else self.observer.memory["estimate"][0].copy()
+
+    @property
+    def current(self) -> Vector:
         """The current (3,) as it is estimated [m/s], world axes; zero where nobody estimates it."""
         return np.zeros(3) if self.current_observer is None else self.current_observer.estimate
 
@@ -399,7 +409,7 @@ class PathFollower:
 
     def kept(self, force_ratio: float) -> KeptMotion:
         """The motion at the least pace."""
-        flow_W = LEAST_PACE * self.memory["velocity"][0] - self._current
+        flow_W = LEAST_PACE * self.memory["velocity"][0] - self.current
         return KeptMotion(self.loops.dynamics.record, self._budget, force_ratio, flow_W)
 
     def _secondary(self, wrench: Vector, state: State) -> Vector:

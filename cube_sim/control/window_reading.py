@@ -32,7 +32,7 @@ _DECISIVE = 25.0
 """By how many sigma^2 one fit has to be better than another."""
 _RARE = 15.0
 """-log of the probability with which noise alone exceeds its allowance."""
-_FAR = 10.0
+FAR = 10.0
 """A force that is so many thresholds, and standard deviations, from all that a working thruster gives needs no long
 look."""
 
@@ -195,7 +195,7 @@ def read_at_once(x: Vector, y: Vector, evidence: Evidence) -> WindowReading | No
     Returns:
         None when it may be something else, or is not far from it.
     """
-    far, most = _FAR * (evidence.threshold + evidence.noise), evidence.gain[1]
+    far, most = FAR * (evidence.threshold + evidence.noise), evidence.gain[1]
     outside = (y < most * np.minimum(x, 0.0) - far) | (y > most * np.maximum(x, 0.0) + far)
     still = float(np.ptp(y)) <= 0.2 * evidence.threshold + 6.0 * evidence.noise
     return WindowReading(0.0, float(y.mean())) if still and bool(outside.all()) else None

@@ -8,10 +8,13 @@ from numpy.typing import ArrayLike
 from cube_sim.control.authority import Authority
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.roomiest_attitude import has_enough_somewhere
+from cube_sim.control.thrown import Thrown
+from cube_sim.control.transient import transient
 from cube_sim.mission.channels import polyline
 from cube_sim.mission.prepare import Mission
 from cube_sim.mission.way_of_flying import depth_not_kept
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.spatial import conjugate, multiply
 from cube_sim.vehicle.state import read_state
 
 
@@ -48,7 +51,8 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
         "heave, roll and pitch are left to the water" if left.level and not mission.ability.within_limit.level else ""
     )
     depth = depth_not_kept(mission.ability, left, polyline(mission.path)) if level else None
-    more = filter(None, (level, depth, mission.ability.too_tight(left), mission.too_fast(left), overpowered(mission)))
+    slower = mission.ability.too_tight(left), mission.too_fast(left)
+    more = filter(None, (level, depth, *slower, overpowered(mission), transient_ahead(mission)))
     recorder.log(t, "WARNING", "; ".join((text, f"{left.authority.name}: {left.reason}", *more)))
     return True
 
@@ -68,6 +72,37 @@ def overpowered(mission: Mission) -> str | None:
     if has_enough_somewhere(*follower.kept(mission.supply.force_ratio), attitude):
         return None
     return "in no attitude can the others make up for what is stuck: it will be carried off"
+
+
+def transient_ahead(mission: Mission) -> str | None:
+    """Words for how far the vehicle leaves its path now that a fault is known; None where nothing can be said.
+
+    Args:
+        mission: whose controller goes on with what is left, thrown off as far as its motion shows.
+    """
+    follower = mission.controller
+    healthy = mission.allocator.health.responsive & (mission.allocator.health.efficiency == 1.0)
+    if not isinstance(follower, PathFollower) or healthy.all():
+        return None
+    state = read_state(mission.vehicle, mission.data)
+    hull, R, error = follower.loops.dynamics, state.rotation, follower.view(state).error
+    off = multiply(conjugate(follower.desired), state.quaternion)
+    wanted, thrusters = follower.memory[0]["velocity"], mission.vehicle.thrusters
+    thrown = Thrown(
+        off_m=float(np.linalg.norm(error if mission.path.length <= 0.0 else error[1:])),
+        velocity=state.velocity - R.T @ wanted,
+        turned=2.0 * float(np.copysign(1.0, off[0])) * off[1:],
+        rates=state.rates,
+        learned=follower.disturbance,
+    )
+    # It pushes on until the others have made up for it.
+    loops, ratio = follower.loop_speeds(mission.ability.delay_s), mission.supply.force_ratio
+    expected = ratio * thrusters.force(mission.data.act[thrusters.activations])
+    given = mission.data.actuator_force[thrusters.actuators]
+    wrench = mission.ability.A @ np.where(healthy, 0.0, given - expected)
+    push = np.asarray(np.linalg.solve(hull.total_mass, wrench), dtype=np.float64)
+    thrown = thrown.pushed_on(push, loops.delay)
+    return transient(follower.capability, hull, loops, thrown, R, wanted, follower.current, ratio).words
 
 
 def record_actuation(mission: Mission, recorder: SignalStore, times: ArrayLike, force_ratios: ArrayLike) -> None:

@@ -45,6 +45,30 @@ def test_json_is_the_whole_analysis():
     assert content["losses"] is None
 
 
+def test_every_single_fault_is_tabulated_with_the_bound_of_its_transient_or_why_there_is_none():
+    result = analyze(CUBE, "--stuck", "--lost", "T8")
+    assert result.exit_code == 0
+    rows = [line.split() for line in result.output.splitlines() if line.startswith("T")]
+    assert len(rows) == 7 * 5
+    cases = json.loads(analyze(CUBE, "--stuck", "--lost", "T8", "--json").output)["stuck"]
+    assert f"single faults: {sum(case['follows'] for case in cases)} of 35 follow the path" in result.output
+    for case, row in zip(cases, rows, strict=True):
+        assert case["thruster"] == row[0]
+        bound = case["transient"]
+        assert (bound["bound_m"] is None) == (bound["no_bound"] is not None)
+        if bound["bound_m"] is not None:
+            assert f"{bound['bound_m']:.2g}" == row[-2]
+    assert any(case["transient"]["bound_m"] for case in cases)
+    assert any(case["transient"]["no_bound"] for case in cases)
+    assert json.loads(analyze(CUBE, "--json").output)["stuck"] is None
+
+
+def test_single_faults_are_not_judged_in_the_plane():
+    result = analyze("models/jack.xml", "--stuck", "--planar")
+    assert result.exit_code == 2
+    assert "--stuck looks at all six components: leave --planar out" in result.output
+
+
 def test_directions_are_dropped_by_rank_or_by_a_limit_on_their_cost_and_the_reason_is_given():
     as_built = ["models/cube_as_built.xml", "--lost"]
     by_rank = analyze(*as_built, "T1,T2")
