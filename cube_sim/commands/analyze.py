@@ -9,7 +9,7 @@ import typer
 
 from cube_sim.commands.ending import BAD_INPUT, stop
 from cube_sim.commands.leaving import SIGNALLED, raise_on_interrupt
-from cube_sim.commands.output import print_json
+from cube_sim.commands.output import open_no_windows, print_json
 from cube_sim.commands.progress import loss_progress
 from cube_sim.errors import CubeSimError
 from cube_sim.uninterrupted import interrupted_by, signal_of
@@ -53,6 +53,7 @@ def analyze(
     json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
 ) -> None:
     """Say what a vehicle's thrusters can do, what it loses with some of them, and whether it still follows a path."""
+    open_no_windows()
     from cube_sim.commands import analysis_report, analysis_tables
 
     try:

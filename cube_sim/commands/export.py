@@ -11,7 +11,7 @@ import typer
 
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
 from cube_sim.commands.leaving import SIGNALLED, raise_on_interrupt
-from cube_sim.commands.output import hush_rerun
+from cube_sim.commands.output import hush_rerun, open_no_windows
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError
 from cube_sim.run_directory import RRD_FILE
@@ -60,6 +60,7 @@ def export(
         formats = " and ".join(each.value for each in _OF_CHANNELS)
         raise typer.BadParameter(f"--channel is of {formats}; {format_.value} is made of the whole run")
     hush_rerun()
+    open_no_windows()
     try:
         from cube_sim.runs.recorded_run import load_run
 

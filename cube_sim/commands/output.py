@@ -21,6 +21,14 @@ def hush_rerun() -> None:
     os.environ.setdefault("RUST_LOG", "off")
 
 
+def open_no_windows() -> None:
+    """Let MuJoCo, which is imported later, not look for what draws windows, a tenth of a second and another process.
+
+    Not where code of the user's own is flown: that may draw.
+    """
+    os.environ.setdefault("MUJOCO_GL", "disable")
+
+
 def print_json(content: Any) -> None:
     """Print plain data as indented JSON.
 

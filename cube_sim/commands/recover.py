@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
-from cube_sim.commands.output import hush_rerun
+from cube_sim.commands.output import hush_rerun, open_no_windows
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.run_directory import MCAP_FILE, record_of
@@ -37,6 +37,7 @@ def recover(
     What is saved never counts as a complete run.
     """
     hush_rerun()
+    open_no_windows()
     try:
         record = record_of(run)
         from cube_sim.runs.recovery import recover as save

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cube_sim.commands.ending import BAD_INPUT, FAIL, NOT_JUDGED, PASS, read_or_not, stop
-from cube_sim.commands.output import print_json
+from cube_sim.commands.output import open_no_windows, print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.errors import CubeSimError, ModelError, RecordingError, ScenarioError
 
@@ -33,6 +33,8 @@ def replay(
         from cube_sim.runs.recorded_run import load_run
 
         recorded = load_run(run)
+        if not recorded.header.code:
+            open_no_windows()
         from cube_sim.runs.replay import replay as fly_again
 
         begin_compiling(hidden=quiet or json)

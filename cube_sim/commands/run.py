@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from enum import Enum
 from pathlib import Path
@@ -13,7 +12,7 @@ import typer
 from cube_sim.commands.account import early_end, lasted, log_lines, section
 from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, read_or_not, stop
 from cube_sim.commands.leaving import SIGNALLED
-from cube_sim.commands.output import console_of_stdout, print_json
+from cube_sim.commands.output import console_of_stdout, open_no_windows, print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides
 from cube_sim.errors import CubeSimError, DirectoryError, ModelError, RunInterrupted, ScenarioError
@@ -100,8 +99,7 @@ def _fly(
             _require_a_record(record)
             live = live if _somebody_listens(live) else None
         if not any(python_blocks(loaded.scenario)):
-            # MuJoCo looks for what draws windows when it is imported, a tenth of a second; a user's code may draw.
-            os.environ.setdefault("MUJOCO_GL", "disable")
+            open_no_windows()
         from cube_sim import simulation
 
         begin_compiling(hidden=hidden)

@@ -13,7 +13,7 @@ import typer
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, PASS, stop
 from cube_sim.commands.labels import labels
 from cube_sim.commands.leaving import SIGNALLED, raise_on_interrupt
-from cube_sim.commands.output import hush_rerun
+from cube_sim.commands.output import hush_rerun, open_no_windows
 from cube_sim.errors import RecordingError
 from cube_sim.uninterrupted import signal_of
 from cube_sim.whole_file import undone_if_left, written_whole
@@ -44,6 +44,7 @@ def view(
     if web and save is not None:
         raise typer.BadParameter("--web shows the view and --save writes it: give one of them")
     hush_rerun()
+    open_no_windows()
     recorded = _read(runs, save)
     try:
         from cube_sim.recording.rerun.viewer import has_display, open_window, web_viewer

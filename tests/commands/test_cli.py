@@ -245,6 +245,30 @@ def test_a_broken_pipe_is_not_a_traceback(tmp_path):
 
 
 @pytest.mark.flight
+def test_nothing_looks_for_windows_but_a_flight_of_own_code(tmp_path):
+    """MuJoCo would, in a process of its own that says so when it is cut off."""
+    out = fly(write(tmp_path, FLIGHT), out=tmp_path / "out", record="mcap").directory
+    model = Path(__file__).parents[2] / "models" / "cube.xml"
+    for arguments in (
+        ("run", "mission.yaml", "--record", "none"),
+        ("replay", out),
+        ("export", out, "view", "--format", "rrd"),
+        ("view", out, "--save", "view.rrd"),
+        ("analyze", model),
+    ):
+        program = (
+            "import sys\nfrom cube_sim.__main__ import main\n"
+            f"sys.argv = {['cube-sim', *map(str, arguments)]!r}\n"
+            "import atexit\n"
+            "atexit.register(lambda: print('mujoco' in sys.modules, 'glfw' in sys.modules, file=sys.stderr))\nmain()\n"
+        )
+        surroundings = {name: value for name, value in os.environ.items() if name != "MUJOCO_GL"}
+        command = [sys.executable, "-c", program]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, env=surroundings)
+        assert (done.returncode, done.stderr.splitlines()[-1]) == (0, "True False"), arguments
+
+
+@pytest.mark.flight
 @pytest.mark.parametrize("more", [[], ["--json"]])
 def test_what_was_found_is_told_by_the_code_whoever_reads_it(tmp_path, more):
     """`cube-sim run scenario.yaml | grep -q PASS`, which ends as soon as it has read that."""
