@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.allocation.asked_forces import asked_forces
-from cube_sim.allocation.exact.code import SEARCHED
+from cube_sim.allocation.exact.code import SEARCHING
+from cube_sim.allocation.exact.fewest_calls import INSTEAD
 from cube_sim.native.compiled import call_at, compiled
 
 
@@ -77,9 +78,9 @@ def allocate_responsive(codes, thrusters, demand, secondary, force_ratio, parts,
             demands[a] = parts[a] + parts[n + a]
     told = parts if yields else demands
     if codes.instead != 0:
-        call_at(None, codes.instead, (codes.search, codes.travel, t.packed, told, row, sides, effort))
+        call_at(INSTEAD, codes.instead, (codes.search, codes.travel, t.packed, told, row, sides, effort))
     else:
-        _, _, _, nodes, doubts = call_at(SEARCHED, codes.search, (t.packed, told, row, sides))
+        _, _, _, nodes, doubts = call_at(SEARCHING, codes.search, (t.packed, told, row, sides))
         effort[0] += nodes
         effort[1] += doubts
     residual, cost, status = row[-4], row[-3], int(row[-2])

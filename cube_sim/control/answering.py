@@ -6,28 +6,24 @@ for any other: the numbers are the same.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from cube_sim.control.along_path import nose_along
-from cube_sim.control.balancing import balance
+from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.current import observe_current
 from cube_sim.control.disturbance import observe_disturbance
 from cube_sim.control.following import follow
-from cube_sim.control.free_attitude import least_effort
-from cube_sim.control.look_at import look_at
-from cube_sim.control.oscillation_centre import begin_centre, see_centre, watch_centre
+from cube_sim.control.oscillation_centre import see_centre, watch_centre
+from cube_sim.control.wanted_attitude import want_attitude
 from cube_sim.guidance.approach import approach_motion
 from cube_sim.guidance.pursuit import pursuit_motion
 from cube_sim.guidance.speed import speed_at
-from cube_sim.guidance.view_record import see_level
-from cube_sim.native.compiled import compiled
+from cube_sim.guidance.view_record import VIEW, see_level
+from cube_sim.native.callee import Callee
+from cube_sim.native.compiled import call_at, compiled
 from cube_sim.spatial import Matrix, Record, Vector
-from cube_sim.tuples import put, triple
-
-ALONG_PATH, FIXED, LOOK_AT, FREE = range(4)
-"""Which attitude is asked for: that of `AlongPath`, `FixedAttitude`, `LookAt` or `FreeAttitude`."""
+from cube_sim.tuples import put
 
 SETTINGS = np.dtype(
     [
@@ -117,8 +113,17 @@ class LawParts(NamedTuple):
     memory: Record
 
 
+def _want_attitude_of() -> tuple[Any, ...]:
+    from cube_sim.control.compiled_parts import resting_law
+
+    return resting_law(), np.zeros(1, DESIRED), np.zeros(1, VIEW), np.eye(3), np.zeros(4), 1.0, 1.0
+
+
+WANTING = Callee(want_attitude, _want_attitude_of)
+
+
 @compiled
-def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio):
+def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio, wanting):
     """One tick.
 
     Args:
@@ -133,6 +138,7 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio)
         applied: wrench (6,) allocated over the tick before.
         dt: [s].
         force_ratio: share of their force that the supply leaves the thrusters.
+        wanting: address of the code of `cube_sim.control.wanted_attitude.want_attitude`.
     """
     p, s, hull, current = parts, parts.settings[0], parts.hull, parts.current
     seen, time = view, p.loops[0].velocity_time
@@ -156,20 +162,7 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio)
         put(unknown, p.disturbance[0].estimate)
         if s.current_time > 0.0:
             observe_current(hull, s.current_damping, dt / s.current_time, current, R, v, w, unknown)
-    if s.kind == FIXED:
-        put(desired[0].quaternion, s.attitude)
-    elif s.kind == LOOK_AT:
-        look_at(p.looking, p.sight, desired, view, R, dt)
-    elif s.kind == FREE:
-        force = triple(p.memory[0].force)
-        least_effort(hull, p.effort, p.rest, desired, view, R, force, triple(current), dt)
-    else:
-        nose_along(s.levelling_time, p.side, desired, view, dt)
-    if s.dragged:
-        begin_centre(p.left, p.centre, R, q, desired[0].quaternion)
-    if s.balanced:
-        facets = p.balanced_normals, p.balanced_bounds, p.balanced_shares
-        balance(hull, p.balancing, *facets, p.balanced, desired, view, R, p.memory, current, dt, force_ratio)
+    call_at(WANTING, wanting, (p, desired, view, R, q, dt, force_ratio))
     follow(
         hull,
         p.loops,

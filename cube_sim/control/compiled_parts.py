@@ -10,7 +10,7 @@ import numpy as np
 
 from cube_sim.control.along_path import MEMORY as SIDE
 from cube_sim.control.along_path import AlongPath
-from cube_sim.control.answering import ALONG_PATH, FIXED, FREE, LOOK_AT, SETTINGS, LawParts, answer
+from cube_sim.control.answering import SETTINGS, WANTING, LawParts, answer
 from cube_sim.control.asked import MEMORY as ASKED
 from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.authority import CAPABILITY
@@ -25,10 +25,12 @@ from cube_sim.control.look_at import MEMORY as SIGHT
 from cube_sim.control.loops import LOOPS
 from cube_sim.control.oscillation_centre import CENTRE
 from cube_sim.control.pace import NO_BUDGET, Facets
+from cube_sim.control.wanted_attitude import ALONG_PATH, FIXED, FREE, LOOK_AT
 from cube_sim.guidance.approach import APPROACH, Approach
 from cube_sim.guidance.law import MotionLaw
 from cube_sim.guidance.pursuit import PURSUIT, Pursuit
 from cube_sim.guidance.speed import ConstantSpeed, Parts
+from cube_sim.native.apart import finish
 from cube_sim.spatial import Record, State, Vector
 from cube_sim.vehicle.laws.hull_motion import HULL
 
@@ -73,7 +75,8 @@ class CompiledParts:
         """One tick, its answer into `followed`; returns the desired attitude (4,)."""
         desired = np.zeros(1, DESIRED)
         motion = state.rotation, state.quaternion, state.velocity, state.rates
-        answer(self.arguments(follower), seen, desired, followed, *motion, applied, dt, force_ratio)
+        told = applied, dt, force_ratio, attitude_address()
+        answer(self.arguments(follower), seen, desired, followed, *motion, *told)
         return desired["quaternion"][0]
 
     def arguments(self, follower: PathFollower) -> LawParts:
@@ -170,3 +173,15 @@ def resting_law() -> LawParts:
     motion, modes = zero(APPROACH, PURSUIT, BALANCE), zero(LOOK, EFFORT, SIDE, SIGHT, REST, DISTURBANCE)
     parts = *told, *NO_BUDGET, *speed, *motion, *NO_BUDGET, *modes, np.zeros(3), *zero(BALANCED, CENTRE, ASKED)
     return LawParts._make(parts)
+
+
+ATTITUDE = f"{__name__}:attitude_address"
+"""What compiles the part of the law that wants an attitude, for `cube_sim.native.apart`."""
+
+
+@cache
+def attitude_address() -> int:
+    """Where the code of `cube_sim.control.wanted_attitude.want_attitude` lies."""
+    if not WANTING.on_disk:
+        finish(ATTITUDE)
+    return WANTING.address()

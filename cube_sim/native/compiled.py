@@ -78,27 +78,21 @@ def bits(typingctx: Any, number: Any) -> Any:
 
 
 @Intrinsic
-def call_at(typingctx: Any, function: Any, address: Any, arguments: Any) -> Any:
+def call_at(typingctx: Any, callee: Any, address: Any, arguments: Any) -> Any:
     """What a compiled function answers, without its code in the caller's: large functions need not be compiled twice.
 
     Args:
         typingctx: numba's, not given by the caller.
-        function: that is called; or the type it answers, a tuple of types, or None for nothing: then it need not be
-            compiled by whoever calls it.
-        address: of its code, `address_of` arguments of these types.
-        arguments: a tuple.
+        callee: `cube_sim.native.callee.Callee` of the function, which need not be compiled by whoever calls it.
+        address: of its code.
+        arguments: a tuple, of the very types that it is compiled for: others are an error of the compiler's.
     """
     from numba.core import cgutils, types
 
+    from cube_sim.native.callee import of_type
+
     kinds = tuple(types.unliteral(kind) for kind in arguments)
-    if isinstance(function, types.NumberClass):
-        result = function.instance_type
-    elif isinstance(function, types.BaseTuple):
-        result = types.Tuple([kind.instance_type for kind in function])
-    elif function is types.none:
-        result = types.none
-    else:
-        result = function.get_call_type(typingctx, kinds, {}).return_type
+    result = of_type(callee).answer_to(kinds)
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         convention = context.call_conv
@@ -109,7 +103,7 @@ def call_at(typingctx: Any, function: Any, address: Any, arguments: Any) -> Any:
             convention.return_status_propagate(builder, status)
         return answer
 
-    return result(function, types.int64, arguments), codegen
+    return result(callee, types.int64, arguments), codegen
 
 
 @Intrinsic
@@ -148,7 +142,7 @@ def address_of(function: CompiledFunction, *arguments: Any, answers: Any = None)
     Args:
         function: the function.
         arguments: of it.
-        answers: what it answers, as `call_at` is told: a numpy type, a tuple of them, or None for nothing.
+        answers: what it answers: a numpy type, a tuple of them, or None for nothing.
 
     Raises:
         TypeError: it answers something else.

@@ -19,9 +19,10 @@ from pathlib import Path
 from types import CodeType
 from typing import Any
 
-from cube_sim.native.intrinsics import External, Intrinsic
+from cube_sim.native.intrinsics import Intrinsic
 
-_HOW = "compiled.py", "dispatching.py", "called.py", "lent.py", "intrinsics.py"
+_HOW = "compiled.py", "dispatching.py", "called.py", "lent.py", "intrinsics.py", "callee.py"
+_PLAIN = bool, int, float, complex, str, bytes, tuple
 
 
 def stamp_of(function: Callable[..., Any]) -> str:
@@ -33,7 +34,7 @@ def stamp_of(function: Callable[..., Any]) -> str:
             told.append((name, _content(value.definition.__code__.co_filename)))
         elif hasattr(value, "whole_stamp"):  # of a compiled function; the arrows point from there to here
             told.append((name, value.whole_stamp))
-        elif isinstance(value, bool | int | float | complex | str | bytes | tuple | External):
+        elif isinstance(value, _PLAIN) or hasattr(type(value), "_numba_type_"):
             told.append((name, repr(value)))
         elif isinstance(value, type) and issubclass(value, tuple):
             told.append((name, repr(getattr(value, "_fields", None))))

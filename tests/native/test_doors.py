@@ -17,8 +17,11 @@ LAW = """
 from typing import NamedTuple
 import numpy as np
 from cube_sim.native.compiled import address_of, compiled, cut
+from cube_sim.native.callee import Callee
 from cube_sim.native.compiled import call_at
 from callee import scaled
+
+SCALING = Callee(scaled, lambda: (1.0,), answers=np.float64)
 
 class Pair(NamedTuple):
     first: np.ndarray
@@ -36,7 +39,7 @@ def law(pair, record, on, n):
 
 @compiled
 def through(address, x):
-    return call_at(np.float64, address, (x,)) + 1.0
+    return call_at(SCALING, address, (x,)) + 1.0
 """
 CALLEE = """
 from cube_sim.native.compiled import compiled

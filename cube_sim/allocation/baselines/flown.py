@@ -8,9 +8,10 @@ import numpy as np
 
 from cube_sim.allocation.baselines import rules
 from cube_sim.allocation.baselines.packing import CLIPPED, COMPENSATION, CONTRACTION, unpack_baseline
+from cube_sim.allocation.exact.fewest_calls import INSTEAD
 from cube_sim.allocation.exact.solve import answer_of
 from cube_sim.allocation.flown import SearchCodes
-from cube_sim.native.compiled import address_of, compiled
+from cube_sim.native.compiled import compiled
 from cube_sim.tuples import put
 
 unpacked = compiled(unpack_baseline)
@@ -58,7 +59,4 @@ def answer_by_rule(search, travel, packed, demands, row, sides, effort):
 @cache
 def baseline_codes() -> SearchCodes:
     """Where the code of the baselines lies; it is compiled only for those who fly by one."""
-    numbers = np.zeros(1)
-    return SearchCodes(
-        0, address_of(answer_by_rule, 0, 0, numbers, numbers, numbers, np.zeros(1, np.int8), np.zeros(2, np.int64)), 0
-    )
+    return SearchCodes(0, INSTEAD.address(answer_by_rule), 0)

@@ -8,18 +8,22 @@ import numpy as np
 
 from cube_sim.allocation.exact.solve import solve_each
 from cube_sim.native.apart import finish
-from cube_sim.native.compiled import address_of, on_disk
+from cube_sim.native.callee import Callee
 
 SEARCH = f"{__name__}:search_address"
 """What compiles the search, for `cube_sim.native.apart`."""
-SEARCHED = (np.float64, np.float64, np.int64, np.int64, np.int64)
-"""Types of what `solve_each` answers."""
+_NUMBERS = np.zeros(1)
+SEARCHING = Callee(
+    solve_each,
+    lambda: (_NUMBERS, _NUMBERS, _NUMBERS, np.zeros(1, np.int8)),
+    answers=(np.float64, np.float64, np.int64, np.int64, np.int64),
+)
+"""`solve_each`, which is large."""
 
 
 @cache
 def search_address() -> int:
-    """Where the code of `solve_each` lies, which is large and answers `SEARCHED`."""
-    if not on_disk(solve_each):
+    """Where the code of `SEARCHING` lies."""
+    if not SEARCHING.on_disk:
         finish(SEARCH)
-    numbers = np.zeros(1)
-    return address_of(solve_each, numbers, numbers, numbers, np.zeros(1, np.int8), answers=SEARCHED)
+    return SEARCHING.address()

@@ -26,7 +26,7 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.code import SEARCHED, search_address
+from cube_sim.allocation.exact.code import SEARCHING, search_address
 from cube_sim.allocation.exact.minimum_cost import minimum_cost_forces
 from cube_sim.allocation.exact.origins import attainable_origin
 from cube_sim.allocation.exact.packing import (
@@ -41,7 +41,8 @@ from cube_sim.allocation.exact.solve import answer_of, answer_size
 from cube_sim.allocation.exact.stages import EXACT, UNPROVEN
 from cube_sim.allocation.exact.step import HISTORY, REACH, step_limits
 from cube_sim.allocation.flown import SearchCodes
-from cube_sim.native.compiled import address_of, borrowed, call_at, compiled, cut
+from cube_sim.native.callee import Callee
+from cube_sim.native.compiled import borrowed, call_at, compiled, cut
 from cube_sim.tuples import put, put_matrix
 
 Solved = tuple[float, float, int]
@@ -78,6 +79,10 @@ def travel_in_reach(packed: NDArray[np.float64], wrench: NDArray[np.float64], tr
     return there
 
 
+_NUMBERS = np.zeros(1)
+TRAVELLING = Callee(travel_in_reach, lambda: (_NUMBERS, _NUMBERS, _NUMBERS), answers=np.bool_)
+
+
 @compiled
 def travel_in_calls(code, packed, goal, calls, limit, travel):
     """`travel_in_reach` of so many calls from the previous answer.
@@ -91,7 +96,7 @@ def travel_in_calls(code, packed, goal, calls, limit, travel):
         travel: (m,) out [N].
     """
     set_reach(packed, calls * limit)
-    return call_at(np.bool_, code, (packed, goal, travel))
+    return call_at(TRAVELLING, code, (packed, goal, travel))
 
 
 @compiled
@@ -116,7 +121,7 @@ def narrow_reach(search, travel_code, packed, demands, before):
     put_matrix(after, rows[:4])
     put_matrix(rows[:4], before)
     set_reach(packed, inf)
-    _, _, _, nodes, _ = call_at(SEARCHED, search, (packed, demands, row, sides))
+    _, _, _, nodes, _ = call_at(SEARCHING, search, (packed, demands, row, sides))
     goal, travel, nearer = answer_of(row, n, m).wrench, np.empty(m), np.empty(m)
     put(travel, rows[2])
     # Least number of calls to forces that make the goal: what is reached in some calls is reached in more.
@@ -159,7 +164,7 @@ def solve_in_reach(search, travel_code, packed, demands, row, sides, effort):
     rows = answer_rows(packed)
     before = np.empty((4, rows.shape[1]))
     put_matrix(before, rows[:4])
-    _, _, status, nodes, doubts = call_at(SEARCHED, search, (packed, demands, row, sides))
+    _, _, status, nodes, doubts = call_at(SEARCHING, search, (packed, demands, row, sides))
     effort[0] += nodes
     effort[1] += doubts
     if status in (EXACT, UNPROVEN):
@@ -167,10 +172,16 @@ def solve_in_reach(search, travel_code, packed, demands, row, sides, effort):
     again, nodes = narrow_reach(search, travel_code, packed, demands, before)
     effort[0] += nodes
     if again:
-        _, _, _, nodes, doubts = call_at(SEARCHED, search, (packed, demands, row, sides))
+        _, _, _, nodes, doubts = call_at(SEARCHING, search, (packed, demands, row, sides))
         effort[0] += nodes
         effort[1] += doubts
     set_reach(packed, unpack(packed).change_limit)
+
+
+INSTEAD = Callee(
+    solve_in_reach, lambda: (0, 0, _NUMBERS, _NUMBERS, _NUMBERS, np.zeros(1, np.int8), np.zeros(2, np.int64))
+)
+"""What answers in the place of `solve_each`: this, or a baseline."""
 
 
 def search_codes() -> SearchCodes:
@@ -181,10 +192,7 @@ def search_codes() -> SearchCodes:
 @cache
 def limited_search_codes() -> SearchCodes:
     """Where all code lies that answers demands under a change limit; it is compiled only for those who set one."""
-    search, numbers, sides = search_address(), np.zeros(1), np.zeros(1, np.int8)
-    travel = address_of(travel_in_reach, numbers, numbers, numbers, answers=np.bool_)
-    in_reach = address_of(solve_in_reach, 0, 0, numbers, numbers, numbers, sides, np.zeros(2, np.int64))
-    return SearchCodes(search, in_reach, travel)
+    return SearchCodes(search_address(), INSTEAD.address(), TRAVELLING.address())
 
 
 class FewestCalls:

@@ -9,6 +9,7 @@ import numpy as np
 
 from cube_sim.allocation.flown import SearchCodes
 from cube_sim.control.diagnosis import Diagnosis
+from cube_sim.flight.compiled.callees import ESTIMATING, nothing_sensed
 from cube_sim.flight.compiled.loop import fly
 from cube_sim.flight.compiled.parts import Answering, Course, Engine, FaultWatch, Feed, Hull, Notes, Sensing
 from cube_sim.flight.compiled.steering import Steering
@@ -17,11 +18,8 @@ from cube_sim.flight.rows import rows_for
 from cube_sim.guidance.target_record import RunningParts
 from cube_sim.mission import Mission
 from cube_sim.mission.surface_watch import Boxes
-from cube_sim.native.compiled import address_of, prepare
-from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters, estimate
-from cube_sim.navigation.imu import ImuErrors
-from cube_sim.navigation.motion import Motion
-from cube_sim.navigation.navigator import InitialErrors, Navigator
+from cube_sim.native.compiled import prepare
+from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters
 from cube_sim.navigation.reading import READING
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.current import current_table
@@ -31,7 +29,7 @@ from cube_sim.vehicle.plugin.guard import TEXT_BYTES, guards
 NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
 LEAST_ARENA_BYTES = 1_000_000
 """With less, contacts may need more memory than there is; MuJoCo ends the process then, where nothing guards it."""
-NO_CODES = 0, 0, SearchCodes(0, 0, 0), 0
+NO_CODES = 0, 0, 0, SearchCodes(0, 0, 0), 0
 NOTHING_WATCHED = Diagnosis(1.0, 1.0, 1.0, np.zeros(1))
 
 
@@ -104,17 +102,7 @@ def begin_ticks(
 @cache
 def estimating_address() -> int:
     """Where the code of the navigation lies; it is compiled only for those who navigate."""
-    truth = np.zeros(3), np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3)
-    into = np.zeros(1, ESTIMATE), np.zeros(1, ERROR), np.zeros(1, READING)
-    return address_of(estimate, *_nothing_sensed(), *truth, *into, answers=np.int64)
-
-
-@cache
-def _nothing_sensed() -> tuple[NavigationParameters, NavigationMemory]:
-    """Arguments of the right types for a flight whose controller sees the true state."""
-    still = Motion(np.zeros(3), np.zeros(3), np.eye(3), np.zeros(3))
-    known = InitialErrors(0.0, 0.0, 0.0, 0.0)
-    return Navigator(ImuErrors(*np.zeros(6).tolist()), (), known, still, 0, np.zeros(3), 1.0).stage(1)
+    return ESTIMATING.address()
 
 
 def _sensing(mission: Mission, count: int) -> Sensing | None:
@@ -129,7 +117,7 @@ def _sensing(mission: Mission, count: int) -> Sensing | None:
 @cache
 def _no_sensing() -> Sensing:
     """That of a flight whose controller sees the true state."""
-    return _sensing_by(_nothing_sensed(), False, np.zeros(3), 0)
+    return _sensing_by(nothing_sensed(), False, np.zeros(3), 0)
 
 
 def _sensing_by(

@@ -14,6 +14,7 @@ from cube_sim.control.priority import yield_attitude
 from cube_sim.control.probing import put_probe
 from cube_sim.control.safe_mode import loses_target
 from cube_sim.control.shortage import watch_shortage
+from cube_sim.flight.compiled.callees import ANSWERING, ESTIMATING, STEERING
 from cube_sim.flight.rows import write_actuation, write_motion, write_power
 from cube_sim.guidance.path_record import path_row
 from cube_sim.guidance.speed import speed_at
@@ -57,7 +58,7 @@ def sense(code, sensing, k, state, acceleration, known):
     velocity, force = felt(R, state[16:19], acceleration, s.gravity)
     truth = state[:3], velocity, R, state[19:], force
     into = s.answers[k : k + 1], s.errors[k : k + 1], s.arrived[k]
-    s.counts[k] = call_at(np.int64, code, (s.parameters, s.memory, *truth, *into))
+    s.counts[k] = call_at(ESTIMATING, code, (s.parameters, s.memory, *truth, *into))
     put(s.inertial[k], s.memory.imu[0].reading)
     answer = s.answers[k]
     put(known[3:7], answer.quaternion)
@@ -74,8 +75,8 @@ def fly(
     """Fly up to so many ticks.
 
     Args:
-        codes: addresses of the code of `answer` or of `cube_sim.control.planar.steering.steer`, 0 for the other one;
-            `SearchCodes`; and of the code of `estimate` where the state is estimated.
+        codes: addresses of code: of `answer` or of `cube_sim.control.planar.steering.steer`, 0 for the other one, and
+            of what `answer` calls; `SearchCodes`; and that of `estimate`, where the state is estimated.
         count: how many.
         tick: number of the first.
         engine: `Engine`.
@@ -144,7 +145,7 @@ def fly(
         known = state
         if sensing.navigated:
             known = np.empty(22)
-            sense(codes[3], sensing, k, state, e.qacc[e.hull[1] : e.hull[1] + 3], known)
+            sense(codes[4], sensing, k, state, e.qacc[e.hull[1] : e.hull[1] + 3], known)
             R = known[7:16].reshape(3, 3)
         velocity_W = turned_to_world(R, known[16:19])
         s = course.arc_length[0]
@@ -163,12 +164,12 @@ def fly(
         desired[0].rates[:] = 0.0
         records, speed, rates = (view, desired, followed), known[16:19], known[19:]
         if answering.in_plane:
-            call_at(None, codes[1], (planar, *records, R, speed, rates, answering.applied, dt))
+            call_at(STEERING, codes[1], (planar, *records, R, speed, rates, answering.applied, dt))
             put(disturbance, planar.estimated[0].disturbance)
             put(current, planar.estimated[0].current)
         else:
             motion = R, known[3:7], speed, rates
-            call_at(None, codes[0], (law, *records, *motion, answering.applied, dt, force_ratio))
+            call_at(ANSWERING, codes[0], (law, *records, *motion, answering.applied, dt, force_ratio, codes[2]))
             if law.settings[0].disturbance_time > 0.0:
                 put(disturbance, law.disturbance[0].estimate)
             if law.settings[0].current_time > 0.0:
@@ -179,7 +180,7 @@ def fly(
         if answering.yields:
             yield_attitude(answering.coupling, out.wrench, secondary)
         asked, residual, cost, status = allocate_responsive(
-            codes[2], thrusters, out.wrench, secondary, force_ratio, parts,
+            codes[3], thrusters, out.wrench, secondary, force_ratio, parts,
             notes.demands[k], notes.answers[k % len(notes.answers)], sides, answering.applied, notes.effort,
         )  # fmt: skip
         if evidence.watched:

@@ -7,20 +7,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cube_sim.control.answering import LawParts, answer
-from cube_sim.control.attitude_mode import DESIRED
-from cube_sim.control.compiled_parts import resting_law
+from cube_sim.control.answering import LawParts
+from cube_sim.control.compiled_parts import attitude_address, resting_law
 from cube_sim.control.controller import Controller
-from cube_sim.control.following import FOLLOWED
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.planar.follower import PlanarFollower
-from cube_sim.control.planar.steering import PlanarParts, resting_planar_law, steer
+from cube_sim.control.planar.steering import PlanarParts, resting_planar_law
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode
 from cube_sim.control.shortage import SHORTAGE
+from cube_sim.flight.compiled.callees import ANSWERING, STEERING
 from cube_sim.guidance.law import Target
-from cube_sim.guidance.view_record import VIEW
 from cube_sim.native.apart import finish
-from cube_sim.native.compiled import address_of, on_disk
 from cube_sim.spatial import Matrix, Record
 
 
@@ -66,9 +63,9 @@ class Steering(NamedTuple):
         return cls(False, parts.arguments(controller), resting_planar_law(), *told, *yielding, float(left.authority))
 
     @property
-    def addresses(self) -> tuple[int, int]:
-        """Where the code of either law lies; that of the one at rest is not asked for, nor compiled for that."""
-        return (0, planar_law_address()) if self.in_plane else (law_address(), 0)
+    def addresses(self) -> tuple[int, int, int]:
+        """Where the code of either law lies, and of `want_attitude`; what is at rest is not asked for, nor compiled."""
+        return (0, planar_law_address(), 0) if self.in_plane else (law_address(), 0, attitude_address())
 
 
 LAW = f"{__name__}:law_address"
@@ -78,18 +75,12 @@ LAW = f"{__name__}:law_address"
 @cache
 def law_address() -> int:
     """Where the code of the law for all axes lies, which is large."""
-    if not on_disk(answer):
+    if not ANSWERING.on_disk:
         finish(LAW)
-    motion = np.eye(3), np.zeros(4), np.zeros(3), np.zeros(3)
-    return address_of(answer, resting_law(), *_tick_records(), *motion, np.zeros(6), 1.0, 1.0)
+    return ANSWERING.address()
 
 
 @cache
 def planar_law_address() -> int:
     """Where the code of the planar law lies; it is compiled only for those who fly by it."""
-    motion = np.eye(3), np.zeros(3), np.zeros(3)
-    return address_of(steer, resting_planar_law(), *_tick_records(), *motion, np.zeros(6), 1.0)
-
-
-def _tick_records() -> tuple[Record, ...]:
-    return tuple(np.zeros(1, kind) for kind in (VIEW, DESIRED, FOLLOWED))
+    return STEERING.address()

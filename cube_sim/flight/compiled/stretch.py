@@ -21,7 +21,7 @@ from cube_sim.vehicle.plugin.clock import held_still
 class FlyArguments(NamedTuple):
     """Those of `cube_sim.flight.compiled.loop.fly`, which says what they are."""
 
-    codes: tuple[int, int, SearchCodes, int]
+    codes: tuple[int, int, int, SearchCodes, int]
     ticks: int
     tick: int
     engine: Engine
