@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from cube_sim.allocation.asked_forces import asked_forces
 from cube_sim.allocation.exact.code import SEARCHING
 from cube_sim.allocation.exact.fewest_calls import INSTEAD
-from cube_sim.native.compiled import call_at, compiled
+from cube_sim.native.callee import call_at
+from cube_sim.native.compiled import compiled
 
 
 class ResponsiveThrusters(NamedTuple):

@@ -20,8 +20,8 @@ from cube_sim.guidance.approach import approach_motion
 from cube_sim.guidance.pursuit import pursuit_motion
 from cube_sim.guidance.speed import speed_at
 from cube_sim.guidance.view_record import VIEW, see_level
-from cube_sim.native.callee import Callee
-from cube_sim.native.compiled import call_at, compiled
+from cube_sim.native.callee import Callee, call_at
+from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.tuples import put
 

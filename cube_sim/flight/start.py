@@ -7,7 +7,7 @@ from pickle import PicklingError
 import numpy as np
 
 from cube_sim.errors import CubeSimError, FlightError
-from cube_sim.flight.compiled import compile_beside
+from cube_sim.flight.compiled import compile_beside, wait_for_loop
 from cube_sim.mission import Mission, prepare
 from cube_sim.mission.channels import polyline
 from cube_sim.mission.copying import packed, unpacked
@@ -20,7 +20,7 @@ from cube_sim.spatial import State, Vector, rotation_from_quaternion
 
 
 def prepared(loaded: Loaded) -> Mission:
-    """A mission built, while another process compiles what takes longest where there is no machine code yet.
+    """A mission built; where there is no machine code yet, by what other processes compile first.
 
     Raises:
         ScenarioError: the model does not fit the scenario; with position.
@@ -29,6 +29,7 @@ def prepared(loaded: Loaded) -> Mission:
     require_its_own_threads()
     with flying():
         compile_beside()
+        wait_for_loop()
         return prepare(loaded)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from cube_sim.native.compiled import address_of
 from cube_sim.native.function import CompiledFunction
+from cube_sim.native.intrinsics import Intrinsic
 
 Examples = Callable[[], tuple[Any, ...]]
 _known: dict[str, Callee] = {}
@@ -21,7 +22,7 @@ _known: dict[str, Callee] = {}
 
 
 class Callee:
-    """What `cube_sim.native.compiled.call_at` is told of the function at an address.
+    """What `call_at` is told of the function at an address.
 
     Args:
         function: the compiled function, or one of several that are called from the same place.
@@ -83,6 +84,28 @@ class Callee:
         return from_dtype(np.dtype(self._answers))
 
 
-def of_type(kind: Any) -> Callee:
-    """The callee that has a type of numba's."""
-    return _known[kind.name]
+@Intrinsic
+def call_at(typingctx: Any, callee: Any, address: Any, arguments: Any) -> Any:
+    """What a compiled function answers, without its code in the caller's: large functions need not be compiled twice.
+
+    Args:
+        typingctx: numba's, not given by the caller.
+        callee: `Callee` of the function, which need not be compiled by whoever calls it.
+        address: of its code.
+        arguments: a tuple, of the very types that it is compiled for: others are an error of the compiler's.
+    """
+    from numba.core import cgutils, types
+
+    kinds = tuple(types.unliteral(kind) for kind in arguments)
+    result = _known[callee.name].answer_to(kinds)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        convention = context.call_conv
+        pointer = builder.inttoptr(args[1], convention.get_function_type(result, kinds).as_pointer())
+        given = cgutils.unpack_tuple(builder, args[2])
+        status, answer = convention.call_function(builder, pointer, result, kinds, given)
+        with cgutils.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
+        return answer
+
+    return result(callee, types.int64, arguments), codegen

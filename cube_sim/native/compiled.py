@@ -78,35 +78,6 @@ def bits(typingctx: Any, number: Any) -> Any:
 
 
 @Intrinsic
-def call_at(typingctx: Any, callee: Any, address: Any, arguments: Any) -> Any:
-    """What a compiled function answers, without its code in the caller's: large functions need not be compiled twice.
-
-    Args:
-        typingctx: numba's, not given by the caller.
-        callee: `cube_sim.native.callee.Callee` of the function, which need not be compiled by whoever calls it.
-        address: of its code.
-        arguments: a tuple, of the very types that it is compiled for: others are an error of the compiler's.
-    """
-    from numba.core import cgutils, types
-
-    from cube_sim.native.callee import of_type
-
-    kinds = tuple(types.unliteral(kind) for kind in arguments)
-    result = of_type(callee).answer_to(kinds)
-
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        convention = context.call_conv
-        pointer = builder.inttoptr(args[1], convention.get_function_type(result, kinds).as_pointer())
-        given = cgutils.unpack_tuple(builder, args[2])
-        status, answer = convention.call_function(builder, pointer, result, kinds, given)
-        with cgutils.if_unlikely(builder, status.is_error):
-            convention.return_status_propagate(builder, status)
-        return answer
-
-    return result(callee, types.int64, arguments), codegen
-
-
-@Intrinsic
 def call_in_c(typingctx: Any, address: Any, given: Any, answer: Any) -> Any:
     """What a function int64 f(const double *, double *) of C's answers; it may be Python behind ctypes.
 

@@ -75,7 +75,7 @@ def load(name: str, kinds: str, stamp: str) -> Door | None:
         kinds: of its arguments.
         stamp: what its code is made from.
     """
-    if not _usual():
+    if not usual():
         return None
     for folder in object_cache.cache_folders():
         content = object_cache.read(folder / _file_name(name, kinds))
@@ -89,14 +89,14 @@ def on_disk(name: str, stamp: str) -> bool:
     """Whether there is code of a function, made from what stands there now, for whatever arguments."""
     pattern, told = f"{_beginning(name)}-*.door", _whole(stamp)
     files = (file for folder in object_cache.cache_folders() for file in folder.glob(pattern))
-    return _usual() and any(
+    return usual() and any(
         (content := object_cache.read(file)) is not None and _unpacked(content, told) is not None for file in files
     )
 
 
 def keep(name: str, kinds: str, stamp: str, code: MachineCode) -> None:
     """Leave code for other processes, where it can be told to them."""
-    if not _usual():
+    if not usual():
         return
     try:
         content = pickle.dumps((_whole(stamp), code.__dict__))
@@ -168,7 +168,7 @@ def _made_by() -> str:
     return repr((versions, object_cache.processor(), here))
 
 
-def _usual() -> bool:
+def usual() -> bool:
     """Whether numba is set up as it comes: somebody who looks into what it does wants it to do it."""
     told = any(name.startswith("NUMBA_") and name not in _SAYS_NOTHING for name in os.environ)
     return not told and not Path(".numba_config.yaml").exists()

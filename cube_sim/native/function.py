@@ -89,8 +89,8 @@ class CompiledFunction:
     @property
     def on_disk(self) -> bool:
         """Whether machine code is kept on disk, made from what stands there now."""
-        if self._lasts and doors.on_disk(self._name, self.whole_stamp):
-            return True
+        if self._lasts and doors.usual():  # to ask numba would load it
+            return doors.on_disk(self._name, self.whole_stamp)
         file = getattr(getattr(self.dispatcher, "_cache", None), "_cache_file", None)
         return file is not None and bool(file._load_index())
 

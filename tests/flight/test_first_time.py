@@ -1,7 +1,8 @@
-"""Who flies where there is no machine code yet has another process make half of it."""
+"""Who flies where there is no machine code yet has other processes make it."""
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -12,16 +13,18 @@ from support.places import HELIX
 import cube_sim
 from cube_sim.flight import Flight
 from cube_sim.flight.compiled import first_time
+from cube_sim.native.callee import Callee
 from cube_sim.native.compiled import address_of, compiled
 
+JOBS = first_time.LOOP, first_time.SEARCH, first_time.ATTITUDE, first_time.LAW, first_time.CONFIRMATION
 SHORT = {"duration_s": 0.1, "checks": [{"kind": "allowed_forces"}]}
 
 
 @pytest.fixture
 def asked(monkeypatch):
-    """What another process is asked for, on a machine that has compiled nothing."""
+    """What other processes are asked for, on a machine that has compiled nothing."""
     given = []
-    monkeypatch.setattr(first_time, "on_disk", lambda function: False)
+    monkeypatch.setattr(Callee, "on_disk", False)
     monkeypatch.setattr(first_time.apart, "begin", lambda *functions: given.append(functions))
     first_time.compile_beside.cache_clear()
     yield given
@@ -40,14 +43,14 @@ def asked(monkeypatch):
 @pytest.mark.flight
 def test_whoever_flies_first_is_helped_once(fly, asked, tmp_path):
     fly(tmp_path / "run")
-    assert asked == [(first_time.SEARCH, first_time.LAW)]
+    assert asked == [JOBS]
 
 
 @pytest.mark.flight
-def test_what_the_other_process_is_asked_for_is_there():
-    """It says nothing whatever happens: here it would."""
-    parts = [function.split(":") for function in (first_time.SEARCH, first_time.LAW)]
-    program = "\n".join(f"from {module} import {name}; assert {name}() != 0" for module, name in parts)
+def test_what_the_other_processes_are_asked_for_is_there():
+    """They say nothing whatever happens: here they would."""
+    parts = [function.split(":") for function in JOBS]
+    program = "\n".join(f"from {module} import {name}; {name}()" for module, name in parts)
     subprocess.run([sys.executable, "-c", program], check=True, timeout=300)
 
 
@@ -60,3 +63,22 @@ def test_code_that_answers_something_else_than_its_callers_are_told_is_refused()
     assert address_of(half, 1.0, answers=np.float64) != 0
     with pytest.raises(TypeError, match="half answers float64, not None"):
         address_of(half, 1.0)
+
+
+FIRST = """
+import sys
+from cube_sim import run
+run(sys.argv[1], {"duration_s": 1.0, "checks": [{"kind": "allowed_forces"}]}, sys.argv[2], record="none")
+print("numba" in sys.modules)
+"""
+
+
+@pytest.mark.flight
+@pytest.mark.skipif((os.cpu_count() or 1) < 2 or os.name != "posix", reason="other processes compile on two cores")
+def test_who_flies_first_compiles_nothing(tmp_path, monkeypatch):
+    """The compiler's memory would stay with it for the whole flight."""
+    for name in ("NUMBA_CACHE_DIR", "CUBE_SIM_CACHE_DIR"):
+        monkeypatch.setenv(name, str(tmp_path / "cache"))
+    command = [sys.executable, "-c", FIRST, HELIX, tmp_path / "run"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=900)
+    assert done.stdout == "False\n"

@@ -1,4 +1,4 @@
-"""Compiling in another process: it leaves its code behind, and its failure costs nothing."""
+"""Compiling in other processes: they leave their code behind, and their failure costs nothing."""
 
 from __future__ import annotations
 
@@ -40,18 +40,54 @@ def test_its_code_is_on_disk_when_it_has_come_to_its_end(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("function", ["no_such_module:call", "cube_sim.native.apart:no_such_function"])
-def test_what_cannot_be_called_is_waited_for_and_forgotten(function):
+def test_what_cannot_be_called_is_waited_for_once(function):
     apart.begin(function)
     apart.finish(function)
     apart.finish(function)
-    assert function not in apart._running  # what other tests have begun may still run
+
+
+MANY = """
+import os, pathlib, time
+def call(name, seconds):
+    time.sleep(seconds)
+    pathlib.Path(name).write_text(f"{os.getpid()} {time.monotonic()}")
+def long(): call("long", 1.5)
+def dies(): os._exit(1)
+def first(): call("first", 0.1)
+def last(): call("last", 0.1)
+"""
+SHARE = """
+from cube_sim.native import apart
+functions = {functions}
+apart.begin(*functions)
+for function in functions:
+    apart.finish(function)
+"""
+
+
+def shared(folder, functions) -> None:
+    (folder / "many_apart.py").write_text(MANY)
+    program = SHARE.format(functions=[f"many_apart:{name}" for name in functions])
+    subprocess.run([sys.executable, "-c", program], cwd=folder, check=True, timeout=60)
+
+
+def test_who_is_done_takes_the_next(tmp_path):
+    shared(tmp_path, ("long", "first", "last"))
+    told = {name: (tmp_path / name).read_text().split()[0] for name in ("long", "first", "last")}
+    assert told["first"] == told["last"] != told["long"]
+
+
+def test_one_that_dies_leaves_the_rest_to_the_other(tmp_path):
+    shared(tmp_path, ("dies", "first", "last"))
+    assert (tmp_path / "first").exists()
+    assert (tmp_path / "last").exists()
 
 
 PARENT = """
 import os, sys, time
 from cube_sim.native import apart
 apart.begin("sleeps_apart:call")
-process = apart._running["sleeps_apart:call"]
+(process,) = apart._running["sleeps_apart:call"].processes
 while not os.path.exists("begun"):
     time.sleep(0.01)
 print(process.pid, flush=True)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from cube_sim.native.callee import Callee
-from cube_sim.native.compiled import call_at, compiled
+from cube_sim.native.callee import Callee, call_at
+from cube_sim.native.compiled import compiled
 
 
 @compiled

@@ -17,8 +17,7 @@ LAW = """
 from typing import NamedTuple
 import numpy as np
 from cube_sim.native.compiled import address_of, compiled, cut
-from cube_sim.native.callee import Callee
-from cube_sim.native.compiled import call_at
+from cube_sim.native.callee import Callee, call_at
 from callee import scaled
 
 SCALING = Callee(scaled, lambda: (1.0,), answers=np.float64)

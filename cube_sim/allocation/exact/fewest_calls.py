@@ -41,8 +41,8 @@ from cube_sim.allocation.exact.solve import answer_of, answer_size
 from cube_sim.allocation.exact.stages import EXACT, UNPROVEN
 from cube_sim.allocation.exact.step import HISTORY, REACH, step_limits
 from cube_sim.allocation.flown import SearchCodes
-from cube_sim.native.callee import Callee
-from cube_sim.native.compiled import borrowed, call_at, compiled, cut
+from cube_sim.native.callee import Callee, call_at
+from cube_sim.native.compiled import borrowed, compiled, cut
 from cube_sim.tuples import put, put_matrix
 
 Solved = tuple[float, float, int]

@@ -10,7 +10,7 @@ from cube_sim.allocation.exact.problem import AllocationProblem
 from cube_sim.allocation.exact.solve import answer_of
 from cube_sim.allocation.exact.stages import EXACT, INVALID_WRENCH, UNPROVEN
 from cube_sim.allocation.subset_qp.solver import SubsetSolver
-from cube_sim.native.compiled import borrowed, compiled
+from cube_sim.native.compiled import borrowed, compiled, prepare
 
 
 class Confirmer:
@@ -103,3 +103,14 @@ def within(x: NDArray[np.float64], y: NDArray[np.float64], limit: float) -> bool
     for i in range(x.shape[0]):
         agree = agree and abs(x[i] - y[i]) <= limit
     return agree
+
+
+CONFIRMATION = f"{__name__}:make_confirmation"
+"""What compiles all that is compiled here, for `cube_sim.native.apart`."""
+
+
+def make_confirmation() -> None:
+    """Have the code of a confirmation."""
+    numbers = np.zeros(1)
+    prepare(subset_problem, numbers, numbers, numbers, np.zeros((1, 1)), numbers)
+    prepare(within, numbers, numbers, 1.0)

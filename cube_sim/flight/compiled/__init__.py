@@ -1,7 +1,7 @@
 """Many ticks of a flight in one compiled call, over the same stages as the loop in Python."""
 
 from cube_sim.flight.compiled.binding import begin_ticks, engine_of
-from cube_sim.flight.compiled.first_time import compile_beside
+from cube_sim.flight.compiled.first_time import compile_beside, wait_for_loop
 from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, FAILED, JUDGED
 from cube_sim.flight.compiled.stretch import FlownTicks, Stretch
 
@@ -15,4 +15,5 @@ __all__ = [
     "begin_ticks",
     "compile_beside",
     "engine_of",
+    "wait_for_loop",
 ]

@@ -7,7 +7,7 @@ from functools import cache
 import mujoco
 import numpy as np
 
-from cube_sim.allocation.flown import SearchCodes
+from cube_sim.allocation.flown import FlownAllocator, SearchCodes
 from cube_sim.control.diagnosis import Diagnosis
 from cube_sim.flight.compiled.callees import ESTIMATING, nothing_sensed
 from cube_sim.flight.compiled.loop import fly
@@ -50,6 +50,31 @@ def begin_ticks(
     Returns:
         None where a part of it is of a kind that only Python flies.
     """
+    found = _arguments(mission, engine, tick, count, applied, boxes, moving)
+    if found is None:
+        return None
+    given, by, allocator = found
+    navigating = estimating_address() if given.sensing.navigated else 0
+    codes = *by.addresses, allocator.codes(), navigating
+    return Stretch(mission, allocator, by.target, given._replace(codes=codes))
+
+
+def compile_loop(mission: Mission, boxes: Boxes) -> None:
+    """Have the code of the loop alone, not of what it calls by its address.
+
+    Args:
+        mission: at its beginning, which compiled code can fly.
+        boxes: of its hull.
+    """
+    found = _arguments(mission, engine_of(mission), 0, 1, np.zeros(6), boxes, True)
+    if found is not None:
+        prepare(fly, *found[0])
+
+
+def _arguments(
+    mission: Mission, engine: Engine, tick: int, count: int, applied: Vector, boxes: Boxes, moving: bool
+) -> tuple[FlyArguments, Steering, FlownAllocator] | None:
+    """Arguments of `fly` but for the addresses, and who knows these; None where only Python flies a part of it."""
     supply = mission.supply
     if supply.force_ratio == 0.0 or mission.drop_weight.dropped:
         return None
@@ -93,10 +118,7 @@ def begin_ticks(
         rows_for(mission.channels, count),
         notes,
     )
-    if not fly.forms:
-        prepare(fly, *given)  # another process may still compile what lies at the addresses
-    codes = *by.addresses, allocator.codes(), estimating_address() if sensing.navigated else 0
-    return Stretch(mission, allocator, by.target, given._replace(codes=codes))
+    return given, by, allocator
 
 
 @cache

@@ -1,21 +1,49 @@
-"""The first flight on a machine, or after an update: everything has to be compiled."""
+"""The first flight on a machine, or after an update: everything has to be compiled.
+
+Whoever flies compiles as little of it as can be: the compiler needs more memory than a flight, and keeps it.
+"""
 
 from __future__ import annotations
 
 from functools import cache
 
-from cube_sim.allocation.exact.code import SEARCH
-from cube_sim.allocation.exact.solve import solve_each
+from cube_sim.allocation.exact.code import SEARCH, SEARCHING
+from cube_sim.allocation.subset_qp.confirmer import CONFIRMATION
+from cube_sim.control.compiled_parts import ATTITUDE
+from cube_sim.flight.compiled.binding import compile_loop
 from cube_sim.flight.compiled.loop import fly
 from cube_sim.flight.compiled.steering import LAW
+from cube_sim.mission import prepare
+from cube_sim.mission.surface_watch import SurfaceWatch
 from cube_sim.native import apart
 from cube_sim.native.compiled import on_disk
+from cube_sim.recording.signal_store import SignalStore
+from cube_sim.scenario import load
+from cube_sim.shipped import shipped_root
+
+LOOP = f"{__name__}:make_loop"
+"""What compiles the loop and the water, for `cube_sim.native.apart`."""
 
 
 @cache
 def compile_beside() -> bool:
-    """Whether there is no machine code yet; a second process then begins to make its half of it."""
-    if not on_disk(solve_each):
-        apart.begin(SEARCH, LAW)
+    """Whether there is no machine code yet; other processes then begin to make it."""
+    if not SEARCHING.on_disk:
+        apart.begin(LOOP, SEARCH, ATTITUDE, LAW, CONFIRMATION)
         return True
     return not on_disk(fly)
+
+
+def wait_for_loop() -> None:
+    """Until another process has made what a mission begins with, if one does; the rest may take longer."""
+    apart.finish(LOOP)
+
+
+def make_loop() -> None:
+    """Compile the loop, and on the way to it the water and what else a mission is prepared with."""
+    from cube_sim.flight.start import described  # it has a mission prepared by whoever is waiting for this
+
+    mission = prepare(load(shipped_root() / "scenarios" / "cube_helix.yaml"))
+    store = SignalStore(mission.channels)
+    described(mission, store)
+    compile_loop(mission, SurfaceWatch(store, mission.model, mission.vehicle).boxes)

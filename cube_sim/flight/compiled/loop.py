@@ -22,7 +22,8 @@ from cube_sim.guidance.target_record import advanced, see_from_target
 from cube_sim.guidance.view_record import VIEW
 from cube_sim.mission.divergence import DIVERGED, all_below
 from cube_sim.mission.surface_watch import EMERGED_M, top_of
-from cube_sim.native.compiled import call_at, compiled, unlocked
+from cube_sim.native.callee import call_at
+from cube_sim.native.compiled import compiled, unlocked
 from cube_sim.native.published import publish, published
 from cube_sim.navigation.motion import felt
 from cube_sim.tuples import angle_of_turn, put, turned_to_world
