@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,6 +78,24 @@ class Shortfall:
             self._force = rows.thrusters[k, 1 : 1 + m].copy()
             self._share = believed_efficiency(rows, k) * force_ratio
 
+    def go_on(self, times: Sequence[float], rows: TickRows, start: int, end: int, force_ratio: Vector) -> None:
+        """Take in and watch many ticks at once, whose demands were not made, with what is believed in the stretch.
+
+        Args:
+            times: of all rows [s].
+            rows: of the flight.
+            start: the first of them.
+            end: behind the last.
+            force_ratio: of `take`, of all rows.
+        """
+        residuals = rows.allocation[start:end, 1]
+        worse = np.where(residuals > self._residual, residuals, -np.inf)
+        k = start + int(np.argmax(worse))
+        if worse[k - start] > self._residual:
+            self.take(times[k], rows, k, Status(int(rows.allocation[k, 3])), float(force_ratio[k]))
+        self.until_s = times[end - 1]
+        self.watch(float(np.fmax.reduce(distance_from_target(rows, slice(start, end)))))
+
     def watch(self, distance_m: float) -> None:
         """Take in how far from its target the vehicle is, at any tick of the stretch and a little after [m]."""
         self.off_m = max(self.off_m, distance_m - self._distance)
@@ -118,6 +136,12 @@ class Shortfall:
         if np.any(thrust.limits[:, 1] < thrust.limits[:, 2]):
             return "less than the thrusters' dead zones leave"
         return ""
+
+
+def distance_from_target(rows: TickRows, at: int | slice) -> Any:
+    """How far the vehicle is from its target at a tick of the flight, or at many [m]."""
+    along, cross = rows.path_error[at, 1], rows.path_error[at, 4]
+    return np.sqrt(along * along + cross * cross)
 
 
 def believed_efficiency(rows: TickRows, k: int) -> Vector:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,7 +18,7 @@ from cube_sim.mission.navigation import estimated
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.surface_watch import SurfaceWatch
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.spatial import State
+from cube_sim.spatial import State, Vector
 from cube_sim.wrench.axes import SPATIAL
 from cube_sim.wrench.matrix import lever_arm
 
@@ -77,6 +78,23 @@ class Watches:
         self.unattainable.note(t, rows, k, force_ratio)
         self.pace.note(t, pace)
 
+    def note_all(self, times: Sequence[float], rows: TickRows, force_ratio: Vector, pace: Vector) -> None:
+        """Take in ticks one after the other, many of a kind at once.
+
+        Args:
+            times: theirs (n,) [s].
+            rows: of the flight, n.
+            force_ratio: (n,) of `note`.
+            pace: (n,) likewise.
+        """
+        k, ends = 0, self.unattainable.ends_of_runs(rows)
+        while k < len(times):
+            self.note(times[k], rows, k, float(force_ratio[k]), float(pace[k]))
+            k, end = k + 1, int(ends[k])
+            if end > k and self.pace.quiet(pace[k:end]) and self.unattainable.go_on(times, rows, k, end, force_ratio):
+                self.pace.note(times[end - 1], float(pace[end - 1]))
+                k = end
+
     def finish(self, t: float) -> None:
         """Say at the end of the flight, at t [s], what there is to say of the whole."""
         self.unattainable.finish(t)
@@ -100,7 +118,9 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
     times = [k * period for k in range(first, first + flown.ticks + (flown.reached == ESTIMATED))]
     rows, paces, last = flown.rows, flown.pace, flown.ticks - 1
     quiet = watches.unattainable.quiet(rows) and watches.pace.quiet(paces)
-    for k in range(len(times)) if estimation is not None or not quiet else (last,) * bool(flown.ticks):
+    if estimation is None and not quiet:
+        watches.note_all(times[: flown.ticks], rows, flown.force_ratio, paces)
+    for k in range(len(times)) if estimation is not None else (last,) * (quiet and flown.ticks > 0):
         if estimation is not None:
             estimation.note(sensing.arrived[k, : sensing.counts[k]], store, times[k])
         if k == last or (k < last and not quiet):

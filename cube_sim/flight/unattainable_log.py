@@ -6,14 +6,16 @@ what the fault left out of reach.
 
 from __future__ import annotations
 
-from math import sqrt
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cube_sim.allocation import Status
 from cube_sim.flight.rows import TickRows
-from cube_sim.flight.shortfall import Shortfall, Thrust, believed_efficiency
+from cube_sim.flight.shortfall import Shortfall, Thrust, believed_efficiency, distance_from_target
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.spatial import Vector
 
 PATIENCE_S = 1.0
 """A stretch is told that has lasted this long; it is over when demands have been made for as long: one at the edge of
@@ -69,8 +71,7 @@ class UnattainableLog:
             self._invalid_s = None
         if status is Status.EXACT and self._stretch is None:
             return
-        along, cross = float(rows.path_error[k, 1]), float(rows.path_error[k, 4])
-        distance = sqrt(along * along + cross * cross)
+        distance = float(distance_from_target(rows, k))
         believed = believed_efficiency(rows, k)
         if self._stretch is not None and not np.array_equal(believed, self._stretch.believed):
             # What other thrusters missed, for reasons of their own, is another stretch.
@@ -83,6 +84,34 @@ class UnattainableLog:
             stretch.take(t, rows, k, status, force_ratio)
         elif t - stretch.until_s >= PATIENCE_S:
             self._tell(t, stretch)
+
+    def ends_of_runs(self, rows: TickRows) -> NDArray[np.int_]:
+        """Behind which tick the ticks end that only go on with what the one before was, in a stretch, of each (n,)."""
+        status = rows.allocation[:, 3]
+        missed = (status != Status.EXACT) & (status != Status.INVALID_WRENCH)
+        m = (rows.health.shape[1] - 2) // 2
+        believed = rows.health[:, 1 + m : 1 + 2 * m]
+        goes_on = missed[1:] & missed[:-1] & (believed[1:] == believed[:-1]).all(axis=1)
+        breaks = np.append(np.flatnonzero(~goes_on) + 1, len(status))
+        return breaks[np.searchsorted(breaks, np.arange(len(status)), side="right")]
+
+    def go_on(self, times: Sequence[float], rows: TickRows, start: int, end: int, force_ratio: Vector) -> bool:
+        """Take in many ticks at once, which are of one run with the one before.
+
+        Args:
+            times: of all rows [s].
+            rows: of the flight.
+            start: the first of them.
+            end: behind the last.
+            force_ratio: of `note`, of all rows.
+
+        Returns:
+            Whether they are taken in; else each has to be noted.
+        """
+        if end <= start or self._stretch is None or self._invalid_s is not None:
+            return False
+        self._stretch.go_on(times, rows, start, end, force_ratio)
+        return True
 
     def finish(self, t: float) -> None:
         """Tell at the end of the flight, at t [s], of a stretch that is not over."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from cube_sim.allocation import Status
 from cube_sim.flight.rows import rows_for
 from cube_sim.flight.shortfall import Thrust, listed
+from cube_sim.flight.taken_over import Watches
 from cube_sim.flight.unattainable_log import UnattainableLog
+from cube_sim.mission.pace_log import PaceLog
 from cube_sim.recording.channels import channel_table
 from cube_sim.recording.signal_store import SignalStore
 
@@ -41,6 +45,40 @@ def told(rows) -> list[tuple[float, str, str]]:
         log.note(k * DT, rows, k, 1.0)
     log.finish(len(rows.allocation) * DT)
     return [(line.t, line.level, line.text) for line in store.lines]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_many_ticks_at_once_say_what_they_say_one_by_one(seed):
+    """Runs of statuses, beliefs and paces of all lengths, taken in by stretches of rows of all lengths."""
+    rng = np.random.default_rng(seed)
+    kinds = Status.EXACT, Status.CLOSEST, Status.UNPROVEN_CLOSEST, Status.INVALID_WRENCH
+    n, typical = 1500, [3, 40, 400][seed % 3]
+    rows, k = flown(n), 0
+    pace = np.ones(n)
+    while k < n:
+        end = min(n, k + 1 + int(rng.exponential(typical)))
+        status = rng.choice(kinds, p=[0.2, 0.5, 0.2, 0.1])
+        for i in range(k, end):
+            missed(rows, [i], rng.normal(size=6), rng.normal(size=2), status)
+        rows.health[k:end, 3] = rng.choice([1.0, 0.5])
+        rows.path_error[k:end] = rng.normal(size=rows.path_error[k:end].shape)
+        pace[k:end] = rng.choice([1.0, 0.5])
+        k = end
+    times, ratio = [i * DT for i in range(n)], rng.uniform(0.5, 1.0, n)
+    said = []
+    for at_once in (False, True):
+        store = SignalStore(CHANNELS)
+        watches = Watches(UnattainableLog(store, THRUST), PaceLog(store, 0.3), surface=None)
+        cuts = [0, *sorted(rng.integers(1, n, 5).tolist()), n] if at_once else []
+        for a, b in pairwise(cuts):
+            part = type(rows)(*(table[a:b] for table in rows))
+            watches.note_all(times[a:b], part, ratio[a:b], pace[a:b])
+        for i in () if at_once else range(n):
+            watches.note(times[i], rows, i, ratio[i], pace[i])
+        watches.unattainable.finish(n * DT)
+        said.append([(line.t, line.level, line.text) for line in store.lines])
+    assert said[0] == said[1]
+    assert said[0]
 
 
 def test_nothing_is_said_of_what_is_made_or_of_a_moment():

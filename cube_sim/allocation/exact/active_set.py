@@ -15,7 +15,13 @@ OPTIMAL, INFEASIBLE, CUT, STALLED = 0, 1, 2, 3
 
 
 @compiled
-def project(
+def scratch(k: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Memory for projections in k coordinates: two pieces cost less time than eight."""
+    return np.empty((2 * k + 5, k)), np.empty(k, np.int64)
+
+
+@compiled
+def project_within(
     rows: NDArray[np.float64],
     low: NDArray[np.float64],
     high: NDArray[np.float64],
@@ -24,30 +30,11 @@ def project(
     tolerance: float,
     point: NDArray[np.float64],
     multiplier: NDArray[np.float64],
+    work: NDArray[np.float64],
+    active: NDArray[np.int64],
 ) -> int:
-    """Project ``start`` onto ``{x : low <= rows @ x <= high}`` by a dual active-set method.
-
-    Minimises ``|x - start|^2 / 2``. The method starts at the unconstrained minimum and adds the most violated
-    strip until none is left, so that the distance only grows: it may stop as soon as it exceeds ``cutoff``, and
-    what it returns is the exact projection up to rounding, with its multipliers.
-    Goldfarb & Idnani, Math. Programming 27 (1983), with the unit matrix as Hessian.
-
-    Args:
-        rows: (m, k).
-        low: (m,) lower ends, in the unit of ``rows @ x``.
-        high: (m,) upper ends.
-        start: (k,) the point to project.
-        cutoff: squared distance above which the answer does not matter.
-        tolerance: violation of a strip that counts as none.
-        point: (k,) out: the projection.
-        multiplier: (m,) out: its multipliers, negative at a lower end, positive at an upper end, such that
-            ``point - start + rows.T @ multiplier = 0``.
-
-    Returns:
-        OPTIMAL, INFEASIBLE, CUT or STALLED.
-    """
+    """`project` in memory of `scratch`, which many projections share: asking for it takes as long as a small one."""
     m, k = rows.shape
-    work, active = np.empty((2 * k + 5, k)), np.empty(k, np.int64)  # two pieces of memory cost less time than eight
     Q = work[:k]  # orthonormal basis of the active normals, one per row
     R = work[k : 2 * k]  # R[j, a]: coordinate a of active normal j in Q
     side, u, r, step, coordinate = work[2 * k], work[2 * k + 1], work[2 * k + 2], work[2 * k + 3], work[2 * k + 4]
@@ -138,6 +125,42 @@ def project(
                 return STALLED
             count = _drop(rows, active, side, u, Q, R, dropped, count)
     return STALLED
+
+
+@compiled
+def project(
+    rows: NDArray[np.float64],
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    start: NDArray[np.float64],
+    cutoff: float,
+    tolerance: float,
+    point: NDArray[np.float64],
+    multiplier: NDArray[np.float64],
+) -> int:
+    """Project ``start`` onto ``{x : low <= rows @ x <= high}`` by a dual active-set method.
+
+    Minimises ``|x - start|^2 / 2``. The method starts at the unconstrained minimum and adds the most violated
+    strip until none is left, so that the distance only grows: it may stop as soon as it exceeds ``cutoff``, and
+    what it returns is the exact projection up to rounding, with its multipliers.
+    Goldfarb & Idnani, Math. Programming 27 (1983), with the unit matrix as Hessian.
+
+    Args:
+        rows: (m, k).
+        low: (m,) lower ends, in the unit of ``rows @ x``.
+        high: (m,) upper ends.
+        start: (k,) the point to project.
+        cutoff: squared distance above which the answer does not matter.
+        tolerance: violation of a strip that counts as none.
+        point: (k,) out: the projection.
+        multiplier: (m,) out: its multipliers, negative at a lower end, positive at an upper end, such that
+            ``point - start + rows.T @ multiplier = 0``.
+
+    Returns:
+        OPTIMAL, INFEASIBLE, CUT or STALLED.
+    """
+    work, active = scratch(rows.shape[1])
+    return project_within(rows, low, high, start, cutoff, tolerance, point, multiplier, work, active)
 
 
 @compiled

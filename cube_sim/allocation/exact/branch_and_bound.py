@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.active_set import CUT, INFEASIBLE, STALLED, project
+from cube_sim.allocation.exact.active_set import CUT, INFEASIBLE, STALLED, project_within, scratch
 from cube_sim.allocation.exact.relaxation import branch, choose_side, split
 from cube_sim.allocation.exact.sides import SideCost, SideIntervals
 from cube_sim.allocation.exact.ties import count_changes, preferred, tie_tolerance
@@ -80,6 +80,7 @@ def branch_and_bound(
     bound = np.empty(2 * m + 2)
     bottom, top = np.empty(m), np.empty(m)
     start, point = np.empty(k), np.empty(k)
+    work, active = scratch(k)
     f, mu = np.empty(m), np.empty(m)
     chosen = np.empty(m)
     mask = np.empty(m, np.int64)
@@ -123,7 +124,8 @@ def branch_and_bound(
             unconstrained += weight[i] * value * value
             bottom[i] -= origin[i]
             top[i] -= origin[i]
-        outcome = project(null_space, bottom, top, start, best + slack - unconstrained, 2.0 * tolerance, point, mu)
+        cutoff = best + slack - unconstrained
+        outcome = project_within(null_space, bottom, top, start, cutoff, 2.0 * tolerance, point, mu, work, active)
         solved += 1
         if outcome == INFEASIBLE or outcome == CUT:  # noqa: SIM109 - compiles faster
             continue

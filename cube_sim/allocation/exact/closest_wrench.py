@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.allocation.exact.active_set import INFEASIBLE, STALLED, project
+from cube_sim.allocation.exact.active_set import INFEASIBLE, STALLED, project_within, scratch
 from cube_sim.allocation.exact.branch_and_bound import MOST_NODES
 from cube_sim.allocation.exact.relaxation import branch, split
 from cube_sim.allocation.exact.sides import SideIntervals
@@ -106,6 +106,8 @@ def solve_node(
     start: NDArray[np.float64],
     point: NDArray[np.float64],
     mu: NDArray[np.float64],
+    work: NDArray[np.float64],
+    active: NDArray[np.int64],
     f: NDArray[np.float64],
     made: NDArray[np.float64],
     g: NDArray[np.float64],
@@ -131,6 +133,8 @@ def solve_node(
         start: (r + k,) scratch, as are point (r + k,) and mu (m,).
         point: scratch.
         mu: scratch.
+        work: of `cube_sim.allocation.exact.active_set.scratch`, like the next.
+        active: of it.
         f: (m,) out [N].
         made: (r,) out: ``G @ f``.
         g: (r,) out: ``goal - made``.
@@ -147,7 +151,7 @@ def solve_node(
         for i in range(m):
             for b in range(k):
                 rows[i, r + b] = null_space[i, b] / soft
-        outcome = project(rows, bottom, top, start, math.inf, fine, point, mu)
+        outcome = project_within(rows, bottom, top, start, math.inf, fine, point, mu, work, active)
         solved += 1
         if outcome == STALLED or outcome == INFEASIBLE:  # noqa: SIM109 - compiles faster
             break
@@ -285,6 +289,7 @@ def closest_wrenches(
     stack, lower_bounds, mask = np.empty((2 * m + 2, m), np.int64), np.empty(2 * m + 2), np.empty(m, np.int64)
     bottom, top, mu, f = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     start, point = np.empty(d), np.empty(d)
+    work, active = scratch(d)
     made, g = np.empty(r), np.empty(r)
     forces, images = np.empty((_FIRST_ROWS, m)), np.empty((_FIRST_ROWS, r))
     distances = np.empty(_FIRST_ROWS)
@@ -329,6 +334,8 @@ def closest_wrenches(
             start,
             point,
             mu,
+            work,
+            active,
             f,
             made,
             g,
