@@ -22,6 +22,7 @@ import os
 import signal
 import sys
 import time
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -32,13 +33,15 @@ for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "N
     os.environ.setdefault(threads, "1")
 
 import numpy as np  # noqa: E402
-from flights.beside import Row, Task, flown  # noqa: E402
+from flights.beside import HELD_M, Row, Task, flown  # noqa: E402
 from flights.workers import in_processes  # noqa: E402
 from support.catalogue.drawn import LEAST, MOST  # noqa: E402
 from support.catalogue.vehicles import catalogue  # noqa: E402
 
 PROCESSOR_S = 1800.0
 """Processor time the flights of one vehicle on one path may take."""
+WORSE_M, SHOWN = 0.5, 25
+"""A flight that ends so much farther off than a foil is worse, and how many of these are listed."""
 DRAWN_PATHS = ("line", "point", "arc", "circle", "helix", "sinusoid", "spline")
 
 
@@ -111,19 +114,48 @@ def write(rows: list[Row], folder: Path) -> None:
 
 
 def print_summary(rows: list[Row]) -> None:
-    """What was held, by state, beside the foils."""
-    print(
-        f"\n{'':8s}{'flights':>8s}{'held':>6s}{'by PID':>8s}{'off':>6s}{'largest error [m]: median':>28s}{'worst':>8s}"
-    )
-    for state in ("dead", "stuck"):
-        some = [row for row in rows if row["state"] == state]
+    """What was held, as was said beforehand and beside the foils, and whether any bound was broken."""
+    head = f"{'held':>10s}{'said yes':>10s}{'held':>6s}{'said no':>9s}{'held':>6s}{'PID held':>10s}{'off':>5s}"
+    print(f"\n{'':18s}{'flights':>8s}{head}{'error [m]: median':>19s}{'PID':>7s}{'bounds':>8s}{'broken':>8s}")
+    for path, state in product(("path", "point"), ("dead", "half", "limit", "drawn")):
+        some = [row for row in rows if (row["path"] == "point") == (path == "point") and kind(row) == state]
         if not some:
             continue
-        held, pid, off = (
-            sum(row.get(f"{name}_end_m", np.inf) <= 0.5 for row in some) for name in ("law", "pid", "off")
-        )
-        worst = [row["law_worst_m"] for row in some]
-        print(f"{state:8s}{len(some):8d}{held:6d}{pid:8d}{off:6d}{np.median(worst):28.2f}{max(worst):8.1f}")
+        yes, no = [r for r in some if r["follows"]], [r for r in some if not r["follows"]]
+        counts = [len(some), held(some), len(yes), held(yes), len(no), held(no), held(some, "pid"), held(some, "off")]
+        worst = [float(np.median([row.get(f"{name}_worst_m", np.nan) for row in some])) for name in ("law", "pid")]
+        bound = [row for row in some if not row["no_bound"]]
+        broken = sum(not row["within"] for row in bound)
+        widths = zip(counts, (8, 10, 10, 6, 9, 6, 10, 5), strict=True)
+        figures = "".join(f"{count:{width}d}" for count, width in widths)
+        print(f"{path + ', ' + state:18s}{figures}{worst[0]:19.3f}{worst[1]:7.2f}{len(bound):8d}{broken:8d}")
+    for row in rows:
+        if not row["within"]:
+            print(f"BROKEN: {said(row)}, at most {row['bound_m']:.3f} m")
+    for name in ("pid", "off"):
+        worse = [row for row in rows if row.get(f"{name}_end_m", np.inf) + WORSE_M < row["law_end_m"]]
+        print(f"\n{len(worse)} end farther off than {'a PID' if name == 'pid' else 'with all thrusters off'}")
+        for row in sorted(worse, key=lambda r: r[f"{name}_end_m"] - r["law_end_m"])[:SHOWN]:
+            print(f"  {said(row)}; the other {row[f'{name}_end_m']:.2f} m; {row['said'][0] if row['said'] else ''}")
+
+
+def kind(row: Row) -> str:
+    """Of a fault: dead, stuck at half of a limit or at a limit, or drawn."""
+    return "drawn" if row["seed"] is not None else row["kind"]
+
+
+def held(rows: list[Row], name: str = "law") -> int:
+    """How many are held."""
+    return sum(row.get(f"{name}_end_m", np.inf) <= HELD_M for row in rows)
+
+
+def said(row: Row) -> str:
+    """A flight in words."""
+    force = "dead" if row["force_N"] is None else f"at {row['force_N']:.1f} N"
+    where = "point" if row["path"] == "point" else row["path"]
+    return (
+        f"{row['vehicle']} {where} {row['thruster']} {force}: {row['law_worst_m']:.2f} m, ends {row['law_end_m']:.2f} m"
+    )
 
 
 def _words(rows: list[Row]) -> str:

@@ -36,11 +36,11 @@ WOUND_M_S = 1.0
 
 
 class Fault(NamedTuple):
-    """What becomes of a thruster: stuck at a force [N], or dead where that is None."""
+    """What becomes of a thruster: dead, or stuck at a force [N], half of a limit, a limit or one that is drawn."""
 
     thruster: int
-    state: str
-    force_N: float | None  # noqa: N815 - N is the newton
+    kind: str
+    force_N: float | None = None  # noqa: N815 - N is the newton
 
 
 @dataclass(frozen=True)
@@ -76,19 +76,27 @@ def flown(task: Task, out: Path, foils: bool) -> list[Row]:
     law = _Law(flight, settled)
     flights: dict[str, Any] = {"law": law}
     if foils:
-        flights |= {"pid": _Pid(scenario, settled), "off": _Off(law)}
-    rows = []
-    for fault in _faults(task, able):
+        flights |= {"pid": _Pid(scenario, settled)}
+    if foils and task.path == "point":
+        flights |= {"off": _Off(law)}
+    rows, faults = [], _faults(task, able)
+    for fault, case in zip(faults, _foreseen(law, faults, lost, speed), strict=True):
+        expected = case.transient_at_rest if task.path == "point" else case.transient
         row: Row = {
             "vehicle": task.vehicle,
             "path": task.path,
             "seed": task.seed,
             "thruster": able.names[fault.thruster],
-            "state": fault.state,
             "force_N": fault.force_N,
+            "kind": fault.kind,
             "speed_m_s": speed,
             "current_m_s": scenario["current_m_s"],
             "start_m": law.start_m,
+            "follows": case.follows,
+            "why_not": case.reason,
+            "bound_m": expected.bound_m,
+            "no_bound": expected.reason,
+            "rest_m_s": min(case.rest_m_s, case.alone_m_s),
         }
         for name, each in flights.items():
             error, found = each.beside(fault)
@@ -101,8 +109,19 @@ def flown(task: Task, out: Path, foils: bool) -> list[Row]:
             if found is not None:
                 row |= found
         row["held"] = bool(row["law_end_m"] <= HELD_M)
+        row["within"] = bool(row["law_worst_m"] <= expected.bound_m + law.start_m)
         rows.append(row)
     return rows
+
+
+def _foreseen(law: _Law, faults: list[Fault], lost: tuple[str, ...], speed: float):
+    """What ``cube-sim analyze --stuck`` says of each fault beforehand."""
+    from cube_sim.commands.stuck_report import Fault as Asked
+    from cube_sim.commands.stuck_report import fault_cases
+
+    vehicle = law.mission.vehicle
+    names = vehicle.thrusters.names
+    return fault_cases(vehicle, speed, faults=[Asked(names[f.thruster], f.force_N) for f in faults], lost=lost)
 
 
 def _made(vehicle: str) -> tuple[tuple[str, ...], bool, str]:
@@ -120,12 +139,13 @@ def _faults(task: Task, able) -> list[Fault]:
     faults = []
     for i, (low, _, _, high) in enumerate(able.limits):
         if rng is None:
-            faults += [Fault(i, "dead", None)]
-            faults += [Fault(i, "stuck", float(s * x)) for s in (0.5, 1.0) for x in (low, high) if x != 0.0]
+            faults.append(Fault(i, "dead"))
+            for kind, share in (("half", 0.5), ("limit", 1.0)):
+                faults += [Fault(i, kind, float(share * x)) for x in (low, high) if x != 0.0]
         elif rng.random() < 0.2:
-            faults.append(Fault(i, "dead", None))
+            faults.append(Fault(i, "dead"))
         else:
-            faults.append(Fault(i, "stuck", float(rng.uniform(low, high))))
+            faults.append(Fault(i, "drawn", float(rng.uniform(low, high))))
     return faults
 
 
@@ -146,6 +166,8 @@ def _scenario(task: Task, able, model: Path, planar: bool) -> tuple[dict[str, An
     elif task.path == "line":
         path = {"type": "line", "start_m": [*centre], "end_m": [float(centre[0] + 2.0 * speed * 90.0), *centre[1:]]}
     moving = 0.0 if task.path == "point" else speed
+    infante = task.vehicle.startswith("infante")
+    more = {"approach_angle_deg": 45.0, "stop_at_end": False} if infante else {}
     return {
         "schema_version": 1,
         "name": f"stuck_{task.path}",
@@ -158,7 +180,7 @@ def _scenario(task: Task, able, model: Path, planar: bool) -> tuple[dict[str, An
             "velocity_m_s": [moving, 0.0, 0.0],
         },
         "current_m_s": [float(x) for x in current],
-        "guidance": {"speed_m_s": speed},
+        "guidance": {"speed_m_s": speed} | more,
         "allocation": {"method": "search"},
         "checks": [{"kind": "allowed_forces"}],
     }, speed

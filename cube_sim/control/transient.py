@@ -40,6 +40,8 @@ PACES = (1.0, 0.75, 0.5, LEAST_PACE)
 """Shares of the speed along the path that are looked at."""
 FARTHEST_RAD = 1.2
 """A hull thrown farther about than this has left what is reckoned here."""
+STILL_RAD = 0.1
+"""A hull that swings farther about an axis left to the water is carried about by its own lift (a choice)."""
 ROUNDING = 1e-9
 ASIDE = 0.3
 """So much of what the loops ask for has to be there in every other direction, too: what they ask for turns as it goes
@@ -176,7 +178,10 @@ def transient(
     ):
         return _turned_away(left, hull, facets, attitude, slow, force_ratio)
     spun = float(np.linalg.norm(thrown.turned) + np.linalg.norm(thrown.rates) * (loops.delay + loops.rate))
-    spun += _swing(left, hull, attitude, velocity_W - current_W)
+    swing = _swing(left, hull, attitude, velocity_W - current_W)
+    if swing > STILL_RAD:
+        return Transient(inf, f"it swings by up to {np.degrees(swing):.0f} deg about an axis that is left to the water")
+    spun += swing
     if not spun < FARTHEST_RAD:
         return Transient(inf, f"it may turn by more than {np.degrees(FARTHEST_RAD):.0f} deg before it is stopped")
     room = _Room(left, hull, force_ratio)
