@@ -108,7 +108,7 @@ def statistics_of(signals: Signals) -> dict[str, float]:
     """A flight in numbers, from its recorded signals; NaN where nothing was recorded.
 
     Returns:
-        "cross_track_rms_m", "cross_track_max_m": distance from the path;
+        "cross_track_rms_m", "cross_track_max_m": distance across the path; at a point, the one along comes on top;
         "attitude_error_rms_rad", "attitude_error_max_rad": between desired and actual attitude;
         "speed_mean_m_s": over ground;
         "travelled_m": arc length that the target has run;

@@ -19,7 +19,8 @@ from cube_sim.control.course_trim import CourseTrims
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
-from cube_sim.control.holding import Holding, Stuck
+from cube_sim.control.holding import LOOKED_AHEAD_S, Holding, Stuck
+from cube_sim.control.left_alone import carried_m
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
@@ -28,7 +29,16 @@ from cube_sim.control.priority import force_with_torque, yield_attitude
 from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.resting import Rest, nearest_rest
 from cube_sim.control.roomiest_attitude import has_enough
-from cube_sim.control.safe_mode import CLOSE_M, POINTING_M, LossOfTargetMonitor, SafeMode, SafeModeGoal
+from cube_sim.control.safe_mode import (
+    CLOSE_M,
+    CLOSE_S,
+    LET_GO_M,
+    LET_GO_S,
+    POINTING_M,
+    LossOfTargetMonitor,
+    SafeMode,
+    SafeModeGoal,
+)
 from cube_sim.control.shortage import SHORTAGE, watch_shortage
 from cube_sim.control.thrown import LoopSpeeds
 from cube_sim.guidance.approach import Approach
@@ -37,6 +47,8 @@ from cube_sim.guidance.view_record import record_of, see_level, view_of
 from cube_sim.spatial import Matrix, Record, State, Vector, rotation_from_quaternion
 from cube_sim.tuples import turned_to_world
 
+POINTING = (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
+"""Ways of flying in which the attitude has to point the thrust."""
 SLOWER = 3.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
 SLOWER_ACROSS = 2.0
@@ -118,15 +130,14 @@ class PathFollower:
             self.shortage["pressed"] |= not has_enough(*self.kept(1.0), wished)
         wish = rotation_from_quaternion(self.desired)
         self.overpowered = bool(left.held.any()) and not self._rest(wish, 1.0).held
-        close = POINTING_M if left.steers_by_attitude else CLOSE_M
-        self.monitor.look_closely(close if self.overpowered else None)
+        self.monitor.look_closely(*self._patience(left, wish))
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self.monitor.restart()
             self._goal = None
         elif self._goal is not None:
             self._goal.set_reason(left.reason)
-        if left.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE):
+        if left.authority in POINTING:
             # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
             pointing = self._pointing_time(left)
             slower = max(self.loops.velocity_time, SLOWER * pointing)
@@ -302,7 +313,7 @@ class PathFollower:
             before.watch(off, dt)
             if not before.over:
                 return
-        points, rest = self.capability.steers_by_attitude, self._rest(state.rotation, force_ratio)
+        points, rest = self.capability.authority in POINTING, self._rest(state.rotation, force_ratio)
         stuck = Stuck.of(budget, self.loops.dynamics, rest, state, self.current, points)
         self._holding = Holding.first(stuck, off) if before is None else before.next(stuck, off)
         if before is not None or self._holding.attitude is not None:
@@ -359,6 +370,21 @@ class PathFollower:
     def _held_in(self) -> AttitudeMode | None:
         """The attitude in which a place is held beside what is stuck; None for no other than usual."""
         return None if self._holding is None else self._holding.attitude
+
+    def _patience(self, left: Capability, wish: Matrix) -> tuple[float | None, float]:
+        """How far it may come off its path [m], None for no closer look, and for how long [s], before it gives that up.
+
+        A hull at a place, with its thrusters off no farther from it than that, is let go before they carry it farther.
+        """
+        if not self.overpowered:
+            return None, CLOSE_S
+        if left.authority in POINTING:
+            return POINTING_M, CLOSE_S
+        still = self.target.view(np.zeros(3), np.zeros(3)).remaining <= 0.0
+        hull = self.loops.dynamics.record
+        if still and carried_m(hull, left.held, wish, np.zeros(6), self.current, LOOKED_AHEAD_S)[-1] < CLOSE_M:
+            return LET_GO_M, LET_GO_S
+        return POINTING_M if left.steers_by_attitude else CLOSE_M, CLOSE_S
 
     def _pointing_time(self, left: Capability) -> float:
         """How fast the attitude points the thrust [s]: where turning pushes the hull in another trim, no faster."""

@@ -201,7 +201,12 @@ def channel_table(
             (
                 Field("along", 1, "m", "s1, vehicle ahead of the virtual target along the tangent"),
                 Field("lateral", 2, "m", "y1 and z1, offset along the path's normals N1 and N2", ("y1", "z1")),
-                Field("cross_track", 1, "m", "distance from the path, sqrt(y1^2 + z1^2)"),
+                Field(
+                    "cross_track",
+                    1,
+                    "m",
+                    "distance across the path, sqrt(y1^2 + z1^2); at a point, `along` comes on top",
+                ),
                 Field("attitude", 1, "rad", "angle of the rotation between desired and actual attitude"),
             ),
         ),

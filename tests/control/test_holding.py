@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 from support.catalogue.mjcf import Layout, Thruster, box_hull, mjcf
+from support.catalogue.vehicles import catalogue
 from support.flights import FORCES_ONLY, thruster_event
 from support.vehicles import vehicle
 
@@ -165,3 +166,34 @@ def test_one_that_nothing_holds_gives_up_and_is_not_carried_off_by_its_own_thrus
     farthest, authority = beside(survey, force, "whole")
     assert authority == 3
     assert farthest < alone + 8.0  # 27 and 37 m when its thrusters fought on
+
+
+def at_a_place(model, thruster, force, others):
+    """The largest distance from a place [m] in 40 s beside a thruster that is stuck."""
+    names = Vehicle.from_model(load_model(model, {}), None).thrusters.names
+    events = [thruster_event(5.0, [thruster], "stuck", force_N=force)]
+    events += [thruster_event(5.0, [name for name in names if name != thruster])] if others == "dead" else []
+    scenario = {
+        "schema_version": 1,
+        "name": "place",
+        "model": str(model),
+        "duration_s": 45.0,
+        "path": {"type": "point", "position_m": [0.0, 0.0, -20.0]},
+        "initial": {"position_m": [0.0, 0.0, -20.0]},
+        "guidance": {"speed_m_s": 0.3},
+        "events": events,
+        "checks": FORCES_ONLY,
+    }
+    (flown,) = cube_sim.fly_many(scenario, [{}], signals=["pose.position"])
+    place = flown.signals["pose.position"][:, 1:]
+    return float(np.linalg.norm(place - place[0], axis=1).max())
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(("name", "thruster"), [("seven_three_verticals", "T3"), ("five_vectored_one_up", "T2")])
+def test_one_that_hardly_leaves_its_place_with_its_thrusters_off_is_let_go_at_once(name, thruster, tmp_path):
+    file = tmp_path / f"{name}.xml"
+    file.write_text(catalogue()[name].make())
+    alone = at_a_place(file, thruster, 51.4, "dead")
+    assert alone < 1.2
+    assert at_a_place(file, thruster, 51.4, "whole") < alone + 0.7  # 3.9 and 2.6 m when it was given up 1.5 m off
