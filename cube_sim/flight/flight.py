@@ -21,6 +21,7 @@ from cube_sim.flight.snapshot import Snapshot
 from cube_sim.flight.start import described, foreseen_attitude, placed, prepared
 from cube_sim.mission.copying import integration_state, packed, set_integration_state, unpacked
 from cube_sim.mission.own.given import AnyScenario, loaded_with
+from cube_sim.mission.own.handed import handed
 from cube_sim.native.forked import flying
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
@@ -151,9 +152,9 @@ class Flight(Loop):
         return Observation(
             time_s=self.time_s,
             state=state,
-            estimate=state if self._known is None or mission.estimation is None else self._known,
+            estimate=state if self._known is None or mission.estimation is None else handed(self._known),
             view=mission.controller.view(state),
-            wanted=foreseen_attitude(mission, state) if self._wanted is None else self._wanted,
+            wanted=foreseen_attitude(mission, state) if self._wanted is None else self._wanted.copy(),
             force=data.actuator_force[mission.vehicle.thrusters.actuators].copy(),
             wrench=self._applied.copy(),
             given_up=self._given_up,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from cube_sim.allocation.previous import PreviousForces
 from cube_sim.allocation.protocol import WrenchAllocator
 from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.own.code import OwnCode, numbers_of, require_taken, without
+from cube_sim.mission.own.handed import handed
 from cube_sim.scenario import Loaded
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.thrusters import Thrusters
@@ -67,7 +68,7 @@ class OwnAllocator:
     def allocate(self, wrench: ArrayLike) -> Allocation:
         """See `WrenchAllocator.allocate`."""
         if self._whole:
-            return self._checked(self._code.call(self._allocator.allocate, wrench))
+            return self._checked(self._code.call(self._allocator.allocate, np.array(wrench)))
         demand, finite = self._model.demand(wrench)
         answer = self._code.call(self._allocator, demand.copy())
         return self._model.assess(demand, finite, self._forces(answer))
@@ -75,7 +76,8 @@ class OwnAllocator:
     def allocate_by_priority(self, primary: ArrayLike, secondary: ArrayLike) -> Allocation:
         """See `WrenchAllocator.allocate_by_priority`; a function gets the sum."""
         if self._whole:
-            return self._checked(self._code.call(self._allocator.allocate_by_priority, primary, secondary))
+            parts = np.array(primary), np.array(secondary)
+            return self._checked(self._code.call(self._allocator.allocate_by_priority, *parts))
         return self.allocate(self._model.sum_of_parts(primary, secondary))
 
     def reset(self) -> None:
@@ -86,7 +88,7 @@ class OwnAllocator:
     def resume(self, previous: PreviousForces) -> None:
         """See `WrenchAllocator.resume`."""
         if self._whole:
-            self._code.call(self._allocator.resume, previous)
+            self._code.call(self._allocator.resume, handed(previous))
 
     def memory(self) -> bytes:
         """What `recall` needs to go on from here: the allocator as it is."""
@@ -100,7 +102,7 @@ class OwnAllocator:
         if not isinstance(answer, Allocation):
             raise self._code.refuse(f"answers a {type(answer).__name__} to allocate; it takes an Allocation")
         numbers_of(self._code, answer.wrench, (6,), "its wrench")
-        return answer._replace(force=self._forces(answer.force))
+        return handed(answer)._replace(force=self._forces(answer.force))
 
     def _forces(self, answer: Any) -> Vector:
         return numbers_of(self._code, answer, (self._count,), "forces")
@@ -116,7 +118,8 @@ def own_build(loaded: Loaded, code: OwnCode, thrusters: Thrusters) -> Build:
 
     def build(A: Matrix, limits: Matrix, which: NDArray[np.int_]) -> WrenchAllocator:
         setup = AllocationSetup(A, limits, which, tuple(thrusters.names[i] for i in which), allow_off)
-        return OwnAllocator(code, code.call(code.make, setup, **code.options), setup)
+        own = replace(setup, A=A.copy(), limits=limits.copy(), which=which.copy())
+        return OwnAllocator(code, code.call(code.make, own, **code.options), setup)
 
     require_taken(loaded, code, 1)
     return build

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import deepcopy
+from dataclasses import dataclass, replace
 from math import atan2, sqrt
 from typing import Any, NamedTuple
 
@@ -16,6 +17,7 @@ from cube_sim.control.loop_times import LoopTimes
 from cube_sim.guidance.law import MotionLaw, Target, TargetView
 from cube_sim.guidance.path import Path
 from cube_sim.mission.own.code import OwnCode, made, numbers_of, refused, without
+from cube_sim.mission.own.handed import handed
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import Matrix, State, Vector, conjugate, multiply
 from cube_sim.vehicle.dynamics import Dynamics
@@ -104,7 +106,8 @@ class OwnLaw:
     def __init__(self, code: OwnCode, law: Any, setup: LawSetup) -> None:
         self._code, self._law, self._period = code, law, setup.period_s
         self._target, self._motion, self._attitude = setup.target, setup.motion, setup.attitude
-        self._capability, self._ticks = setup.capability, 0
+        self._ticks = 0
+        self.reconfigure(setup.capability)
         self._demanded = np.zeros(6)
 
     def view(self, state: State) -> TargetView:
@@ -113,12 +116,12 @@ class OwnLaw:
 
     def reconfigure(self, left: Capability) -> None:
         """Tell the law of other thrusters, in its aims."""
-        self._capability = left
+        self._capability, self._shown = left, deepcopy(left)
 
     def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """See `Controller.decide`."""
         aim = self._aim(state, applied, dt, force_ratio)
-        wrench, secondary = self._parts(self._code.call(self._law, aim))
+        wrench, secondary = self._parts(self._code.call(self._law, handed(aim)))
         self._ticks, self._demanded = self._ticks + 1, wrench
         self._target.advance(aim.view.speed, dt)
         return Decision(
@@ -156,7 +159,7 @@ class OwnLaw:
             acceleration=np.asarray(motion.acceleration, dtype=float),
             quaternion=np.asarray(quaternion, dtype=float),
             applied=applied,
-            capability=self._capability,
+            capability=self._shown,
             force_ratio=force_ratio,
         )
 
@@ -181,21 +184,21 @@ class OwnController:
 
     def view(self, state: State) -> TargetView:
         """See `Controller.view`."""
-        view: TargetView = self._code.call(self._controller.view, state)
-        return view
+        view: TargetView = self._code.call(self._controller.view, handed(state))
+        return handed(view)
 
     def reconfigure(self, left: Capability) -> None:
         """See `Controller.reconfigure`."""
-        self._code.call(self._controller.reconfigure, left)
+        self._code.call(self._controller.reconfigure, deepcopy(left))
 
     def decide(self, state: State, applied: Vector, dt: float, force_ratio: float = 1.0) -> Decision:
         """See `Controller.decide`."""
-        decision = self._code.call(self._controller.decide, state, applied, dt, force_ratio)
+        decision = self._code.call(self._controller.decide, handed(state), applied.copy(), dt, force_ratio)
         if not isinstance(decision, Decision):
             raise self._code.refuse(f"answers {type(decision).__name__} to decide; it takes a Decision")
         for name, width in (("wrench", 6), ("secondary", 6), ("disturbance", 6), ("current", 3), ("quaternion", 4)):
             numbers_of(self._code, getattr(decision, name), (width,), f"the {name}")
-        return decision
+        return handed(decision)
 
 
 CONTROLLER_METHODS = "decide", "view", "reconfigure"
@@ -207,7 +210,15 @@ def own_controller(loaded: Loaded, code: OwnCode, setup: LawSetup) -> Controller
     Raises:
         ScenarioError: it makes neither; with position.
     """
-    law = made(loaded, code, setup)
+    own = replace(
+        setup,
+        vehicle=deepcopy(setup.vehicle),
+        dynamics=deepcopy(setup.dynamics),
+        A=setup.A.copy(),
+        limits=setup.limits.copy(),
+        capability=deepcopy(setup.capability),
+    )
+    law = made(loaded, code, own)
     with refused(loaded):
         if hasattr(law, "decide"):
             if missing := without(law, CONTROLLER_METHODS):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import deepcopy
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from cube_sim.control.loop_times import LoopTimes
 from cube_sim.guidance.law import DesiredMotion, TargetView
 from cube_sim.guidance.path import Path
 from cube_sim.mission.own.code import OwnCode, made, numbers_of, refused
+from cube_sim.mission.own.handed import handed
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.dynamics import Dynamics
@@ -55,7 +57,7 @@ class OwnAttitude:
     def attitude(self, situation: Situation, dt: float) -> DesiredAttitude:
         """See `AttitudeMode.attitude`."""
         ask = getattr(self._attitude, "attitude", self._attitude)
-        quaternion, rates = two_parts(self._code.call(ask, situation, dt))
+        quaternion, rates = two_parts(self._code.call(ask, handed(situation), dt))
         wanted = numbers_of(self._code, quaternion, (4,), "a quaternion")
         size = float(np.linalg.norm(wanted))
         if not size > 0.0:
@@ -81,7 +83,7 @@ class OwnMotion:
     def motion(self, view: TargetView) -> DesiredMotion:
         """See `MotionLaw.motion`."""
         ask = getattr(self._motion, "motion", self._motion)
-        velocity, acceleration = two_parts(self._code.call(ask, view))
+        velocity, acceleration = two_parts(self._code.call(ask, handed(view)))
         wanted = numbers_of(self._code, velocity, (3,), "a velocity")
         return DesiredMotion(wanted, _or_zero(self._code, acceleration, "its derivative"))
 
@@ -92,7 +94,7 @@ def own_attitude(loaded: Loaded, code: OwnCode, setup: PartSetup) -> OwnAttitude
     Raises:
         ScenarioError: it makes none; with position.
     """
-    return OwnAttitude(code, _asked(loaded, code, "attitude", made(loaded, code, setup)))
+    return OwnAttitude(code, _asked(loaded, code, "attitude", setup))
 
 
 def own_motion(loaded: Loaded, code: OwnCode, setup: PartSetup) -> OwnMotion:
@@ -101,7 +103,7 @@ def own_motion(loaded: Loaded, code: OwnCode, setup: PartSetup) -> OwnMotion:
     Raises:
         ScenarioError: it makes none; with position.
     """
-    return OwnMotion(code, _asked(loaded, code, "motion", made(loaded, code, setup)))
+    return OwnMotion(code, _asked(loaded, code, "motion", setup))
 
 
 def two_parts(answer: Any) -> tuple[Any, Any]:
@@ -109,8 +111,10 @@ def two_parts(answer: Any) -> tuple[Any, Any]:
     return (answer[0], answer[1]) if isinstance(answer, tuple | list) and len(answer) == 2 else (answer, None)
 
 
-def _asked(loaded: Loaded, code: OwnCode, method: str, thing: Any) -> Any:
-    """What a factory has made, if it can be asked."""
+def _asked(loaded: Loaded, code: OwnCode, method: str, setup: PartSetup) -> Any:
+    """What a factory makes, if it can be asked."""
+    own = replace(setup, dynamics=deepcopy(setup.dynamics), capability=deepcopy(setup.capability))
+    thing = made(loaded, code, own)
     with refused(loaded):
         if not callable(getattr(thing, method, thing)):
             raise code.refuse(f"makes a {type(thing).__name__}; it takes a function, or an object with {method}")

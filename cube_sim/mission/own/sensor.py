@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cube_sim.mission.own.code import Codes, OwnCode, made, numbers_of, refused
+from cube_sim.mission.own.handed import handed
 from cube_sim.navigation.motion import Motion
 from cube_sim.navigation.own_aid import OwnAid
 from cube_sim.navigation.sampling import Sampling
@@ -45,7 +46,7 @@ def _sensor(code: OwnCode, block: OwnSensorBlock, thing: Any) -> OwnAid:
     n, read = block.components, getattr(thing, "reading", thing)
 
     def reading(motion: Motion) -> Vector | None:
-        answer = code.call(read, motion)
+        answer = code.call(read, handed(motion))
         return None if answer is None else numbers_of(code, np.atleast_1d(answer), (n,), "a reading")
 
     return OwnAid(
@@ -63,4 +64,4 @@ def _sensor(code: OwnCode, block: OwnSensorBlock, thing: Any) -> OwnAid:
 def _jacobian(code: OwnCode, n: int, differentiate: Any) -> Callable[[Motion], Matrix] | None:
     if differentiate is None:
         return None
-    return lambda motion: numbers_of(code, code.call(differentiate, motion), (n, 12), "a Jacobian")
+    return lambda motion: numbers_of(code, code.call(differentiate, handed(motion)), (n, 12), "a Jacobian")
