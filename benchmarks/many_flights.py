@@ -4,6 +4,8 @@
 
     ticks in Python      one flight, tick by tick in the interpreter: what a loop of one's own over `Flight` costs
     one by one           `Flight` after `Flight`, each flown as far as compiled code goes
+    bare, 1 thread       the same model stepped alone for as long, its commands constant: the floor
+    bare, T threads
     fly_many, 1 thread   the same flights, preparation and checks included
     fly_many, T threads
 
@@ -18,15 +20,19 @@ import os
 import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from statistics import median
 from typing import Any
 
+import mujoco
 import numpy as np
 
 import cube_sim
 from cube_sim.errors import CubeSimError
 from cube_sim.flight import Flight
+from cube_sim.mission import prepare
+from cube_sim.scenario import load
 
 SCENARIO = Path(__file__).parents[1] / "scenarios" / "cube_helix.yaml"
 PYTHON_SECONDS = 5.0
@@ -58,6 +64,14 @@ def one_by_one(scenario: Path, varied: list[dict[str, Any]]) -> None:
         Flight(scenario, variation).fly_to_its_end()
 
 
+def bare(scenario: Path, varied: list[dict[str, Any]], threads: int) -> None:
+    """MuJoCo with its water and thrusters for as long, and nobody who steers."""
+    mission = prepare(load(scenario, varied[0]))
+    model, steps = mission.model, round(varied[0]["duration_s"] / mission.model.opt.timestep)
+    with ThreadPoolExecutor(threads) as pool:  # MuJoCo lets other threads go on
+        list(pool.map(lambda _: mujoco.mj_step(model, mujoco.MjData(model), nstep=steps), varied))
+
+
 def timed(function: Callable[[], Any]) -> float:
     """Seconds of the clock."""
     started = time.perf_counter()
@@ -80,6 +94,8 @@ def main() -> None:
     several = f"fly_many, {arguments.threads} threads"
     ways: dict[str, Callable[[], Any]] = {
         "one by one": lambda: one_by_one(scenario, varied),
+        "bare, 1 thread": lambda: bare(scenario, varied, 1),
+        f"bare, {arguments.threads} threads": lambda: bare(scenario, varied, arguments.threads),
         "fly_many, 1 thread": lambda: cube_sim.fly_many(scenario, varied, threads=1),
         several: lambda: cube_sim.fly_many(scenario, varied, threads=arguments.threads),
     }
@@ -93,12 +109,16 @@ def main() -> None:
     except CubeSimError as error:
         sys.exit(str(error))
     seconds = {name: median(values) for name, values in spent.items()}
+    against_one = median(a / b for a, b in zip(spent["fly_many, 1 thread"], spent[several], strict=True))
+    floor = {name: spent[name.replace("fly_many", "bare")] for name in ("fly_many, 1 thread", several)}
     simulated = arguments.flights * arguments.seconds
     print(f"{arguments.flights} flights of {arguments.seconds:g} s of {scenario.stem}")
     print(f"{'':24s}{'s':>10s}{'x real time':>14s}{'x ticks in Python':>20s}")
     for name, value in seconds.items():
         print(f"{name:24s}{value:10.2f}{simulated / value:14.0f}{seconds['ticks in Python'] / value:20.1f}")
-    print(f"{arguments.threads} threads against one: {seconds['fly_many, 1 thread'] / seconds[several]:.2f}")
+    print(f"{arguments.threads} threads against one: {against_one:.2f}")
+    for name, times in floor.items():
+        print(f"{name}, of bare MuJoCo: {median(a / b for a, b in zip(times, spent[name], strict=True)):.2f}")
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ from support.places import HELIX
 import cube_sim
 from cube_sim.flight import Flight
 from cube_sim.flight.compiled import first_time
+from cube_sim.flight.compiled.callees import ANSWERING
 from cube_sim.native.callee import Callee
 from cube_sim.native.compiled import address_of, compiled
 
@@ -25,6 +26,7 @@ def asked(monkeypatch):
     """What other processes are asked for, on a machine that has compiled nothing."""
     given = []
     monkeypatch.setattr(Callee, "on_disk", False)
+    monkeypatch.setattr(first_time, "on_disk", lambda function: False)
     monkeypatch.setattr(first_time.apart, "begin", lambda *functions: given.append(functions))
     first_time.compile_beside.cache_clear()
     yield given
@@ -44,6 +46,18 @@ def asked(monkeypatch):
 def test_whoever_flies_first_is_helped_once(fly, asked, tmp_path):
     fly(tmp_path / "run")
     assert asked == [JOBS]
+
+
+def test_they_are_asked_for_what_is_not_there(asked, monkeypatch):
+    """After an update that changed one of them, whoever flies next compiles none itself either."""
+    monkeypatch.setattr(Callee, "on_disk", property(lambda callee: callee is not ANSWERING))
+    monkeypatch.setattr(first_time, "on_disk", lambda function: True)
+    assert first_time.compile_beside()
+    assert asked == [(first_time.LAW, first_time.CONFIRMATION)]
+    first_time.compile_beside.cache_clear()
+    monkeypatch.setattr(Callee, "on_disk", True)
+    assert not first_time.compile_beside()
+    assert len(asked) == 1
 
 
 @pytest.mark.flight

@@ -9,8 +9,10 @@ from functools import cache
 
 from cube_sim.allocation.exact.code import SEARCH, SEARCHING
 from cube_sim.allocation.subset_qp.confirmer import CONFIRMATION
+from cube_sim.control.answering import WANTING
 from cube_sim.control.compiled_parts import ATTITUDE
 from cube_sim.flight.compiled.binding import compile_loop
+from cube_sim.flight.compiled.callees import ANSWERING
 from cube_sim.flight.compiled.loop import fly
 from cube_sim.flight.compiled.steering import LAW
 from cube_sim.mission import prepare
@@ -27,11 +29,12 @@ LOOP = f"{__name__}:make_loop"
 
 @cache
 def compile_beside() -> bool:
-    """Whether there is no machine code yet; other processes then begin to make it."""
-    if not SEARCHING.on_disk:
-        apart.begin(LOOP, SEARCH, ATTITUDE, LAW, CONFIRMATION)
-        return True
-    return not on_disk(fly)
+    """Whether there is not all of the machine code yet; other processes then begin to make what there is not."""
+    there = {LOOP: on_disk(fly), SEARCH: SEARCHING.on_disk, ATTITUDE: WANTING.on_disk, LAW: ANSWERING.on_disk}
+    missing = [part for part, made in there.items() if not made]
+    if missing:
+        apart.begin(*missing, CONFIRMATION)
+    return bool(missing)
 
 
 def wait_for_loop() -> None:
