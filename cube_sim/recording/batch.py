@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Protocol, TypeVar
@@ -96,9 +96,56 @@ class BySignal(dict[str, V]):
     """What belongs to signals, by "channel.field"; a name that is none is told with the nearest that is one."""
 
     def __missing__(self, name: str) -> V:
-        near = get_close_matches(str(name), self, 1)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(self) or 'none'}"
-        raise UnknownSignalError(f"no signal {name!r}; {hint}")
+        raise _unknown(name, self)
+
+
+class SignalsOf(Mapping[str, Rows]):
+    """Every field's column by "channel.field", made when it is asked for: few of a long run fit into memory twice.
+
+    Args:
+        channels: the channel table.
+        rows: all rows of each channel.
+    """
+
+    def __init__(self, channels: Sequence[Channel], rows: Mapping[str, Rows]) -> None:
+        self._rows, self._made = rows, dict[str, Rows]()
+        self._places = {
+            f"{channel.name}.{field.name}": (channel, columns)
+            for channel in channels
+            for field, columns in zip(channel.fields, channel.columns, strict=True)
+        }
+
+    def __getitem__(self, name: str) -> Rows:
+        """One signal (n, 1+width), column 0 the time [s].
+
+        Raises:
+            UnknownSignalError: there is none of that name.
+        """
+        if name not in self._places:
+            raise _unknown(name, self)
+        if name not in self._made:
+            channel, columns = self._places[name]
+            whole = self._rows.get(channel.name, np.empty((0, 1 + channel.width)))
+            self._made[name] = np.hstack([whole[:, :1], whole[:, columns]])
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is such a signal, without making it."""
+        return name in self._places
+
+    def __iter__(self) -> Iterator[str]:
+        """The names, in the order of the table."""
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self._places)
+
+
+def _unknown(name: str, known: Collection[str]) -> UnknownSignalError:
+    near = get_close_matches(str(name), known, 1)
+    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known) or 'none'}"
+    return UnknownSignalError(f"no signal {name!r}; {hint}")
 
 
 def signals(channels: Sequence[Channel], rows: Mapping[str, Rows]) -> BySignal[Rows]:

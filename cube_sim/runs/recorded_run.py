@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import BySignal, Rows
+from cube_sim.recording.batch import BySignal, Rows, SignalsOf
 from cube_sim.recording.channels import Field
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.reading import ALTERED, CANNOT_KNOW, NO_END, Recording, read_recording
@@ -41,12 +41,12 @@ class RecordedRun:
     told: Mapping[str, Any] | None
 
     @cached_property
-    def signals(self) -> dict[str, Rows]:
+    def signals(self) -> Mapping[str, Rows]:
         """Every signal as "channel.field" -> (n, 1+width), column 0 the time [s]; the bits the run had in memory.
 
         A name that is none is an `UnknownSignalError`, which is a KeyError too and says which is nearest.
         """
-        return self.recording.signals
+        return SignalsOf(self.recording.channels, self.recording.rows)
 
     @cached_property
     def fields(self) -> dict[str, Field]:

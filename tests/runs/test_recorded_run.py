@@ -462,3 +462,17 @@ def test_what_a_kill_left_is_recovered_and_what_is_whole_is_left_alone(flown, tm
     (tmp_path / "head" / "run.mcap").write_bytes((flown.directory / "run.mcap").read_bytes()[:300])
     code, out, err = call(monkeypatch, capsys, "recover", tmp_path / "head")
     assert (code, out, err.count("\n")) == (2, "", 1)
+
+
+def test_signals_are_made_when_they_are_asked_for(flown):
+    run = cube_sim.load_run(flown.directory)
+    whole = run.recording.signals
+    assert list(run.signals) == list(whole)
+    assert len(run.signals) == len(whole)
+    assert "pose.position" in run.signals
+    assert "pose.place" not in run.signals
+    assert not run.signals._made
+    for name, rows in whole.items():
+        assert np.array_equal(run.signals[name], rows, equal_nan=True)
+        assert run.signals[name] is run.signals[name]
+    assert run.signals.get("pose.place") is None

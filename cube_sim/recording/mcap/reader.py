@@ -47,7 +47,7 @@ class McapContents:
     attachments: dict[str, bytes] = field(default_factory=dict)
     twice: list[str] = field(default_factory=list)
     complete: bool = False
-    _chunks: list[bytes] = field(default_factory=list)
+    _chunks: list[tuple[int, int]] = field(default_factory=list)
     _loose: list[tuple[int, int]] = field(default_factory=list)
     _data: bytes = b""
 
@@ -57,8 +57,8 @@ class McapContents:
         Raises:
             RecordingError: a chunk is damaged.
         """
-        for body in self._chunks:
-            yield uncompressed(self.path, read_record(self.path, Chunk, body))
+        for start, end in self._chunks:
+            yield uncompressed(self.path, read_record(self.path, Chunk, self._data[start:end]))
         if self._loose:
             yield b"".join(self._data[start:end] for start, end in self._loose)
 
@@ -90,6 +90,9 @@ def read_contents(path: Path) -> McapContents:
                 position = contents._loose.pop()[0]
             contents._loose.append((position, end))
             continue
+        if opcode == Opcode.CHUNK:
+            contents._chunks.append((position + _PREFIX, end))
+            continue
         body = data[position + _PREFIX : end]
         if opcode == Opcode.METADATA:
             contents.add_table(read_record(path, Metadata, body))
@@ -98,8 +101,6 @@ def read_contents(path: Path) -> McapContents:
             if not attachment_is_sound(body):
                 raise RecordingError(f"{path} is damaged: attachment {attachment.name!r} does not fit its checksum")
             contents.add_file(attachment.name, attachment.data)
-        elif opcode == Opcode.CHUNK:
-            contents._chunks.append(body)
         elif opcode == Opcode.DATA_END:
             checksum = read_record(path, DataEnd, body).data_section_crc
             if checksum and checksum != zlib.crc32(memoryview(data)[:position]):
