@@ -34,16 +34,20 @@ def test_many_flights_are_compared_with_single_ones(monkeypatch, capsys):
     arguments = "--flights 3 --seconds 1 --threads 2 --rounds 1"
     monkeypatch.setattr(sys, "argv", ["", *arguments.split()])
     script("many_flights").main()
-    title, head, *rows, last = capsys.readouterr().out.splitlines()
+    title, head, *rows, against_one, floor_of_one, floor_of_two = capsys.readouterr().out.splitlines()
     assert title == "3 flights of 1 s of cube_helix"
     assert "x real time" in head
     assert [row[:24].strip() for row in rows] == [
         "ticks in Python",
         "one by one",
+        "bare, 1 thread",
+        "bare, 2 threads",
         "fly_many, 1 thread",
         "fly_many, 2 threads",
     ]
-    assert last.startswith("2 threads against one: ")
+    assert against_one.startswith("2 threads against one: ")
+    assert floor_of_one.startswith("fly_many, 1 thread, of bare MuJoCo: ")
+    assert floor_of_two.startswith("fly_many, 2 threads, of bare MuJoCo: ")
 
 
 @pytest.mark.parametrize(
