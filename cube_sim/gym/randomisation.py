@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import FlightError
 from cube_sim.scenario import Scenario
+from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS, element_values
 from cube_sim.vehicle.vehicle import Vehicle
 
 GROUPS = ("scenario", "model", "thrusters", "faults")
 FAULTS = ("most", "at_s", "states", "efficiency")
 STATES = ("dead", "weak", "stuck")
+_ELEMENTS = ", ".join(f"<hull>:{each}" for each in ELEMENT_PARAMETERS)
 
 
 @dataclass(frozen=True)
@@ -123,8 +125,9 @@ class Randomisation:
     number is uniform between its ends.
 
     - scenario: dotted path -> range, or {"one_of": [...]}: values in place of the scenario's, as for overrides.
-    - model: name of a custom numeric of the MJCF, `hull:added_mass` for one -> range of a factor on it: one factor for
-      all its values where the range has two numbers, else one for each.
+    - model: name of a custom numeric of the MJCF, `hull:added_mass` for one, or of what its elements say (`hull:mass`,
+      `hull:inertia`, `hull:centre_of_mass`, `hull:thruster_lag`) -> range of a factor on it: one factor for all its
+      values where the range has two numbers (of a `thruster_characteristic`: all its forces), else one for each.
     - thrusters: range of the share of its force each thruster gives from the beginning.
     - faults: {"most": number, "at_s": range, "states": some of dead, weak, stuck, "efficiency": range, of a weak one}.
 
@@ -163,7 +166,7 @@ class Randomisation:
         """Overrides of the scenario for one flight; the same generator in the same state gives the same ones."""
         drawn = {key: value.draw(rng) for key, value in self._values.items()}
         for name, (numbers, factor) in self._factors.items():
-            drawn[f"parameters.{name}"] = (numbers * factor.draw(rng)).tolist()
+            drawn[f"parameters.{name}"] = (numbers * _factors(name, numbers, factor.draw(rng))).tolist()
         events = []
         if self._share is not None:
             for name in self._vehicle.thrusters.names:
@@ -199,11 +202,21 @@ def _numbers(name: str, scenario: Scenario, model: mujoco.MjModel) -> NDArray[np
     """The values of a custom numeric, as the scenario has them."""
     if name in scenario.parameters:
         return np.array(scenario.parameters[name])
+    if (values := element_values(model, name)) is not None:
+        return values
     names = [model.numeric(i).name for i in range(model.nnumeric)]
     if name not in names:
         listed = ", ".join(each for each in names if ":" in each and not each.startswith("cube_sim"))
-        raise FlightError(f"randomise model: no '{name}'; the model has {listed}")
+        raise FlightError(f"randomise model: no '{name}'; the model has {listed}, and of hulls {_ELEMENTS}")
     return np.array(model.numeric(name).data, dtype=np.float64)
+
+
+def _factors(name: str, numbers: NDArray[np.float64], drawn: Any) -> NDArray[np.float64]:
+    """One for each number; one factor on a characteristic is on its forces, and its commands stay."""
+    factors = np.broadcast_to(np.asarray(drawn, dtype=np.float64), numbers.shape).copy()
+    if np.ndim(drawn) == 0 and name.endswith(":thruster_characteristic"):
+        factors[0::2] = 1.0
+    return factors
 
 
 def _weakened(share: float) -> dict[str, Any]:

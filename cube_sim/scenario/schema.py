@@ -262,7 +262,8 @@ class Scenario(Block):
     parameters: dict[str, Numbers] = Field(
         default={},
         description="Values in place of the custom numerics of the model that flies, by their names, for example"
-        " hull:added_mass. The controller knows them as well, unless knowledge.model names a file.",
+        " hull:added_mass; and of what its elements say: hull:mass, hull:centre_of_mass, hull:inertia,"
+        " hull:thruster_lag. The controller knows them as well, unless knowledge.model names a file.",
     )
     battery: BatteryBlock | None = Field(
         default=None,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.mjcf.elements import is_of_element, set_elements
 from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, thruster_elements
@@ -36,7 +37,8 @@ def load_model(
     Args:
         path: an MJCF file, or a spec built in memory (left as it is).
         parameters: values that take the place of the MJCF's custom numerics of the same name, e.g.
-            ``{"hull:thruster_dead_zone": (-2.0, 2.0)}``; see `cube_sim.vehicle.mjcf.parameters` for the names.
+            ``{"hull:thruster_dead_zone": (-2.0, 2.0)}``; see `cube_sim.vehicle.mjcf.parameters` for the names. Mass,
+            inertia and lags as well, which the MJCF has in its elements: see `cube_sim.vehicle.mjcf.elements`.
         forces: hull -> a force of your own, see `cube_sim.vehicle.plugin.user_forces`. The MJCF can name one too:
             ``<text name="hull:force" data="package.module:function"/>``.
 
@@ -98,13 +100,16 @@ def _read(path: Path) -> mujoco.MjSpec:
 def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[str, UserForce]) -> mujoco.MjModel:
     hook.install()
     numerics = {n.name: np.array(n.data, dtype=float) for n in spec.numerics}
+    of_elements: dict[str, NDArray[np.float64]] = {}
     for name, values in overrides.items():
         require_parameter(name)
-        numerics[name] = _numbers(name, values)
+        (of_elements if is_of_element(name) else numerics)[name] = _numbers(name, values)
     if layout.PACKED in numerics:
         raise ModelError(layout.PACKED, "is written by load_model; remove it from the MJCF")
     bodies = {body.name: _is_free(body) for body in spec.bodies if body.name and body.name != "world"}
-    parameters = read_parameters(numerics, bodies, thruster_elements(spec))
+    thrusters = thruster_elements(spec)
+    parameters = read_parameters(numerics, bodies, thrusters)
+    set_elements(spec, of_elements, [hull.body for hull in parameters.hulls], thrusters)
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
     for text in spec.texts:
         if (owner := force_owner(text.name, text.data, list(bodies))) is not None:

@@ -21,7 +21,14 @@ HOVER = SCENARIOS / "cube_hover.yaml"
 SHORT = {"duration_s": 1.0, "checks": [{"kind": "allowed_forces"}]}
 RANDOM = {
     "scenario": {"current_m_s": [[-0.3] * 3, [0.3] * 3], "guidance.speed_m_s": {"one_of": [0.2, 0.4]}},
-    "model": {"hull:added_mass": [0.7, 1.3], "hull:quadratic_damping": [[0.7] * 6, [1.3] * 6]},
+    "model": {
+        "hull:added_mass": [0.7, 1.3],
+        "hull:quadratic_damping": [[0.7] * 6, [1.3] * 6],
+        "hull:mass": [0.95, 1.05],
+        "hull:inertia": [[0.9] * 3, [1.1] * 3],
+        "hull:thruster_lag": [0.5, 2.0],
+        "hull:thruster_characteristic": [0.9, 1.1],
+    },
     "thrusters": [0.8, 1.0],
     "faults": {"most": 2, "at_s": [0.0, 0.3], "states": ["dead", "weak", "stuck"]},
 }
@@ -228,7 +235,8 @@ def test_environments_side_by_side_are_those_alone(processes):
         ({"action": "thrust"}, "no action 'thrust'; there are wrench, forces, commands"),
         ({"ticks": 0}, "ticks takes"),
         ({"randomise": {"hull": {}}}, "no 'hull'; there are scenario, model"),
-        ({"randomise": {"model": {"hull:mass": [1, 2]}}}, "the model has water:density, hull:volume"),
+        ({"randomise": {"model": {"hull:weight": [1, 2]}}}, "the model has water:density, hull:volume"),
+        ({"randomise": {"model": {"hul:mass": [1, 2]}}}, "and of hulls <hull>:mass"),
         ({"randomise": {"model": {"hull:added_mass": [2, 1]}}}, "in order"),
         ({"randomise": {"model": {"hull:added_mass": [[1, 1], [2, 2]]}}}, "takes 1 factor or 6"),
         ({"randomise": {"thrusters": [0.5, 1.5]}}, "between 0 and 1"),

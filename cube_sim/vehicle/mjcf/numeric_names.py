@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS
 
 DENSITY, CURRENT = "water:density", "water:current"
 HULL_PARAMETERS = ("volume", "centre_of_buoyancy", "added_mass", "linear_damping", "quadratic_damping")
@@ -86,8 +87,9 @@ def require_parameter(name: str) -> None:
         ModelError: with the name that was probably meant.
     """
     parameter = name.rpartition(":")[2]
-    if not name.endswith((DENSITY, CURRENT)) and (":" not in name or parameter not in _KNOWN):
-        raise ModelError(name, _unknown(parameter))
+    known = (*_KNOWN, *ELEMENT_PARAMETERS)
+    if not name.endswith((DENSITY, CURRENT)) and (":" not in name or parameter not in known):
+        raise ModelError(name, _unknown(parameter, known))
 
 
 def force_owner(name: str, data: str, bodies: Sequence[str]) -> str | None:
@@ -150,10 +152,11 @@ def _judge(
         raise ModelError(name, f"no body or thruster '{owner}'; the model has {', '.join([*bodies, *thrusters])}")
 
 
-def _meant(parameter: str) -> list[str]:
-    return get_close_matches(parameter.lower(), _KNOWN, n=1, cutoff=_NEARLY)
+def _meant(parameter: str, known: Sequence[str] = _KNOWN) -> list[str]:
+    return get_close_matches(parameter.lower(), known, n=1, cutoff=_NEARLY)
 
 
-def _unknown(parameter: str) -> str:
-    meant = f" (did you mean {_meant(parameter)[0]}?)" if _meant(parameter) else ""
-    return f"is no parameter of the water{meant}; there are {', '.join(_KNOWN)}, and {DENSITY}, {CURRENT}"
+def _unknown(parameter: str, known: Sequence[str] = _KNOWN) -> str:
+    meant = _meant(parameter, known)
+    told = f" (did you mean {meant[0]}?)" if meant else ""
+    return f"is no parameter of the water{told}; there are {', '.join(known)}, and {DENSITY}, {CURRENT}"

@@ -1,0 +1,133 @@
+"""Values of the MJCF's own elements that may be given in place of the file's, as the water's numbers may.
+
+    <hull>:mass              [kg]
+    <hull>:centre_of_mass    [m], body axes
+    <hull>:inertia           3 values along the axes of its <inertial>, or 6 as MJCF's fullinertia has them (xx, yy, zz,
+                             xy, xz, yz; body axes), about the centre of mass [kg m^2]
+    <hull>:thruster_lag      time constant of each of its thrusters [s]
+    <thruster>:thruster_lag  of one, before its hull's
+
+The file says them in its elements: there a numeric of such a name is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from cube_sim.errors import ModelError
+from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
+
+MASS, CENTRE_OF_MASS, INERTIA, LAG = "mass", "centre_of_mass", "inertia", "thruster_lag"
+ELEMENT_PARAMETERS = (MASS, CENTRE_OF_MASS, INERTIA, LAG)
+_SIZES = {MASS: (1,), CENTRE_OF_MASS: (3,), INERTIA: (3, 6), LAG: (1,)}
+_FROM_GEOMS = 1  # compiler inertiafromgeom="true"
+
+Values = Mapping[str, NDArray[np.float64]]
+
+
+def is_of_element(name: str) -> bool:
+    """Whether a parameter is one of these."""
+    return name.rpartition(":")[2] in ELEMENT_PARAMETERS
+
+
+def set_elements(
+    spec: mujoco.MjSpec, values: Values, hulls: Sequence[str], thrusters: Sequence[ThrusterElement | None]
+) -> None:
+    """Give elements of a spec other values.
+
+    Args:
+        spec: changed here.
+        values: name -> values (n,).
+        hulls: names of the hulls.
+        thrusters: one entry per actuator; None for one that is no thruster.
+
+    Raises:
+        ModelError: names the parameter at fault and says what would be right.
+    """
+    for name in sorted(values, key=lambda each: each.rpartition(":")[0] not in hulls):  # a thruster's own comes last
+        owner, _, parameter = name.rpartition(":")
+        given = values[name]
+        if given.shape[0] not in _SIZES[parameter] or given.ndim != 1 or not np.isfinite(given).all():
+            right = " or ".join(map(str, _SIZES[parameter]))
+            raise ModelError(name, f"is {given.tolist()!r:.80}; {right} finite numbers are right")
+        if parameter == LAG:
+            _set_lag(spec, name, owner, float(given[0]), thrusters)
+        elif owner not in hulls:
+            raise ModelError(name, f"no hull '{owner}'; the model has {', '.join(hulls)}")
+        else:
+            _set_inertial(spec, name, spec.body(owner), given)
+
+
+def element_values(model: mujoco.MjModel, name: str) -> NDArray[np.float64] | None:
+    """What a compiled model has of such a parameter, (n,); None where it has nothing of that name."""
+    owner, _, parameter = name.rpartition(":")
+    bodies = [model.body(i).name for i in range(model.nbody)]
+    if parameter == LAG:
+        lags = [
+            model.actuator_dynprm[i, 0]
+            for i in range(model.nu)
+            if owner in (model.actuator(i).name, bodies[model.body_rootid[_body_of(model, i)]])
+            and model.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_USER)
+        ]
+        return np.array(lags[:1]) if len(set(lags)) == 1 else None
+    if parameter not in ELEMENT_PARAMETERS or owner not in bodies:
+        return None
+    body = model.body(owner)
+    if parameter == INERTIA and not np.array_equal(body.iquat, [1.0, 0.0, 0.0, 0.0]):
+        axes = np.zeros(9)
+        mujoco.mju_quat2Mat(axes, body.iquat)
+        turned = axes.reshape(3, 3) @ np.diag(body.inertia) @ axes.reshape(3, 3).T
+        return turned[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    return np.array({MASS: body.mass, CENTRE_OF_MASS: body.ipos, INERTIA: body.inertia}[parameter])
+
+
+def _body_of(model: mujoco.MjModel, actuator: int) -> int:
+    """The body of the site that an actuator pushes; the world for one without."""
+    if model.actuator_trntype[actuator] != mujoco.mjtTrn.mjTRN_SITE:
+        return 0
+    return int(model.site_bodyid[model.actuator_trnid[actuator, 0]])
+
+
+def _set_lag(
+    spec: mujoco.MjSpec, name: str, owner: str, lag: float, thrusters: Sequence[ThrusterElement | None]
+) -> None:
+    if lag <= 0.0:
+        raise ModelError(name, f"is {lag:g}; a time constant [s] is positive")
+    meant = [i for i, each in enumerate(thrusters) if each is not None and owner in (each.name, each.body)]
+    if not meant:
+        raise ModelError(name, f"'{owner}' is no thruster, and no hull that has one")
+    for i in meant:
+        spec.actuators[i].dynprm[0] = lag  # every thruster has one
+
+
+def _set_inertial(spec: mujoco.MjSpec, name: str, body: mujoco.MjsBody, given: NDArray[np.float64]) -> None:
+    if not body.explicitinertial or spec.compiler.inertiafromgeom == _FROM_GEOMS:
+        raise ModelError(name, "follows from the geoms of this body; give it an <inertial> in the MJCF")
+    parameter = name.rpartition(":")[2]
+    if parameter == MASS:
+        if given[0] <= 0.0:
+            raise ModelError(name, f"is {given[0]:g}; a mass [kg] is positive")
+        body.mass = float(given[0])
+    elif parameter == CENTRE_OF_MASS:
+        body.ipos = given
+    elif given.size == 3 and not np.isfinite(body.fullinertia).all():
+        _require_inertia(name, np.diag(given))
+        body.inertia = given
+    else:
+        full = np.concatenate([given, np.zeros(6 - given.size)])
+        _require_inertia(name, np.array([[full[0], full[3], full[4]], [0, full[1], full[5]], [0, 0, full[2]]]))
+        body.fullinertia, body.iquat, body.inertia = full, [1.0, 0.0, 0.0, 0.0], np.zeros(3)
+
+
+def _require_inertia(name: str, upper: NDArray[np.float64]) -> None:
+    """Refuse what no distribution of mass has: of its principal moments, each is at most the sum of the others."""
+    moments = np.linalg.eigvalsh(upper, UPLO="U")
+    if moments[0] <= 0.0 or moments[2] > (1.0 + 1e-9) * (moments[0] + moments[1]):
+        told = " ".join(f"{moment:g}" for moment in moments)
+        raise ModelError(
+            name, f"has the principal moments {told}; all positive, none above the other two's sum, is right"
+        )
