@@ -15,16 +15,28 @@ GIVES_WAY = "gives_way"
 
 
 class _Piece:
-    """A piece of work that is not interrupted, and what is held back meanwhile."""
+    """A piece of work that is not interrupted, and what is held back meanwhile.
 
-    def __init__(self) -> None:
+    Args:
+        twice: whether a second signal interrupts it after all.
+    """
+
+    def __init__(self, twice: bool) -> None:
         self.caught: list[Any] = []
         self.handlers: dict[int, Callable[..., Any]] = {}
+        self._twice = twice
 
     def hold(self, number: int, handler: Callable[..., Any]) -> None:
         """From now on hold a signal back, for this handler."""
         self.handlers[number] = handler
-        signal.signal(number, lambda *told: self.caught.append(told))
+        signal.signal(number, self._hear)
+
+    def _hear(self, *told: Any) -> None:
+        if self._twice and self.caught:
+            self.caught.clear()
+            self.handlers[told[0]](*told)
+        else:
+            self.caught.append(told)
 
     def let_go(self) -> None:
         for number, handler in self.handlers.items():
@@ -116,30 +128,29 @@ def _raise_from_now_on(number: int) -> None:
 
 
 @contextmanager
-def uninterrupted(start_up: bool = False) -> Iterator[list[Any]]:
+def uninterrupted(start_up: bool = False, twice: bool = False) -> Iterator[None]:
     """Hold back Ctrl-C while this lasts, then raise it: for short pieces that must not be left half done.
 
     So are SIGTERM and SIGHUP within `stoppable`. Where somebody else handles one of them, it is left to them.
 
     Args:
         start_up: whether what ends the process at once while it starts up is held back as well.
-
-    Yields:
-        What is held back by now, for pieces that can be made shorter still.
+        twice: whether a second signal does not wait: for pieces that may take long.
     """
-    piece = _Piece()
+    piece = _Piece(twice)
     if threading.current_thread() is not threading.main_thread():
-        yield piece.caught
+        yield
         return
     held = {number for outer in _pieces for number in outer.handlers}  # asking the system takes longer
-    _pieces.append(piece)
-    for number in _SIGNALS:
-        if number not in held and callable(handler := signal.getsignal(number)) and _is_held(handler, start_up):
-            piece.hold(number, handler)
     try:
-        yield piece.caught
+        _pieces.append(piece)
+        for number in _SIGNALS:
+            if number not in held and callable(handler := signal.getsignal(number)) and _is_held(handler, start_up):
+                piece.hold(number, handler)
+        yield
     finally:
-        _pieces.pop()
+        if piece in _pieces:
+            _pieces.remove(piece)
         piece.let_go()
 
 

@@ -18,8 +18,11 @@ from cube_sim.flight.action import action_of
 from cube_sim.flight.loop import Loop
 from cube_sim.flight.observation import Observation
 from cube_sim.flight.snapshot import Snapshot
-from cube_sim.flight.start import described, foreseen_attitude, placed, prepared
+from cube_sim.flight.start import checked_seed, described, foreseen_attitude, placed, pose_numbers, prepared
+from cube_sim.flight.taken_over import Watches
+from cube_sim.mission.channels import polyline
 from cube_sim.mission.copying import integration_state, packed, set_integration_state, unpacked
+from cube_sim.mission.input_files import input_files
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.own.handed import handed
 from cube_sim.native.forked import flying
@@ -77,10 +80,21 @@ class Flight(Loop):
             self._start = None
 
     @cached_property
-    def _digest(self) -> str:
-        """Of the scenario, and of the code it names."""
-        sources = [code.source for code in self.mission.codes.values()]
-        return sha256("\0".join([self._loaded.resolved_yaml(), *sources]).encode()).hexdigest()
+    def _digests(self) -> dict[str, str]:
+        """Of all that flights must share to take up each other's snapshots, by name.
+
+        Raises:
+            FlightError: a file that the scenario names is gone.
+        """
+        mission = self.mission
+        try:
+            files = input_files(mission.scenario).contents
+        except OSError as error:
+            raise FlightError(f"the flight cannot be saved: {error}") from error
+        files |= {f"python/{key}": code.source.encode() for key, code in mission.codes.items()}
+        # The scenario's own words for a path do not say all of one that a program hands over.
+        files |= {"scenario": self._loaded.resolved_yaml().encode(), "path": polyline(mission.path).tobytes()}
+        return {name: sha256(content).hexdigest() for name, content in files.items()}
 
     @property
     def signals(self) -> Mapping[str, NDArray[np.float64]]:
@@ -100,21 +114,27 @@ class Flight(Loop):
             state: of the vehicle in place of the scenario's initial one; its `rotation` is not looked at.
 
         Raises:
-            FlightError: the state is not finite, or its quaternion has no direction.
+            FlightError: the seed is no whole number from 0 to 2^63 - 1; the state is none, is not finite, or its
+                quaternion has no direction. The flight stays as it is.
         """
-        self._store.clear()
-        if self._start is not None:
-            self.restore(self._start)
-        else:
-            self._stand(prepared(self._loaded), self._store)
-        if seed is not None:
-            mission = self.mission
-            for part in (mission.estimation, mission.fault_finding):
-                if part is not None:
-                    part.reseed(seed)
-        if state is not None:
-            placed(self.mission, state)
-        described(self.mission, self._store)
+        root = None if seed is None else checked_seed(seed)
+        pose = None if state is None else pose_numbers(state)
+        # What takes long, and leaves the flight as it is.
+        mission = prepared(self._loaded) if self._start is None else None
+        with self._whole():
+            self._store.clear()
+            if self._start is not None:
+                self._go_on_from(*unpacked(self._start.content, self._fixed), forget=True)
+            elif mission is not None:
+                self._stand(mission, self._store)
+                self._amid = True
+            if root is not None:
+                for part in (self.mission.estimation, self.mission.fault_finding):
+                    if part is not None:
+                        part.reseed(root)
+            if pose is not None:
+                placed(self.mission, pose)
+            described(self.mission, self._store)
         return self.observation()
 
     def step(
@@ -139,13 +159,18 @@ class Flight(Loop):
         """
         self._require_going_on()
         action = action_of(len(self.mission.vehicle.thrusters.names), wrench, forces, commands)
-        with flying(), collect_warnings() as warnings:
+        with flying(), collect_warnings() as warnings, self._whole():
             self.control(warnings, action)
             self.advance()
         return self.observation()
 
     def observation(self) -> Observation:
-        """The flight as it stands."""
+        """The flight as it stands.
+
+        Raises:
+            FlightError: it is amid a tick.
+        """
+        self._require_whole()
         mission, data = self.mission, self.mission.data
         mujoco.mj_kinematics(mission.model, data)
         state = read_state(mission.vehicle, data)
@@ -178,8 +203,9 @@ class Flight(Loop):
         """The whole flight as it stands, but for the rows that are recorded.
 
         Raises:
-            FlightError: code of the user's own remembers what cannot be pickled.
+            FlightError: code of the user's own remembers what cannot be pickled, or the flight is amid a tick.
         """
+        self._require_whole()
         mission = self.mission
         try:
             changing = (
@@ -190,23 +216,34 @@ class Flight(Loop):
                 (mission.model.numeric_data.copy(), mission.model.opt.wind.copy()),
                 {name: getattr(mission, name) for name in _CHANGING},
             )
-            return Snapshot(self._digest, packed(changing, self._fixed))
+            return Snapshot(self._digests, packed(changing, self._fixed))
         except (PicklingError, TypeError, AttributeError) as error:
             raise FlightError(f"the flight cannot be saved: {error}") from error
 
     def restore(self, snapshot: Snapshot) -> Observation:
         """Go on from a snapshot, of this flight or another of the same scenario.
 
-        Recorded rows stay, unless time goes back: then they are forgotten, and recording starts again.
+        Recorded rows stay, unless time goes back, or the flight was interrupted amid a tick: then they are forgotten,
+        and recording starts again.
 
         Raises:
-            FlightError: the snapshot is that of another scenario.
+            FlightError: this is no snapshot, or that of another scenario, of one with other files or another path.
         """
-        if snapshot.digest != self._digest:
-            raise FlightError("the snapshot belongs to another scenario")
-        loop, watches, allocation, physics, numbers, parts = unpacked(snapshot.content, self._fixed)
+        if not isinstance(snapshot, Snapshot):
+            raise FlightError(f"restore takes a Snapshot, as `snapshot` gives it, not a {type(snapshot).__name__}")
+        if other := [name for name in self._digests if snapshot.digests.get(name) != self._digests[name]]:
+            raise FlightError(f"the snapshot belongs to another scenario: not the same {', '.join(other)}")
+        whole = unpacked(snapshot.content, self._fixed)
+        with self._whole():
+            self._go_on_from(*whole, forget=self._amid or whole[0][0] < self.tick)
+        return self.observation()
+
+    def _go_on_from(
+        self, loop: Any, watches: Watches, allocation: Any, physics: Any, numbers: Any, parts: Any, forget: bool
+    ) -> None:
+        """Stand where a snapshot was taken, which holds these; forget the rows recorded so far, or do not."""
         self._python_until = loop[0]
-        if loop[0] < self.tick:
+        if forget:
             self._store.clear()  # rows are recorded in the order of time
         self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted = loop
         self._watches = watches
@@ -218,7 +255,22 @@ class Flight(Loop):
         set_integration_state(mission.model, mission.data, physics)
         mission.allocator.recall(allocation)
         self.mission = replace(mission, **parts)
-        return self.observation()
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Flight:
+        """Another flight that stands where this one does, its recorded rows among it.
+
+        Raises:
+            FlightError: code of the user's own remembers what cannot be copied, or the flight is amid a tick.
+        """
+        snapshot = self.snapshot()
+        other = Flight(self._loaded)
+        other.restore(snapshot)
+        other._store.take_up(self._store)
+        return other
+
+    def __copy__(self) -> Flight:
+        """As a deep one: two flights share nothing that changes."""
+        return self.__deepcopy__({})
 
     @property
     def _fixed(self) -> dict[str, Any]:

@@ -6,8 +6,9 @@ thruster forces (allocation) -> thruster commands -> one row per channel (record
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sized
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -28,7 +29,7 @@ from cube_sim.mission.fault_response import record_actuation, respond_to_faults
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.spatial import State, Vector
-from cube_sim.uninterrupted import uninterrupted
+from cube_sim.uninterrupted import is_asked_to_end, uninterrupted
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import EarlyEnd
 
@@ -72,6 +73,11 @@ class Loop:
         self._period = mission.scenario.control_period_s
         self._rows, self._python_until, self._at_once = rows_for(mission.channels, 1), 0, FEW_TICKS
         self._engine = engine_of(mission)
+        self._amid = False
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """None: compiled code holds on to what it flies."""
+        raise FlightError("a flight stays in its process: pickle its snapshot, for another Flight of the same scenario")
 
     @property
     def time_s(self) -> float:
@@ -102,7 +108,8 @@ class Loop:
         Raises:
             FlightError: the flight is over, or there is not one tick to fly, or a part of one.
         """
-        if ticks < 1 or ticks % 1 != 0:  # also what is not finite
+        number = isinstance(ticks, int | float | np.integer | np.floating)
+        if not number or ticks < 1 or ticks % 1 != 0:  # also what is not finite
             raise FlightError(f"fly whole ticks, at least one tick, not {ticks}")
         self._require_going_on()
         end = min(self.tick + ticks, self.mission.scenario.ticks)
@@ -120,56 +127,68 @@ class Loop:
             FlightError: the flight is over.
         """
         self._require_going_on()
-        tell = _each_second(told)
+        tell, patient = _each_second(told), not self.mission.codes  # own code may never come to an end
         with flying(), collect_warnings() as warnings:
             # Amid the first second nobody is told: some of its code may have to be loaded yet, or compiled.
             ticks, amid = self._store.ticks_at_once(self.tick, self._period), _nobody
             while not self.over:
-                self._fly_on(warnings, ticks, amid)
+                self._fly_on(warnings, ticks, amid, patient)
                 tell(self.time_s)
                 ticks, amid = self.mission.scenario.ticks - self.tick, tell
-            if not self.ended and (begun := self._fly_compiled(warnings, 1, moving=False)) is not None:
-                self.control(warnings, begun=begun)
+            if not self.ended:
+                with self._whole(patient):
+                    begun, _ = self._fly_compiled(warnings, 1, moving=False)
+                    if begun is not None:
+                        self.control(warnings, begun=begun)
         self.finish()
 
-    def _fly_on(self, warnings: list[str], ticks: int, tell: Callable[[float], None] = _nobody) -> None:
+    def _fly_on(
+        self, warnings: list[str], ticks: int, tell: Callable[[float], None] = _nobody, patient: bool = True
+    ) -> None:
         """Fly as many control periods as compiled code takes at once, one at least unless the flight ends.
 
         Args:
             warnings: where MuJoCo's arrive; they are moved to the log.
             ticks: at most.
             tell: called with the simulated time [s] as ticks are flown.
+            patient: whether what interrupts waits until they are.
         """
-        begun = self._fly_compiled(warnings, ticks, tell=tell)
-        if begun is not None:
-            self.control(warnings, begun=begun)
-            self.advance()
+        with self._whole(patient):
+            begun, interrupted = self._fly_compiled(warnings, ticks, tell=tell)
+            if begun is not None:
+                self.control(warnings, begun=begun)
+                self.advance()
+        if interrupted is not None:
+            raise interrupted
 
     def _fly_compiled(
         self, warnings: list[str], ticks: int, moving: bool = True, tell: Callable[[float], None] = _nobody
-    ) -> Begun | None:
-        """Fly what compiled code can; how far the next tick has come, None where it has all been flown.
+    ) -> tuple[Begun | None, BaseException | None]:
+        """Fly what compiled code can.
 
         Args:
             warnings: of MuJoCo, which Python moves to the log first.
             ticks: at most.
             moving: whether the physics goes on after a tick; if not, there is one tick, and time stands still.
             tell: called with the simulated time [s] as ticks are flown.
+
+        Returns:
+            How far the next tick has come, None where it has all been flown; and what `tell` raised.
         """
         mission, tick = self.mission, self.tick
         most = self._at_once, mission.events.ticks_before(tick, self._period)
         ticks = min(ticks, mission.scenario.ticks - tick + (not moving), *most)
         if warnings or tick < self._python_until or ticks <= 0 or not self._watches.surface.under_water:
-            return NOT_BEGUN
-        with uninterrupted() as interrupts:  # the parts of a mission go on together, with their rows
+            return NOT_BEGUN, None
+        with uninterrupted():  # the parts of a mission go on together, with their rows
             flying = self._applied, self._watches.surface.boxes, moving
             stretch = begin_ticks(mission, self._engine, tick, ticks, *flying)
             if stretch is None:
                 self._python_until = tick + PYTHON_TICKS
-                return NOT_BEGUN
+                return NOT_BEGUN, None
             interrupted: BaseException | None = None
             if self._store.writes and ticks > 1:
-                begun, interrupted = self._fly_and_record(stretch, warnings, tell, interrupts)
+                begun, interrupted = self._fly_and_record(stretch, warnings, tell)
             else:
                 stretch.fly()
                 stretch.finish()
@@ -183,22 +202,19 @@ class Loop:
                 self._break_off(stretch.last_words)
             longer = self._store.writes and stretch.ticks == ticks
             self._at_once = min(2 * self._at_once, MANY_TICKS) if longer else FEW_TICKS
-        if interrupted is not None:
-            raise interrupted
         if stretch.reached == FAILED or (stretch.reached == BEGIN and stretch.ticks):
-            return None
-        return begun
+            return None, interrupted
+        return begun, interrupted
 
     def _fly_and_record(
-        self, stretch: Stretch, warnings: list[str], tell: Callable[[float], None], interrupts: Sized
+        self, stretch: Stretch, warnings: list[str], tell: Callable[[float], None]
     ) -> tuple[Begun, BaseException | None]:
-        """Let a thread fly, and hand each second over while it flies the next.
+        """Let a thread fly, and hand each second over while it flies the next; upon an interrupt it comes to a halt.
 
         Args:
             stretch: that it flies.
             warnings: where MuJoCo's arrive.
             tell: called with the simulated time [s] of what is in the record.
-            interrupts: that are held back; upon the first the flight comes to a halt.
 
         Returns:
             How far the next tick has come; and what `tell` raised, upon which the flight has come to a halt.
@@ -210,7 +226,7 @@ class Loop:
                 if over:
                     stretch.finish()
                 done, begun = self._hand_over(stretch, done, flown, over)
-                if interrupts:
+                if is_asked_to_end():
                     stretch.stop()
                 elif interrupted is None:
                     try:
@@ -246,8 +262,25 @@ class Loop:
                 return done, begun
             self._store.hand_on()
 
+    @contextmanager
+    def _whole(self, patient: bool = True) -> Iterator[None]:
+        """A piece that is flown whole: where something is raised amid it, the flight cannot go on from there.
+
+        Args:
+            patient: whether Ctrl-C waits for its end; a second one does not.
+        """
+        with uninterrupted(twice=True) if patient else nullcontext():
+            self._amid = True
+            yield
+            self._amid = False
+
+    def _require_whole(self) -> None:
+        if self._amid:
+            raise FlightError("the flight was interrupted amid a tick; reset it, or restore a snapshot")
+
     def _require_going_on(self) -> None:
         require_its_own_threads()
+        self._require_whole()
         if self.over:
             raise FlightError(f"the flight is over{f': {self.ended}' if self.ended else ''}; reset it")
 

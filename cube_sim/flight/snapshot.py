@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 
@@ -10,9 +11,9 @@ class Snapshot:
     """A moment of a flight. It can be pickled, and taken up by any flight of the same scenario, to the bit.
 
     Attributes:
-        digest: of the scenario it belongs to, and of the code it names.
+        digests: of what it belongs to, SHA-256 by name: of the scenario, of every file that flies in it, of its path.
         content: what changes in a flight.
     """
 
-    digest: str
+    digests: Mapping[str, str]
     content: bytes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pickle import PicklingError
+from typing import Any
 
 import numpy as np
 
@@ -50,21 +51,50 @@ def described(mission: Mission, store: SignalStore) -> None:
     store.log(0.0, "INFO", way_of_flying(mission.ability))
 
 
-def placed(mission: Mission, state: State) -> None:
-    """Put the vehicle into a state; everything else is as at the beginning.
+def checked_seed(seed: Any) -> int:
+    """A root of random streams, as a scenario has it.
 
     Raises:
-        FlightError: the state is not finite, or its quaternion has no direction.
+        FlightError: it is none.
     """
-    numbers = np.concatenate([state.position, state.quaternion, state.velocity, state.rates])
-    size = float(np.linalg.norm(state.quaternion))
-    if not np.isfinite(numbers).all() or not size > 0.0:
+    if isinstance(seed, int | np.integer) and 0 <= seed < 2**63:
+        return int(seed)
+    raise FlightError(f"seed is {seed!r}; it takes a whole number from 0 to 2^63 - 1")
+
+
+def pose_numbers(state: Any) -> Vector:
+    """Position (3,), quaternion (4,) of length one, velocity (3,) and rates (3,) of a state, (13,).
+
+    Raises:
+        FlightError: it is none, is not finite, or its quaternion has no direction.
+    """
+    parts = []
+    for name, width in (("position", 3), ("quaternion", 4), ("velocity", 3), ("rates", 3)):
+        try:
+            part = np.array(getattr(state, name), dtype=np.float64)
+        except (AttributeError, TypeError, ValueError):
+            raise FlightError(f"state takes a State, whose {name} is {width} numbers, not {state!r:.60}") from None
+        if part.shape != (width,):
+            raise FlightError(f"the state's {name} has shape {part.shape}; it takes {width} numbers")
+        parts.append(part)
+    size = float(np.linalg.norm(parts[1]))
+    if not np.isfinite(np.concatenate(parts)).all() or not size > 0.0:
         raise FlightError("the state must be finite numbers, its quaternion other than zero")
-    quaternion = np.asarray(state.quaternion) / size
+    parts[1] /= size
+    return np.concatenate(parts)
+
+
+def placed(mission: Mission, pose: Vector) -> None:
+    """Put the vehicle into a state; everything else is as at the beginning.
+
+    Args:
+        mission: at its beginning.
+        pose: (13,) of `pose_numbers`.
+    """
     data, at, dof = mission.data, mission.vehicle.qpos_address, mission.vehicle.dof_address
-    data.qpos[at : at + 3], data.qpos[at + 3 : at + 7] = state.position, quaternion
-    data.qvel[dof : dof + 3] = rotation_from_quaternion(quaternion) @ np.asarray(state.velocity)
-    data.qvel[dof + 3 : dof + 6] = state.rates
+    data.qpos[at : at + 7] = pose[:7]
+    data.qvel[dof : dof + 3] = rotation_from_quaternion(pose[3:7]) @ pose[7:10]
+    data.qvel[dof + 3 : dof + 6] = pose[10:]
 
 
 def foreseen_attitude(mission: Mission, state: State) -> Vector:

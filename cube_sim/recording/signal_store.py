@@ -44,6 +44,15 @@ class SignalStore:
         self._time = -np.inf
         self._batch_end = -np.inf
 
+    def take_up(self, other: SignalStore) -> None:
+        """Have recorded what another one has, of the same channels; neither changes what the other has afterwards."""
+        self.clear()
+        for name, buffer in other._buffers.items():
+            self._buffers[name].extend(buffer.rows)
+        self._written = {name: list(rows) for name, rows in other._written.items()}
+        self._log, self._lines = list(other._log), list(other._lines)
+        self._waits, self._time, self._batch_end = other._waits, other._time, other._batch_end
+
     def append(self, channel: str, t: float, *values: ArrayLike) -> None:
         """Record one row.
 
