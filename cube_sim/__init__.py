@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cube_sim.flight import Flight, Observation, Snapshot
     from cube_sim.many_flights import FlightOutcome, fly_many
+    from cube_sim.mission.own.compiled_part import compiled
     from cube_sim.runs.recorded_run import RecordedRun, load_run
     from cube_sim.simulation import Run, fly, run
     from cube_sim.vehicle.loading import load_model
@@ -26,6 +27,7 @@ __all__ = [
     "Run",
     "Snapshot",
     "Vehicle",
+    "compiled",
     "fly",
     "fly_many",
     "install",
@@ -41,6 +43,7 @@ _HOME = {
     "Run": "cube_sim.simulation",
     "Vehicle": "cube_sim.vehicle.vehicle",
     "FlightOutcome": "cube_sim.many_flights",
+    "compiled": "cube_sim.mission.own.compiled_part",
     "fly": "cube_sim.simulation",
     "fly_many": "cube_sim.many_flights",
     "install": "cube_sim.vehicle.plugin.hook",

@@ -63,6 +63,10 @@ def own_pid(text):
     passed(text, "cross-track RMS after convergence", 0.05)
 
 
+def own_pid_compiled(text):
+    passed(text, "cross-track RMS after convergence", 0.05)
+
+
 def own_lqr(text):
     passed(text, "cross-track RMS after convergence", 0.07)
 
@@ -99,6 +103,7 @@ PROMISED = {
         read_a_run,
         allocate_wrenches,
         own_pid,
+        own_pid_compiled,
         own_lqr,
         own_allocator,
         own_path,

@@ -15,6 +15,7 @@ from cube_sim.control.current import observe_current
 from cube_sim.control.disturbance import observe_disturbance
 from cube_sim.control.following import follow
 from cube_sim.control.oscillation_centre import see_centre, watch_centre
+from cube_sim.control.own_law import OwnLawParts
 from cube_sim.control.wanted_attitude import want_attitude
 from cube_sim.guidance.approach import approach_motion
 from cube_sim.guidance.pursuit import pursuit_motion
@@ -83,6 +84,7 @@ class LawParts(NamedTuple):
         balanced: memory of `balance`, moved on.
         centre: memory of `watch_centre`, moved on.
         memory: of `follow`, moved on.
+        own: the law of the user's own that steers in place of cube_sim's; none where that does.
     """
 
     settings: Record
@@ -111,6 +113,7 @@ class LawParts(NamedTuple):
     balanced: Record
     centre: Record
     memory: Record
+    own: OwnLawParts
 
 
 def _want_attitude_of() -> tuple[Any, ...]:

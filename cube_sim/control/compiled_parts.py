@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from cube_sim.control.along_path import MEMORY as SIDE
 from cube_sim.control.along_path import AlongPath
 from cube_sim.control.answering import SETTINGS, WANTING, LawParts, answer
 from cube_sim.control.asked import MEMORY as ASKED
-from cube_sim.control.attitude_mode import DESIRED
+from cube_sim.control.attitude_mode import DESIRED, AttitudeMode
 from cube_sim.control.authority import CAPABILITY
 from cube_sim.control.balancing import BALANCE
 from cube_sim.control.balancing import MEMORY as BALANCED
@@ -24,6 +24,7 @@ from cube_sim.control.look_at import LOOK, LookAt
 from cube_sim.control.look_at import MEMORY as SIGHT
 from cube_sim.control.loops import LOOPS
 from cube_sim.control.oscillation_centre import CENTRE
+from cube_sim.control.own_law import OwnLawParts, no_own_law
 from cube_sim.control.pace import NO_BUDGET, Facets
 from cube_sim.control.wanted_attitude import ALONG_PATH, FIXED, FREE, LOOK_AT
 from cube_sim.guidance.approach import APPROACH, Approach
@@ -31,7 +32,7 @@ from cube_sim.guidance.law import MotionLaw
 from cube_sim.guidance.pursuit import PURSUIT, Pursuit
 from cube_sim.guidance.speed import ConstantSpeed, Parts
 from cube_sim.native.apart import finish
-from cube_sim.spatial import Record, State, Vector
+from cube_sim.spatial import Matrix, Record, State, Vector
 from cube_sim.vehicle.laws.hull_motion import HULL
 
 if TYPE_CHECKING:
@@ -97,6 +98,7 @@ class CompiledParts:
             NEVER_BALANCED if balanced is None else balanced.memory,
             follower.centre,
             follower.memory,
+            no_own_law(),
         )
 
 
@@ -117,20 +119,12 @@ def compiled_parts(
         budget: what they can make.
         dragged: whether turning drags the hull along.
     """
+    settings = np.zeros(1, SETTINGS)
+    wanted = wanted_parts(follower.attitude, approach, follower.capability.effort, settings)
     mode = follower.attitude
-    kind = KINDS.get(type(mode))
-    if kind is None or type(approach) not in (Approach, Pursuit):
-        return None
-    if isinstance(mode, FreeAttitude):
-        if mode.dynamics is not follower.loops.dynamics:
-            return None
-        mode.reckon_with(follower.capability.effort)
-    speed: Parts | None = approach.speed_parts  # type: ignore[attr-defined]
-    if speed is None:
+    if wanted is None or (isinstance(mode, FreeAttitude) and mode.dynamics is not follower.loops.dynamics):
         return None
     observer, flow = follower.observer, follower.current_observer
-    settings = np.zeros(1, SETTINGS)
-    settings["pursuit"] = isinstance(approach, Pursuit)
     settings["dragged"], settings["budgeted"] = dragged, follower.capability.budget is not None
     settings["waits"] = follower.waits and isinstance(approach, Approach)
     settings["least_closing"] = approach.least_closing if isinstance(approach, Approach) else 1.0
@@ -139,26 +133,103 @@ def compiled_parts(
         settings["disturbance_time"] = observer.time
         if flow is not None:
             settings["current_time"], settings["current_damping"] = flow.time, flow.damping
-    settings["kind"] = kind
-    if isinstance(mode, FixedAttitude):
-        settings["attitude"] = mode.quaternion
-    elif isinstance(mode, AlongPath):
-        settings["levelling_time"] = mode.levelling_time
     return CompiledParts(
         settings=settings,
         law=(follower.loops.dynamics.record, loops, left, *budget),
-        speed=speed,
-        approach=approach.record if isinstance(approach, Approach) else np.zeros(1, APPROACH),
-        pursuit=approach.record if isinstance(approach, Pursuit) else np.zeros(1, PURSUIT),
-        mode=(
+        speed=wanted.speed,
+        approach=wanted.approach,
+        pursuit=wanted.pursuit,
+        mode=wanted.mode,
+        disturbance=np.zeros(1, DISTURBANCE) if observer is None else observer.memory,
+        current=np.zeros(3) if flow is None else flow.estimate,
+    )
+
+
+class WantedParts(NamedTuple):
+    """Motion law and attitude mode, as compiled laws read them.
+
+    Attributes:
+        speed: of the profile.
+        approach: record `APPROACH`.
+        pursuit: record `PURSUIT`.
+        mode: numbers of the attitudes that `LookAt` and `FreeAttitude` ask for; memories of those and of `AlongPath`.
+    """
+
+    speed: Parts
+    approach: Record
+    pursuit: Record
+    mode: tuple[Record, Record, Record, Record, Record]
+
+
+def wanted_parts(mode: AttitudeMode, approach: MotionLaw, effort: Matrix, settings: Record) -> WantedParts | None:
+    """What says which motion and attitude are wanted; None where that is not of a kind that compiled laws read.
+
+    Args:
+        mode: whose memories they share.
+        approach: the motion law.
+        effort: Q (6,6) of the thrusters that work.
+        settings: record `SETTINGS`, told of both.
+    """
+    kind = KINDS.get(type(mode))
+    if kind is None or type(approach) not in (Approach, Pursuit):
+        return None
+    speed: Parts | None = approach.speed_parts  # type: ignore[attr-defined]
+    if speed is None:
+        return None
+    settings["pursuit"], settings["kind"] = isinstance(approach, Pursuit), kind
+    if isinstance(mode, FreeAttitude):
+        mode.reckon_with(effort)
+    elif isinstance(mode, FixedAttitude):
+        settings["attitude"] = mode.quaternion
+    elif isinstance(mode, AlongPath):
+        settings["levelling_time"] = mode.levelling_time
+    return WantedParts(
+        speed,
+        approach.record if isinstance(approach, Approach) else np.zeros(1, APPROACH),
+        approach.record if isinstance(approach, Pursuit) else np.zeros(1, PURSUIT),
+        (
             mode.parameters if isinstance(mode, LookAt) else np.zeros(1, LOOK),
             mode.parameters if isinstance(mode, FreeAttitude) else np.zeros(1, EFFORT),
             mode.memory if isinstance(mode, AlongPath) else np.zeros(1, SIDE),
             mode.memory if isinstance(mode, LookAt) else np.zeros(1, SIGHT),
             mode.memory if isinstance(mode, FreeAttitude) else np.zeros(1, REST),
         ),
-        disturbance=np.zeros(1, DISTURBANCE) if observer is None else observer.memory,
-        current=np.zeros(3) if flow is None else flow.estimate,
+    )
+
+
+def own_law_parts(
+    own: OwnLawParts, mode: AttitudeMode, approach: MotionLaw, effort: Matrix, memory: Record
+) -> LawParts | None:
+    """The parts of a law of the user's own; None where motion or attitude are not of a kind that compiled laws read.
+
+    Args:
+        own: the law.
+        mode: the attitude it is told, whose memories they share.
+        approach: the motion law it is told.
+        effort: Q (6,6) of the thrusters that work.
+        memory: record of `cube_sim.control.asked.MEMORY`.
+    """
+    rest, settings = resting_law(), np.zeros(1, SETTINGS)
+    wanted = wanted_parts(mode, approach, effort, settings)
+    if wanted is None:
+        return None
+    looking, least, side, sight, still = wanted.mode
+    profile, nodes, square = wanted.speed
+    return rest._replace(
+        settings=settings,
+        hull=mode.dynamics.record if isinstance(mode, FreeAttitude) else rest.hull,
+        profile=profile,
+        nodes=nodes,
+        square=square,
+        approach=wanted.approach,
+        pursuit=wanted.pursuit,
+        looking=looking,
+        effort=least,
+        side=side,
+        sight=sight,
+        rest=still,
+        memory=memory,
+        own=own,
     )
 
 
@@ -171,7 +242,17 @@ def resting_law() -> LawParts:
 
     told, speed = zero(SETTINGS, HULL, LOOPS, CAPABILITY), ConstantSpeed(1.0).parts
     motion, modes = zero(APPROACH, PURSUIT, BALANCE), zero(LOOK, EFFORT, SIDE, SIGHT, REST, DISTURBANCE)
-    parts = *told, *NO_BUDGET, *speed, *motion, *NO_BUDGET, *modes, np.zeros(3), *zero(BALANCED, CENTRE, ASKED)
+    parts = (
+        *told,
+        *NO_BUDGET,
+        *speed,
+        *motion,
+        *NO_BUDGET,
+        *modes,
+        np.zeros(3),
+        *zero(BALANCED, CENTRE, ASKED),
+        no_own_law(),
+    )
     return LawParts._make(parts)
 
 

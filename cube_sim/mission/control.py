@@ -24,7 +24,8 @@ from cube_sim.mission.guidance import guidance_of
 from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.own.code import NO_CODES, Codes
-from cube_sim.mission.own.law import LawSetup, own_controller
+from cube_sim.mission.own.controller import own_controller
+from cube_sim.mission.own.law import LawSetup
 from cube_sim.mission.own.parts import PartSetup, own_attitude, own_motion
 from cube_sim.mission.path import is_level
 from cube_sim.mission.planar import planar_follower

@@ -25,6 +25,7 @@ from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.navigation import StateEstimation, read_truth
 from cube_sim.mission.own.code import Codes, codes_of, refused
+from cube_sim.mission.own.compiled_law import CompiledLaw
 from cube_sim.mission.own.sensor import own_sensors
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
@@ -81,6 +82,8 @@ class Mission:
         fixed = {name: getattr(self, name) for name in ("scenario", "model", "data", "vehicle", "path", "ability")}
         sensors = self.estimation.own if self.estimation is not None else ()
         fixed |= {f"sensor {sensor.name}": sensor for sensor in sensors}
+        if isinstance(self.controller, CompiledLaw):
+            fixed["compiled law"] = self.controller.function
         return fixed | {f"code {key}": code for key, code in self.codes.items()}
 
     def too_fast(self, left: Capability) -> str | None:

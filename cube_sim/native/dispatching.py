@@ -29,7 +29,10 @@ def dispatcher_of(function: Callable[..., Any], options: dict[str, Any], stamp: 
         options: how.
         stamp: what it is made from besides its own file, which numba looks at itself.
     """
-    dispatcher = numba.njit(cache=True, pipeline_class=LendingCompiler, **options)(function)
+    try:
+        dispatcher = numba.njit(cache=True, pipeline_class=LendingCompiler, **options)(function)
+    except RuntimeError:  # no file, and so no place beside it
+        dispatcher = numba.njit(pipeline_class=LendingCompiler, **options)(function)
     file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if file is not None:  # numba has no public way to say what a cached function depends on
         _depend_on(file, stamp)

@@ -36,6 +36,8 @@ def kinds_of(arguments: tuple[Any, ...]) -> Kind:
         cls = type(each)
         if cls is np.ndarray:
             kinds += each.dtype, each.ndim, each.flags.num & _SEEN
+        elif cls is np.void:  # one of a structured array
+            kinds += each.dtype, "record", _SEEN
         elif cls in _NAMES:
             kinds.append(_NAMES[cls])
             if cls is int and not -_LARGEST <= each < _LARGEST:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.both_loops import assert_same_flight
 from support.places import HELIX, SCENARIO_FILES, SCENARIOS
 
 from cube_sim.flight import Flight, loop
@@ -17,34 +18,6 @@ COMPILED |= {"cube_navigated", "cube_survival", "cube_track", "jack_exact", "rov
 COMPILED |= {"infante_circle", "infante_circle_current", "infante_line", "infante_line_current", "infante_sinusoid"}
 COMPILED |= {"infante_spline", "jack_compensation", "jack_contraction", "torpedo_line"}
 """Scenarios whose ticks are nearly all of them flown by compiled code."""
-
-
-def flown(scenario, settings, compiled, monkeypatch):
-    """A flight to its end, its signals and sentences, and how many of its ticks compiled code flew."""
-    one, ticks, take_over = Flight(scenario, settings), [0], loop.take_over
-
-    def counted(done, *others):
-        ticks[0] += done.ticks
-        return take_over(done, *others)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(loop, "take_over", counted)
-        if not compiled:
-            patch.setattr(loop, "begin_ticks", lambda *_: None)
-        one.fly_to_its_end()
-    return one, ticks[0]
-
-
-def assert_same_flight(scenario, settings, monkeypatch):
-    """Both loops do the same; the share of ticks that compiled code flew."""
-    (a, compiled), (b, none) = (flown(scenario, settings, how, monkeypatch) for how in (True, False))
-    assert none == 0
-    assert a.tick == b.tick
-    assert a.ended == b.ended
-    assert a.log == b.log
-    for name, rows in a.signals.items():
-        assert rows.tobytes() == b.signals[name].tobytes(), name
-    return compiled / a.tick
 
 
 @pytest.mark.flight

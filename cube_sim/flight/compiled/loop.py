@@ -178,7 +178,9 @@ def fly(
         out, wanted = followed[0], desired[0].quaternion
         if not isfinite((out.wrench**2).sum() + (wanted**2).sum() + (view[0].error ** 2).sum()):
             return k, ESTIMATED
-        if answering.yields:
+        if law.own.in_parts:
+            put(secondary, law.own.secondary)
+        elif answering.yields:
             yield_attitude(answering.coupling, out.wrench, secondary)
         asked, residual, cost, status = allocate_responsive(
             codes[3], thrusters, out.wrench, secondary, force_ratio, parts,

@@ -1,4 +1,4 @@
-"""What the compiled loop is steered by: one of the two laws, and the other one at rest."""
+"""What the compiled loop is steered by: one of the two laws, or one of the user's own, and the others at rest."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cube_sim.control.answering import LawParts
+from cube_sim.control.answering_by_own import answer_by_own
 from cube_sim.control.compiled_parts import attitude_address, resting_law
 from cube_sim.control.controller import Controller
 from cube_sim.control.path_follower import PathFollower
@@ -17,6 +18,7 @@ from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode
 from cube_sim.control.shortage import SHORTAGE
 from cube_sim.flight.compiled.callees import ANSWERING, STEERING
 from cube_sim.guidance.law import Target
+from cube_sim.mission.own.compiled_law import CompiledLaw
 from cube_sim.native.apart import finish
 from cube_sim.spatial import Matrix, Record
 
@@ -51,10 +53,13 @@ class Steering(NamedTuple):
     @classmethod
     def of(cls, controller: Controller) -> Steering | None:
         """None where only Python flies a controller, or where it has something to say at the coming tick."""
+        never_lost, nothing_short = LossOfTargetMonitor(SafeMode()).memory, np.zeros(1, SHORTAGE)
         if type(controller) is PlanarFollower:
-            never_lost, nothing_short = LossOfTargetMonitor(SafeMode()).memory, np.zeros(1, SHORTAGE)
             told = controller.target, never_lost, nothing_short, False, np.zeros((3, 3)), False
             return cls(True, resting_law(), controller.parts, *told, float(controller.authority))
+        if type(controller) is CompiledLaw and (own := controller.parts) is not None:
+            told = controller.target, never_lost, nothing_short, False, np.zeros((3, 3)), own.own.in_parts
+            return cls(False, own, resting_planar_law(), *told, float(controller.capability.authority))
         if type(controller) is not PathFollower or (parts := controller.ready) is None:
             return None
         left = controller.capability
@@ -65,7 +70,9 @@ class Steering(NamedTuple):
     @property
     def addresses(self) -> tuple[int, int, int]:
         """Where the code of either law lies, and of `want_attitude`; what is at rest is not asked for, nor compiled."""
-        return (0, planar_law_address(), 0) if self.in_plane else (law_address(), 0, attitude_address())
+        if self.in_plane:
+            return 0, planar_law_address(), 0
+        return own_law_address() if self.law.own.code else law_address(), 0, attitude_address()
 
 
 LAW = f"{__name__}:law_address"
@@ -84,3 +91,9 @@ def law_address() -> int:
 def planar_law_address() -> int:
     """Where the code of the planar law lies; it is compiled only for those who fly by it."""
     return STEERING.address()
+
+
+@cache
+def own_law_address() -> int:
+    """Where the code lies that asks a law of the user's own; it is compiled only for those who fly by one."""
+    return ANSWERING.address(answer_by_own)
