@@ -80,6 +80,15 @@ def own_path(text):
     passed(text, "max of path_error.cross_track", 0.1)
 
 
+def own_attitude(text):
+    passed(text, "max of path_error.cross_track", 0.05)
+    assert all(float(off) < 5.0 for off in re.findall(r"(\S+) deg off the current", text))
+
+
+def own_guidance(text):
+    passed(text, "rms of path_error.cross_track", 0.1)
+
+
 def own_range(text):
     without, held = (float(number) for number in re.findall(r"off by (\S+) m RMS", text))
     assert held < 0.1 < 0.5 < without
@@ -107,6 +116,8 @@ PROMISED = {
         own_lqr,
         own_allocator,
         own_path,
+        own_attitude,
+        own_guidance,
         own_range,
         train_a_law,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from math import isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -197,11 +198,12 @@ def ask(own, asked, view, desired, followed, R, q, v, w, velocity_W, acceleratio
             state = NO_SIX
         else:
             put(out.wrench, wrench)
-    if state == ANSWERED and not np.isfinite(out.wrench.sum() + own.secondary.sum()):
+    if state == ANSWERED and not isfinite(out.wrench.sum() + own.secondary.sum()):
         state = NOT_FINITE
     if state != ANSWERED:
         put(own.words, own.kept)
-        out.wrench[:] = np.nan
+        for i in range(6):
+            out.wrench[i] = nan
         return state
     own.ticks[0] += 1
     force = to_world(R, (out.wrench[0], out.wrench[1], out.wrench[2]))

@@ -52,9 +52,9 @@ def in_parts(setup):
 
 
 def first_the_way(aim, p, m):
-    wrench = p.M @ (2.0 * np.clip(aim.error, -0.5, 0.5) + 3.0 * aim.velocity_error)
+    wrench = p.M @ (0.2 * np.clip(aim.error, -0.5, 0.5) + 0.3 * aim.velocity_error)
     turning = np.zeros(6)
-    turning[3:] = 30.0 * wrench[3:]
+    turning[3:] = 1000.0 * wrench[3:]
     wrench[3:] = 0.0
     return wrench, turning
 

@@ -286,9 +286,10 @@ def test_a_whole_controller_decides():
         cube_sim.Flight(HELIX, SHORT, controller=NoController)
 
 
-def test_the_law_in_the_documentation_is_the_example():
-    (shown,) = re.findall(r"^```python\n(def pid.*?)```$", (REPO / "docs" / "extending.md").read_text(), re.M | re.S)
-    assert shown in (REPO / "examples" / "own_pid.py").read_text()
+def test_the_laws_in_the_documentation_are_the_examples():
+    told = re.findall(r"^```python\n(def pid.*?)```$", (REPO / "docs" / "extending.md").read_text(), re.M | re.S)
+    for shown, name in zip(told, ("own_pid", "own_pid_compiled"), strict=True):
+        assert shown in (REPO / "examples" / f"{name}.py").read_text()
 
 
 def test_what_a_program_hands_over_is_refused_in_one_line():

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.both_loops import assert_same_flight
 from support.command_line import call
+from support.flights import thruster_event
 from support.own_code import scenario_with
 from support.places import HELIX
 
@@ -132,3 +134,19 @@ def test_a_path_that_fails_in_flight_ends_it():
     with pytest.raises(OwnCodeError, match=r"path: test_own_path.py:\d+: RuntimeError: lost at 0"):
         flight.step()
     assert flight.ended.startswith("path: test_own_path.py:")
+
+
+def trefoil(size=1.0):
+    """A knot that closes."""
+
+    def derivative(u):
+        return size * np.stack([np.cos(u) + 4 * np.cos(2 * u), 4 * np.sin(2 * u) - np.sin(u), -3 * np.cos(3 * u)], 1)
+
+    return tabulate([0, -size, -8], [Piece(derivative, 2.0 * np.pi)], closed=True)
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(("path", "more"), [(wave, {}), (trefoil, {"path.laps": 1}), (trefoil(0.5), {"path.laps": 2})])
+def test_both_loops_follow_a_table_the_same(path, more, monkeypatch):
+    settings = {**SHORT, "duration_s": 6.0, "events": [thruster_event(3.0, ["T3"])], **more}
+    assert assert_same_flight(HELIX, settings, monkeypatch, path=path) > 0.8

@@ -10,6 +10,7 @@ import numpy as np
 
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path, PathPoint
+from cube_sim.guidance.tabulated import TabulatedPath
 from cube_sim.mission.own.code import OwnCode, made, numbers_of, refused
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.check_blocks import PathEndCheckBlock
@@ -76,8 +77,11 @@ def own_path(loaded: Loaded, code: OwnCode, block: PythonPathBlock) -> Path:
     """
     with refused(loaded):
         ready = hasattr(code.make, "at") and not isclass(code.make)
-        path = OwnPath(code, code.make if ready else made(loaded, code))
+        given: Any = code.make if ready else made(loaded, code)
+        path: Path = OwnPath(code, given)
         _require_frames(code, path)
+        if type(given) is TabulatedPath:
+            path = given  # it asks no code of the user's any more
     if block.laps is not None and not path.closed:
         raise ScenarioError([loaded.mistake("path.laps", "an open path has no laps")])
     if block.laps is None and path.closed:
@@ -88,7 +92,7 @@ def own_path(loaded: Loaded, code: OwnCode, block: PythonPathBlock) -> Path:
     return path
 
 
-def _require_frames(code: OwnCode, path: OwnPath) -> None:
+def _require_frames(code: OwnCode, path: Path) -> None:
     """Look at the path all along: frames are rotations, and their first axes point along it."""
     h = STEP * path.length
     for s in np.linspace(0.0, path.length, STATIONS).tolist():
