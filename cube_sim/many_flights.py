@@ -7,24 +7,21 @@ import threading
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
-from math import nan
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cube_sim.checks import evaluate
+from cube_sim.asked_store import AskedStore
 from cube_sim.errors import ScenarioError
 from cube_sim.flight import Loop, prepared
+from cube_sim.flight_statistics import Signals
+from cube_sim.judged_store import JudgedRows
+from cube_sim.mission.navigation import channels_of
 from cube_sim.mission.own.given import AnyScenario, loaded_with
-from cube_sim.recording.channels import units_of
-from cube_sim.recording.signal_store import SignalStore
+from cube_sim.recording.channels import SUPPLY, channel_table
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
+from cube_sim.scenario.python_block import python_blocks
 from cube_sim.vehicle.plugin.hook import install
 from cube_sim.verdict import CheckResult, EarlyEnd, Verdict, overall
-
-Signals = Mapping[str, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -39,7 +36,7 @@ class FlightOutcome:
         ended_early: when and why it ended before its time; None if it did not.
         log: what was said at the level WARNING or above, in the order of time.
         statistics: of the whole flight, see `statistics_of`.
-        signals: those asked for, "channel.field" -> (n, 1 + width), column 0 the time [s].
+        signals: those asked for that it records, "channel.field" -> (n, 1 + width), column 0 the time [s].
     """
 
     variation: Mapping[str, Any]
@@ -62,15 +59,19 @@ def fly_many(
 ) -> list[FlightOutcome]:
     """Fly a scenario once for each variation of it, to the bit as each would be flown alone.
 
-    Nothing is written. Loops that compiled code flies run beside each other; what takes Python (own code in a
-    scenario, thruster faults at the moment they are found) waits for its turn.
+    Nothing is written, and but for the signals asked for no rows are kept. Loops that compiled code flies run beside
+    each other. What takes Python now and then (thruster faults at the moment they are found) waits for its turn.
+    Flights with code of the user's own in them take Python at every tick: on threads they would only be in each other's
+    way, so they are flown one at a time, beside the others.
 
     Args:
         scenario: a file, what would stand in one, or a loaded one.
         variations: dotted path -> value in place of the scenario's, one mapping for each flight, e.g.
             ``[{"seed": k} for k in range(1000)]``.
-        threads: how many flights at a time; as many as there are processors unless told.
-        signals: names of the signals to keep, e.g. ``["pose.position"]``.
+        threads: how many flights at a time, own code or not; unless told, as many as there are processors, those with
+            own code one at a time.
+        signals: names of the signals to keep, e.g. ``["pose.position"]``. A flight that does not record one, as one
+            without a battery has no voltage, says so in its log.
         confirm: whether ProxQP confirms every answer of the search where the scenario says so. It changes no bit of
             a flight, and takes Python at every tick.
 
@@ -80,7 +81,7 @@ def fly_many(
     Raises:
         ScenarioError: a variation cannot be flown; which one it is stands first. None is flown then whose mistake
             shows in the scenario itself.
-        ValueError: threads below 1, or a signal that is not recorded.
+        ValueError: threads below 1, or a signal that no variation records; nothing is flown then.
     """
     if threads is not None and threads < 1:
         raise ValueError(f"threads is {threads}; at least one flies")
@@ -88,11 +89,16 @@ def fly_many(
         raise ValueError(f"signals takes a list of names, not {signals!r}")
     varied = [_checked(index, variation) for index, variation in enumerate(variations)]
     loaded = [_loaded(scenario, index, variation, confirm) for index, variation in enumerate(varied)]
+    _require_possible(signals, loaded)
     install()
     stop = threading.Event()
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        pairs = enumerate(zip(loaded, varied, strict=True))
-        asked = [pool.submit(_outcome, index, *pair, signals, stop) for index, pair in pairs]
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool, ThreadPoolExecutor(1) as turn:
+        asked = [
+            (turn if threads is None and _flies_in_python(one) else pool).submit(
+                _outcome, index, one, variation, signals, stop
+            )
+            for index, (one, variation) in enumerate(zip(loaded, varied, strict=True))
+        ]
         try:
             wait(asked, return_when=FIRST_EXCEPTION)
             for each in asked:
@@ -101,54 +107,8 @@ def fly_many(
             return [each.result() for each in asked]
         finally:
             stop.set()  # whoever is in the air when one fails, or on Ctrl-C, lands within a simulated second or ten
-            pool.shutdown(wait=False, cancel_futures=True)
-
-
-def statistics_of(signals: Signals) -> dict[str, float]:
-    """A flight in numbers, from its recorded signals; NaN where nothing was recorded.
-
-    Returns:
-        "cross_track_rms_m", "cross_track_max_m": distance across the path; at a point, the one along comes on top;
-        "attitude_error_rms_rad", "attitude_error_max_rad": between desired and actual attitude;
-        "speed_mean_m_s": over ground;
-        "travelled_m": arc length that the target has run;
-        "energy_J": drawn by the thrusters; NaN where the model does not state it;
-        "residual_max_N": of the allocation;
-        "thrusters_lost": believed dead or stuck at the end.
-    """
-
-    def column(name: str) -> NDArray[np.float64]:
-        return signals[name][:, 1:]
-
-    if not len(signals["pose.position"]):
-        return dict.fromkeys(_STATISTICS, nan)
-    cross_track, off = column("path_error.cross_track"), column("path_error.attitude")
-    arc_length = column("target.arc_length")
-    values = (
-        _rms(cross_track),
-        cross_track.max(),
-        _rms(off),
-        off.max(),
-        np.linalg.norm(column("velocity.linear"), axis=1).mean(),
-        arc_length[-1, 0] - arc_length[0, 0],
-        column("power.energy")[-1, 0] if "power.energy" in signals else nan,
-        column("allocation.residual").max(),
-        np.count_nonzero(column("health.believed")[-1] == 0.0),
-    )
-    return {name: float(value) for name, value in zip(_STATISTICS, values, strict=True)}
-
-
-_STATISTICS = (
-    "cross_track_rms_m",
-    "cross_track_max_m",
-    "attitude_error_rms_rad",
-    "attitude_error_max_rad",
-    "speed_mean_m_s",
-    "travelled_m",
-    "energy_J",
-    "residual_max_N",
-    "thrusters_lost",
-)
+            for each_pool in (pool, turn):
+                each_pool.shutdown(wait=False, cancel_futures=True)
 
 
 class _StoppedError(Exception):
@@ -159,10 +119,6 @@ def _checked(index: int, variation: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(variation, Mapping):
         raise ValueError(f"variation {index} is {variation!r}; give a mapping of dotted paths to values")
     return dict(variation)
-
-
-def _rms(values: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _loaded(scenario: AnyScenario, index: int, variation: dict[str, Any], confirm: bool) -> Loaded:
@@ -192,15 +148,14 @@ def _outcome(
     except ScenarioError as error:
         raise _named(index, error) from None
     known = [f"{channel.name}.{field.name}" for channel in mission.channels for field in channel.fields]
-    unknown = [name for name in wanted if name not in known]
-    if unknown:
-        raise ValueError(f"no signal {unknown[0]!r}; there are {', '.join(known)}")
-    scenario, store = mission.scenario, SignalStore(mission.channels)
+    judge = JudgedRows(mission.channels, mission.scenario.checks)
+    store = AskedStore(mission.channels, judge, [name for name in wanted if name in known])
     flight = Loop(mission, store)
+    if missing := [name for name in wanted if name not in known]:
+        store.log(0.0, "WARNING", f"this flight does not record {', '.join(missing)}")
     flight.fly_to_its_end(told)
-    recorded = store.signals
-    units = units_of(mission.channels)
-    results = evaluate(scenario.checks, recorded, duration_s=scenario.duration_s, units=units)
+    store.settle()
+    results = judge.results(mission.scenario.duration_s)
     return FlightOutcome(
         variation=variation,
         verdict=overall(results, complete=not flight.ended),
@@ -208,9 +163,30 @@ def _outcome(
         simulated_s=flight.time_s,
         ended_early=flight.ended_early,
         log=store.warnings,
-        statistics=statistics_of(recorded),
-        signals={name: recorded[name] for name in wanted},
+        statistics=store.statistics.results(),
+        signals=store.signals,
     )
+
+
+def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
+    """Refuse a signal that none of the scenarios records, whatever its vehicle.
+
+    Raises:
+        ValueError: with the names there are.
+    """
+    channels = channel_table(("T1",), 1, (), (), SUPPLY)
+    known = dict.fromkeys(f"{channel.name}.{field.name}" for channel in channels for field in channel.fields)
+    for one in loaded:
+        sensed = channels_of(one.scenario.navigation)
+        known |= dict.fromkeys(f"{channel.name}.{field.name}" for channel in sensed for field in channel.fields)
+    unknown = [name for name in wanted if name not in known]
+    if unknown and loaded:
+        raise ValueError(f"no signal {unknown[0]!r}; there are {', '.join(known)}")
+
+
+def _flies_in_python(loaded: Loaded) -> bool:
+    """Whether there is code of the user's own in a scenario."""
+    return any(True for _ in python_blocks(loaded.scenario))
 
 
 def _named(index: int, error: ScenarioError) -> ScenarioError:

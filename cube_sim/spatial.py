@@ -6,7 +6,7 @@ Quaternions are wxyz, unit, body to world.
 from __future__ import annotations
 
 from math import atan2, cos, sin, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,20 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Record = NDArray[np.void]
 """A structured array of one element: named numbers, as compiled functions take them."""
+
+
+LARGEST = 1e30
+"""No number from outside may be larger: the fourth powers of such are still numbers."""
+
+
+def real_numbers(thing: Any) -> Vector | None:
+    """A copy of what is real numbers, as float64; None for what is not: text that reads like one, complex numbers."""
+    try:
+        array = np.asarray(thing)
+        strange = array.dtype.kind not in "biufO" or any(isinstance(each, str | bytes) for each in array.flat)
+        return None if strange else np.array(array, dtype=np.float64)
+    except Exception:  # whatever an object says that is no array
+        return None
 
 
 class State(NamedTuple):

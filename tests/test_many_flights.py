@@ -9,12 +9,14 @@ import time
 
 import numpy as np
 import pytest
+from support.own_code import scenario_with
 from support.places import HELIX, SCENARIOS
 
 import cube_sim
+from cube_sim import many_flights
 from cube_sim.errors import ScenarioError
 from cube_sim.flight import Flight
-from cube_sim.many_flights import statistics_of
+from cube_sim.flight_statistics import statistics_of
 
 CHECKS = [{"kind": "allowed_forces"}]
 LOST = {"kind": "thrusters", "at_s": 2.0, "thrusters": ["T3"], "state": "dead"}
@@ -135,3 +137,69 @@ def test_one_that_fails_brings_the_others_down():
 
 def test_none_are_none():
     assert cube_sim.fly_many(HELIX, []) == []
+
+
+@pytest.mark.flight
+def test_a_signal_that_one_flight_does_not_record_costs_nobody_his_outcome():
+    short = {"duration_s": 1.0, "checks": CHECKS}
+    names = ["sensor_dvl.innovation", "pose.position"]
+    estimated, known = cube_sim.fly_many(HELIX, [{**short, "navigation": {}}, short], signals=names)
+    assert set(estimated.signals) == set(names)
+    assert set(known.signals) == {"pose.position"}
+    assert known.log[0].text == "this flight does not record sensor_dvl.innovation"
+    assert not [line for line in estimated.log if "record" in line.text]
+    assert known.verdict == "PASS"
+    with pytest.raises(ValueError, match=r"no signal 'pose\.pos'; there are "):
+        cube_sim.fly_many(HELIX, [short], signals=["pose.pos"])
+
+
+@pytest.mark.flight
+def test_of_a_long_flight_what_was_asked_for_is_kept_alone(monkeypatch):
+    stores = []
+
+    class Watched(many_flights.AskedStore):
+        def __init__(self, *given):
+            super().__init__(*given)
+            stores.append(self)
+
+    monkeypatch.setattr(many_flights, "AskedStore", Watched)
+    (outcome,) = cube_sim.fly_many(HELIX, [{"duration_s": 90.0, "checks": CHECKS}], signals=["pose.position"])
+    assert len(outcome.signals["pose.position"]) == 4501
+    assert outcome.statistics == statistics_of(alone(HELIX, {"duration_s": 90.0}).signals)
+    (store,) = stores
+    held = sum(rows.nbytes for parts in store._written.values() for rows in parts)
+    held += sum(len(buffer) for buffer in store._buffers.values())
+    assert held == 0
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(("threads", "most"), [(None, 1), (3, 3)])
+def test_flights_of_own_code_take_turns_unless_told_otherwise(tmp_path, threads, most):
+    """Three laws meet at a barrier, or never do."""
+    source = """
+    import threading, time
+    inside, most, lock = [], [], threading.Lock()
+    meeting = threading.Barrier(3)
+
+    def make(setup, wait=False):
+        def law(aim):
+            if aim.time == 0.1 and wait:
+                meeting.wait(60)
+            with lock:
+                inside.append(1)
+                most.append(len(inside))
+            time.sleep(0.001)
+            with lock:
+                inside.pop()
+            return [0.0] * 6
+        return law
+    """
+    path = scenario_with(tmp_path, source)
+    law = {"python": "own.py:make", "options": {"wait": most > 1}}
+    varied = [{"control.law": law, "seed": seed} for seed in range(3)]
+    outcomes = cube_sim.fly_many(path, [*varied, {"seed": 3}], threads=threads)
+    assert [outcome.ended_early for outcome in outcomes] == [None] * 4
+    (own,) = [
+        module for name, module in sys.modules.items() if getattr(module, "__file__", "") == str(tmp_path / "own.py")
+    ]
+    assert max(own.most) <= most

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import FlightError
-from cube_sim.spatial import Vector
+from cube_sim.spatial import LARGEST, Vector, real_numbers
 
 
 class Action(NamedTuple):
@@ -46,12 +46,13 @@ def action_of(thrusters: int, wrench: ArrayLike | None, forces: ArrayLike | None
 def _numbers(name: str, value: ArrayLike | None, count: int) -> Vector | None:
     if value is None:
         return None
-    try:
-        numbers = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise FlightError(f"{name} takes {count} numbers, not {value!r}") from None
+    numbers = real_numbers(value)
+    if numbers is None:
+        raise FlightError(f"{name} takes {count} numbers, not {value!r}")
     if numbers.shape != (count,):
         raise FlightError(f"{name} has shape {numbers.shape}; it takes {count} numbers")
     if not np.isfinite(numbers).all():
         raise FlightError(f"{name} is {numbers.tolist()}; every number must be finite")
+    if np.abs(numbers).max() > LARGEST:
+        raise FlightError(f"{name} is {numbers.tolist()}; no number may be larger than {LARGEST:g}")
     return numbers

@@ -190,3 +190,13 @@ def test_what_makes_no_sense_leaves_a_flight_where_it_is():
         with pytest.raises(FlightError, match="fly whole ticks"):
             flight.fly(ticks)
     assert flight.tick == 3
+
+
+@pytest.mark.flight
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("wrench", [np.full(6, 1e300), ["1"] * 6, np.zeros(6, complex)])
+def test_a_wrench_out_of_this_world_is_refused(wrench):
+    flight = Flight(HELIX, SHORT)
+    with pytest.raises(FlightError, match="wrench"):
+        flight.step(wrench=wrench)
+    assert not flight.step(wrench=np.full(6, 1e30)).ended

@@ -22,7 +22,7 @@ import cube_sim
 from cube_sim.control.controller import Decision
 from cube_sim.errors import FlightError, ScenarioError
 from cube_sim.mission.own.code import source_file
-from cube_sim.mission.own.given import options_of
+from cube_sim.mission.own.given import loaded_with, options_of
 from cube_sim.mission.own.law import rotation_between
 from cube_sim.recording.mcap.reader import read_contents
 from cube_sim.recording.reading import read_recording
@@ -336,3 +336,35 @@ def test_what_is_loaded_or_compiled_at_first_does_not_count_as_slow(tmp_path):
     path = scenario_with(tmp_path, "")
     flown = cube_sim.fly(path, {"duration_s": 3.0}, controller=slow_to_begin, out=tmp_path / "run", record="none")
     assert flown.real_time_factor > 1.0
+
+
+@pytest.mark.parametrize(
+    "override", [{"control.law": {"options": {"kp": 3.0}}}, {"control": {"law": {"options": {"kp": 3.0}}}}]
+)
+def test_options_beside_what_a_program_hands_over(override):
+    assert loaded_with(HELIX, override, controller=pid).scenario.control.law.options == {"kp": 3.0}
+
+
+def test_no_other_law_beside_the_one_a_program_hands_over():
+    with pytest.raises(ScenarioError, match=r"override control\.law: a program hands over what stands there"):
+        loaded_with(HELIX, {"control.law": {"python": "x.py:y"}}, controller=pid)
+    with pytest.raises(ScenarioError, match=r"override control\.law: a program hands over"):
+        loaded_with(HELIX, {"control.law": "planar_lapierre_2007"}, controller=pid)
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ("np.zeros(6, complex)", "it takes 6 numbers"),
+        ("['1'] * 6", "it takes 6 numbers"),
+        ("np.array(['1'] * 6, object)", "it takes 6 numbers"),
+        ("np.full(6, 1e300)", r"no number may be larger than 1e\+30"),
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_what_is_no_number_is_not_made_one(tmp_path, answer, said):
+    path = scenario_with(
+        tmp_path, f"import numpy as np\ndef make(setup):\n    return lambda aim: {answer}\n", control=LAW
+    )
+    with pytest.raises(ScenarioError, match=said):
+        cube_sim.Flight(path)

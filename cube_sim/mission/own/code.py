@@ -23,7 +23,7 @@ from cube_sim.errors import OwnCodeError, ScenarioError
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.file_names import code_place
 from cube_sim.scenario.python_block import PythonBlock, python_blocks
-from cube_sim.spatial import Vector
+from cube_sim.spatial import LARGEST, Vector, real_numbers
 
 PREFIX = "cube_sim_own_"
 """Of the modules that files become."""
@@ -172,15 +172,16 @@ def numbers_of(code: OwnCode, answer: Any, shape: tuple[int, ...], what: str) ->
     wanted = (
         f"{' x '.join(map(str, shape))} numbers" if shape not in ((), (1,)) else "a number" if not shape else "1 number"
     )
-    try:
-        numbers = np.array(answer, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise code.refuse(f"answers {what} {answer!r:.60}; it takes {wanted}") from None
+    numbers = real_numbers(answer)
+    if numbers is None:
+        raise code.refuse(f"answers {what} {answer!r:.60}; it takes {wanted}")
     if numbers.shape != shape:
         got = ": nothing" if answer is None else f" of shape {numbers.shape}"
         raise code.refuse(f"answers {what}{got}; it takes {wanted}")
     if not np.isfinite(numbers).all():
         raise code.refuse(f"answers {what} {numbers.tolist()}; every number must be finite")
+    if np.abs(numbers).max(initial=0.0) > LARGEST:
+        raise code.refuse(f"answers {what} {numbers.tolist()}; no number may be larger than {LARGEST:g}")
     return numbers
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from cube_sim.errors import ScenarioError
 from cube_sim.mission.own.code import source_file
 from cube_sim.scenario import Loaded, load, load_mapping
 from cube_sim.scenario.loading import loaded_again
@@ -51,6 +52,8 @@ def loaded_with(
             named[key]["options"] = options
     if "path" in named:
         named["path"]["type"] = "python"
+    for key in named:
+        _lay_over(named, key, (overrides or {}).get(key, _below(overrides or {}, key)))
     all_overrides = {**(overrides or {}), **named}
     if isinstance(scenario, Loaded):
         loaded = loaded_again(scenario, all_overrides) if all_overrides else scenario
@@ -59,6 +62,28 @@ def loaded_with(
     else:
         loaded = load(scenario, all_overrides)
     return replace(loaded, given={**loaded.given, **given})
+
+
+def _below(overrides: Mapping[str, Any], key: str) -> Any:
+    """What an override of the block around a value says in its place; None for nothing."""
+    block, _, last = key.rpartition(".")
+    around = overrides.get(block) if block else None
+    return around.get(last) if isinstance(around, Mapping) else None
+
+
+def _lay_over(named: dict[str, dict[str, Any]], key: str, override: Any) -> None:
+    """Add what an override says of what a program hands over: its options, and whatever goes with it.
+
+    Raises:
+        ScenarioError: it names another thing.
+    """
+    if override is None:
+        return
+    if not isinstance(override, Mapping) or "python" in override:
+        text = f"override {key}: a program hands over what stands there; say its options alone: {key}.options"
+        raise ScenarioError([text])
+    options = {**named[key].get("options", {}), **override.get("options", {})}
+    named[key] = {**override, **named[key], **({"options": options} if options else {})}
 
 
 def options_of(thing: Any) -> dict[str, Any]:
