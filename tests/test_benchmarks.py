@@ -59,6 +59,8 @@ def test_many_flights_are_compared_with_single_ones(monkeypatch, capsys):
         ("missions", "--count 0", "--count and --jobs must be 1 at least"),
         ("missions", "--only -3", "seeds must be 0 at least"),
         ("missions", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
+        ("stuck", "--jobs 0", "--jobs must be 1 at least, --draws and --seed 0"),
+        ("stuck", "--vehicles submarine", "--vehicles submarine: no such vehicle without losses"),
         ("margins", "--jobs 0", "--jobs must be 1 at least"),
         ("margins", "--vehicles submarine", "--vehicles submarine: no such vehicle"),
         ("loop", "--rounds 0", "--seconds must be positive, --rounds 1 at least"),
