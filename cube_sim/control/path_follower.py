@@ -19,8 +19,8 @@ from cube_sim.control.course_trim import CourseTrims
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
-from cube_sim.control.holding import LOOKED_AHEAD_S, Holding, Stuck
-from cube_sim.control.left_alone import carried_m
+from cube_sim.control.force_first import with_force_first
+from cube_sim.control.holding import Holding, Stuck
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
@@ -29,16 +29,7 @@ from cube_sim.control.priority import force_with_torque, yield_attitude
 from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.resting import Rest, nearest_rest
 from cube_sim.control.roomiest_attitude import has_enough
-from cube_sim.control.safe_mode import (
-    CLOSE_M,
-    CLOSE_S,
-    LET_GO_M,
-    LET_GO_S,
-    POINTING_M,
-    LossOfTargetMonitor,
-    SafeMode,
-    SafeModeGoal,
-)
+from cube_sim.control.safe_mode import CLOSE_M, POINTING_M, LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.control.shortage import SHORTAGE, watch_shortage
 from cube_sim.control.thrown import LoopSpeeds
 from cube_sim.guidance.approach import Approach
@@ -130,7 +121,8 @@ class PathFollower:
             self.shortage["pressed"] |= not has_enough(*self.kept(1.0), wished)
         wish = rotation_from_quaternion(self.desired)
         self.overpowered = bool(left.held.any()) and not self._rest(wish, 1.0).held
-        self.monitor.look_closely(*self._patience(left, wish))
+        close = POINTING_M if left.steers_by_attitude else CLOSE_M
+        self.monitor.look_closely(close if self.overpowered else None)
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self.monitor.restart()
@@ -180,6 +172,8 @@ class PathFollower:
         answer = followed[0]
         if self._holding is not None and self._holding.left_alone:
             answer["wrench"] = self.capability.held
+        elif self.force_first and self.capability.budget is not None:
+            answer["wrench"] = with_force_first(self.capability.budget, force_ratio, answer["wrench"])
         if self.capability.budget is not None:
             balanced = NEVER_BALANCED if self.balanced is None else self.balanced.memory
             watch_shortage(self.shortage, bool(answer["enough"]), self.balanced is not None, balanced, dt)
@@ -371,21 +365,6 @@ class PathFollower:
         """The attitude in which a place is held beside what is stuck; None for no other than usual."""
         return None if self._holding is None else self._holding.attitude
 
-    def _patience(self, left: Capability, wish: Matrix) -> tuple[float | None, float]:
-        """How far it may come off its path [m], None for no closer look, and for how long [s], before it gives that up.
-
-        A hull at a place, with its thrusters off no farther from it than that, is let go before they carry it farther.
-        """
-        if not self.overpowered:
-            return None, CLOSE_S
-        if left.authority in POINTING:
-            return POINTING_M, CLOSE_S
-        still = self.target.view(np.zeros(3), np.zeros(3)).remaining <= 0.0
-        hull = self.loops.dynamics.record
-        if still and carried_m(hull, left.held, wish, np.zeros(6), self.current, LOOKED_AHEAD_S)[-1] < CLOSE_M:
-            return LET_GO_M, LET_GO_S
-        return POINTING_M if left.steers_by_attitude else CLOSE_M, CLOSE_S
-
     def _pointing_time(self, left: Capability) -> float:
         """How fast the attitude points the thrust [s]: where turning pushes the hull in another trim, no faster."""
         if not (self.dragged and self.speed > 0.0 and self.radius < inf):
@@ -445,7 +424,7 @@ class PathFollower:
         would have a component along them again. Where the hull has turned to where the thrusters have enough, that
         attitude is held first, and what is to move it is what gives way.
         """
-        if self._holding is not None and self._holding.left_alone:
+        if self.force_first or (self._holding is not None and self._holding.left_alone):
             return np.zeros(6)
         if self._refuge.taken or (self._held_in is not None and not self.capability.steers_by_attitude):
             still = self.loops.dynamics.steady_wrenches(np.zeros((1, 3)), state.rotation[2:])[0]
@@ -456,6 +435,14 @@ class PathFollower:
         return secondary
 
     @property
+    def force_first(self) -> bool:
+        """Whether the force comes before the torque: beside what is stuck, where it is all there in any attitude."""
+        left = self.capability
+        if left.within_cost_limit is not None or left.authority in (*POINTING, Authority.SAFE):
+            return False
+        return bool(left.held.any())
+
+    @property
     def pressed(self) -> bool:
         """Whether the thrusters have been short for so long that the vehicle turns to where they have more."""
         return bool(self.shortage["pressed"][0])
@@ -464,7 +451,7 @@ class PathFollower:
     def ready(self) -> CompiledParts | None:
         """What one compiled call a tick goes on with as it stands; None where Python has something to say."""
         balanced = self.capability.steers_by_attitude or self.pressed
-        if self._goal is not None or self._refuge.taken or (self.balanced is not None) != balanced:
+        if self._goal is not None or self.force_first or self._refuge.taken or (self.balanced is not None) != balanced:
             return None
         if self.balanced is not None and self.balanced.stale:
             return None

@@ -15,8 +15,6 @@ from cube_sim.spatial import Record, State, Vector, quaternion_from_euler
 CLOSE_M, POINTING_M, CLOSE_S = 1.5, 4.0, 3.0
 """Limits and patience, where they are no less, of a vehicle that no attitude holds at rest beside what is stuck; the
 second for one that points its thrust, which may be held as it turns round and round (choices)."""
-LET_GO_M, LET_GO_S = 0.5, 1.0
-"""The same of one at a place that it hardly leaves if its thrusters are off (choices)."""
 NEARER = 0.01
 """Share of the distance limit by which a vehicle far off has to come nearer within its patience (a choice)."""
 
@@ -108,11 +106,11 @@ class LossOfTargetMonitor:
         self._mode = mode
         self.memory: Record = np.array([(mode.limit, mode.patience, False, 0.0, np.inf, 0.0)], LOSS)
 
-    def look_closely(self, limit_m: float | None, patience_s: float = CLOSE_S) -> None:
+    def look_closely(self, limit_m: float | None) -> None:
         """Give up sooner, where what is known of the thrusters says that the path is being left for good; None not."""
         limit, patience = self._mode.limit, self._mode.patience
         if limit_m is not None and np.isfinite(limit):
-            limit, patience = min(limit, limit_m), min(patience, patience_s)
+            limit, patience = min(limit, limit_m), min(patience, CLOSE_S)
         self.memory["limit"], self.memory["patience"] = limit, patience
 
     def restart(self) -> None:

@@ -12,7 +12,8 @@ the torque that stops the turning fits in full, and the force does not, what is 
     x_1 + u_1 T + u_1^2 / (2 b) + b T_v^2 / 2,    u_1 > b T_v
 
 Where not even the torque fits, it is served first for as long as it takes to stop the turning, and the force that comes
-with the closest wrench pushes the hull meanwhile.
+with the closest wrench pushes the hull meanwhile. (Beside a stuck thruster the law serves the force first, which pushes
+it less.)
 
 Where nothing holds it, where it has to turn to another attitude first, or the attitude has to point the thrust, the law
 follows no such bound, and none is given.

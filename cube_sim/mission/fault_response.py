@@ -71,7 +71,7 @@ def overpowered(mission: Mission) -> str | None:
         return None
     if has_enough_somewhere(*follower.kept(mission.supply.force_ratio), attitude):
         return None
-    return "in no attitude can the others make up for what is stuck: it will be carried off"
+    return "in no attitude can the others make up for what is stuck: it will be turned about, or carried off"
 
 
 def transient_ahead(mission: Mission) -> str | None:
