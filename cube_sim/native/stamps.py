@@ -3,7 +3,8 @@
 numba's own stamp knows the file a function is written in only. Here it covers also
 
 - the functions it calls from other files, to any depth;
-- the constants and the fields of named tuples it takes from outside;
+- the constants, arrays and fields of named tuples it takes from outside;
+- the files of somebody's own modules that it names;
 - the files of the intrinsics it uses;
 - the files that say how it is compiled.
 """
@@ -16,8 +17,11 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from types import CodeType
+from sysconfig import get_path
+from types import CodeType, ModuleType
 from typing import Any
+
+import numpy as np
 
 from cube_sim.native.intrinsics import Intrinsic
 
@@ -25,8 +29,13 @@ _HOW = "compiled.py", "dispatching.py", "called.py", "lent.py", "intrinsics.py",
 _PLAIN = bool, int, float, complex, str, bytes, tuple
 
 
-def stamp_of(function: Callable[..., Any]) -> str:
-    """Digest of all that a function's machine code is made from besides its own file."""
+def stamp_of(function: Callable[..., Any], callers: tuple[Any, ...] = ()) -> str:
+    """Digest of all that a function's machine code is made from besides its own file.
+
+    Args:
+        function: the function.
+        callers: plain functions on whose behalf this is asked, which may be called again.
+    """
     told: list[tuple[str, Any]] = [("how", _how())]
     for name in sorted(_names(function.__code__)):
         value: Any = function.__globals__.get(name)
@@ -34,12 +43,16 @@ def stamp_of(function: Callable[..., Any]) -> str:
             told.append((name, _content(value.definition.__code__.co_filename)))
         elif hasattr(value, "whole_stamp"):  # of a compiled function; the arrows point from there to here
             told.append((name, value.whole_stamp))
+        elif (made_from := _of_numba(value, (*callers, function))) is not None:
+            told.append((name, made_from))
         elif isinstance(value, _PLAIN) or hasattr(type(value), "_numba_type_"):
             told.append((name, repr(value)))
         elif isinstance(value, type) and issubclass(value, tuple):
             told.append((name, repr(getattr(value, "_fields", None))))
-        elif (file := _of_numba(value)) is not None:
-            told.append((name, file))
+        elif isinstance(value, np.ndarray):
+            told.append((name, (value.dtype.str, value.shape, value.tobytes())))
+        elif isinstance(value, ModuleType) and (file := _file_of(value)):
+            told.append((name, _content(file)))
     return hashlib.sha256(repr(told).encode()).hexdigest()
 
 
@@ -53,7 +66,7 @@ def file_stamp(file: str) -> tuple[int, int]:
     return seen.st_mtime_ns, seen.st_size
 
 
-def _of_numba(value: Any) -> Any:
+def _of_numba(value: Any, callers: tuple[Any, ...]) -> Any:
     """What somebody's own intrinsic or compiled function is made from; nothing is one where numba is not loaded."""
     if "numba.core.extending" not in sys.modules:
         return None
@@ -61,11 +74,23 @@ def _of_numba(value: Any) -> Any:
     from numba.core.registry import CPUDispatcher
 
     if isinstance(value, CPUDispatcher):
-        file = getattr(getattr(value, "_cache", None), "_cache_file", None)
-        return repr(getattr(file, "_source_stamp", None))
+        file = value.py_func.__code__.co_filename
+        if value.py_func in callers:
+            return "itself"
+        return (_content(file) if Path(file).is_file() else repr(value)), stamp_of(value.py_func, callers)
     if isinstance(value, _Intrinsic):  # what it does is said in a function inside it
         return _content(inspect.getfile(value._defn))
     return None
+
+
+@cache
+def _file_of(module: ModuleType) -> str:
+    """Where somebody's own module lies, whose functions may be called by its name; "" of those that are installed."""
+    file = getattr(module, "__file__", None) or ""
+    installed = any(
+        Path(file).is_relative_to(get_path(kind)) for kind in ("stdlib", "platstdlib", "purelib", "platlib")
+    )
+    return "" if installed or not file.endswith(".py") else file
 
 
 @cache
