@@ -46,7 +46,7 @@ from cube_sim.scenario import load
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 VEHICLES = {
     "cube": "cube_helix",
-    "cube, navigated": "cube_navigated",
+    "cube_navigated": "cube_navigated",
     "bluerov2_heavy": "bluerov2_free",
     "bluerov2_vectored": "bluerov2_vectored_helix",
     "jack": "jack_exact",

@@ -274,11 +274,11 @@ class Allocator:
         if two_parts:
             self._prepare_for_parts()
         codes = search_codes if self._fewest_calls is None else limited_search_codes
-        told = self._effort.add, self._confirmations is not None, self.confirm_later
+        told = self._effort.add, self._confirmations is not None, self.confirm_later, self.go_on_confirming
         return FlownAllocator(self._packed, codes, self.answer_size, *told)
 
     def confirm_later(self, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
-        """Let ProxQP solve the subsets of N answers, where the method says so, while the caller goes on.
+        """Let ProxQP solve the subsets of N answers, where the method says so, when somebody lets it go on.
 
         Args:
             rows: (N, `answer_size`) answers, see `answer_of`; not to be changed any more.
@@ -286,6 +286,11 @@ class Allocator:
         """
         if self._confirmations is not None:
             self._confirmations.later(rows, demands)
+
+    def go_on_confirming(self) -> None:
+        """Confirm what waits, many answers at a time, beside what the caller does next."""
+        if self._confirmations is not None:
+            self._confirmations.go_on()
 
     def settle(self) -> None:
         """See to it that every answer is confirmed, where the method says so."""

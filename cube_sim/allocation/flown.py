@@ -37,6 +37,7 @@ class FlownAllocator(NamedTuple):
         add_effort: tells it of what the code has done: nodes looked at, and answers not proven.
         confirms: whether it looks at each answer afterwards.
         confirm: hands on answers (N, `answer_size`), and the demands (N, n) that they answer.
+        go_on_confirming: looks at them beside what the caller does next, which leaves Python to others.
     """
 
     packed: NDArray[np.float64]
@@ -45,3 +46,4 @@ class FlownAllocator(NamedTuple):
     add_effort: Callable[[int, int], None]
     confirms: bool
     confirm: Callable[[NDArray[np.float64], NDArray[np.float64]], None]
+    go_on_confirming: Callable[[], None] = lambda: None

@@ -190,6 +190,7 @@ class Loop:
             if self._store.writes and ticks > 1:
                 begun, interrupted = self._fly_and_record(stretch, warnings, tell)
             else:
+                stretch.go_on_confirming()
                 stretch.fly()
                 stretch.finish()
                 _, begun = self._hand_over(stretch, 0, stretch.ticks, True)
@@ -226,6 +227,7 @@ class Loop:
                 if over:
                     stretch.finish()
                 done, begun = self._hand_over(stretch, done, flown, over)
+                stretch.go_on_confirming()
                 if is_asked_to_end():
                     stretch.stop()
                 elif interrupted is None:

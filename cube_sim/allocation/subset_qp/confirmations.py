@@ -43,15 +43,20 @@ class Confirmations:
         self._ask(row, demand)
 
     def later(self, rows: NDArray[np.float64], demands: NDArray[np.float64]) -> None:
-        """Confirm N answers while the caller goes on.
+        """Let N answers wait to be confirmed, see `go_on`.
 
         Args:
             rows: (N, answer size) answers, see `answer_of`; not to be changed any more.
             demands: (N, n) that they answer, likewise.
         """
-        if not len(rows):
-            return
-        self._waiting.append((rows, demands))
+        if len(rows):
+            self._waiting.append((rows, demands))
+
+    def go_on(self) -> None:
+        """Confirm what waits, once it is worth it, while the caller flies on.
+
+        Best called just before code that lets other threads have Python: the two would hold each other up.
+        """
         if sum(len(answers) for answers, _ in self._waiting) >= CONFIRMED_AT_ONCE:
             self._wait()
             process, waiting, self._waiting = os.getpid(), self._waiting, []

@@ -106,9 +106,13 @@ class Stretch:
         self._allocator.add_effort(*given.notes.effort.tolist())
 
     def confirm(self, first: int, end: int) -> None:
-        """Hand the answers of some ticks on, for those who look at each of them."""
+        """Hand the answers of some ticks on to those who look at each of them, see `go_on_confirming`."""
         if self._allocator.confirms:
             self._allocator.confirm(self._given.notes.answers[first:end], self._given.notes.demands[first:end])
+
+    def go_on_confirming(self) -> None:
+        """Let them look at what waits, while compiled code flies."""
+        self._allocator.go_on_confirming()
 
     def part(self, first: int, end: int, reached: int = BEGIN) -> FlownTicks:
         """The ticks from the one to the other, counted from the first of all.
