@@ -91,7 +91,9 @@ class Flight(Loop):
             files = input_files(mission.scenario).contents
         except OSError as error:
             raise FlightError(f"the flight cannot be saved: {error}") from error
-        files |= {f"python/{key}": code.source.encode() for key, code in mission.codes.items()}
+        for key, code in mission.codes.items():
+            files |= {f"python/{key}": code.source.encode()}
+            files |= {f"python/{key}/{name}": content for name, content in code.neighbours.items()}
         # The scenario's own words for a path do not say all of one that a program hands over.
         files |= {"scenario": self._loaded.resolved_yaml().encode(), "path": polyline(mission.path).tobytes()}
         return {name: sha256(content).hexdigest() for name, content in files.items()}

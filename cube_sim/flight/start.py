@@ -12,6 +12,7 @@ from cube_sim.flight.compiled import compile_beside, wait_for_loop
 from cube_sim.mission import Mission, prepare
 from cube_sim.mission.channels import polyline
 from cube_sim.mission.copying import packed, unpacked
+from cube_sim.mission.own.given import NOT_AGAIN, why_not_again
 from cube_sim.mission.surface_watch import path_above_surface
 from cube_sim.mission.way_of_flying import cannot_follow, way_of_flying
 from cube_sim.native.forked import flying, require_its_own_threads
@@ -48,6 +49,8 @@ def described(mission: Mission, store: SignalStore) -> None:
     store.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")
     for key, code in mission.codes.items():
         store.log(0.0, "INFO", f"{key}: {code.name}, SHA-256 {code.digest}")
+        if reason := why_not_again(code):
+            store.log(0.0, "WARNING", f"{key}: {code.name} {NOT_AGAIN}: {reason}")
     store.log(0.0, "INFO", way_of_flying(mission.ability))
 
 

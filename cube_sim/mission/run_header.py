@@ -14,6 +14,7 @@ from cube_sim.build import commit, source_digest
 from cube_sim.mission.input_files import input_files
 from cube_sim.mission.own.code import NO_CODES, Codes
 from cube_sim.recording.header import COMMIT, SOURCE, RecordedCode, RunHeader
+from cube_sim.recording.mcap.names import CODE
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.resolved import to_yaml
 
@@ -76,11 +77,12 @@ def header(loaded: Loaded, codes: Codes = NO_CODES) -> RunHeader:
         codes: code of the user's own in it.
     """
     inputs = input_files(loaded.scenario)
+    beside = {f"{CODE}{key}/{name}": text for key, code in codes.items() for name, text in code.neighbours.items()}
     return RunHeader(
         scenario=loaded.text,
         resolved=to_yaml(inputs.scenario),
         model=inputs.scenario.model,
-        inputs=inputs.contents,
+        inputs=inputs.contents | beside,
         code=tuple(RecordedCode(key, code.name, code.source) for key, code in sorted(codes.items())),
         versions=versions(),
         seed=loaded.scenario.seed,

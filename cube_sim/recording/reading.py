@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -159,12 +159,13 @@ def read_header(contents: McapContents) -> tuple[RunHeader, str]:
         if run["format"] not in FORMATS:
             known = f"this version reads {', '.join(FORMATS)}"
             raise RecordingError(f"{path} is a recording of format {run['format']!r}; {known}")
+        code = _code(contents)
         header = RunHeader(
             scenario=files[SCENARIO].decode(),
             resolved=files[RESOLVED].decode(),
             model=run.get(MODEL_NAME, MODEL),
-            inputs={name.removeprefix(ASSETS): data for name, data in files.items() if _is_input(name)},
-            code=_code(contents),
+            inputs={name.removeprefix(ASSETS): data for name, data in files.items() if _is_input(name, code)},
+            code=code,
             versions=contents.metadata[VERSIONS_METADATA],
             seed=int(run["seed"]),
         )
@@ -197,8 +198,8 @@ def read_end(contents: McapContents, read: Recording) -> Recording:
     return replace(read, end=end, flaw=flaw, counts=counts, changed=changed)
 
 
-def _is_input(name: str) -> bool:
-    return name not in (SCENARIO, RESOLVED) and not name.startswith(CODE)
+def _is_input(name: str, code: Sequence[RecordedCode]) -> bool:
+    return name not in (SCENARIO, RESOLVED, *(CODE + each.file for each in code))
 
 
 def _code(contents: McapContents) -> tuple[RecordedCode, ...]:

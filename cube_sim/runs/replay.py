@@ -12,6 +12,7 @@ import numpy as np
 
 from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.flight import Loop, prepared
+from cube_sim.mission.own.given import NOT_AGAIN
 from cube_sim.mission.run_header import header
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.header import COMMIT, SOURCE, RunHeader
@@ -63,6 +64,8 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
     if run.header.model == MODEL:
         lacks = "it lacks files that its scenario names; it can be read, not flown"
         raise RecordingError(f"{run.path}: is a record of format 1: {lacks}")
+    if said := [line.text for line in run.log if f" {NOT_AGAIN}: " in line.text]:
+        raise RecordingError(f"{run.path}: {said[0]}")
     with TemporaryDirectory() as folder:
         place = save_inputs(run.header, Path(folder))
         try:

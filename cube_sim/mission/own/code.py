@@ -9,7 +9,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import partial, reduce
 from hashlib import sha256
@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from cube_sim.errors import OwnCodeError, ScenarioError
+from cube_sim.mission.own.neighbours import importable, neighbours_of
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.file_names import code_place
 from cube_sim.scenario.python_block import PythonBlock, python_blocks
@@ -40,6 +41,8 @@ class OwnCode:
         source: text of that file; "" where there is none.
         make: the factory; of a path that a program hands over, the path.
         options: its keyword arguments.
+        neighbours: contents of the files beside its file that this imports, by name.
+        given: whether a program hands it over.
     """
 
     key: str
@@ -48,6 +51,8 @@ class OwnCode:
     source: str
     make: Any
     options: Mapping[str, Any]
+    neighbours: Mapping[str, bytes] = field(default_factory=dict)
+    given: bool = False
 
     @property
     def digest(self) -> str:
@@ -117,7 +122,7 @@ def own_code(loaded: Loaded, key: str, block: PythonBlock) -> OwnCode:
         # The keywords of a partial function are in it: the scenario has them for whoever flies it again.
         within = given.keywords if isinstance(given, partial) else {}
         options = {name: value for name, value in block.options.items() if name not in within}
-        return OwnCode(key, f"{shown}:{name}", file, _text(file), given, options)
+        return OwnCode(key, f"{shown}:{name}", file, _text(file), given, options, _beside(file), given=True)
     try:
         module = _module_of_file(Path(place)) if place.endswith(".py") else importlib.import_module(place)
     except ModuleNotFoundError as error:
@@ -131,7 +136,9 @@ def own_code(loaded: Loaded, key: str, block: PythonBlock) -> OwnCode:
     except AttributeError:
         raise mistake(f"{shown} has no {name}{_suggestion(name, module)}") from None
     file = getattr(module, "__file__", None) or ""
-    return OwnCode(key, f"{shown}:{name}", file, _text(file), found, block.options)
+    return OwnCode(
+        key, f"{shown}:{name}", file, _text(file), found, block.options, _beside(file if place.endswith(".py") else "")
+    )
 
 
 def made(loaded: Loaded, code: OwnCode, *arguments: Any) -> Any:
@@ -223,9 +230,10 @@ def source_file(thing: Any) -> str:
 
 
 def _module_of_file(file: Path) -> ModuleType:
-    """A file run as a module, once for each text it has had."""
+    """A file run as a module, once for each text it has had, and the files beside it that it imports."""
     content = file.read_bytes()
-    name = PREFIX + sha256(str(file).encode() + b"\0" + content).hexdigest()[:16]
+    texts = [str(file).encode(), content, *_beside(str(file)).values()]
+    name = PREFIX + sha256(b"\0".join(texts)).hexdigest()[:16]
     if name in sys.modules:
         return sys.modules[name]
     module = ModuleType(name)
@@ -233,11 +241,18 @@ def _module_of_file(file: Path) -> ModuleType:
     # What is defined in it looks for its module there: dataclasses, pickles.
     sys.modules[name] = module
     try:
-        exec(compile(importlib.util.decode_source(content), str(file), "exec"), module.__dict__)
+        with importable(file):
+            exec(compile(importlib.util.decode_source(content), str(file), "exec"), module.__dict__)
     except BaseException:
         del sys.modules[name]
         raise
     return module
+
+
+def _beside(file: str) -> dict[str, bytes]:
+    if not file.endswith(".py"):
+        return {}
+    return {name: place.read_bytes() for name, place in neighbours_of(Path(file)).items()}
 
 
 def _text(file: str) -> str:

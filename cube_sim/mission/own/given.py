@@ -14,10 +14,14 @@ from typing import Any
 import numpy as np
 
 from cube_sim.errors import ScenarioError
-from cube_sim.mission.own.code import source_file
+from cube_sim.mission.own.code import OwnCode, source_file
 from cube_sim.scenario import Loaded, load, load_mapping
 from cube_sim.scenario.loading import loaded_again
 
+NOT_AGAIN = "cannot be flown again from its record"
+"""Said of code that a program hands over, before the reason."""
+TWIN_PLACES = 11
+"""Places at which a path is held against the one made with its arguments."""
 AnyScenario = str | os.PathLike[str] | Mapping[str, Any] | Loaded
 
 
@@ -87,13 +91,59 @@ def _lay_over(named: dict[str, dict[str, Any]], key: str, override: Any) -> None
 
 
 def options_of(thing: Any) -> dict[str, Any]:
-    """The keywords of a partial function that a scenario can hold: numbers, texts, and lists and mappings of them."""
+    """What a thing is made with that a scenario can hold: numbers, texts, and lists and mappings of them.
+
+    That is the keywords of a partial function, and the arguments of a path's class where they are known.
+    """
+    if hasattr(thing, "at") and not inspect.isclass(thing):
+        return _made_with(thing) or {}
     keywords = thing.keywords if isinstance(thing, partial) else {}
     found = {}
     for name, value in keywords.items():
         with suppress(TypeError):
             found[name] = _plain(value)
     return found
+
+
+def why_not_again(code: OwnCode) -> str:
+    """Why a program's code cannot be made again by who has its file and the scenario alone; "" where it can."""
+    thing = code.make
+    if not code.given:
+        return ""
+    if isinstance(thing, partial):
+        if thing.args or set(options_of(thing)) != set(thing.keywords):
+            return "a scenario cannot hold what it is called with"
+        thing = thing.func
+    named = thing if inspect.isroutine(thing) or inspect.isclass(thing) else type(thing)
+    if "<" in getattr(named, "__qualname__", "<"):
+        return "it is made within a function"
+    if inspect.ismethod(thing) and not inspect.isclass(thing.__self__):
+        return "it is the method of an object"
+    if not source_file(thing) and getattr(named, "__module__", "") in ("__main__", "builtins"):
+        return "it stands in no file"
+    if thing is not named and (not hasattr(thing, "at") or _made_with(thing) is None):
+        return "it is an object, and what it was made with is not known"
+    return ""
+
+
+def _made_with(path: Any) -> dict[str, Any] | None:
+    """The arguments that make a path once more: its attributes of their names; None where these make another one."""
+    try:
+        found = {}
+        for name, parameter in inspect.signature(type(path)).parameters.items():
+            if hasattr(path, name) or parameter.default is parameter.empty:
+                found[name] = _plain(getattr(path, name))
+        twin = type(path)(**found)
+        places = np.linspace(0.0, path.length, TWIN_PLACES).tolist()
+        same = twin.length == path.length and twin.closed == path.closed
+        same = same and all(_same_point(twin.at(s), path.at(s)) for s in places)
+    except Exception:  # whatever a class of the user's own does when it is asked
+        return None
+    return found if same else None
+
+
+def _same_point(one: Any, other: Any) -> bool:
+    return all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 
 
 def _plain(value: Any) -> Any:
