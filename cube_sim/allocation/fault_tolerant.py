@@ -128,6 +128,12 @@ class FaultTolerant:
         if settle is not None:
             settle()
 
+    def ask_again(self) -> None:
+        """Ask one of the user's own once more that had no answer in compiled code, for the error that says why."""
+        again = getattr(self._allocator, "ask_again", None)
+        if again is not None:
+            again()
+
     def memory(self) -> AllocationMemory:
         """What `recall` needs to go on from here."""
         remember = getattr(self._allocator, "memory", None)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action
 from cube_sim.flight.beside import FlyingBeside
-from cube_sim.flight.compiled import BEGIN, FAILED, JUDGED, Stretch, begin_ticks, engine_of
+from cube_sim.flight.compiled import BEGIN, FAILED, JUDGED, UNANSWERED, Stretch, begin_ticks, engine_of
 from cube_sim.flight.rows import rows_for, write_power
 from cube_sim.flight.start import described
 from cube_sim.flight.taken_over import NOT_BEGUN, Begun, Watches, take_over
@@ -316,6 +316,8 @@ class Loop:
         try:
             if respond_to_faults(mission, store, t, judged) or other_voltage or self.tick == 0:
                 record_actuation(mission, store, t, mission.supply.force_ratio)
+            if begun.reached == UNANSWERED:
+                mission.allocator.ask_again()
             given = t, self._applied, action, begun.known
             decision, allocation, self._known = tick(mission, self._rows, store, *given)
         except (NotANumberError, OwnCodeError) as error:

@@ -115,7 +115,7 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
         How far the next tick has come.
     """
     estimation, sensing, period = mission.estimation, flown.sensing, mission.scenario.control_period_s
-    times = [k * period for k in range(first, first + flown.ticks + (flown.reached == ESTIMATED))]
+    times = [k * period for k in range(first, first + flown.ticks + (flown.reached >= ESTIMATED))]
     rows, paces, last = flown.rows, flown.pace, flown.ticks - 1
     quiet = watches.unattainable.quiet(rows) and watches.pace.quiet(paces)
     if estimation is None and not quiet:

@@ -2,7 +2,7 @@
 
 from cube_sim.flight.compiled.binding import begin_ticks, engine_of
 from cube_sim.flight.compiled.first_time import compile_beside, wait_for_loop
-from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, FAILED, JUDGED
+from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, FAILED, JUDGED, UNANSWERED
 from cube_sim.flight.compiled.stretch import FlownTicks, Stretch
 
 __all__ = [
@@ -10,6 +10,7 @@ __all__ = [
     "ESTIMATED",
     "FAILED",
     "JUDGED",
+    "UNANSWERED",
     "FlownTicks",
     "Stretch",
     "begin_ticks",

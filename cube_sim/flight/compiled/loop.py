@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, isnan
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from cube_sim.native.callee import call_at
 from cube_sim.native.compiled import compiled, unlocked
 from cube_sim.native.published import publish, published
 from cube_sim.navigation.motion import felt
-from cube_sim.tuples import angle_of_turn, put, turned_to_world
+from cube_sim.tuples import angle_of_turn, put, sextuple, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
 from cube_sim.vehicle.laws.supply_law import charge_left, sag
@@ -34,9 +34,10 @@ from cube_sim.vehicle.laws.supply_law import count as count_drawn
 from cube_sim.vehicle.plugin.engine import forward, forward_again, step
 from cube_sim.vehicle.state import hull_state
 
-BEGIN, FORWARDED, JUDGED, ESTIMATED = range(4)
+BEGIN, FORWARDED, JUDGED, ESTIMATED, UNANSWERED = range(5)
 """How far the tick has come that Python goes on with: not begun; accelerations are up to date; the thrusters are fed
-too, and the evidence of faults is in; and the state is estimated."""
+too, and the evidence of faults is in; the state is estimated; and the wrench is asked for that an allocator of the
+user's own has no forces for."""
 FAILED = -1
 """MuJoCo cannot go on; its words are in the engine's text."""
 FLOWN, STOP = range(2)
@@ -182,10 +183,14 @@ def fly(
             put(secondary, law.own.secondary)
         elif answering.yields:
             yield_attitude(answering.coupling, out.wrench, secondary)
+        before = sextuple(answering.applied)
         asked, residual, cost, status = allocate_responsive(
             codes[3], thrusters, out.wrench, secondary, force_ratio, parts,
             notes.demands[k], notes.answers[k % len(notes.answers)], sides, answering.applied, notes.effort,
         )  # fmt: skip
+        if isnan(residual):
+            put(answering.applied, before)
+            return k, UNANSWERED
         if evidence.watched:
             w = evidence.window
             put_probe(evidence.probes, w.efficiency, w.stuck, nobody, asked)

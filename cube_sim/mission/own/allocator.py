@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,32 +14,16 @@ from cube_sim.allocation.fault_tolerant import Build
 from cube_sim.allocation.previous import PreviousForces
 from cube_sim.allocation.protocol import WrenchAllocator
 from cube_sim.mission.copying import packed, unpacked
+from cube_sim.mission.own.allocation_setup import AllocationSetup
 from cube_sim.mission.own.code import OwnCode, numbers_of, require_taken, without
+from cube_sim.mission.own.compiled_allocator import CompiledAllocator
+from cube_sim.mission.own.compiled_part import CompiledPart
 from cube_sim.mission.own.handed import handed
 from cube_sim.scenario import Loaded
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.thrusters import Thrusters
 
 METHODS = "allocate", "allocate_by_priority", "reset", "resume"
-
-
-@dataclass(frozen=True)
-class AllocationSetup:
-    """What an allocator of one's own is made from, whenever other thrusters respond.
-
-    Attributes:
-        A: (6,k) [1, m] of the thrusters that respond, as the controller believes.
-        limits: (k,4) [F_max-, F_DZ-, F_DZ+, F_max+] [N]; those of a weak thruster are narrower.
-        which: (k,) their numbers, from 0.
-        names: (k,) their names.
-        allow_off: whether a thruster may rest at 0 N, inside its dead zone.
-    """
-
-    A: Matrix
-    limits: Matrix
-    which: NDArray[np.int_]
-    names: tuple[str, ...]
-    allow_off: bool
 
 
 class OwnAllocator:
@@ -119,7 +103,9 @@ def own_build(loaded: Loaded, code: OwnCode, thrusters: Thrusters) -> Build:
     def build(A: Matrix, limits: Matrix, which: NDArray[np.int_]) -> WrenchAllocator:
         setup = AllocationSetup(A, limits, which, tuple(thrusters.names[i] for i in which), allow_off)
         own = replace(setup, A=A.copy(), limits=limits.copy(), which=which.copy())
-        return OwnAllocator(code, code.call(code.make, own, **code.options), setup)
+        made = code.call(code.make, own, **code.options)
+        kind = CompiledAllocator if isinstance(made, CompiledPart) else OwnAllocator
+        return kind(code, made, setup)
 
     require_taken(loaded, code, 1)
     return build
