@@ -14,6 +14,7 @@ from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.current import observe_current
 from cube_sim.control.disturbance import observe_disturbance
 from cube_sim.control.following import follow
+from cube_sim.control.force_first import ForceFirst, serve_force_first
 from cube_sim.control.oscillation_centre import see_centre, watch_centre
 from cube_sim.control.own_law import OwnLawParts
 from cube_sim.control.wanted_attitude import want_attitude
@@ -35,6 +36,7 @@ SETTINGS = np.dtype(
         ("budgeted", np.bool_),
         ("waits", np.bool_),
         ("level", np.bool_),
+        ("force_first", np.bool_),
         ("disturbance_time", np.float64),
         ("current_time", np.float64),
         ("current_damping", np.float64),
@@ -47,9 +49,9 @@ SETTINGS = np.dtype(
 """How a `PathFollower` is put together.
 
 It pursues its target, or approaches the path; which attitude it asks for; the attitude is balanced; turning drags the
-hull along; the thrusters' budget is known; the target waits; it moves in a level plane only. Then the times of the
-observers [s], 0 for none, the damping of the current's, the levelling time [s], the share of its closing speed that the
-path's own speed is, the force that is asked for again [N],
+hull along; the thrusters' budget is known; the target waits; it moves in a level plane only; the force is served before
+the torque. Then the times of the observers [s], 0 for none, the damping of the current's, the levelling time [s], the
+share of its closing speed that the path's own speed is, the force that is asked for again [N],
 the attitude that is held.
 """
 
@@ -65,6 +67,7 @@ class LawParts(NamedTuple):
         normals: of `ForceBudget`, like the next two.
         bounds: of it.
         held_shares: of it.
+        force_first: read where the force is served before the torque.
         profile: of `cube_sim.guidance.speed.speed_at`, like the next two.
         nodes: of it.
         square: of it.
@@ -94,6 +97,7 @@ class LawParts(NamedTuple):
     normals: Matrix
     bounds: Vector
     held_shares: Vector
+    force_first: ForceFirst
     profile: Record
     nodes: Vector
     square: Vector
@@ -193,3 +197,5 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio,
         s.least_closing,
         s.balanced,
     )
+    if s.force_first:
+        serve_force_first(p.force_first, p.normals, p.held_shares, force_ratio, followed[0].wrench)

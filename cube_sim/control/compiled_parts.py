@@ -18,6 +18,7 @@ from cube_sim.control.balancing import BALANCE
 from cube_sim.control.balancing import MEMORY as BALANCED
 from cube_sim.control.disturbance import MEMORY as DISTURBANCE
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.force_first import NOT_FORCE_FIRST, ForceFirst
 from cube_sim.control.free_attitude import EFFORT, FreeAttitude
 from cube_sim.control.free_attitude import MEMORY as REST
 from cube_sim.control.look_at import LOOK, LookAt
@@ -45,7 +46,7 @@ class CompiledParts:
 
     Attributes:
         settings: record `SETTINGS`.
-        law: hull, loops, what is left, normals, bounds and held shares.
+        law: hull, loops, what is left, normals, bounds and held shares, and those of the force served first.
         speed: of the profile.
         approach: record `APPROACH`.
         pursuit: record `PURSUIT`.
@@ -55,7 +56,7 @@ class CompiledParts:
     """
 
     settings: Record
-    law: tuple[Record, Record, Record, Vector, Vector, Vector]
+    law: tuple[Record, Record, Record, Matrix, Vector, Vector, ForceFirst]
     speed: Parts
     approach: Record
     pursuit: Record
@@ -107,7 +108,13 @@ NOT_BALANCED, NEVER_BALANCED = np.zeros(1, BALANCE), np.zeros(1, BALANCED)
 
 
 def compiled_parts(
-    follower: PathFollower, approach: MotionLaw, loops: Record, left: Record, budget: Facets, dragged: bool
+    follower: PathFollower,
+    approach: MotionLaw,
+    loops: Record,
+    left: Record,
+    budget: Facets,
+    first: ForceFirst | None,
+    dragged: bool,
 ) -> CompiledParts | None:
     """The parts of a follower; None where one of them is not of a kind that compiled laws read.
 
@@ -117,6 +124,7 @@ def compiled_parts(
         loops: record of the loops it flies by now.
         left: record of what the thrusters can still do.
         budget: what they can make.
+        first: by which the force is served before the torque; None where it is not.
         dragged: whether turning drags the hull along.
     """
     settings = np.zeros(1, SETTINGS)
@@ -129,13 +137,14 @@ def compiled_parts(
     settings["waits"] = follower.waits and isinstance(approach, Approach)
     settings["least_closing"] = approach.least_closing if isinstance(approach, Approach) else 1.0
     settings["most_rest"], settings["level"] = follower.most_rest, follower.capability.level
+    settings["force_first"] = first is not None
     if observer is not None:
         settings["disturbance_time"] = observer.time
         if flow is not None:
             settings["current_time"], settings["current_damping"] = flow.time, flow.damping
     return CompiledParts(
         settings=settings,
-        law=(follower.loops.dynamics.record, loops, left, *budget),
+        law=(follower.loops.dynamics.record, loops, left, *budget, NOT_FORCE_FIRST if first is None else first),
         speed=wanted.speed,
         approach=wanted.approach,
         pursuit=wanted.pursuit,
@@ -245,6 +254,7 @@ def resting_law() -> LawParts:
     parts = (
         *told,
         *NO_BUDGET,
+        NOT_FORCE_FIRST,
         *speed,
         *motion,
         *NO_BUDGET,

@@ -8,11 +8,14 @@ round and round.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from cube_sim.control.pace import ForceBudget
+from cube_sim.control.pace import ForceBudget, facet_excess
 from cube_sim.native.compiled import compiled
-from cube_sim.spatial import Vector
+from cube_sim.spatial import Matrix, Vector
+from cube_sim.tuples import sextuple
 from cube_sim.wrench.axes import SPATIAL
 from cube_sim.wrench.matrix import lever_arm
 
@@ -24,22 +27,33 @@ FINE = 1e-6
 """Share of the largest force by which a sweep that changes less is the last."""
 
 
-def with_force_first(budget: ForceBudget, force_ratio: float, wrench: Vector) -> Vector:
-    """The attainable wrench (6,) [N, N m] nearest to one in the range of A, what is stuck and all; itself if it is one.
+class ForceFirst(NamedTuple):
+    """What serving the force first reads beside the normals and held shares of `ForceBudget`.
 
-    Args:
-        budget: what the thrusters can make, and what is stuck.
-        force_ratio: share of their force that the supply leaves the thrusters.
-        wrench: (6,) [N, N m].
+    Attributes:
+        offsets: (p,) [N] of the facets, without a reserve.
+        matrix: A (6,k) of the thrusters that respond.
+        limits: (2,k) their least and largest forces [N].
+        held: (6,) [N, N m] of those that are stuck.
+        scale: (6,) [1, 1/m] what a missing component counts.
     """
-    if np.all(budget.normals @ wrench - budget.held_shares <= force_ratio * budget.attainable.offsets):
-        return wrench
-    scale = SPATIAL.scale(lever_arm(budget.matrix, SPATIAL)) * np.array([1.0] * 3 + [TORQUE] * 3)
-    matrix = np.ascontiguousarray(scale[:, None] * budget.matrix)
-    least, most = force_ratio * budget.limits
-    forces = np.zeros(matrix.shape[1])
-    nearest_forces(matrix, np.sum(matrix**2, axis=0), least, most, scale * (wrench - budget.held), forces)
-    return budget.matrix @ forces + budget.held
+
+    offsets: Vector
+    matrix: Matrix
+    limits: Matrix
+    held: Vector
+    scale: Vector
+
+    @classmethod
+    def of(cls, budget: ForceBudget) -> ForceFirst:
+        """What it reads of a budget."""
+        scale = SPATIAL.scale(lever_arm(budget.matrix, SPATIAL)) * np.array([1.0] * 3 + [TORQUE] * 3)
+        arrays = budget.attainable.offsets, budget.matrix, budget.limits, budget.held, scale
+        return cls(*(np.ascontiguousarray(array, dtype=np.float64) for array in arrays))
+
+
+NOT_FORCE_FIRST = ForceFirst(np.zeros(0), np.zeros((6, 0)), np.zeros((2, 0)), np.zeros(6), np.zeros(6))
+"""Where the torque is served as well as the force."""
 
 
 @compiled
@@ -70,3 +84,38 @@ def nearest_forces(matrix, gram, least, most, residual, forces):
                 residual[i] -= matrix[i, k] * change
         if moved < FINE * largest:
             break
+
+
+@compiled
+def serve_force_first(parts, normals, held_shares, force_ratio, wrench):
+    """Make of a wrench in the range of A the attainable one nearest to it, what is stuck and all; itself if it is one.
+
+    Args:
+        parts: `ForceFirst`.
+        normals: of `ForceBudget`, like the next.
+        held_shares: of it.
+        force_ratio: share of their force that the supply leaves the thrusters.
+        wrench: (6,) [N, N m], moved on.
+    """
+    demanded, beyond = sextuple(wrench), False
+    for i in range(len(parts.offsets)):  # one that is no number is beyond no facet, and stays none
+        if facet_excess(normals, parts.offsets, held_shares, force_ratio, i, demanded) > 0.0:
+            beyond = True
+    if not beyond:
+        return
+    A, count = parts.matrix, parts.matrix.shape[1]
+    scaled, residual = np.empty((6, count)), np.empty(6)
+    gram, forces, least, most = np.zeros(count), np.zeros(count), np.empty(count), np.empty(count)
+    for i in range(6):
+        residual[i] = parts.scale[i] * (wrench[i] - parts.held[i])
+        for k in range(count):
+            scaled[i, k] = parts.scale[i] * A[i, k]
+            gram[k] += scaled[i, k] ** 2
+    for k in range(count):
+        least[k], most[k] = force_ratio * parts.limits[0, k], force_ratio * parts.limits[1, k]
+    nearest_forces(scaled, gram, least, most, residual, forces)
+    for i in range(6):
+        made = 0.0
+        for k in range(count):
+            made += A[i, k] * forces[k]
+        wrench[i] = made + parts.held[i]

@@ -19,7 +19,7 @@ from cube_sim.control.course_trim import CourseTrims
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
-from cube_sim.control.force_first import with_force_first
+from cube_sim.control.force_first import ForceFirst, serve_force_first
 from cube_sim.control.holding import Holding, Stuck
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
@@ -115,6 +115,7 @@ class PathFollower:
         self._left = left.record(self.loops.dynamics.total_mass)
         self.dragged = bool(self._left["dragged"].any())
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
+        self._first = ForceFirst.of(budget) if self.force_first and budget is not None else None
         if left.authority is Authority.HOLONOMIC and left.held.any():
             # A thruster has stuck: whether the others have enough beside it is seen at once.
             wished = rotation_from_quaternion(self.desired)
@@ -141,7 +142,7 @@ class PathFollower:
             affords = closing_speed(left, self.loops.dynamics, self.approach.lateral_time)
             self._approach = self.approach.at_closing_speed(affords)
         self._compiled = compiled_parts(
-            self, self._approach, self._loops.record, self._left, self._budget, self.dragged
+            self, self._approach, self._loops.record, self._left, self._budget, self._first, self.dragged
         )
 
     def view(self, state: State) -> TargetView:
@@ -169,11 +170,12 @@ class PathFollower:
                 self._look_back(situation, dt)
             quaternion = attitude.quaternion
             self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
+            if self._holding is not None and self._holding.left_alone:
+                followed["wrench"] = self.capability.held
+            elif self._first is not None:
+                normals, _, held_shares = self._budget
+                serve_force_first(self._first, normals, held_shares, force_ratio, followed["wrench"][0])
         answer = followed[0]
-        if self._holding is not None and self._holding.left_alone:
-            answer["wrench"] = self.capability.held
-        elif self.force_first and self.capability.budget is not None:
-            answer["wrench"] = with_force_first(self.capability.budget, force_ratio, answer["wrench"])
         if self.capability.budget is not None:
             balanced = NEVER_BALANCED if self.balanced is None else self.balanced.memory
             watch_shortage(self.shortage, bool(answer["enough"]), self.balanced is not None, balanced, dt)
@@ -451,7 +453,7 @@ class PathFollower:
     def ready(self) -> CompiledParts | None:
         """What one compiled call a tick goes on with as it stands; None where Python has something to say."""
         balanced = self.capability.steers_by_attitude or self.pressed
-        if self._goal is not None or self.force_first or self._refuge.taken or (self.balanced is not None) != balanced:
+        if self._goal is not None or self._refuge.taken or (self.balanced is not None) != balanced:
             return None
         if self.balanced is not None and self.balanced.stale:
             return None
@@ -461,7 +463,8 @@ class PathFollower:
     def attitude_yields(self) -> bool:
         """Whether the attitude gives way to the path where the thrusters cannot serve both."""
         left = self.capability
-        return self.path_first and not left.steers_by_attitude and left.within_cost_limit is None
+        asked = self.path_first and not self.force_first
+        return asked and not left.steers_by_attitude and left.within_cost_limit is None
 
     def _unknowns(self, state: State, applied: Vector, dt: float) -> tuple[Vector, Vector]:
         """The estimated disturbance and current: what the current explains is taken out of the disturbance."""

@@ -15,6 +15,7 @@ from cube_sim.control import (
     current,
     disturbance,
     following,
+    force_first,
     free_attitude,
     look_at,
     oscillation_centre,
@@ -117,6 +118,17 @@ def test_the_law(rng, hull, room, flags):
         return *told, unknown, flow, view, applied, 0.9, 5.0, *flags
 
     same("follow", following.follow, arguments, [filled(rng, ASKED), np.zeros(1, following.FOLLOWED)])
+
+
+def test_the_force_before_the_torque(rng):
+    normals, bounds, held_shares = facets(rng, 0.1)
+    limits = np.outer([-1.0, 1.2], rng.uniform(5.0, 50.0, size=7))
+    first = force_first.ForceFirst(bounds, rng.normal(size=(6, 7)), limits, rng.normal(size=6), np.ones(6))
+
+    def arguments(wrench):
+        return first, normals, held_shares, 0.9, wrench
+
+    same("serve_force_first", force_first.serve_force_first, arguments, [30.0 * rng.normal(size=6)])
 
 
 @pytest.mark.parametrize("room", [1e-3, 1e4])

@@ -116,8 +116,7 @@ def test_both_loops_steer_in_plane_the_same(name, settings, monkeypatch):
     [
         ({"noise_N": 2.0}, [], 0.9),
         ({"noise_N": 1.0, "gain": 1.08, "gain_tolerance": 0.1}, [{**FAULT, "state": "dead"}], 0.5),
-        # Beside a stuck thruster Python goes on: the force comes before the torque there.
-        ({"noise_N": 6.0, "gain_tolerance": 0.05}, [{**FAULT, "state": "stuck", "force_N": 20.0}], 0.25),
+        ({"noise_N": 6.0, "gain_tolerance": 0.05}, [{**FAULT, "state": "stuck", "force_N": 20.0}], 0.5),
         ({"gain": 0.93, "gain_tolerance": 0.1}, [{**FAULT, "state": "weak", "efficiency": 0.5}], 0.5),
     ],
     ids=["noise", "dead", "stuck", "weak"],
@@ -126,6 +125,23 @@ def test_both_loops_read_the_same_telemetry(telemetry, events, least, monkeypatc
     settings = {"duration_s": 12.0, "checks": CHECKS, "events": events}
     settings |= {f"telemetry.{key}": value for key, value in telemetry.items()}
     assert assert_same_flight(HELIX, settings, monkeypatch) > least
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(
+    ("name", "force_N", "settings"),
+    [
+        ("cube_helix", 20.0, {"current_m_s": [0.0, 0.2, 0.0]}),
+        ("cube_helix", -35.0, {"control.priority": "path"}),
+        ("bluerov2_vectored_helix", 10.0, {}),
+        ("bluerov2_battery", 15.0, {"battery.charge": 0.2, "battery.capacity_Wh": 60.0}),
+    ],
+    ids=["any_motion", "path_first", "at_trim", "low_battery"],
+)
+def test_both_loops_serve_the_force_first_alike(name, force_N, settings, monkeypatch):
+    settings = {"duration_s": 12.0, "checks": CHECKS, "control.faults": "told", **settings}
+    settings["events"] = [{**FAULT, "at_s": 1.0, "state": "stuck", "force_N": force_N}]
+    assert assert_same_flight(SCENARIOS / f"{name}.yaml", settings, monkeypatch) > 0.8
 
 
 @pytest.mark.flight
