@@ -46,11 +46,11 @@ class JudgedRows:
     def close(self) -> None:
         """Nothing comes after."""
 
-    def results(self, duration_s: float) -> tuple[CheckResult, ...]:
+    def results(self, duration_s: float | None) -> tuple[CheckResult, ...]:
         """Judge, once nothing comes any more.
 
         Args:
-            duration_s: how long the run should have been.
+            duration_s: how long the run should have been; None if nothing is known of that.
         """
         self._judge(np.inf)
         return self._evaluation.results(self._names, duration_s=duration_s, units=units_of(self._channels))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +11,12 @@ from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, read_or_not, stop
 from cube_sim.commands.output import console_of_stdout, print_json
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError, ScenarioError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from cube_sim.runs.recorded_run import RecordedRun
+    from cube_sim.scenario.check_blocks import AnyCheck
 
 EPILOG = (
     "Of a record that is not complete (cut off, recovered, of a run that was interrupted) the rows that are there "
@@ -31,22 +37,23 @@ def judge(
 ) -> None:
     """Judge a recorded run: by the checks of its scenario, or by those of a file."""
     try:
-        from cube_sim.runs.recorded_run import load_run
-
-        recorded = load_run(run)
-        from cube_sim.runs.judging import judged, nameable
+        from cube_sim.runs.judged_record import judged_record
+        from cube_sim.runs.judging import nameable
         from cube_sim.scenario.loading import load_checks
 
-        asked = None if checks is None else load_checks(checks, recorded.resolved, nameable(recorded), recorded.fields)
-        verdict, results, remarks = judged(recorded, asked)
+        def asked(begun: RecordedRun) -> Sequence[AnyCheck] | None:
+            return None if checks is None else load_checks(checks, begun.resolved, nameable(begun), begun.fields)
+
+        found = judged_record(run, asked)
     except (RecordingError, ScenarioError) as error:
         stop(BAD_INPUT, str(error))
     with read_or_not():
         if json:
-            print_json({"verdict": verdict, "checks": [vars(result) for result in results], "remarks": list(remarks)})
+            results = [vars(result) for result in found.results]
+            print_json({"verdict": found.verdict, "checks": results, "remarks": list(found.remarks)})
         else:
             from cube_sim.commands.result_table import result_table
 
-            title = f"{recorded.scenario.name}: judged again"
-            console_of_stdout().print(result_table(title, verdict, results, remarks))
-    raise typer.Exit(EXIT_CODES[verdict])
+            title = f"{found.run.scenario.name}: judged again"
+            console_of_stdout().print(result_table(title, found.verdict, found.results, found.remarks))
+    raise typer.Exit(EXIT_CODES[found.verdict])

@@ -23,20 +23,32 @@ class ChannelDigest:
     """SHA-256 of a channel's declaration, and then of its rows.
 
     Each number is taken as the eight bytes of a double, least significant first; row after row, the time first.
+
+    Attributes:
+        rows: how many have been taken in.
     """
 
     def __init__(self, channel: Channel) -> None:
         self._hash = sha256(declaration(channel).encode())
-        self._rows = 0
+        self.rows = 0
 
     def take(self, rows: Rows) -> None:
         """Take in the rows that come next, (n, 1+width)."""
         self._hash.update(np.ascontiguousarray(rows, "<f8").reshape(-1).data)
-        self._rows += len(rows)
+        self.rows += len(rows)
 
     def told(self) -> dict[str, Any]:
         """Number of rows and digest, plain data."""
-        return {"rows": self._rows, "sha256": self._hash.hexdigest()}
+        return {"rows": self.rows, "sha256": self._hash.hexdigest()}
+
+
+def channel_digests(channels: Sequence[Channel], rows: Mapping[str, Rows]) -> dict[str, ChannelDigest]:
+    """Of each channel by name, with all its rows, if it has any."""
+    found = {channel.name: ChannelDigest(channel) for channel in channels}
+    for name, digest in found.items():
+        if name in rows:
+            digest.take(rows[name])
+    return found
 
 
 def log_digest(lines: Iterable[LogLine]) -> str:
@@ -67,8 +79,7 @@ class Other(NamedTuple):
 
 def others(
     digests: Mapping[str, Any],
-    channels: Sequence[Channel],
-    rows: Mapping[str, Rows],
+    found: Mapping[str, ChannelDigest],
     log: Iterable[LogLine],
     head: Mapping[str, Mapping[str, str]],
 ) -> Iterator[Other]:
@@ -76,8 +87,7 @@ def others(
 
     Args:
         digests: as the record has them.
-        channels: as read.
-        rows: as read, of each channel that has any.
+        found: of each channel as read.
         log: as read.
         head: `head_digests` of what was read.
     """
@@ -87,16 +97,12 @@ def others(
                 yield Other(
                     f"{one} {name!r} in it is {'not the one recorded' if name in head[kind] else 'missing'}", False
                 )
-    found = {channel.name: channel for channel in channels}
     for name, told in digests["channels"].items():
         if name not in found:
             yield Other(f"the channel {name!r} is missing", True)
             continue
-        digest, some = ChannelDigest(found[name]), rows.get(name)
-        if some is not None:
-            digest.take(some)
-        if digest.told() != told:
-            count = 0 if some is None else len(some)
+        if found[name].told() != told:
+            count = found[name].rows
             if count == told["rows"]:
                 yield Other(f"the channel {name!r} is not the one recorded", False)
             else:

@@ -19,6 +19,7 @@ from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import Channel, Field
 from cube_sim.recording.mcap.fixed_width import MESSAGE_HEADER, Layout, channel_layout, packed_layout
 from cube_sim.recording.mcap.names import CHANNEL_METADATA, EARLIER, EPOCH_NS, LOG_TOPIC
+from cube_sim.recording.mcap.passing import NotInOrderError
 from cube_sim.recording.mcap.reader import places_of
 from cube_sim.recording.mcap.schemas import LOG, LOG_LEVELS, log_schema
 from cube_sim.run_log import LogLine
@@ -101,6 +102,14 @@ class RecordedMessages:
         """
         return {name: columns.rows() for name, columns in self._columns.items()}
 
+    def following_rows(self) -> dict[str, Rows]:
+        """The same for who asks again and again.
+
+        Raises:
+            NotInOrderError: they do not follow, in the order of their writing, on those handed over before.
+        """
+        return {name: columns.following_rows() for name, columns in self._columns.items()}
+
     def lines(self) -> tuple[LogLine, ...]:
         """Of the log, in the order in which they were said.
 
@@ -130,7 +139,7 @@ class _Columns:
         self._records: list[NDArray[np.uint8]] = []
         self._rows: list[Rows] = []
         self._numbers: list[NDArray[np.uint32]] = []
-        self._waiting = 0
+        self._waiting, self._last_number = 0, -1
 
     def take(self, records: NDArray[np.uint8]) -> None:
         """Keep message records (n, size) that come next."""
@@ -147,13 +156,27 @@ class _Columns:
 
     def rows(self) -> Rows:
         """Hand over those that have come, (n, 1+width), column 0 the time [s], in the order of their writing."""
-        self._decode()
-        if not self._rows:
-            return np.empty((0, 1 + self._channel.width))
-        rows, numbers = np.concatenate(self._rows), np.concatenate(self._numbers)
-        self._rows, self._numbers = [], []
+        rows, numbers = self._as_they_came()
         order = _order(self._path, self._channel.name, numbers, rows[:, 0], of_a_clock=self._channel.rate > 0)
         return rows if isinstance(order, range) else rows[order]
+
+    def following_rows(self) -> Rows:
+        """The same; a `NotInOrderError` unless they follow on those handed over before."""
+        rows, numbers = self._as_they_came()
+        if len(numbers):
+            if numbers[0] <= self._last_number or np.any(numbers[1:] <= numbers[:-1]):
+                raise NotInOrderError(f"{self._path} has rows of {self._channel.name!r} in another order")
+            self._last_number = int(numbers[-1])
+        return rows
+
+    def _as_they_came(self) -> tuple[Rows, NDArray[np.uint32]]:
+        """Hand over rows and their sequence numbers (n,)."""
+        self._decode()
+        if not self._rows:
+            return np.empty((0, 1 + self._channel.width)), np.empty(0, np.uint32)
+        rows, numbers = np.concatenate(self._rows), np.concatenate(self._numbers)
+        self._rows, self._numbers = [], []
+        return rows, numbers
 
     def _decode(self) -> None:
         if self._records:

@@ -9,7 +9,7 @@ from pathlib import Path
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Rows, signals
 from cube_sim.recording.channels import Channel
-from cube_sim.recording.digests import head_digests, others
+from cube_sim.recording.digests import ChannelDigest, channel_digests, head_digests, others
 from cube_sim.recording.header import RecordedCode, RunHeader
 from cube_sim.recording.mcap.names import (
     ASSETS,
@@ -45,7 +45,7 @@ class Recording:
         header: the inputs of the run.
         vehicle: name of the vehicle's frame.
         channels: the channel table the run was recorded with.
-        rows: all rows of each channel, (n, 1+width), column 0 the time [s].
+        rows: all rows of each channel that has any, (n, 1+width), column 0 the time [s].
         log: the messages, in the order of time.
         end: how the run ended; None where the record does not say it, as after a crash and before format 3.
         flaw: why this is not all of what was recorded of a flight that came to its end, in words; "" if it is.
@@ -123,13 +123,16 @@ def read_recording(path: str | Path) -> Recording:
     return read_end(contents, read)
 
 
-def read_channels(path: Path, names: Collection[str], chunks_at_once: int | None = None) -> Iterator[dict[str, Rows]]:
+def read_channels(
+    path: Path, names: Collection[str], chunks_at_once: int | None = None, format_: str = FORMAT
+) -> Iterator[dict[str, Rows]]:
     """The rows of some channels; little more than these is ever in memory.
 
     Args:
-        path: the MCAP file, as this version wrote it.
+        path: the MCAP file, without messages outside chunks.
         names: of the channels.
         chunks_at_once: of so many chunks rows are handed on together; None for all.
+        format_: of the recording.
 
     Yields:
         Channel -> (n, 1+width), column 0 the time [s], of those that have been declared so far.
@@ -137,7 +140,7 @@ def read_channels(path: Path, names: Collection[str], chunks_at_once: int | None
     Raises:
         RecordingError: the file cannot be read, or it is damaged.
     """
-    messages = RecordedMessages(path, FORMAT, names)
+    messages = RecordedMessages(path, format_, names)
     for number, chunk in enumerate(chunks_of(path)):
         if chunks_at_once is not None and number and number % chunks_at_once == 0:
             yield messages.rows()
@@ -176,8 +179,14 @@ def read_header(contents: McapContents) -> tuple[RunHeader, str]:
         raise RecordingError(f"{path} is damaged: its inputs cannot be read") from error
 
 
-def read_end(contents: McapContents, read: Recording) -> Recording:
-    """A recording with how its run ended, and with its flaw if it has one."""
+def read_end(contents: McapContents, read: Recording, found: Mapping[str, ChannelDigest] | None = None) -> Recording:
+    """A recording with how its run ended, and with its flaw if it has one.
+
+    Args:
+        contents: of its file.
+        read: the recording.
+        found: digests of its channels; None: they are made of its rows.
+    """
     texts = contents.metadata.get(END_METADATA)
     if texts is None:
         whole = contents.complete and contents.metadata[RUN_METADATA]["format"] in EARLIER
@@ -186,13 +195,14 @@ def read_end(contents: McapContents, read: Recording) -> Recording:
         end, digests = from_texts(texts)
         counts = {name: int(told["rows"]) for name, told in digests["channels"].items()}
         head = head_digests(contents.metadata, contents.attachments)
-        found = list(others(digests, read.channels, read.rows, read.log, head))
+        found = channel_digests(read.channels, read.rows) if found is None else found
+        different = list(others(digests, found, read.log, head))
     except (RecordingError, ValueError, TypeError, KeyError) as error:
         said = str(error) if isinstance(error, RecordingError) else "how the run ended cannot be read"
         return replace(read, flaw=said)
-    changed = next((f"{ALTERED}: {other.text}" for other in found if not other.lost), "")
-    flaw = f"{ALTERED}: {found[0].text}" if found else ""
-    if not found and not end.of_itself:
+    changed = next((f"{ALTERED}: {other.text}" for other in different if not other.lost), "")
+    flaw = f"{ALTERED}: {different[0].text}" if different else ""
+    if not different and not end.of_itself:
         when = "" if end.simulated_s is None or end.how == "recovered" else f" at {end.simulated_s:g} s"
         flaw = f"{end.how}{when}{f': {end.reason}' if end.reason else ''}"
     return replace(read, end=end, flaw=flaw, counts=counts, changed=changed)

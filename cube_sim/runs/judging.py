@@ -9,8 +9,8 @@ from math import inf
 from cube_sim.checks import Evaluation, evaluate
 from cube_sim.recording.channels import SUPPLY, units_of, why_absent
 from cube_sim.recording.navigation_channels import READINGS, navigation_channels
-from cube_sim.runs.losses import Span
 from cube_sim.runs.recorded_run import RecordedRun
+from cube_sim.runs.row_times import Span
 from cube_sim.scenario.check_blocks import AnyCheck, PathEndCheckBlock, SignalCheckBlock
 from cube_sim.verdict import CheckResult, Verdict, overall
 
@@ -29,11 +29,31 @@ def judged(
     Returns:
         The verdict, one result per check, and why the whole cannot be judged, a line each.
     """
-    scenario, units = run.scenario, units_of(run.recording.channels)
-    asked = scenario.checks if checks is None else checks
+    asked = run.scenario.checks if checks is None else checks
+    units = units_of(run.recording.channels)
+    return concluded(run, asked, evaluate(asked, run.signals, duration_s=asked_duration_s(run), units=units))
+
+
+def asked_duration_s(run: RecordedRun) -> float | None:
+    """How long a run has to be for its checks to be judged [s]; None where any part of it may show something."""
     # A flight that ended itself has shown nothing; of any other, what there is of it may show that a check fails.
-    duration_s = scenario.duration_s if _ended_itself(run) else None
-    results = evaluate(asked, run.signals, duration_s=duration_s, units=units)
+    return run.scenario.duration_s if _ended_itself(run) else None
+
+
+def concluded(
+    run: RecordedRun, asked: Sequence[AnyCheck], results: Sequence[CheckResult]
+) -> tuple[Verdict, tuple[CheckResult, ...], tuple[str, ...]]:
+    """What the results of the rows that are there say of the whole run.
+
+    Args:
+        run: the run.
+        asked: the checks.
+        results: one of each.
+
+    Returns:
+        As `judged`.
+    """
+    scenario = run.scenario
     results = tuple(_with_reason(*both, run) for both in zip(asked, results, strict=True))
     results = tuple(_as_far_as_seen(*both, run) for both in zip(asked, results, strict=True))
     remarks = [run.flaw] if run.flaw else []

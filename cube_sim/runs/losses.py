@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cube_sim.recording.reading import Recording
-
-Span = tuple[float, float]
+from cube_sim.runs.row_times import RowTimes, Span
 
 
 @dataclass(frozen=True)
@@ -30,25 +26,14 @@ class Loss:
     spans: tuple[Span, ...]
 
 
-def spans_without_rows(times: NDArray[np.float64], period_s: float, last_s: float) -> tuple[Span, ...]:
-    """From when to when there are no rows [s].
-
-    Args:
-        times: of the rows there are (n,) [s], increasing.
-        period_s: between two of them [s].
-        last_s: when the last one should be [s].
-    """
-    # A row stands for the period that it begins; the last one is the state at the end.
-    edges = np.concatenate([[-period_s], times, [last_s + period_s]])
-    gaps = np.flatnonzero(np.diff(edges) > 1.5 * period_s)
-    return tuple((float(edges[k] + period_s), float(min(edges[k + 1], last_s))) for k in gaps)
-
-
-def losses_of(recording: Recording, period_s: float, last_s: float) -> tuple[Loss, ...]:
+def losses_of(
+    recording: Recording, row_times: Mapping[str, RowTimes], period_s: float, last_s: float
+) -> tuple[Loss, ...]:
     """What each channel lacks, of those that lack anything.
 
     Args:
         recording: what there is.
+        row_times: when there is.
         period_s: the control period [s].
         last_s: when the last row should be [s].
     """
@@ -56,16 +41,15 @@ def losses_of(recording: Recording, period_s: float, last_s: float) -> tuple[Los
     found = []
     channels = {channel.name: channel for channel in recording.channels}
     for name in dict.fromkeys([*channels, *recording.counts, *before]):
-        rows = recording.rows.get(name)
-        count = 0 if rows is None else len(rows)
+        times = row_times.get(name)
+        count = 0 if times is None else times.rows
         known = name in recording.counts
         lost = before.get(name, 0) + recording.counts.get(name, count) - count
         spans: tuple[Span, ...] = ()
         if name not in channels:
             spans = ((0.0, last_s),)
-        elif channels[name].every_tick and (rows is not None or known):
-            times = np.empty(0) if rows is None else rows[:, 0]
-            spans = spans_without_rows(times, period_s, last_s)
+        elif channels[name].every_tick and (times is not None or known):
+            spans = (times or RowTimes(period_s)).spans_without_rows(last_s)
             if not known:
                 lost = max(lost, sum(_rows_in(span, period_s, last_s) for span in spans))
         if lost > 0:

@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, get_args
 
-import numpy as np
 from pydantic import ValidationError
 
 from cube_sim.errors import RecordingError
@@ -20,7 +19,8 @@ from cube_sim.recording.reading import ALTERED, CANNOT_KNOW, NO_END, Recording, 
 from cube_sim.recording.run_end import How, RunEnd
 from cube_sim.run_directory import MCAP_FILE, VERDICT_FILE, record_of
 from cube_sim.run_log import LogLine
-from cube_sim.runs.losses import Loss, Span, losses_of, spans_without_rows
+from cube_sim.runs.losses import Loss, losses_of
+from cube_sim.runs.row_times import RowTimes, Span, row_times_of
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.document import parse
 from cube_sim.verdict import CheckResult, EarlyEnd, Verdict
@@ -34,11 +34,13 @@ class RecordedRun:
         path: of the record.
         recording: what the record holds.
         told: what verdict.json beside it says, as plain data; None without one.
+        row_times: when each channel has rows, of a run read in passing; None: its rows say it.
     """
 
     path: Path
     recording: Recording
     told: Mapping[str, Any] | None
+    row_times: Mapping[str, RowTimes] | None = None
 
     @cached_property
     def signals(self) -> Mapping[str, Rows]:
@@ -200,18 +202,27 @@ class RecordedRun:
     @property
     def recorded_s(self) -> float:
         """The time of the last row [s]; 0 without rows."""
+        if self.row_times is not None:
+            return max((times.last_s for times in self.row_times.values()), default=0.0)
         return max((float(rows[-1, 0]) for rows in self.recording.rows.values() if len(rows)), default=0.0)
 
     @cached_property
     def missing_s(self) -> tuple[Span, ...]:
         """From when to when there are no rows [s], of the channel that has most; none of a run that is whole."""
-        times = max((rows[:, 0] for rows in self.recording.rows.values()), key=len, default=np.empty(0))
-        return spans_without_rows(times, self.scenario.control_period_s, self._last_s)
+        empty = RowTimes(self.scenario.control_period_s)
+        most = max(self._row_times.values(), key=lambda times: times.rows, default=empty)
+        return most.spans_without_rows(self._last_s)
 
     @cached_property
     def losses(self) -> tuple[Loss, ...]:
         """What each channel lacks, of those that lack anything; none of a run that is whole."""
-        return losses_of(self.recording, self.scenario.control_period_s, self._last_s)
+        return losses_of(self.recording, self._row_times, self.scenario.control_period_s, self._last_s)
+
+    @cached_property
+    def _row_times(self) -> Mapping[str, RowTimes]:
+        if self.row_times is not None:
+            return self.row_times
+        return row_times_of(self.recording.rows, self.scenario.control_period_s)
 
     @property
     def _last_s(self) -> float:
@@ -263,13 +274,21 @@ def load_run(path: str | Path) -> RecordedRun:
         RecordingError: there is no record, it is not one of cube_sim, or it is damaged. One that merely ends early is
             read as far as it goes.
     """
-    path = Path(path)
-    record = record_of(path)
-    beside = record.with_name(VERDICT_FILE)
-    told = None
-    if record.name == MCAP_FILE and beside.is_file():
-        try:
-            told = json.loads(beside.read_text(encoding="utf-8"))
-        except (ValueError, OSError) as error:
-            raise RecordingError(f"{beside}: cannot be read: {error}") from None
+    record = record_of(Path(path))
+    told = told_beside(record)
     return RecordedRun(record, read_recording(record), told)
+
+
+def told_beside(record: Path) -> Mapping[str, Any] | None:
+    """What verdict.json beside a record says, as plain data; None without one.
+
+    Raises:
+        RecordingError: it cannot be read.
+    """
+    beside = record.with_name(VERDICT_FILE)
+    if record.name != MCAP_FILE or not beside.is_file():
+        return None
+    try:
+        return json.loads(beside.read_text(encoding="utf-8"))
+    except (ValueError, OSError) as error:
+        raise RecordingError(f"{beside}: cannot be read: {error}") from None

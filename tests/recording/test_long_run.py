@@ -28,13 +28,13 @@ def test_signals_read_from_the_record_are_those_kept_in_memory(tmp_path, monkeyp
     spilt = cube_sim.run(HELIX, short, tmp_path / "spilt")
     assert isinstance(kept.signals, dict)
     assert isinstance(spilt.signals, RecordedSignals)
-    assert spilt.signals._kept == {}  # judged without a whole channel in memory
+    assert spilt.signals._recorded._kept == {}  # judged without a whole channel in memory
     assert list(spilt.signals) == list(kept.signals)
     for name, rows in kept.signals.items():
         assert spilt.signals[name].tobytes() == rows.tobytes(), name
     assert spilt.checks == kept.checks
     assert (tmp_path / "kept" / "run.mcap").read_bytes() == (tmp_path / "spilt" / "run.mcap").read_bytes()
-    assert len(spilt.signals._kept) == long_run.CHANNELS_KEPT
+    assert len(spilt.signals._recorded._kept) == long_run.CHANNELS_KEPT
     with pytest.raises(KeyError):
         spilt.signals["pose.place"]
     (tmp_path / "spilt" / "run.mcap").unlink()

@@ -164,7 +164,12 @@ Where a recovered record has no rows, nothing is drawn: curves are broken, pages
 `cube-sim judge` judges a record that is not complete by the rows that are there. A check is FAIL where they show that
 it fails, whatever is missing: a maximum beyond its limit stays beyond it. What missing rows of its window might change
 is an ERROR: a maximum within its limit, an RMS, a value at the end. The whole is FAIL or ERROR, never PASS. So a run
-that was interrupted, ERROR in its own `verdict.json`, may be shown to FAIL. A record that was altered shows nothing."""
+that was interrupted, ERROR in its own `verdict.json`, may be shown to FAIL. A record that was altered shows nothing.
+
+It reads a record once, some seconds at a time, in the same memory however long it is: also one that is cut off,
+recovered or compressed anew. Not so a record whose messages another program has put out of the order of time or outside
+chunks, whose sequence numbers it has lost, or that is refused as damaged: that is read as a whole, with the same
+results, in memory that grows with its length. All other commands, and `load_run`, read any record as a whole."""
 _VERDICT = f"""\
 `verdict` is PASS when every check was shown to hold, FAIL when one was shown not to, ERROR when none failed but
 something could not be judged. `value` is the worst value and `at_s` when it was. `margin` is its distance from the
