@@ -62,13 +62,16 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 def rotation_from_quaternion(q: ArrayLike) -> Matrix:
     """R (3,3) of a unit quaternion wxyz."""
-    w, x, y, z = (float(value) for value in np.asarray(q))
-    return np.array(
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
+    return np.array(rotation_components(tuple(float(value) for value in np.asarray(q))))
+
+
+def rotation_components(q):  # type: ignore[no-untyped-def]
+    """`rotation_from_quaternion` of a 4-tuple, as a tuple of rows; compiled in `cube_sim.tuples`."""
+    w, x, y, z = q
+    return (
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
     )
 
 

@@ -10,12 +10,14 @@ from math import atan2, cos, sin, sqrt
 import numpy as np
 
 from cube_sim.native.compiled import compiled
-from cube_sim.spatial import product_components, quaternion_components
+from cube_sim.spatial import product_components, quaternion_components, rotation_components
 
 quaternion_from_matrix = compiled(quaternion_components)
 """The unit quaternion, a 4-tuple wxyz with w >= 0, of a rotation (3,3)."""
 quaternion_times = compiled(product_components)
 """The quaternion product of two 4-tuples."""
+rotation_rows = compiled(rotation_components)
+"""The rotation, a tuple of three rows, of a unit quaternion, a 4-tuple wxyz."""
 
 
 @compiled

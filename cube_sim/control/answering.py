@@ -17,6 +17,8 @@ from cube_sim.control.following import follow
 from cube_sim.control.force_first import ForceFirst, serve_force_first
 from cube_sim.control.oscillation_centre import see_centre, watch_centre
 from cube_sim.control.own_law import OwnLawParts
+from cube_sim.control.pace import LEAST_PACE
+from cube_sim.control.refuge import look_back
 from cube_sim.control.wanted_attitude import want_attitude
 from cube_sim.guidance.approach import approach_motion
 from cube_sim.guidance.pursuit import pursuit_motion
@@ -87,6 +89,8 @@ class LawParts(NamedTuple):
         balanced: memory of `balance`, moved on.
         centre: memory of `watch_centre`, moved on.
         memory: of `follow`, moved on.
+        refuge: record of `cube_sim.control.refuge.REFUGE`, moved on.
+        shortage: record of `cube_sim.control.shortage.SHORTAGE`, over once the refuge is no more needed.
         own: the law of the user's own that steers in place of cube_sim's; none where that does.
     """
 
@@ -117,6 +121,8 @@ class LawParts(NamedTuple):
     balanced: Record
     centre: Record
     memory: Record
+    refuge: Record
+    shortage: Record
     own: OwnLawParts
 
 
@@ -127,6 +133,26 @@ def _want_attitude_of() -> tuple[Any, ...]:
 
 
 WANTING = Callee(want_attitude, _want_attitude_of)
+
+
+@compiled
+def stay_in_refuge(parts, desired, force_ratio):
+    """Want the refuge's attitude in place of the mission's; from the next tick on perhaps no more.
+
+    Args:
+        parts: `LawParts`.
+        desired: record of `cube_sim.control.attitude_mode.DESIRED`, that of the mission, filled.
+        force_ratio: share of their force that the supply leaves the thrusters.
+    """
+    p, wished, flow = parts, np.empty(4), np.empty(3)
+    put(wished, desired[0].quaternion)
+    for i in range(3):
+        flow[i] = LEAST_PACE * p.memory[0].velocity[i] - p.current[i]
+        desired[0].rates[i] = 0.0
+    put(desired[0].quaternion, p.refuge[0].quaternion)
+    facets, short = (p.normals, p.bounds, p.held_shares), p.shortage[0].since != 0.0
+    if look_back(p.refuge, p.hull, *facets, force_ratio, flow, wished, short):
+        p.shortage[0].pressed = False
 
 
 @compiled
@@ -170,6 +196,8 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio,
         if s.current_time > 0.0:
             observe_current(hull, s.current_damping, dt / s.current_time, current, R, v, w, unknown)
     call_at(WANTING, wanting, (p, desired, view, R, q, dt, force_ratio))
+    if p.refuge[0].taken:
+        stay_in_refuge(p, desired, force_ratio)
     follow(
         hull,
         p.loops,

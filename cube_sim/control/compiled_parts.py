@@ -27,6 +27,8 @@ from cube_sim.control.loops import LOOPS
 from cube_sim.control.oscillation_centre import CENTRE
 from cube_sim.control.own_law import OwnLawParts, no_own_law
 from cube_sim.control.pace import NO_BUDGET, Facets
+from cube_sim.control.refuge import REFUGE
+from cube_sim.control.shortage import SHORTAGE
 from cube_sim.control.wanted_attitude import ALONG_PATH, FIXED, FREE, LOOK_AT
 from cube_sim.guidance.approach import APPROACH, Approach
 from cube_sim.guidance.law import MotionLaw
@@ -99,6 +101,8 @@ class CompiledParts:
             NEVER_BALANCED if balanced is None else balanced.memory,
             follower.centre,
             follower.memory,
+            follower.refuge.memory,
+            follower.shortage,
             no_own_law(),
         )
 
@@ -260,7 +264,7 @@ def resting_law() -> LawParts:
         *NO_BUDGET,
         *modes,
         np.zeros(3),
-        *zero(BALANCED, CENTRE, ASKED),
+        *zero(BALANCED, CENTRE, ASKED, REFUGE, SHORTAGE),
         no_own_law(),
     )
     return LawParts._make(parts)

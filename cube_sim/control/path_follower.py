@@ -110,7 +110,7 @@ class PathFollower:
         """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
         self.capability = left
         self.balanced, self._loops, self._approach = None, self.loops, self.approach
-        self._refuge, self._holding = Refuge(), None
+        self.refuge, self._holding = Refuge(), None
         budget = left.budget
         self._left = left.record(self.loops.dynamics.total_mass)
         self.dragged = bool(self._left["dragged"].any())
@@ -156,7 +156,7 @@ class PathFollower:
         goal = self._safe_mode_goal(state, view, force_ratio, dt)
         mode = self._mode(state, force_ratio)
         followed = np.zeros(1, FOLLOWED)
-        if seen is not None and goal is None and self._compiled is not None and not self._refuge.taken:
+        if seen is not None and goal is None and self._compiled is not None:
             quaternion = self._compiled.answer(self, seen, followed, state, applied, dt, force_ratio)
             disturbance, current = self._estimates()
         else:
@@ -166,7 +166,7 @@ class PathFollower:
             attitude = mode.attitude(situation, dt)
             if self.dragged and self.balanced is not None:
                 begin_centre(self._left, self.centre, state.rotation, state.quaternion, self.balanced.wished)
-            if self._refuge.taken:
+            if self.refuge.taken:
                 self._look_back(situation, dt)
             quaternion = attitude.quaternion
             self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
@@ -313,7 +313,7 @@ class PathFollower:
         stuck = Stuck.of(budget, self.loops.dynamics, rest, state, self.current, points)
         self._holding = Holding.first(stuck, off) if before is None else before.next(stuck, off)
         if before is not None or self._holding.attitude is not None:
-            self.balanced, self._refuge = None, Refuge()  # what it sought before has led nowhere
+            self.balanced, self.refuge = None, Refuge()  # what it sought before has led nowhere
         if self._holding.left_alone != (before is not None and before.left_alone):
             goal.say_left_alone(self._holding.left_alone)
 
@@ -339,13 +339,13 @@ class PathFollower:
         if self._goal is not None and self._held_in is not None and not self.capability.steers_by_attitude:
             self.balanced = None
             return self._held_in
-        chosen = self._refuge.taken or self.balanced is not None or self.capability.steers_by_attitude
+        chosen = self.refuge.taken or self.balanced is not None or self.capability.steers_by_attitude
         if self.pressed and not chosen and self._is_under_way(state, force_ratio):
             self.shortage["since"], self.shortage["pressed"] = 0.0, False
         if self.pressed and not chosen:
-            self._refuge.seek(self.kept(force_ratio), state.rotation, rotation_from_quaternion(self.desired))
-        if self._refuge.attitude is not None:
-            return self._refuge.attitude
+            self.refuge.seek(self.kept(force_ratio), state.rotation, rotation_from_quaternion(self.desired))
+        if self.refuge.attitude is not None:
+            return self.refuge.attitude
         if self.capability.steers_by_attitude or self.pressed:
             if self.balanced is None:
                 self.balanced = self._balanced_from(state.rotation)
@@ -410,8 +410,8 @@ class PathFollower:
 
     def _look_back(self, situation: Situation, dt: float) -> None:
         """Leave the refuge once it is no more of use."""
-        back = rotation_from_quaternion(self._wish.attitude(situation, dt).quaternion)
-        if self._refuge.look_back(self.kept(situation.force_ratio), back, self.shortage["since"][0] != 0.0):
+        back = self._wish.attitude(situation, dt).quaternion
+        if self.refuge.look_back(self.kept(situation.force_ratio), back, self.shortage["since"][0] != 0.0):
             self.shortage["pressed"] = False
 
     def kept(self, force_ratio: float) -> KeptMotion:
@@ -428,7 +428,7 @@ class PathFollower:
         """
         if self.force_first or (self._holding is not None and self._holding.left_alone):
             return np.zeros(6)
-        if self._refuge.taken or (self._held_in is not None and not self.capability.steers_by_attitude):
+        if self.refuge.taken or (self._held_in is not None and not self.capability.steers_by_attitude):
             still = self.loops.dynamics.steady_wrenches(np.zeros((1, 3)), state.rotation[2:])[0]
             return np.concatenate([wrench[:3] - still[:3], np.zeros(3)])
         secondary = np.zeros(6)
@@ -452,9 +452,12 @@ class PathFollower:
     @property
     def ready(self) -> CompiledParts | None:
         """What one compiled call a tick goes on with as it stands; None where Python has something to say."""
-        balanced = self.capability.steers_by_attitude or self.pressed
-        if self._goal is not None or self._refuge.taken or (self.balanced is not None) != balanced:
+        taken = self.refuge.taken
+        balanced = self.capability.steers_by_attitude or (self.pressed and not taken)
+        if self._goal is not None or (self.balanced is not None) != balanced:
             return None
+        if taken and not self.force_first:
+            return None  # what is to move the hull gives way to the attitude there
         if self.balanced is not None and self.balanced.stale:
             return None
         return self._compiled

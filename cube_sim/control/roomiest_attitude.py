@@ -39,11 +39,11 @@ def roomiest_attitude(hull: Record, facets: Facets, force_ratio: float, flow_W: 
     Returns:
         None where they can in the present one, and where they can in none.
     """
-    excess = excesses(hull, *facets, force_ratio, flow_W, np.concatenate([near[None], spread_attitudes()]))
-    enough = excess <= _spare(facets)
+    beyond = excesses(hull, *facets, force_ratio, flow_W, np.concatenate([near[None], spread_attitudes()]))
+    enough = beyond <= _spare(facets)
     if enough[0] or not enough.any():
         return None
-    roomy = excess <= _spare(facets, TO_BRAKE)
+    roomy = beyond <= _spare(facets, TO_BRAKE)
     enough = roomy if roomy.any() else enough
     closeness = np.einsum("kij,ij->k", spread_attitudes(), near)
     return spread_attitudes()[int(np.argmax(np.where(enough[1:], closeness, -np.inf)))]
@@ -67,17 +67,22 @@ def _spare(facets: Facets, share: float = TO_SPARE) -> float:
 
 
 @compiled
+def excess(hull, normals, bounds, held_shares, force_ratio, flow, R):
+    """How far the steady wrench lies beyond what is attainable, at its worst facet, in one attitude (3,3) [N]."""
+    wrench = steady_wrench(hull, to_body(R, flow), (R[2, 0], R[2, 1], R[2, 2]))
+    most = -np.inf
+    for i in range(len(bounds)):
+        most = max(most, facet_excess(normals, bounds, held_shares, force_ratio, i, wrench))
+    return most
+
+
+@compiled
 def excesses(hull, normals, bounds, held_shares, force_ratio, flow_W, attitudes):
-    """How far the steady wrench lies beyond what is attainable, at its worst facet, in attitudes (k,3,3): (k,) [N]."""
+    """The same in attitudes (k,3,3): (k,) [N]."""
     result = np.empty(len(attitudes))
     flow = triple(flow_W)
     for k in range(len(attitudes)):
-        R = attitudes[k]
-        wrench = steady_wrench(hull, to_body(R, flow), (R[2, 0], R[2, 1], R[2, 2]))
-        most = -np.inf
-        for i in range(len(bounds)):
-            most = max(most, facet_excess(normals, bounds, held_shares, force_ratio, i, wrench))
-        result[k] = most
+        result[k] = excess(hull, normals, bounds, held_shares, force_ratio, flow, attitudes[k])
     return result
 
 

@@ -20,6 +20,7 @@ from cube_sim.control import (
     look_at,
     oscillation_centre,
     path_follower,
+    refuge,
 )
 from cube_sim.control.asked import MEMORY as ASKED
 from cube_sim.control.attitude_mode import DESIRED
@@ -129,6 +130,19 @@ def test_the_force_before_the_torque(rng):
         return first, normals, held_shares, 0.9, wrench
 
     same("serve_force_first", force_first.serve_force_first, arguments, [30.0 * rng.normal(size=6)])
+
+
+@pytest.mark.parametrize(("room", "short"), [(1e-3, False), (1e4, False), (1e-3, True)])
+def test_looking_back_from_a_refuge(rng, hull, room, short):
+    of_facets, flow = facets(rng, room), rng.normal(size=3)
+    wished, memory = quaternion_from_rotation(random_rotation(rng)), filled(rng, refuge.REFUGE)
+    memory["quaternion"] = quaternion_from_rotation(random_rotation(rng))
+
+    def arguments(memory):
+        return memory, hull, *of_facets, 0.9, flow, wished, short
+
+    same("look_back", refuge.look_back, arguments, [memory])
+    assert refuge.look_back(memory, hull, *of_facets, 0.9, flow, wished, short) == (room > 1.0)
 
 
 @pytest.mark.parametrize("room", [1e-3, 1e4])
@@ -251,6 +265,10 @@ WHOLE = {
     "stuck": (
         SCENARIOS / "cube_lose_one.yaml",
         {"control.faults": "told", "events": [thruster_event(1.0, ["T6"], "stuck", force_N=51.0)], "duration_s": 15.0},
+    ),
+    "stuck at full force": (
+        HELIX,
+        {"control.faults": "told", "events": [thruster_event(1.0, ["T1"], "stuck", force_N=51.0)]},
     ),
     "lost and too fast": (SCENARIOS / "cube_lose_one.yaml", LOST),
     "too fast": (HELIX, {"guidance.speed_m_s": 1.5}),

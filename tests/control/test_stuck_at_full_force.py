@@ -13,6 +13,7 @@ import cube_sim
 from cube_sim.control.authority import Authority, remaining_capability
 from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.roomiest_attitude import TO_BRAKE, excesses, has_enough, roomiest_attitude
+from cube_sim.spatial import quaternion_from_rotation
 from cube_sim.wrench.health import Health
 
 STUCK_N = 51.4
@@ -47,10 +48,10 @@ def test_who_turns_back_has_more_to_spare_than_who_turns_away(name):
     rng, refuge = np.random.default_rng(7), Refuge()
     kept = KeptMotion(hull, facets, 1.0, still)
     refuge.seek(kept, level, level)
-    taken, shares = refuge.attitude, excesses(hull, *facets, 1.0, still, attitudes := random_rotations(rng))
+    taken, shares = refuge.memory.copy(), excesses(hull, *facets, 1.0, still, attitudes := random_rotations(rng))
     for share, wished in zip(shares / -facets[1].mean(), attitudes, strict=True):
-        refuge.attitude = taken
-        assert refuge.look_back(kept, wished, short=False) == (share >= TO_BRAKE)
+        refuge.memory[:] = taken
+        assert refuge.look_back(kept, quaternion_from_rotation(wished), short=False) == (share >= TO_BRAKE)
     assert np.any((shares / -facets[1].mean() > 0.02) & (shares / -facets[1].mean() < TO_BRAKE))
 
 

@@ -129,19 +129,22 @@ def test_both_loops_read_the_same_telemetry(telemetry, events, least, monkeypatc
 
 @pytest.mark.flight
 @pytest.mark.parametrize(
-    ("name", "force_N", "settings"),
+    ("name", "thruster", "force_N", "settings"),
     [
-        ("cube_helix", 20.0, {"current_m_s": [0.0, 0.2, 0.0]}),
-        ("cube_helix", -35.0, {"control.priority": "path"}),
-        ("bluerov2_vectored_helix", 10.0, {}),
-        ("bluerov2_battery", 15.0, {"battery.charge": 0.2, "battery.capacity_Wh": 60.0}),
+        ("cube_helix", "T1", 20.0, {"current_m_s": [0.0, 0.2, 0.0]}),
+        ("cube_helix", "T1", -35.0, {"control.priority": "path"}),
+        ("bluerov2_vectored_helix", "T1", 10.0, {}),
+        ("bluerov2_battery", "T1", 15.0, {"battery.charge": 0.2, "battery.capacity_Wh": 60.0}),
+        ("cube_look_at", "T1", 51.0, {}),
+        ("cube_helix", "T1", 51.0, {"duration_s": 18.0, "current_m_s": [0.0, 0.7, 0.0]}),
+        ("cube_helix", "T7", 36.0, {"duration_s": 18.0, "current_m_s": [0.0, 0.7, 0.0]}),
     ],
-    ids=["any_motion", "path_first", "at_trim", "low_battery"],
+    ids=["any_motion", "path_first", "at_trim", "low_battery", "in_refuge", "to_another_refuge", "back_from_refuge"],
 )
-def test_both_loops_serve_the_force_first_alike(name, force_N, settings, monkeypatch):
+def test_both_loops_serve_the_force_first_alike(name, thruster, force_N, settings, monkeypatch):
     settings = {"duration_s": 12.0, "checks": CHECKS, "control.faults": "told", **settings}
-    settings["events"] = [{**FAULT, "at_s": 1.0, "state": "stuck", "force_N": force_N}]
-    assert assert_same_flight(SCENARIOS / f"{name}.yaml", settings, monkeypatch) > 0.8
+    stuck = {"kind": "thrusters", "at_s": 1.0, "thrusters": [thruster], "state": "stuck", "force_N": force_N}
+    assert assert_same_flight(SCENARIOS / f"{name}.yaml", settings | {"events": [stuck]}, monkeypatch) > 0.8
 
 
 @pytest.mark.flight

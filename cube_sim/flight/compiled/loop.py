@@ -164,6 +164,7 @@ def fly(
         course.loss[0].nearest, course.loss[0].distance = loss[0].nearest, loss[0].distance
         desired[0].quaternion[:] = 0.0
         desired[0].rates[:] = 0.0
+        taken = law.refuge[0].taken
         records, speed, rates = (view, desired, followed), known[16:19], known[19:]
         if answering.in_plane:
             call_at(STEERING, codes[1], (planar, *records, R, speed, rates, answering.applied, dt))
@@ -217,7 +218,7 @@ def fly(
             watch_shortage(course.shortage, out.enough, law.settings[0].balanced, law.balanced, dt)
         if not step(e.model, e.data, text, e.steps, e.classical):
             return k + 1, FAILED
-        if course.shortage[0].pressed != pressed and not course.steers:
+        if law.refuge[0].taken != taken or (course.shortage[0].pressed != pressed and not course.steers):
             return k + 1, BEGIN
         if law.settings[0].balanced and law.balanced[0].stale:
             return k + 1, BEGIN
