@@ -4,15 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.errors import FlightError
+from cube_sim.errors import FlightError, ModelError
 from cube_sim.scenario import Scenario
-from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS, element_values
+from cube_sim.vehicle.mjcf.elements import (
+    ELEMENT_PARAMETERS,
+    LAG,
+    element_values,
+    is_of_element,
+    lags_of,
+    require_possible,
+)
 from cube_sim.vehicle.vehicle import Vehicle
 
 GROUPS = ("scenario", "model", "thrusters", "faults")
@@ -155,6 +163,11 @@ class Randomisation:
         for name, (numbers, factor) in self._factors.items():
             if factor.low.shape not in ((), numbers.shape):
                 raise FlightError(f"randomise model.{name}: takes 1 factor or {len(numbers)}, not {factor.low.shape}")
+            if is_of_element(name):
+                _require_possible(name, numbers, factor)
+        self._lagging = {
+            name: [*lags_of(model, name.rpartition(":")[0])] for name in self._factors if name.endswith(f":{LAG}")
+        }
         share = groups.get("thrusters")
         self._share = None if share is None else UniformRange.read("thrusters", share)
         if self._share is not None and (self._share.low.shape or self._share.low < 0.0 or self._share.high > 1.0):
@@ -166,7 +179,13 @@ class Randomisation:
         """Overrides of the scenario for one flight; the same generator in the same state gives the same ones."""
         drawn = {key: value.draw(rng) for key, value in self._values.items()}
         for name, (numbers, factor) in self._factors.items():
-            drawn[f"parameters.{name}"] = (numbers * _factors(name, numbers, factor.draw(rng))).tolist()
+            values = (numbers * _factors(name, numbers, factor.draw(rng))).tolist()
+            if name in self._lagging:
+                drawn |= {
+                    f"parameters.{each}:{LAG}": [lag] for each, lag in zip(self._lagging[name], values, strict=True)
+                }
+            else:
+                drawn[f"parameters.{name}"] = values
         events = []
         if self._share is not None:
             for name in self._vehicle.thrusters.names:
@@ -209,6 +228,22 @@ def _numbers(name: str, scenario: Scenario, model: mujoco.MjModel) -> NDArray[np
         listed = ", ".join(each for each in names if ":" in each and not each.startswith("cube_sim"))
         raise FlightError(f"randomise model: no '{name}'; the model has {listed}, and of hulls {_ELEMENTS}")
     return np.array(model.numeric(name).data, dtype=np.float64)
+
+
+def _require_possible(name: str, numbers: NDArray[np.float64], factor: UniformRange) -> None:
+    """Refuse a range of which some draw would be refused, and only amid training.
+
+    What may be drawn is a box, and what is possible is convex: its corners are enough.
+    """
+    ends = zip(*(np.broadcast_to(end, numbers.shape) for end in (factor.low, factor.high)), strict=True)
+    corners = [factor.low, factor.high] if not factor.low.shape else product(*({low, high} for low, high in ends))
+    for corner in corners:
+        values = numbers * np.asarray(corner)
+        try:
+            for given in values[:, None] if name.endswith(f":{LAG}") else [values]:
+                require_possible(name, given)
+        except ModelError as error:
+            raise FlightError(f"randomise model.{name}: at its ends it {error.reason}") from None
 
 
 def _factors(name: str, numbers: NDArray[np.float64], drawn: Any) -> NDArray[np.float64]:

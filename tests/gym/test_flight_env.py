@@ -239,6 +239,9 @@ def test_environments_side_by_side_are_those_alone(processes):
         ({"randomise": {"model": {"hul:mass": [1, 2]}}}, "and of hulls <hull>:mass"),
         ({"randomise": {"model": {"hull:added_mass": [2, 1]}}}, "in order"),
         ({"randomise": {"model": {"hull:added_mass": [[1, 1], [2, 2]]}}}, "takes 1 factor or 6"),
+        ({"randomise": {"model": {"hull:mass": [-1, 1]}}}, "at its ends it is -125; a mass"),
+        ({"randomise": {"model": {"hull:thruster_lag": [0, 1]}}}, "a time constant"),
+        ({"randomise": {"model": {"hull:inertia": [[0.9, 0.8, 0.7], [1, 1.1, 2]]}}}, "principal moments"),
         ({"randomise": {"thrusters": [0.5, 1.5]}}, "between 0 and 1"),
         ({"randomise": {"faults": {"most": 9}}}, "takes 0 to 8"),
         ({"randomise": {"faults": {"states": ["broken"]}}}, "some of dead, weak, stuck"),
@@ -277,3 +280,11 @@ def test_the_package_does_without_gymnasium():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "pip install 'cube-sim[gym]'" in done.stdout
+
+
+def test_thrusters_of_different_lags_get_a_factor_each():
+    given = {"parameters": {"T3:thruster_lag": [0.1]}, **SHORT}
+    env = FlightEnv(HOVER, given, randomise={"model": {"hull:thruster_lag": [2.0, 2.0]}})
+    env.reset(seed=1)
+    lags = env.flight.mission.model.actuator_dynprm[:, 0]
+    assert lags.tolist() == [0.04, 0.04, 0.2, *[0.04] * 5]

@@ -51,9 +51,7 @@ def set_elements(
     for name in sorted(values, key=lambda each: each.rpartition(":")[0] not in hulls):  # a thruster's own comes last
         owner, _, parameter = name.rpartition(":")
         given = values[name]
-        if given.shape[0] not in _SIZES[parameter] or given.ndim != 1 or not np.isfinite(given).all():
-            right = " or ".join(map(str, _SIZES[parameter]))
-            raise ModelError(name, f"is {given.tolist()!r:.80}; {right} finite numbers are right")
+        require_possible(name, given)
         if parameter == LAG:
             _set_lag(spec, name, owner, float(given[0]), thrusters)
         elif owner not in hulls:
@@ -62,18 +60,46 @@ def set_elements(
             _set_inertial(spec, name, spec.body(owner), given)
 
 
+def require_possible(name: str, given: NDArray[np.float64]) -> None:
+    """Refuse values (n,) of such a parameter that no hull or thruster has.
+
+    Raises:
+        ModelError: says what would be right.
+    """
+    parameter = name.rpartition(":")[2]
+    if given.ndim != 1 or given.shape[0] not in _SIZES[parameter] or not np.isfinite(given).all():
+        right = " or ".join(map(str, _SIZES[parameter]))
+        raise ModelError(name, f"is {given.tolist()!r:.80}; {right} finite numbers are right")
+    if parameter in (MASS, LAG) and given[0] <= 0.0:
+        raise ModelError(
+            name, f"is {given[0]:g}; a {'mass [kg]' if parameter == MASS else 'time constant [s]'} is positive"
+        )
+    if parameter == INERTIA:
+        xx, yy, zz, xy, xz, yz = [*given, *np.zeros(6 - given.size)]
+        moments = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+        # No distribution of mass has more about one axis than about the other two together.
+        if moments[0] <= 0.0 or moments[2] > (1.0 + 1e-9) * (moments[0] + moments[1]):
+            told = " ".join(f"{moment:g}" for moment in moments)
+            raise ModelError(name, f"has the principal moments {told}; positive, none above the others' sum, is right")
+
+
+def lags_of(model: mujoco.MjModel, owner: str) -> dict[str, float]:
+    """Name of each thruster that is, or is on, an element of that name -> its time constant [s]."""
+    hulls = [model.body(i).name for i in model.body_rootid]
+    return {
+        model.actuator(i).name: float(model.actuator_dynprm[i, 0])
+        for i in range(model.nu)
+        if model.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_USER)
+        and owner in (model.actuator(i).name, hulls[_body_of(model, i)])
+    }
+
+
 def element_values(model: mujoco.MjModel, name: str) -> NDArray[np.float64] | None:
-    """What a compiled model has of such a parameter, (n,); None where it has nothing of that name."""
+    """What a compiled model has of such a parameter (n,), a lag for each thruster; None where nothing has its name."""
     owner, _, parameter = name.rpartition(":")
-    bodies = [model.body(i).name for i in range(model.nbody)]
     if parameter == LAG:
-        lags = [
-            model.actuator_dynprm[i, 0]
-            for i in range(model.nu)
-            if owner in (model.actuator(i).name, bodies[model.body_rootid[_body_of(model, i)]])
-            and model.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_USER)
-        ]
-        return np.array(lags[:1]) if len(set(lags)) == 1 else None
+        return np.array([*lags_of(model, owner).values()]) if lags_of(model, owner) else None
+    bodies = [model.body(i).name for i in range(model.nbody)]
     if parameter not in ELEMENT_PARAMETERS or owner not in bodies:
         return None
     body = model.body(owner)
@@ -95,8 +121,6 @@ def _body_of(model: mujoco.MjModel, actuator: int) -> int:
 def _set_lag(
     spec: mujoco.MjSpec, name: str, owner: str, lag: float, thrusters: Sequence[ThrusterElement | None]
 ) -> None:
-    if lag <= 0.0:
-        raise ModelError(name, f"is {lag:g}; a time constant [s] is positive")
     meant = [i for i, each in enumerate(thrusters) if each is not None and owner in (each.name, each.body)]
     if not meant:
         raise ModelError(name, f"'{owner}' is no thruster, and no hull that has one")
@@ -109,25 +133,11 @@ def _set_inertial(spec: mujoco.MjSpec, name: str, body: mujoco.MjsBody, given: N
         raise ModelError(name, "follows from the geoms of this body; give it an <inertial> in the MJCF")
     parameter = name.rpartition(":")[2]
     if parameter == MASS:
-        if given[0] <= 0.0:
-            raise ModelError(name, f"is {given[0]:g}; a mass [kg] is positive")
         body.mass = float(given[0])
     elif parameter == CENTRE_OF_MASS:
         body.ipos = given
     elif given.size == 3 and not np.isfinite(body.fullinertia).all():
-        _require_inertia(name, np.diag(given))
         body.inertia = given
     else:
         full = np.concatenate([given, np.zeros(6 - given.size)])
-        _require_inertia(name, np.array([[full[0], full[3], full[4]], [0, full[1], full[5]], [0, 0, full[2]]]))
         body.fullinertia, body.iquat, body.inertia = full, [1.0, 0.0, 0.0, 0.0], np.zeros(3)
-
-
-def _require_inertia(name: str, upper: NDArray[np.float64]) -> None:
-    """Refuse what no distribution of mass has: of its principal moments, each is at most the sum of the others."""
-    moments = np.linalg.eigvalsh(upper, UPLO="U")
-    if moments[0] <= 0.0 or moments[2] > (1.0 + 1e-9) * (moments[0] + moments[1]):
-        told = " ".join(f"{moment:g}" for moment in moments)
-        raise ModelError(
-            name, f"has the principal moments {told}; all positive, none above the other two's sum, is right"
-        )

@@ -88,8 +88,12 @@ def require_parameter(name: str) -> None:
     """
     parameter = name.rpartition(":")[2]
     known = (*_KNOWN, *ELEMENT_PARAMETERS)
-    if not name.endswith((DENSITY, CURRENT)) and (":" not in name or parameter not in known):
+    if name.endswith((DENSITY, CURRENT)):
+        return
+    if parameter not in known:
         raise ModelError(name, _unknown(parameter, known))
+    if ":" not in name:
+        raise ModelError(name, f"is nobody's; write <hull>:{name}, with the name of a hull or thruster")
 
 
 def force_owner(name: str, data: str, bodies: Sequence[str]) -> str | None:
