@@ -65,7 +65,7 @@ MISTAKES = [
     ),
     ("hull:aded_mass", [1.0] * 6, "is no parameter of the water (did you mean added_mass?); there are volume"),
     ("hull:colour", [1.0], "is no parameter of the water; there are volume"),
-    ("volume", [0.1], "is no parameter of the water"),
+    ("volume", [0.1], "is nobody's; write <hull>:volume"),
     ("T1:gain", [0.1], "is no parameter of the water"),
     ("hul:added_mass", [1.0] * 6, "no body 'hul'; the model has hull"),
     ("T9:thruster_dead_zone", [-1.0, 1.0], "no body or thruster 'T9'"),
