@@ -10,28 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import RecordingError
+from cube_sim.vehicle.mjcf.thruster_elements import thruster_actuators
 
 
 @dataclass(frozen=True)
 class ThrusterMounts:
-    """Where the thrusters sit.
+    """Where the thrusters sit, on the hull or on what it carries; what moves on it is in its reference pose.
 
     Attributes:
         names: of the m thrusters.
         positions: (m, 3) p_BT in body axes [m].
-        rotations: (m, 3, 3) site axes to body axes; positive thrust is along the site's z axis.
+        rotations: (m, 3, 3) site axes to body axes.
+        axes: (m, 3) unit vectors of positive force in body axes: the site's z axis, or against it by a negative gear.
         sizes: (m, 2) radius and half-length by which each site is drawn [m].
     """
 
     names: tuple[str, ...]
     positions: NDArray[np.float64]
     rotations: NDArray[np.float64]
+    axes: NDArray[np.float64]
     sizes: NDArray[np.float64]
-
-    @property
-    def axes(self) -> NDArray[np.float64]:
-        """(m, 3) unit vectors of positive thrust in body axes."""
-        return self.rotations[:, :, 2]
 
 
 def vehicle_body(model: mujoco.MjModel, name: str | None = None) -> int:
@@ -57,22 +55,30 @@ def vehicle_name(model: mujoco.MjModel) -> str:
 
 
 def thruster_mounts(model: mujoco.MjModel, vehicle: str | None = None) -> ThrusterMounts:
-    """Read the site of every actuator that pushes the vehicle along its site's z axis."""
-    body = vehicle_body(model, vehicle)
-    ids = [
-        i
-        for i in range(model.nu)
-        if model.actuator_trntype[i] == mujoco.mjtTrn.mjTRN_SITE
-        and model.site_bodyid[model.actuator_trnid[i, 0]] == body
-    ]
+    """Read the site of every thruster of the vehicle, in the order in which the record has their forces."""
+    hull = vehicle_body(model, vehicle)
+    ids = thruster_actuators(model, hull)
     sites = [int(model.actuator_trnid[i, 0]) for i in ids]
-    rotations = np.array([rotation(model.site_quat[site]) for site in sites]).reshape(-1, 3, 3)
+    poses = [_site_pose(model, site, hull) for site in sites]
+    rotations = np.array([frame for _, frame in poses]).reshape(-1, 3, 3)
     return ThrusterMounts(
         names=tuple(model.actuator(i).name for i in ids),
-        positions=model.site_pos[sites].copy(),
+        positions=np.array([position for position, _ in poses]).reshape(-1, 3),
         rotations=rotations,
+        axes=np.sign(model.actuator_gear[ids, 2])[:, None] * rotations[:, :, 2],
         sizes=model.site_size[sites, :2].copy(),
     )
+
+
+def _site_pose(model: mujoco.MjModel, site: int, hull: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """p_HS (3,) [m] and R_HS (3, 3) of a site on a hull: from body to body, exact where it is on the hull itself."""
+    position, frame = model.site_pos[site].copy(), rotation(model.site_quat[site])
+    body = int(model.site_bodyid[site])
+    while body != hull:
+        R = rotation(model.body_quat[body])
+        position, frame = model.body_pos[body] + R @ position, R @ frame
+        body = int(model.body_parentid[body])
+    return position, frame
 
 
 def vehicle_reach(model: mujoco.MjModel, vehicle: str | None = None) -> float:

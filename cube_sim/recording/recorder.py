@@ -33,7 +33,7 @@ from cube_sim.run_log import LogLine
 MCAP_NAME = "run.mcap"
 RRD_NAME = "run.rrd"
 _VIEWS = "cube_sim.recording.rerun.sink"
-REMEDY = "`cube-sim export --format rrd` makes it of the record"
+REMEDY = "the record is whole without it, and `cube-sim export --format rrd` makes it anew of that, if it can"
 
 HANDED_ON_S = 5
 """So many simulated seconds at a time go to the view, which is written in larger pieces still: each costs a change of
@@ -92,6 +92,7 @@ class Recorder(SignalStore):
         self._patience = Patience()
         name = vehicle or vehicle_name(model)
         scene = SceneRows(self._channels, model, vehicle, name)
+        self._not_drawn = scene.not_drawn
         if view or live is not None:
             # What a view cannot do is told once, by `warnings`; unasked, Rerun would tell it in its own words as well.
             os.environ.setdefault("RUST_LOG", "off")
@@ -160,27 +161,27 @@ class Recorder(SignalStore):
             self.settle()
         finally:
             self._files.close()
-            self._remove_an_empty_view()
+            self._remove_a_failed_view()
             if self._recorded is not None:
                 self._recorded.finished()
 
-    def _remove_an_empty_view(self) -> None:
+    def _remove_a_failed_view(self) -> None:
+        """Leave no part of a view: who opens it would take it for the run."""
         if self._shown is not None and self._shown.failure:
             with suppress(OSError):
-                if self.rrd.is_file() and not self.rrd.stat().st_size:
+                if self.rrd.is_file():
                     self.rrd.unlink()
 
     @property
     def warnings(self) -> tuple[LogLine, ...]:
-        """What has been said at the level WARNING or above, and that the view cannot be written, if so.
+        """What has been said at the level WARNING or above, and what cannot be shown, if anything.
 
         That stands in no record: it says nothing of the flight.
         """
-        failure = "" if self._shown is None else self._shown.failure
-        if not failure:
-            return super().warnings
-        line = LogLine(self.last_s, "WARNING", f"{RRD_NAME} cannot be written: {failure}; {REMEDY}")
-        return (*super().warnings, line)
+        said = [f"{MCAP_NAME} lets viewers draw less: {each}" for each in self._not_drawn]
+        if self._shown is not None and self._shown.failure:
+            said.append(f"{RRD_NAME} cannot be written: {self._shown.failure}; {REMEDY}")
+        return (*super().warnings, *(LogLine(self.last_s, "WARNING", each) for each in said))
 
     @property
     def signals(self) -> Mapping[str, Rows]:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.mjcf.thruster_elements import thruster_actuators
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.pulse import PulseRange
 
@@ -53,7 +54,7 @@ class Thrusters:
             ModelError: the model has no water.
         """
         packed = packing.packed_parameters(model)
-        actuators = [i for i in range(model.nu) if _pushes(model, packed, i, body)]
+        actuators = thruster_actuators(model, body)
         curves = [packed[_curve_start(packed, i) :] for i in actuators]
         return Thrusters(
             names=tuple(model.actuator(i).name for i in actuators),
@@ -167,15 +168,8 @@ class Thrusters:
 
 
 def _curve_start(packed: NDArray[np.float64], actuator: int) -> int:
-    """Where the curve record of an actuator starts; negative for one that is no thruster."""
+    """Where the curve record of a thruster starts."""
     return int(packed[int(packed[layout.THRUSTERS]) + actuator])
-
-
-def _pushes(model: mujoco.MjModel, packed: NDArray[np.float64], actuator: int, body: int) -> bool:
-    if _curve_start(packed, actuator) < 0:
-        return False
-    site = model.actuator_trnid[actuator, 0]
-    return bool(model.body_rootid[model.site_bodyid[site]] == body)
 
 
 def _characteristic(curve: NDArray[np.float64]) -> Characteristic:

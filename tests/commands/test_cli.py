@@ -372,6 +372,7 @@ def test_a_view_that_cannot_be_written_is_a_warning(tmp_path):
     done = cube_sim("run", path, "--out", out, "--set", "duration_s=5", cwd=tmp_path, preexec_fn=limit)
     assert (done.returncode, done.stderr) == (0, "")
     assert "WARNING  run.rrd cannot be written: " in done.stdout
+    assert not (out / "run.rrd").exists()  # no half of it
     assert load_run(out).complete
 
 

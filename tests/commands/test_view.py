@@ -12,8 +12,11 @@ import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 from support.command_line import call, started
+from support.edited_cube import edited_text
 from support.helix_run import END, HEADER, fly, model, table
 from support.own_code import scenario_with
+from support.places import CUBE
+from support.scenario_files import FLIGHT
 
 import cube_sim
 from cube_sim.recording.recorder import Recorder
@@ -131,3 +134,19 @@ def test_two_runs_are_one_recording_below_two_prefixes(tmp_path, monkeypatch, ca
         ]
         assert label == [f"{name}: cross-track [m]"]
     assert {str(chunk.entity_path).split("/")[1] for chunk in chunks} <= {"a", "b", "__properties"}
+
+
+@pytest.mark.flight
+def test_a_vehicle_with_a_thruster_in_a_pod_is_shown(tmp_path, monkeypatch, capsys):
+    start = '<site name="T8"'
+    site = start + CUBE.read_text().partition(start)[2].partition("/>")[0] + "/>"
+    (tmp_path / "pod.xml").write_text(edited_text((site, f'<body name="pod" pos="0 0 0.1">{site}</body>')))
+    path = tmp_path / "pod.yaml"
+    path.write_text(FLIGHT.replace(str(CUBE), "pod.xml"))
+    run = cube_sim.run(path, out=tmp_path / "run")
+    assert not any("rrd" in line.text or "/scene" in line.text for line in run.log)
+    assert call(monkeypatch, capsys, "view", run.directory, "--save", tmp_path / "a.rrd")[0] == 0
+    assert call(monkeypatch, capsys, "export", run.directory, tmp_path / "made", "--format", "rrd")[0] == 0
+    for rrd in (run.directory / "run.rrd", tmp_path / "a.rrd", tmp_path / "made" / "run.rrd"):
+        drawn = {chunk.entity_path for chunk in RrdReader(rrd).stream() if not chunk.is_static}
+        assert "/world/vehicle/thrust" in drawn

@@ -10,7 +10,7 @@ import pytest
 from google.protobuf import descriptor_pool, message_factory
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from mcap.reader import make_reader
-from support.helix_run import HEADER, THRUSTERS, append_tick, fly, model, table
+from support.helix_run import HEADER, THRUSTERS, append_tick, fly, model, places_and_axes, pod_model, table
 
 from cube_sim.recording.mcap.viewer_layout import viewer_layout
 from cube_sim.recording.recorder import Recorder
@@ -103,6 +103,24 @@ def test_arrows_are_forces_along_the_axes_of_the_thrusters(run, messages):
             if abs(push) > 10:
                 scales.add(round(arrow.shaft_length / abs(push), 2))
     assert len(scales) == 1
+
+
+def test_thrusters_on_what_the_hull_carries_are_drawn_where_they_push(tmp_path):
+    with Recorder(tmp_path, HEADER, table(), pod_model(), view=False) as recorder:
+        fly(recorder, 60)
+    places, axes = places_and_axes(pod_model())
+    force, scenes = recorder.signals["thrusters.force"], 0
+    with recorder.mcap.open("rb") as stream:
+        for schema, _, message in make_reader(stream).iter_messages(["/scene/thrust"]):
+            arrows = of_the_file(schema).FromString(message.data).entities[0].arrows
+            at = np.argmin(np.abs(force[:, 0] - (message.log_time / 1e9 - 946_684_800)))
+            for arrow, place, axis, push in zip(arrows, places, axes, force[at, 1:], strict=True):
+                origin = arrow.pose.position
+                np.testing.assert_allclose([origin.x, origin.y, origin.z], place, atol=1e-9)
+                way = turned(arrow.pose.orientation)[:, 0]
+                np.testing.assert_allclose(way, (1 if push >= 0 else -1) * axis, atol=1e-9)
+            scenes += 1
+    assert scenes == 12
 
 
 def test_the_target_and_the_trail_are_where_they_were(run, messages):

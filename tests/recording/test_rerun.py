@@ -3,6 +3,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -10,7 +11,19 @@ import mujoco
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
-from support.helix_run import DT, HEADER, MJCF, THRUSTERS, append_tick, fly, model, table
+from support.helix_run import (
+    DT,
+    HEADER,
+    MJCF,
+    POD_MJCF,
+    THRUSTERS,
+    append_tick,
+    fly,
+    model,
+    places_and_axes,
+    pod_model,
+    table,
+)
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Batch, split_into_batches
@@ -168,6 +181,43 @@ def test_thrust_arrows_are_force_along_the_axis_of_each_thruster(run):
     assert sorted(bool(s) for (s,) in signs.values()) == [False, True]
     origins = still(run.rrd, "/world/vehicle/thrust", "Arrows3D:origins")
     np.testing.assert_allclose(origins, [data.site(name).xpos for name in THRUSTERS], atol=1e-6)
+
+
+def test_thrusters_on_what_the_hull_carries_are_drawn_where_they_push(tmp_path):
+    header = replace(HEADER, inputs={HEADER.model: POD_MJCF.encode()})
+    with Recorder(tmp_path, header, table(), pod_model()) as recorder:
+        fly(recorder, 60)
+    rrd_from_mcap(recorder.mcap, tmp_path / "again.rrd")
+    assert recorder.warnings == ()
+    assert thruster_mounts(pod_model()).names == THRUSTERS
+    places, axes = places_and_axes(pod_model())
+    vehicle = "/world/vehicle"
+    for rrd in (recorder.rrd, tmp_path / "again.rrd"):
+        np.testing.assert_allclose(still(rrd, f"{vehicle}/thrust", "Arrows3D:origins"), places, atol=1e-6)
+        np.testing.assert_allclose(still(rrd, f"{vehicle}/thrusters", "Cylinders3D:centers"), places, atol=1e-6)
+        _, arrows = drawn(rrd, f"{vehicle}/thrust", "Arrows3D:vectors")
+        expected = recorder.signals["thrusters.force"][:, 1:, None] * axes
+        scale = np.sum(np.array(arrows) * expected) / np.sum(expected**2)
+        assert scale > 0
+        np.testing.assert_allclose(arrows, scale * expected, atol=1e-5)
+
+
+def test_what_cannot_be_drawn_costs_that_part_alone_and_is_told(run, tmp_path):
+    """A record of eight thrusters, and a model that has seven."""
+    seven = MJCF.replace('site="T8" gear="0 0 1 0 0 0" biastype="user"', 'site="T8" gear="0 0 1 0 0 0"')
+    header = replace(HEADER, inputs={HEADER.model: seven.encode()})
+    with Recorder(tmp_path, header, table(), mujoco.MjModel.from_xml_string(seven)) as recorder:
+        fly(recorder, TICKS)
+    reason = "the record has the forces of 8 thrusters, the model has 7"
+    (warning,) = recorder.warnings
+    assert warning.text == f"run.mcap lets viewers draw less: /scene/thrust is left out: {reason}"
+    assert rerun("rrd", "verify", recorder.rrd).returncode == 0
+    assert still(recorder.rrd, "/log/model/thrusters", "TextLog:text") == [f"thrusters is not drawn: {reason}"]
+    (entities, fewer) = (
+        {chunk.entity_path for chunk in RrdReader(rrd).stream() if not chunk.is_static}
+        for rrd in (run.rrd, recorder.rrd)
+    )
+    assert entities - fewer == {"/world/vehicle/thrust"}
 
 
 def test_the_current_is_drawn_at_the_vehicle_in_world_axes(run):

@@ -44,10 +44,28 @@ MJCF = f"""
     </body>
   </worldbody>
   <actuator>
-    {"".join(f'<general name="{n}" site="{n}" gear="0 0 1 0 0 0"/>' for n in THRUSTERS)}
+    {"".join(f'<general name="{n}" site="{n}" gear="0 0 1 0 0 0" biastype="user"/>' for n in THRUSTERS)}
   </actuator>
 </mujoco>
 """
+
+_ON_HULL = "".join(_site(n, c) for n, c in zip(THRUSTERS[6:], _CORNERS[6:], strict=True))
+_ON_POD = f"""
+  <body name="pod" pos="0.1 -0.2 0.3" euler="20 30 40">
+    {_site("T8", _CORNERS[7])}
+    <body name="arm" pos="0 0.1 0" euler="0 50 0">
+      <joint axis="0 1 0" ref="20"/>
+      <geom size="0.01"/>
+      {_site("T7", _CORNERS[6])}
+    </body>
+  </body>
+"""
+POD_MJCF = (
+    MJCF.replace(_ON_HULL, _ON_POD)
+    .replace('<body name="octa" pos="0 0 0">', '<body name="octa" pos="3 -1 -2" euler="10 20 30">')
+    .replace('site="T3" gear="0 0 1', 'site="T3" gear="0 0 -1')
+)
+"""The same vehicle elsewhere: T8 in a pod, T7 on a hinged arm of the pod, and T3 turned about by its gear."""
 
 HEADER = RunHeader(
     scenario="vehicle: octa  # as written\nduration: 3 s\n",
@@ -67,6 +85,21 @@ def table() -> tuple[Channel, ...]:
 
 def model() -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(MJCF)
+
+
+def pod_model() -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_string(POD_MJCF)
+
+
+def places_and_axes(compiled: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
+    """p_BT (m, 3) and the directions (m, 3) of positive force in body axes, by what MuJoCo computes of the sites."""
+    data = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, data)
+    R_WB, p_WB = data.body("octa").xmat.reshape(3, 3), data.body("octa").xpos
+    signs = np.array([compiled.actuator(name).gear[2] for name in THRUSTERS])
+    places = np.array([data.site(name).xpos - p_WB for name in THRUSTERS])
+    axes = np.array([data.site(name).xmat.reshape(3, 3)[:, 2] for name in THRUSTERS])
+    return places @ R_WB, signs[:, None] * axes @ R_WB
 
 
 def point(s: float) -> np.ndarray:

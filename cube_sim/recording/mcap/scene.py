@@ -81,6 +81,7 @@ class SceneRows:
 
     Attributes:
         topics: those there are, in the order in which they are declared.
+        not_drawn: a line for each topic that there is not though the record has what it would show.
     """
 
     def __init__(self, channels: Sequence[Channel], model: mujoco.MjModel, vehicle: str | None, frame: str) -> None:
@@ -115,7 +116,12 @@ class SceneRows:
         if ("pose", "position") in widths:
             trail = _line("trail", _LINE_LIST, 2 * (TRAIL_POINTS - 1), 3.0, _YELLOW)
             self.topics.append(DrawnTopic(TRAIL_TOPIC, SCENE_UPDATE, scene, _counted(trail)))
-        if len(mounts.names) and widths.get(("thrusters", "force")) == len(mounts.names):
+        m, forces = len(mounts.names), widths.get(("thrusters", "force"), 0)
+        self.not_drawn: tuple[str, ...] = ()
+        if forces != m and forces:
+            reason = f"the record has the forces of {forces} thrusters, the model has {m}"
+            self.not_drawn = (f"{THRUST_TOPIC} is left out: {reason}",)
+        elif m and forces:
             arrows = _arrows(mounts.positions, frame, self._reach)
             self.topics.append(DrawnTopic(THRUST_TOPIC, SCENE_UPDATE, scene, _counted(arrows)))
         if ("target", "position") in widths:

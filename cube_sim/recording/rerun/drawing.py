@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -17,7 +18,8 @@ from cube_sim.recording.rerun.drawn import Drawn
 from cube_sim.recording.rerun.ending import ending_text
 from cube_sim.recording.rerun.gaps import Gaps
 from cube_sim.recording.rerun.guides import log_guides
-from cube_sim.recording.rerun.plots import AT_LIMIT, HEALTH_BOUNDS, Lane, curves, lanes
+from cube_sim.recording.rerun.parts import Parts
+from cube_sim.recording.rerun.plots import AT_LIMIT, HEALTH_BOUNDS, Curves, Lane, curves, lanes
 from cube_sim.recording.rerun.scene import PATH_POINTS, log_estimate_styles, log_scene, log_surface
 from cube_sim.recording.run_end import RunEnd
 
@@ -54,16 +56,17 @@ class RunDrawing:
         self._gaps = Gaps(drawn.channels)
         self._trail_ends: dict[str, NDArray[np.float64]] = {}
         self._limits: Rows | None = None
+        self._parts = Parts(recording, drawn.places)
         mounts = thruster_mounts(model, vehicle)
         self._axes, self._thrusters = mounts.axes, mounts.names
-        log_scene(recording, model, vehicle, drawn.places, drawn.measures, drawn.look)
+        log_scene(recording, model, vehicle, drawn.places, drawn.measures, drawn.look, self._parts)
         if ("health", "efficiency") not in self._columns and mounts.names:
             healthy = rr.Cylinders3D.from_fields(colors=[palette.DUCT], labels=mounts.names)
             recording.log(self._places.thrusters, healthy, static=True)
         if len(drawn.points) and drawn.look.surface:
             log_surface(recording, drawn.places, drawn.points.min(axis=0), drawn.points.max(axis=0))
         self._log_styles()
-        log_guides(recording, drawn, self._curves, TIMELINE)
+        self._parts.draw("limits and events", lambda: log_guides(recording, drawn, self._curves, TIMELINE))
         self._story = drawn.story.text
         self._show_text(self._story)
 
@@ -82,22 +85,19 @@ class RunDrawing:
             rows = batch.rows["actuation"]
             self._limits = rows if self._limits is None else np.concatenate([self._limits[-1:], rows])
         for name, rows in batch.rows.items():
-            self._draw(name, rows)
+            self._parts.draw(name, partial(self._draw, name, rows))
         broken = {name: self._gaps.broken(name, rows) for name, rows in batch.rows.items()}
         if "pose" in broken:
-            self._draw_trail(self._places.trail, broken["pose"], "pose")
+            self._parts.draw("trail", partial(self._draw_trail, self._places.trail, broken["pose"], "pose"))
         if "navigation" in broken:
-            self._draw_trail(self._places.estimate_trail, broken["navigation"], "navigation")
+            trail = partial(self._draw_trail, self._places.estimate_trail, broken["navigation"], "navigation")
+            self._parts.draw("trail of the estimate", trail)
         for curve in self._curves:
             if curve.channel in broken:
-                rows = broken[curve.channel]
-                values = curve.values(self._values(rows, curve.channel, curve.field))
-                scalars = rr.Scalars.columns(scalars=np.ascontiguousarray(values).ravel())
-                n, entity = values.shape[1], self._places.at(curve.entity)
-                self._send(entity, rows, scalars if n == 1 else scalars.partition([n] * len(rows)))
+                self._parts.draw(curve.entity, partial(self._write_curve, curve, broken[curve.channel]))
         for lane in self._lanes:
             if lane.channel in batch.rows:
-                self._write_lane(lane, batch, broken[lane.channel][:, 0])
+                self._parts.draw(lane.entity, partial(self._write_lane, lane, batch, broken[lane.channel][:, 0]))
         if batch.log:
             t = np.array([[line.t] for line in batch.log])
             text, level = [line.text for line in batch.log], [_LEVELS.get(line.level, line.level) for line in batch.log]
@@ -137,9 +137,13 @@ class RunDrawing:
             # Negative: points of the screen.
             colours, radii = [self._look.path] * len(rows), np.full(len(rows), -PATH_POINTS)
             self._send(self._places.path, rows, rr.LineStrips3D.columns(strips=points, colors=colours, radii=radii))
-        elif name == "thrusters" and len(self._axes):
+        elif name == "thrusters":
             force = self._values(rows, name, "force")
             m, thrust = len(self._axes), self._places.thrust
+            if force.shape[1] != m:
+                raise ValueError(f"the record has the forces of {force.shape[1]} thrusters, the model has {m}")
+            if not m:
+                return
             arrows = force[:, :, None] * self._axes * self._measures.arrow_m_per_N
             self._send(thrust, rows, rr.Arrows3D.columns(vectors=arrows.reshape(-1, 3)).partition([m] * len(rows)))
             # What is not sent stays as it was shown last.
@@ -200,6 +204,12 @@ class RunDrawing:
         known = np.isfinite(strips).all(axis=(1, 2))
         if known.any():
             self._send(entity, rows[first_of_tenth[known]], rr.LineStrips3D.columns(strips=strips[known]))
+
+    def _write_curve(self, curve: Curves, rows: Rows) -> None:
+        values = curve.values(self._values(rows, curve.channel, curve.field))
+        scalars = rr.Scalars.columns(scalars=np.ascontiguousarray(values).ravel())
+        n, entity = values.shape[1], self._places.at(curve.entity)
+        self._send(entity, rows, scalars if n == 1 else scalars.partition([n] * len(rows)))
 
     def _write_lane(self, lane: Lane, batch: Batch, times: NDArray[np.float64]) -> None:
         """Tell changes of a state, at the times of its rows and of those that are missing."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 
 import mujoco
@@ -18,6 +19,7 @@ from cube_sim.recording.geometry import (
     world_shapes,
 )
 from cube_sim.recording.rerun import palette
+from cube_sim.recording.rerun.parts import Parts
 from cube_sim.recording.rerun.places import Places
 
 ARROW_M_PER_M_S = 14.0
@@ -87,6 +89,7 @@ def log_scene(
     places: Places,
     measures: Measures,
     look: Look,
+    parts: Parts,
 ) -> None:
     """Draw what the model alone says.
 
@@ -97,14 +100,16 @@ def log_scene(
         places: where.
         measures: how large.
         look: how it looks.
+        parts: what is left out where it cannot be drawn.
     """
     reach = measures.reach
     recording.log(places.world, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for shape in world_shapes(model):
-        _log_shape(recording, f"{places.world}/surroundings", model, shape, rr.components.FillMode.Solid, places)
+        solid = rr.components.FillMode.Solid
+        parts.draw(shape.name, partial(_log_shape, recording, f"{places.world}/surroundings", model, shape, solid))
     see_through = rr.components.FillMode.TransparentFillMajorWireframe
     for shape in vehicle_shapes(model, vehicle):
-        _log_shape(recording, f"{places.vehicle}/body", model, shape, see_through, places)
+        parts.draw(shape.name, partial(_log_shape, recording, f"{places.vehicle}/body", model, shape, see_through))
     mounts = thruster_mounts(model, vehicle)
     _log_ducts(recording, mounts, places)
     recording.log(
@@ -201,7 +206,6 @@ def _log_shape(
     model: mujoco.MjModel,
     shape: Shape,
     fill: rr.components.FillMode,
-    places: Places,
 ) -> None:
     geom = mujoco.mjtGeom
     colours = [palette.rgba8(shape.rgba)]
@@ -226,10 +230,7 @@ def _log_shape(
         vertices, faces = _mesh(model, shape)
         drawn = rr.Mesh3D(vertex_positions=vertices, triangle_indices=faces, albedo_factor=colours[0])
     else:
-        # Beside the log and not in it: what is static hides what comes later.
-        message = rr.TextLog(f"{shape.name} is not drawn: its type is {shape.kind.name}", level="WARN")
-        recording.log(f"{places.log}/model/{shape.name}", message, static=True)
-        return
+        raise ValueError(f"its type is {shape.kind.name}")
     recording.log(f"{parent}/{shape.name}", drawn, static=True)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
+from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement, carrier, is_thruster
 
 MASS, CENTRE_OF_MASS, INERTIA, LAG = "mass", "centre_of_mass", "inertia", "thruster_lag"
 ELEMENT_PARAMETERS = (MASS, CENTRE_OF_MASS, INERTIA, LAG)
@@ -85,12 +85,10 @@ def require_possible(name: str, given: NDArray[np.float64]) -> None:
 
 def lags_of(model: mujoco.MjModel, owner: str) -> dict[str, float]:
     """Name of each thruster that is, or is on, an element of that name -> its time constant [s]."""
-    hulls = [model.body(i).name for i in model.body_rootid]
     return {
         model.actuator(i).name: float(model.actuator_dynprm[i, 0])
         for i in range(model.nu)
-        if model.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_USER)
-        and owner in (model.actuator(i).name, hulls[_body_of(model, i)])
+        if is_thruster(model, i) and owner in (model.actuator(i).name, model.body(carrier(model, i)).name)
     }
 
 
@@ -109,13 +107,6 @@ def element_values(model: mujoco.MjModel, name: str) -> NDArray[np.float64] | No
         turned = axes.reshape(3, 3) @ np.diag(body.inertia) @ axes.reshape(3, 3).T
         return turned[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     return np.array({MASS: body.mass, CENTRE_OF_MASS: body.ipos, INERTIA: body.inertia}[parameter])
-
-
-def _body_of(model: mujoco.MjModel, actuator: int) -> int:
-    """The body of the site that an actuator pushes; the world for one without."""
-    if model.actuator_trntype[actuator] != mujoco.mjtTrn.mjTRN_SITE:
-        return 0
-    return int(model.site_bodyid[model.actuator_trnid[actuator, 0]])
 
 
 def _set_lag(

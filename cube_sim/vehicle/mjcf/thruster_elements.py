@@ -45,6 +45,30 @@ def thruster_elements(spec: mujoco.MjSpec) -> list[ThrusterElement | None]:
     ]
 
 
+def thruster_actuators(model: mujoco.MjModel, hull: int) -> list[int]:
+    """Actuators of a compiled model that are thrusters of one hull: those of `thruster_elements`, in their order.
+
+    A thruster's site may be on the hull itself or on any body that the hull carries.
+
+    Args:
+        model: compiled, with or without its water.
+        hull: index of the body of the world that carries them.
+    """
+    return [i for i in range(model.nu) if is_thruster(model, i) and carrier(model, i) == hull]
+
+
+def is_thruster(model: mujoco.MjModel, actuator: int) -> bool:
+    """Whether an actuator of a compiled model is a thruster."""
+    return bool(model.actuator_biastype[actuator] == mujoco.mjtBias.mjBIAS_USER)
+
+
+def carrier(model: mujoco.MjModel, actuator: int) -> int:
+    """The body of the world that carries the site an actuator pushes; the world for an actuator without one."""
+    if model.actuator_trntype[actuator] != mujoco.mjtTrn.mjTRN_SITE:
+        return 0
+    return int(model.body_rootid[model.site_bodyid[model.actuator_trnid[actuator, 0]]])
+
+
 def limit_commands(spec: mujoco.MjSpec, curves: Sequence[Characteristic | None]) -> None:
     """Hold every command to the ends of its curve, also where the MJCF allows more.
 

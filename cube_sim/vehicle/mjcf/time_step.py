@@ -22,6 +22,7 @@ import mujoco
 import numpy as np
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.mjcf.thruster_elements import is_thruster
 
 _EULER_LIMIT = 2.0  # |1 - h/tau| = 1
 _RK4_LIMIT = 2.785  # 1 - x + x^2/2 - x^3/6 + x^4/24 = 1
@@ -39,7 +40,7 @@ def require_time_step(model: mujoco.MjModel) -> None:
     Raises:
         ModelError: names the actuator, both times and what would be right.
     """
-    for i in np.flatnonzero(model.actuator_biastype == mujoco.mjtBias.mjBIAS_USER).tolist():
+    for i in (i for i in range(model.nu) if is_thruster(model, i)):
         name = model.actuator(i).name
         _require_stable_lag(model, i, name)
         _require_whole_delay(model, i, name)
