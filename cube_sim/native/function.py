@@ -101,9 +101,11 @@ class CompiledFunction:
             return "itself"
         self._stamping = True
         try:
-            return stamp_of(self.py_func)
+            told = stamp_of(self.py_func)
         finally:
             self._stamping = False
+        # numba's own cache does not tell one from the other.
+        return f"{told} checked" if self.targetoptions.get("boundscheck") else told
 
     @property
     def whole_stamp(self) -> str:

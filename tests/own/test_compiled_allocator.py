@@ -43,6 +43,8 @@ def allocate(wrench, p, m):
             force[2] = np.nan
         if p.wrong == 2:
             return np.zeros(5)
+        if p.wrong == 3:
+            m.before[m.ticks - 101 + len(force)] = 1.0
     return force
 
 
@@ -121,6 +123,7 @@ def test_its_memory_is_part_of_a_snapshot(own):
         (0, "own.py:21: ValueError: too late"),
         (1, "own.py:make answers forces ["),
         (2, "own.py:make answers forces of shape (5,); it takes 8 numbers"),
+        (3, "own.py:27: IndexError: index 8 is out of bounds for axis 0 with size 8"),
     ],
 )
 def test_one_that_fails_in_flight_ends_both_loops_alike(scenario, wrong, told, own, monkeypatch):

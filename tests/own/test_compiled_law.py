@@ -44,6 +44,8 @@ def law(aim, p, m):
             wrench[2] = np.inf
         if p.wrong == 2:
             return np.zeros(5)
+        if p.wrong == 3:
+            m.total[m.ticks - 102 + len(m.total)] = 1.0
     return wrench
 
 
@@ -157,6 +159,7 @@ def test_its_memory_is_part_of_a_snapshot(own):
         (0, "own.py:18: ValueError: too late"),
         (1, "own.py:make answers a wrench ["),
         (2, "own.py:make answers a wrench of shape (5,); it takes 6 numbers"),
+        (3, "own.py:24: IndexError: index 6 is out of bounds for axis 0 with size 6"),
     ],
 )
 def test_one_that_fails_in_flight_ends_both_loops_alike(wrong, told, own, monkeypatch):

@@ -17,6 +17,7 @@ from cube_sim.allocation.flown import FlownAllocator, SearchCodes
 from cube_sim.allocation.previous import PreviousForces
 from cube_sim.errors import OwnCodeError
 from cube_sim.mission.own.allocation_setup import AllocationSetup
+from cube_sim.mission.own.asked_again import asked_again
 from cube_sim.mission.own.code import OwnCode, numbers_of
 from cube_sim.mission.own.compiled_part import CompiledPart
 from cube_sim.mission.own.compiler_words import compiler_words
@@ -70,8 +71,8 @@ class CompiledAllocator:
         """
         first, second, third, fourth = places(self._packed)
         parameters, memory = self._packed[first:second].copy(), self._packed[second:third].copy()
-        records = parameters.view(self._part.parameters.dtype)[0], memory.view(self._part.memory.dtype)[0]
-        answer = self._code.call(self._part.function, self._packed[fourth:].copy(), *records)
+        records = parameters.view(self._part.parameters.dtype), memory.view(self._part.memory.dtype)
+        answer = asked_again(self._code, self._part.function, self._packed[fourth:], *records)
         numbers_of(self._code, answer, (self._model.A.shape[1],), "forces")
         raise self._code.refuse("has no answer that it has when it is asked again")
 

@@ -17,6 +17,7 @@ from cube_sim.control.own_law import ANSWERED, OwnLawParts, PlainAim, ask, plain
 from cube_sim.errors import OwnCodeError
 from cube_sim.guidance.law import DesiredMotion, Target, TargetView
 from cube_sim.guidance.view_record import record_of
+from cube_sim.mission.own.asked_again import asked_again
 from cube_sim.mission.own.code import OwnCode, numbers_of
 from cube_sim.mission.own.compiled_part import CompiledPart
 from cube_sim.mission.own.compiler_words import compiler_words
@@ -135,7 +136,7 @@ class CompiledLaw:
 
     def _error(self, aim: PlainAim) -> OwnCodeError:
         """What went wrong, from a law that is asked once more."""
-        answer = self._code.call(self.function, aim, self._parameters[0], self._memory.copy()[0])
+        answer = asked_again(self._code, self.function, aim, self._parameters, self._memory)
         if isinstance(answer, tuple):
             for part, what in zip(answer, ("a primary wrench", "a secondary wrench"), strict=True):
                 numbers_of(self._code, part, (6,), what)

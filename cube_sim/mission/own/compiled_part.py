@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cube_sim.native.asking import WORD
-from cube_sim.native.compiled import compiled as compiled_by_numba
+from cube_sim.native.checked import checked
 from cube_sim.native.function import CompiledFunction
 from cube_sim.spatial import Record
 
@@ -57,7 +57,7 @@ def compiled(
 
 @cache
 def _compiled(function: Callable[..., Any]) -> CompiledFunction:
-    return compiled_by_numba(function)
+    return checked(function)
 
 
 def record_of_values(values: Mapping[str, Any]) -> Record:
