@@ -110,11 +110,29 @@ class RunInterrupted(KeyboardInterrupt):
     """
 
     def __init__(
-        self, directory: Path, log: tuple[LogLine, ...] = (), recorded: bool = True, number: int = SIGINT
+        self,
+        directory: Path,
+        log: tuple[LogLine, ...] = (),
+        recorded: bool = True,
+        number: int = SIGINT,
+        judged: bool = False,
     ) -> None:
+        """Tell what was interrupted.
+
+        Args:
+            directory: where what was flown is.
+            log: what had been said.
+            recorded: whether it is recorded.
+            number: of the signal.
+            judged: whether the flight had come to its own end, and its verdict is written.
+        """
         self.directory, self.log, self.number = directory, log, number
         said = interrupted_by(number)
-        super().__init__(f"{said}; recorded so far: {directory}" if recorded else said)
+        if judged:
+            said = f"{said} once the run was over; it is whole, and judged: {directory}"
+        elif recorded:
+            said = f"{said}; recorded so far: {directory}"
+        super().__init__(said)
 
 
 def told(error: Exception) -> str:

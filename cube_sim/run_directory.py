@@ -97,10 +97,11 @@ class Claim:
     Attributes:
         directory: the folder.
         begun: whether the run has begun to write: whether `begin` was called.
+        judged: whether the flight came to its own end and all that a run leaves is written, but for its view.
     """
 
     def __init__(self, directory: Path, made: bool) -> None:
-        self.directory, self.begun, self._made = directory, False, made
+        self.directory, self.begun, self.judged, self._made = directory, False, False, made
 
     def begin(self, but: Collection[str] = ()) -> None:
         """Remove an earlier run's files: from now on the folder is this run's. Once is enough.

@@ -149,7 +149,8 @@ def fly(
             raise
         except KeyboardInterrupt as error:
             recorded = record != "none" and place.begun
-            raise RunInterrupted(place.directory, recorded=recorded, number=signal_of(error)) from None
+            number, judged = signal_of(error), place.judged
+            raise RunInterrupted(place.directory, recorded=recorded, number=number, judged=judged) from None
 
 
 def _store(
@@ -214,6 +215,7 @@ def _record_and_judge(
                 recorder.finish(_end(flight, stopped, verdict, results))
                 flown = Flown(flight.time_s, early, recorder.warnings)
                 write_verdict(directory, to_json(verdict, results, factor, versions(), flown))
+                place.judged = not stopped
         except Exception as error:
             reason, period_s = told(error), mission.scenario.control_period_s
             ticks = max(flight.tick, round(recorder.last_s / period_s))  # amid a stretch the flight does not count on

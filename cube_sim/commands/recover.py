@@ -51,6 +51,8 @@ def recover(
         typer.echo(f"{record}: {saved}")
         return
     typer.echo(f"recovered up to {saved.recorded_s:g} s: {saved.directory}")
+    if saved.refused:
+        typer.echo(f"  refused as it was: {saved.refused}")
     for line in saved.dropped:
         typer.echo(f"  dropped: {line}")
     if saved.changed:

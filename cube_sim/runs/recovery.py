@@ -32,6 +32,7 @@ class Recovered:
         missing: which channels lack how many rows, and from when to when, a line each.
         changed: what of that which is there is not as it was recorded; "" where nothing is known to be.
         dropped: what could not be read, a line each.
+        refused: why every other reader refuses the record though its rows seem to be all; "" where that is not so.
         view: why the view could not be made; "" if it was.
     """
 
@@ -40,6 +41,7 @@ class Recovered:
     missing: tuple[str, ...]
     changed: str
     dropped: tuple[str, ...]
+    refused: str
     view: str
 
 
@@ -80,7 +82,8 @@ def recover(record: Path, directory: Path) -> Recovered | str:
     )
     with claim(directory, run.scenario.name) as place:
         _write(place, found.recording, end)
-        return Recovered(place.directory, run.recorded_s, tuple(lost), changed, found.dropped, _view(place.directory))
+        said = tuple(lost), changed, found.dropped, refused
+        return Recovered(place.directory, run.recorded_s, *said, _view(place.directory))
 
 
 def _refused(record: Path) -> str:

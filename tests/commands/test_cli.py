@@ -22,7 +22,7 @@ from mcap.reader import make_reader
 from support.command_line import call, cube_sim, interruptible, started, without_compiling
 from support.scenario_files import FLIGHT, MINIMAL, write
 
-from cube_sim import fly, load_run
+from cube_sim import fly, load_run, simulation
 from cube_sim.flight.compiled import compile_beside
 from cube_sim.run_directory import FILES
 from cube_sim.scenario import load
@@ -564,6 +564,24 @@ def test_a_signal_upon_the_first_second_recorded_closes_the_recording(tmp_path, 
     assert stderr.endswith(f"; recorded so far: {out}\n")
     assert load_run(out).end.how == "interrupted"
     assert (out / "verdict.json").exists()
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("kept", ["mcap", "none"])
+def test_a_signal_once_the_run_is_over_takes_nothing_from_it_and_says_so(tmp_path, monkeypatch, capsys, kept):
+    path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    write_verdict = simulation.write_verdict
+
+    def signalled(*told):
+        os.kill(os.getpid(), signal.SIGTERM)
+        write_verdict(*told)
+
+    monkeypatch.setattr(simulation, "write_verdict", signalled)
+    code, stdout, stderr = call(monkeypatch, capsys, "run", path, "--out", out, "--record", kept)
+    assert (code, stdout) == (143, "")
+    assert stderr == f"interrupted by SIGTERM once the run was over; it is whole, and judged: {out}\n"
+    assert json.loads((out / "verdict.json").read_text())["verdict"] == "PASS"
+    assert kept == "none" or load_run(out).complete
 
 
 @pytest.mark.flight

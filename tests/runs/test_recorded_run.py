@@ -437,6 +437,22 @@ def test_two_records_in_one_file_are_no_complete_record_for_anybody(flown, tmp_p
     assert (saved.complete, saved.recorded_s, saved.losses) == (False, 3.0, ())
 
 
+def test_what_a_record_was_refused_for_is_told_where_all_of_its_rows_are_sound(flown, tmp_path, monkeypatch, capsys):
+    """A single bit of the name of the library that wrote it, which no checksum but that of the whole holds."""
+    record, data = tmp_path / "bit.mcap", bytearray((flown.directory / "run.mcap").read_bytes())
+    profile = int.from_bytes(data[17:21], "little")
+    data[21 + profile + 4] ^= 1
+    record.write_bytes(data)
+    refused = f"{record} is damaged: its contents do not fit their checksum"
+    code, _, err = call(monkeypatch, capsys, "judge", record)
+    assert (code, refused in err) == (2, True)
+    code, out, err = call(monkeypatch, capsys, "recover", record)
+    saved = tmp_path / "bit_recovered"
+    assert (code, err) == (0, "")
+    assert out.splitlines() == [f"recovered up to 3 s: {saved}", f"  refused as it was: {refused}"]
+    assert cube_sim.load_run(saved).flaw == f"recovered: {refused}"
+
+
 def test_a_complete_record_without_the_last_bytes_of_its_summary_is_left_alone(flown, tmp_path, monkeypatch, capsys):
     short = tmp_path / "short.mcap"
     short.write_bytes((flown.directory / "run.mcap").read_bytes()[:-100])
