@@ -25,6 +25,7 @@ from cube_sim.mission.copying import integration_state, packed, set_integration_
 from cube_sim.mission.input_files import input_files
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.own.handed import handed
+from cube_sim.mission.own.packages import MODULES
 from cube_sim.native.forked import flying
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
@@ -94,6 +95,7 @@ class Flight(Loop):
         for key, code in mission.codes.items():
             files |= {f"python/{key}": code.source.encode()}
             files |= {f"python/{key}/{name}": content for name, content in code.neighbours.items()}
+            files |= {f"{MODULES}/{name}": content for name, content in code.modules.items()}
         # The scenario's own words for a path do not say all of one that a program hands over.
         files |= {"scenario": self._loaded.resolved_yaml().encode(), "path": polyline(mission.path).tobytes()}
         return {name: sha256(content).hexdigest() for name, content in files.items()}

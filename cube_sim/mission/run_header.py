@@ -13,6 +13,7 @@ import numpy as np
 from cube_sim.build import commit, source_digest
 from cube_sim.mission.input_files import input_files
 from cube_sim.mission.own.code import NO_CODES, Codes
+from cube_sim.mission.own.packages import MODULES
 from cube_sim.recording.header import COMMIT, SOURCE, RecordedCode, RunHeader
 from cube_sim.recording.mcap.names import CODE
 from cube_sim.scenario import Loaded
@@ -78,6 +79,7 @@ def header(loaded: Loaded, codes: Codes = NO_CODES) -> RunHeader:
     """
     inputs = input_files(loaded.scenario)
     beside = {f"{CODE}{key}/{name}": text for key, code in codes.items() for name, text in code.neighbours.items()}
+    beside |= {f"{MODULES}/{name}": text for code in codes.values() for name, text in code.modules.items()}
     return RunHeader(
         scenario=loaded.text,
         resolved=to_yaml(inputs.scenario),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.flight import Loop, prepared
 from cube_sim.mission.own.given import NOT_AGAIN
+from cube_sim.mission.own.packages import import_from
 from cube_sim.mission.run_header import header
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.header import COMMIT, SOURCE, RunHeader
@@ -66,7 +68,8 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
         raise RecordingError(f"{run.path}: is a record of format 1: {lacks}")
     if said := [line.text for line in run.log if f" {NOT_AGAIN}: " in line.text]:
         raise RecordingError(f"{run.path}: {said[0]}")
-    with TemporaryDirectory() as folder:
+    with TemporaryDirectory() as folder, ExitStack() as after:
+        after.callback(import_from, None)
         place = save_inputs(run.header, Path(folder))
         try:
             loaded = replace(load(place), text=run.header.scenario)

@@ -116,7 +116,8 @@ An [MCAP](https://mcap.dev/spec) file, readable by any MCAP and protobuf reader.
 
 - **Attachments**: `{SCENARIO}` as it was written; `{RESOLVED}`; every file that this names, under the name it uses:
   `model/cube.xml`, `path.file/survey.csv`, by key; what an MJCF includes, attaches or takes meshes from, beside it.
-  Python of the user's own is there as `{CODE}KEY/FILE`, the key being the scenario's value in whose place it stands.
+  Python of the user's own is there as `{CODE}KEY/FILE`, the key being the scenario's value in whose place it stands;
+  modules that go by dotted names are there once more, with those they import, as `{CODE}modules/PACKAGE/MODULE.py`.
   Saved into a folder as they are called, they can be run again; no name depends on the machine.
   `cube-sim replay` runs that Python: replay a record of somebody else's only if you would run their code.
 - **Metadata**: `{RUN_METADATA}` has the format ({FORMAT}), the seed and the vehicle's name, `{VERSIONS_METADATA}` the

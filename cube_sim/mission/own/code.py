@@ -21,6 +21,7 @@ import numpy as np
 
 from cube_sim.errors import OwnCodeError, ScenarioError
 from cube_sim.mission.own.neighbours import importable, neighbours_of
+from cube_sim.mission.own.packages import Modules, import_from, modules_of, recorded_modules
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.file_names import code_place
 from cube_sim.scenario.python_block import PythonBlock, python_blocks
@@ -42,6 +43,8 @@ class OwnCode:
         make: the factory; of a path that a program hands over, the path.
         options: its keyword arguments.
         neighbours: contents of the files beside its file that this imports, by name.
+        modules: contents of its module's file and of those that this imports, by name; none where it goes by its file.
+        not_taken: why these are not all that it imports; "" where they are.
         given: whether a program hands it over.
     """
 
@@ -52,6 +55,8 @@ class OwnCode:
     make: Any
     options: Mapping[str, Any]
     neighbours: Mapping[str, bytes] = field(default_factory=dict)
+    modules: Mapping[str, bytes] = field(default_factory=dict)
+    not_taken: str = ""
     given: bool = False
 
     @property
@@ -93,7 +98,10 @@ def codes_of(loaded: Loaded) -> Codes:
         ScenarioError: some of it cannot be found; with positions.
     """
     found, mistakes = {}, []
-    for key, block in python_blocks(loaded.scenario):
+    blocks = list(python_blocks(loaded.scenario))
+    roots = [recorded_modules(loaded.path.parent, code_place(block.python)[0]) for _, block in blocks]
+    import_from(next((root for root in roots if root is not None), None))
+    for key, block in blocks:
         try:
             found[key] = own_code(loaded, key, block)
         except ScenarioError as error:
@@ -122,7 +130,8 @@ def own_code(loaded: Loaded, key: str, block: PythonBlock) -> OwnCode:
         # The keywords of a partial function are in it: the scenario has them for whoever flies it again.
         within = given.keywords if isinstance(given, partial) else {}
         options = {name: value for name, value in block.options.items() if name not in within}
-        return OwnCode(key, f"{shown}:{name}", file, _text(file), given, options, _beside(file), given=True)
+        of_file = f"{shown}:{name}", file, _text(file), given, options, _beside(file)
+        return OwnCode(key, *of_file, *_modules(place), given=True)
     try:
         module = _module_of_file(Path(place)) if place.endswith(".py") else importlib.import_module(place)
     except ModuleNotFoundError as error:
@@ -136,9 +145,8 @@ def own_code(loaded: Loaded, key: str, block: PythonBlock) -> OwnCode:
     except AttributeError:
         raise mistake(f"{shown} has no {name}{_suggestion(name, module)}") from None
     file = getattr(module, "__file__", None) or ""
-    return OwnCode(
-        key, f"{shown}:{name}", file, _text(file), found, block.options, _beside(file if place.endswith(".py") else "")
-    )
+    beside = _beside(file if place.endswith(".py") else "")
+    return OwnCode(key, f"{shown}:{name}", file, _text(file), found, block.options, beside, *_modules(place))
 
 
 def made(loaded: Loaded, code: OwnCode, *arguments: Any) -> Any:
@@ -255,8 +263,13 @@ def _beside(file: str) -> dict[str, bytes]:
     return {name: place.read_bytes() for name, place in neighbours_of(Path(file)).items()}
 
 
+def _modules(place: str) -> Modules:
+    return Modules({}, "") if place.endswith(".py") else modules_of(place)
+
+
 def _text(file: str) -> str:
-    return importlib.util.decode_source(Path(file).read_bytes()) if file.endswith(".py") else ""
+    is_text = file.endswith(".py") and Path(file).is_file()
+    return importlib.util.decode_source(Path(file).read_bytes()) if is_text else ""
 
 
 def _suggestion(name: str, module: ModuleType) -> str:

@@ -106,10 +106,10 @@ def options_of(thing: Any) -> dict[str, Any]:
 
 
 def why_not_again(code: OwnCode) -> str:
-    """Why a program's code cannot be made again by who has its file and the scenario alone; "" where it can."""
+    """Why code cannot be made again by who has its record alone; "" where it can."""
     thing = code.make
     if not code.given:
-        return ""
+        return code.not_taken
     if isinstance(thing, partial):
         if thing.args or set(options_of(thing)) != set(thing.keywords):
             return "a scenario cannot hold what it is called with"
@@ -123,7 +123,7 @@ def why_not_again(code: OwnCode) -> str:
         return "it stands in no file"
     if thing is not named and (not hasattr(thing, "at") or _made_with(thing) is None):
         return "it is an object, and what it was made with is not known"
-    return ""
+    return code.not_taken
 
 
 def _made_with(path: Any) -> dict[str, Any] | None:

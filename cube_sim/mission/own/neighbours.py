@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import importlib
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
+
+from cube_sim.mission.own.imports import imports_of
 
 
 def neighbours_of(file: Path) -> dict[str, Path]:
@@ -76,15 +77,9 @@ def _has_changed(module: ModuleType) -> bool:
 
 
 def _imported(file: Path) -> set[str]:
-    """The first names of what a file imports."""
+    """The first names of what a file imports, but for cube_sim."""
     try:
-        tree = ast.parse(file.read_bytes())
-    except (OSError, SyntaxError, ValueError):
+        names = imports_of(file.read_bytes()).names
+    except OSError:
         return set()
-    names = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            names |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            names.add(node.module.split(".")[0])
-    return names
+    return {name.split(".")[0] for name in names} - {"cube_sim"}
