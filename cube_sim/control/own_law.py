@@ -29,7 +29,7 @@ class PlainAim(NamedTuple):
         time: since the start [s].
         dt: length of a tick [s].
         state: the vehicle, as the controller knows it.
-        view: the vehicle seen from its target on the path.
+        target_view: the vehicle seen from its target on the path.
         error: (6,) [m, rad] from the vehicle to its target: the way there, and the rotation vector to the attitude
             wanted.
         velocity: (6,) wanted [m/s, rad/s], over ground.
@@ -43,7 +43,7 @@ class PlainAim(NamedTuple):
     time: float
     dt: float
     state: State
-    view: TargetView
+    target_view: TargetView
     error: Vector
     velocity: Vector
     velocity_error: Vector

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -13,10 +14,15 @@ from support.own_code import scenario_with
 from support.places import HELIX, SCENARIOS
 
 import cube_sim
+from cube_sim.control.own_law import PlainAim
 from cube_sim.flight.compiled.loop import fly
+from cube_sim.guidance.law import TargetView
+from cube_sim.guidance.path import PathPoint
 from cube_sim.mission.own.compiled_part import record_of_values
+from cube_sim.mission.own.law import Aim
 from cube_sim.recording.mcap.reader import read_contents
 from cube_sim.runs.replay import replay
+from cube_sim.spatial import State
 
 LAW = "{law: {python: 'own.py:make'}}"
 SHORT = {"duration_s": 4.0, "checks": FORCES_ONLY}
@@ -59,6 +65,30 @@ def first_the_way(aim, p, m):
     turning[3:] = 1000.0 * wrench[3:]
     wrench[3:] = 0.0
     return wrench, turning
+
+
+def with_all(setup):
+    return cube_sim.compiled(all_of_it, {"M": setup.dynamics.total_mass})
+
+
+def with_all_in_python(setup):
+    class P:
+        M = setup.dynamics.total_mass
+
+    return lambda aim: all_of_it(aim, P, None)
+
+
+def all_of_it(aim, p, m):
+    seen, state = aim.target_view, aim.state
+    point = seen.point
+    way = state.rotation.T @ (point.position - state.position)
+    speed = np.linalg.norm(point.rotation @ seen.velocity) + np.abs(state.velocity).sum() + np.abs(state.rates).sum()
+    bends = point.curvature[0] + point.curvature[1] + point.curvature_rate[0] + point.curvature_rate[1]
+    rest = seen.arc_length + seen.remaining + seen.speed + np.abs(seen.error).sum() + state.quaternion @ aim.quaternion
+    wrench = p.M @ (0.2 * aim.error + aim.velocity_error + 0.01 * aim.velocity) + 0.01 * aim.applied * aim.force_ratio
+    wrench[:3] += 0.1 * way + 0.1 * aim.acceleration
+    wrench[5] += 1e-3 * (speed + bends + rest + aim.time + aim.dt)
+    return wrench
 
 
 def plain(setup, kp=2.0, ki=0.2, kd=3.0):
@@ -121,6 +151,20 @@ def test_it_is_the_law_that_it_says(own):
         flight.fly_to_its_end()
     for name, rows in other.signals.items():
         np.testing.assert_allclose(one.signals[name], rows, rtol=1e-6, atol=1e-6, err_msg=name)
+
+
+@pytest.mark.flight
+def test_a_law_that_uses_every_field_of_its_aim_is_the_same_compiled(own):
+    settings = {"duration_s": 1.0, "checks": FORCES_ONLY, "initial.attitude_deg": [4.0, -2.0, 13.0]}
+    one, other = (cube_sim.Flight(HELIX, {**settings, **by(own, name)}) for name in ("with_all", "with_all_in_python"))
+    for flight in (one, other):
+        flight.fly_to_its_end()
+        assert not flight.ended
+    for name, rows in other.signals.items():
+        np.testing.assert_allclose(one.signals[name], rows, rtol=1e-6, atol=1e-6, err_msg=name)
+    compiled = [each for kind in (PlainAim, TargetView, PathPoint, State) for each in kind._fields]
+    assert all(re.search(rf"\.{name}\b", PID) for name in compiled)
+    assert set(Aim._fields) - set(PlainAim._fields) == {"capability"}
 
 
 @pytest.mark.flight

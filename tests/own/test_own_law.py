@@ -227,7 +227,9 @@ def test_an_aim_is_the_way_to_the_target():
     assert [aim.time for aim in seen[-20:]] == pytest.approx(0.02 * np.arange(20))
     for aim in seen:
         state, turn = aim.state, np.empty(4)
-        np.testing.assert_allclose(state.position + state.rotation @ aim.error[:3], aim.view.point.position, atol=1e-12)
+        np.testing.assert_allclose(
+            state.position + state.rotation @ aim.error[:3], aim.target_view.point.position, atol=1e-12
+        )
         size = np.linalg.norm(aim.error[3:])
         mujoco.mju_axisAngle2Quat(turn, aim.error[3:] / size, size)
         wanted = rotation_from_quaternion(aim.quaternion)

@@ -66,7 +66,7 @@ class Aim(NamedTuple):
         time: since the start [s].
         dt: length of a tick [s].
         state: the vehicle, as the controller knows it.
-        view: the vehicle seen from its target on the path.
+        target_view: the vehicle seen from its target on the path; numba keeps the name view for itself.
         error: (6,) [m, rad] from the vehicle to its target: the way there, and the rotation vector to the attitude
             wanted.
         velocity: (6,) wanted [m/s, rad/s], over ground.
@@ -81,7 +81,7 @@ class Aim(NamedTuple):
     time: float
     dt: float
     state: State
-    view: TargetView
+    target_view: TargetView
     error: Vector
     velocity: Vector
     velocity_error: Vector
@@ -123,14 +123,14 @@ class OwnLaw:
         aim = self._aim(state, applied, dt, force_ratio)
         wrench, secondary = self._parts(self._code.call(self._law, handed(aim)))
         self._ticks, self._demanded = self._ticks + 1, wrench
-        self._target.advance(aim.view.speed, dt)
+        self._target.advance(aim.target_view.speed, dt)
         return Decision(
             wrench=wrench,
             secondary=secondary,
             disturbance=np.zeros(6),
             current=np.zeros(3),
-            view=aim.view,
-            remaining=aim.view.remaining,
+            view=aim.target_view,
+            remaining=aim.target_view.remaining,
             velocity=aim.velocity[:3],
             rates=aim.velocity[3:],
             quaternion=aim.quaternion,
@@ -152,7 +152,7 @@ class OwnLaw:
             time=self._ticks * self._period,
             dt=dt,
             state=state,
-            view=view,
+            target_view=view,
             error=np.concatenate([(view.point.position - state.position) @ R, turn]),
             velocity=velocity,
             velocity_error=velocity - np.concatenate([state.velocity, state.rates]),
