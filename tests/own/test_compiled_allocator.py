@@ -48,6 +48,18 @@ def allocate(wrench, p, m):
     return force
 
 
+def fading(setup):
+    return cube_sim.compiled(fade, {"inverse": np.linalg.pinv(setup.A), "limits": setup.limits, "share": 1.0})
+
+
+def fade(wrench, p, m):
+    p.share *= 0.999
+    force = p.share * (p.inverse @ wrench)
+    for i in range(len(force)):
+        force[i] = min(max(force[i], p.limits[i, 0]), p.limits[i, 3])
+    return force
+
+
 def plain(setup):
     inverse, before = np.linalg.pinv(setup.A), np.zeros(len(setup.which))
     low, edge_low, edge_high, high = setup.limits.T
@@ -101,8 +113,9 @@ def test_it_is_the_allocator_that_it_says(own):
 
 
 @pytest.mark.flight
-def test_its_memory_is_part_of_a_snapshot(own):
-    one, other = (cube_sim.Flight(HELIX, {**SHORT, **by(own)}) for _ in range(2))
+@pytest.mark.parametrize("name", ["make", "fading"])
+def test_all_that_it_writes_into_is_part_of_a_snapshot(name, own):
+    one, other = (cube_sim.Flight(HELIX, {**SHORT, **by(own, name)}) for _ in range(2))
     one.fly(70)
     middle = pickle.loads(pickle.dumps(one.snapshot()))
     one.fly_to_its_end()

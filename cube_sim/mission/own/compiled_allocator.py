@@ -78,18 +78,18 @@ class CompiledAllocator:
 
     def reset(self) -> None:
         """See `WrenchAllocator.reset`."""
-        self._memory()[:] = self._part.memory.view(np.float64)
+        self._told()[:] = np.concatenate([each.view(np.float64) for each in (self._part.parameters, self._part.memory)])
 
     def resume(self, previous: PreviousForces) -> None:
         """See `WrenchAllocator.resume`; the function knows its own memory only."""
 
     def memory(self) -> Vector:
         """What `recall` needs to go on from here."""
-        return self._memory().copy()
+        return self._told().copy()
 
     def recall(self, memory: Vector) -> None:
         """Go on from a memory."""
-        self._memory()[:] = memory
+        self._told()[:] = memory
 
     def flown(self, two_parts: bool) -> FlownAllocator:
         """See `FlownAllocator`."""
@@ -99,9 +99,10 @@ class CompiledAllocator:
     def _codes(self) -> SearchCodes:
         return SearchCodes(self._address, INSTEAD.address(answer_by_own_rule), 0)
 
-    def _memory(self) -> Any:
-        _, second, third, _ = places(self._packed)
-        return self._packed[second:third]
+    def _told(self) -> Any:
+        """Parameters and memory: nothing keeps a function from writing into either."""
+        first, _, third, _ = places(self._packed)
+        return self._packed[first:third]
 
     def _compiled(self) -> int:
         """Where its machine code lies."""
