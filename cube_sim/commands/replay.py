@@ -10,6 +10,7 @@ import typer
 from cube_sim.commands.ending import BAD_INPUT, FAIL, NOT_JUDGED, PASS, read_or_not, stop
 from cube_sim.commands.output import open_no_windows, print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
+from cube_sim.commands.recorded_kernel import kernel_taken, take_recorded_kernel
 from cube_sim.errors import CubeSimError, ModelError, RecordingError, ScenarioError
 
 if TYPE_CHECKING:
@@ -28,11 +29,15 @@ def replay(
     json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show neither progress nor result.")] = False,
 ) -> None:
-    """Fly a recorded run again, from the recording alone, and compare every signal and what was said."""
+    """Fly a recorded run again, from the recording alone, and compare every signal and what was said.
+
+    Under the kernel of OpenBLAS that it was recorded with, where this machine's processor can run it.
+    """
     try:
         from cube_sim.runs.recorded_run import load_run
 
         recorded = load_run(run)
+        take_recorded_kernel(recorded.header)
         if not recorded.header.code:
             open_no_windows()
         from cube_sim.runs.replay import replay as fly_again
@@ -55,6 +60,7 @@ def replay(
 
 
 def _to_dict(result: Replayed) -> dict[str, Any]:
+    kernel = kernel_taken()
     return {
         "identical": result.identical,
         "until_s": result.until_s,
@@ -62,6 +68,7 @@ def _to_dict(result: Replayed) -> dict[str, Any]:
         "differences": [each.to_dict() for each in result.differences],
         "other_log": result.other_log,
         "other_versions": list(result.other_versions),
+        "openblas_kernel": None if kernel is None else {"flown": kernel[0], "here": kernel[1]},
     }
 
 
@@ -81,4 +88,6 @@ def _lines(recorded: RecordedRun, result: Replayed) -> list[str]:
     if result.other_log is not None:
         before, after = result.other_log
         lines += ["  log, recorded: " + before, "  log, now:      " + after]
+    if (kernel := kernel_taken()) is not None:
+        lines.append(f"  OpenBLAS's kernel {kernel[0]}, as recorded; this machine takes {kernel[1]} by itself")
     return [*lines, *(f"  version: {line}" for line in result.other_versions)]

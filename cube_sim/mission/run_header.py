@@ -19,6 +19,8 @@ from cube_sim.recording.mcap.names import CODE
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.resolved import to_yaml
 
+KERNEL = "openblas kernel"
+"""By which name `versions` has the kernel that OpenBLAS takes."""
 PACKAGES = (
     "cube-sim",
     "llvmlite",
@@ -51,7 +53,7 @@ def versions() -> dict[str, str]:
         SOURCE: source_digest(),
         COMMIT: built or "",
         "processor": f"{platform.machine()} {get_host_cpu_name()}",
-        "openblas kernel": _openblas_kernel(),
+        KERNEL: _openblas_kernel(),
         "libc": f"{library} {release}".strip(),
         **{name: version(name) for name in PACKAGES},
     }
