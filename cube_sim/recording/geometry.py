@@ -23,6 +23,7 @@ class ThrusterMounts:
         rotations: (m, 3, 3) site axes to body axes.
         axes: (m, 3) unit vectors of positive force in body axes: the site's z axis, or against it by a negative gear.
         sizes: (m, 2) radius and half-length by which each site is drawn [m].
+        moving: names of those on what moves on the hull, where no record says how it stands.
     """
 
     names: tuple[str, ...]
@@ -30,6 +31,7 @@ class ThrusterMounts:
     rotations: NDArray[np.float64]
     axes: NDArray[np.float64]
     sizes: NDArray[np.float64]
+    moving: tuple[str, ...]
 
 
 def vehicle_body(model: mujoco.MjModel, name: str | None = None) -> int:
@@ -67,6 +69,11 @@ def thruster_mounts(model: mujoco.MjModel, vehicle: str | None = None) -> Thrust
         rotations=rotations,
         axes=np.sign(model.actuator_gear[ids, 2])[:, None] * rotations[:, :, 2],
         sizes=model.site_size[sites, :2].copy(),
+        moving=tuple(
+            model.actuator(i).name
+            for i, site in zip(ids, sites, strict=True)
+            if model.body_weldid[model.site_bodyid[site]] != hull
+        ),
     )
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+import rerun as rr
 from rerun.chunk import RrdReader
 from support.helix_run import (
     DT,
@@ -34,6 +35,8 @@ from cube_sim.recording.reading import read_recording
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.rerun import sink
 from cube_sim.recording.rerun.gathering import GatheringSink
+from cube_sim.recording.rerun.parts import Parts
+from cube_sim.recording.rerun.places import Places
 from cube_sim.recording.rerun.scene import ARROW_M_PER_M_S
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_log import LogLine
@@ -199,6 +202,8 @@ def test_thrusters_on_what_the_hull_carries_are_drawn_where_they_push(tmp_path):
         expected = recorder.signals["thrusters.force"][:, 1:, None] * axes
         scale = np.sum(np.array(arrows) * expected) / np.sum(expected**2)
         assert scale > 0
+        told = "T7: on what moves on the hull, drawn in its reference pose"
+        assert still(rrd, "/log/model/moving\\ thrusters", "TextLog:text") == [told]
         np.testing.assert_allclose(arrows, scale * expected, atol=1e-5)
 
 
@@ -218,6 +223,27 @@ def test_what_cannot_be_drawn_costs_that_part_alone_and_is_told(run, tmp_path):
         for rrd in (run.rrd, recorder.rrd)
     )
     assert entities - fewer == {"/world/vehicle/thrust"}
+
+
+def test_a_part_that_fails_is_told_once_and_a_place_that_cannot_be_written_is_not_a_part(tmp_path):
+    stream = rr.RecordingStream("parts", send_properties=False)
+    stream.save(tmp_path / "parts.rrd")
+    parts, tried = Parts(stream, Places()), []
+
+    def fail(error):
+        tried.append(error)
+        raise error
+
+    parts.draw("/plot/wrench of it", lambda: fail(ValueError("no such\nshape")))
+    parts.draw("/plot/wrench of it", lambda: fail(ValueError("again")))
+    parts.draw("trail", lambda: tried.append("trail"))
+    with pytest.raises(OSError, match="full"):
+        parts.draw("target", lambda: fail(OSError("full")))
+    sink.finish(stream)
+    assert [str(each) for each in tried] == ["no such\nshape", "trail", "full"]
+    (place,) = {str(chunk.entity_path) for chunk in RrdReader(tmp_path / "parts.rrd").stream() if chunk.is_static}
+    assert place.startswith("/log/model/")
+    assert still(tmp_path / "parts.rrd", place, "TextLog:text") == ["/plot/wrench of it is not drawn: no such shape"]
 
 
 def test_the_current_is_drawn_at_the_vehicle_in_world_axes(run):

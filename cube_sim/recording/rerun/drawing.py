@@ -60,6 +60,9 @@ class RunDrawing:
         mounts = thruster_mounts(model, vehicle)
         self._axes, self._thrusters = mounts.axes, mounts.names
         log_scene(recording, model, vehicle, drawn.places, drawn.measures, drawn.look, self._parts)
+        if mounts.moving:
+            moving = f"{', '.join(mounts.moving)}: on what moves on the hull, drawn in its reference pose"
+            recording.log(f"{self._places.log}/model/moving thrusters", rr.TextLog(moving, level="WARN"), static=True)
         if ("health", "efficiency") not in self._columns and mounts.names:
             healthy = rr.Cylinders3D.from_fields(colors=[palette.DUCT], labels=mounts.names)
             recording.log(self._places.thrusters, healthy, static=True)

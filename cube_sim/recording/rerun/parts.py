@@ -38,4 +38,5 @@ class Parts:
         self.left_out[name] = reason
         # Beside the log and not in it: what is static hides what comes later.
         message = rr.TextLog(f"{name} is not drawn: {reason}", level="WARN")
-        self._recording.log(f"{self._places.log}/model/{name}", message, static=True)
+        place = rr.escape_entity_path_part(name)
+        self._recording.log(f"{self._places.log}/model/{place}", message, static=True)
