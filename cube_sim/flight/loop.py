@@ -28,6 +28,7 @@ from cube_sim.mission.divergence import divergence
 from cube_sim.mission.fault_response import record_actuation, respond_to_faults
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.run_conditions import BALLAST_DROPPED, BATTERY_EMPTY, PATH_GIVEN_UP
 from cube_sim.spatial import State, Vector
 from cube_sim.uninterrupted import is_asked_to_end, uninterrupted
 from cube_sim.vehicle.plugin.warnings import collect_warnings
@@ -364,15 +365,15 @@ class Loop:
         """Update the supply by what the thrusters draw; returns whether its voltage, and so their limits, changed."""
         supply, before = self.mission.supply, self.mission.supply.force_ratio
         if supply.update(self.mission.data):
-            self._store.log(t, "WARNING", "the battery is empty: the thrusters stand still")
+            self._store.log(t, "WARNING", BATTERY_EMPTY.begins)
         return supply.force_ratio != before
 
     def _log_given_up(self, t: float, reason: str) -> None:
         """Log that the path is given up, and why, or followed again; drop the ballast where that is asked."""
         self._given_up, mission = reason, self.mission
-        self._store.log(t, "WARNING", f"the path is given up: {reason}" if reason else "the path is followed again")
+        self._store.log(t, "WARNING", f"{PATH_GIVEN_UP.begins}{reason}" if reason else PATH_GIVEN_UP.ends)
         if reason and mission.scenario.control.safe_mode.action == "surface" and mission.drop_weight.drop():
-            self._store.log(t, "WARNING", "the ballast is dropped")
+            self._store.log(t, "WARNING", BALLAST_DROPPED.begins)
 
 
 def _each_second(told: Callable[[float], None] | None) -> Callable[[float], None]:

@@ -15,6 +15,7 @@ from cube_sim.allocation import Status
 from cube_sim.flight.rows import TickRows
 from cube_sim.flight.shortfall import Shortfall, Thrust, believed_efficiency, distance_from_target
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.run_conditions import WRENCH_NOT_MADE
 from cube_sim.spatial import Vector
 
 PATIENCE_S = 1.0
@@ -22,16 +23,6 @@ PATIENCE_S = 1.0
 the attainable set changes it every tick."""
 OFF_M = 0.05
 """A stretch in which the vehicle comes this much further off its target is a warning, any other is none (a choice)."""
-
-_HAPPENED = {
-    Status.CLOSEST: "the demanded wrench was out of reach, and the closest attainable one made",
-    Status.SCALED: "the demanded wrench was out of reach, and the largest part of it in its direction made",
-    Status.YIELDED: "the demanded wrench was out of reach, and its secondary part gave way to the primary one",
-    Status.MISSED: "the allocation missed the demanded wrench",
-    Status.FORBIDDEN_FORCE: "the allocation asked a thruster for a force outside its allowed set",
-    Status.UNPROVEN: "the demanded wrench was made, perhaps not at the least cost",
-    Status.UNPROVEN_CLOSEST: "no forces making the demanded wrench were found, and the best wrench found made",
-}
 
 
 class UnattainableLog:
@@ -123,7 +114,7 @@ class UnattainableLog:
         if stretch.until_s - stretch.since_s < PATIENCE_S:
             return
         matters = stretch.off_m >= OFF_M
-        what = f"{_HAPPENED[stretch.status]} from {stretch.since_s:.2f} s to {stretch.until_s:.2f} s"
+        what = f"{WRENCH_NOT_MADE[stretch.status.name]} from {stretch.since_s:.2f} s to {stretch.until_s:.2f} s"
         how = "" if stretch.status is Status.UNPROVEN else f"; {stretch.told(self._thrust)}"
         came = f"{stretch.off_m:.2g} m" if matters else "no"
         level = "WARNING" if matters else "INFO"

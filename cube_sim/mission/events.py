@@ -56,11 +56,11 @@ class Events:
         match event:
             case CurrentEventBlock():
                 self._model.opt.wind[:] = event.current_m_s
-                return f"the current is now {list(event.current_m_s)} m/s"
+                return event.message
             case ThrusterEventBlock():
                 for name in event.thrusters:
                     self._change(name, event)
-                return f"{', '.join(event.thrusters)}: {event.state}"
+                return event.message
             case _:
                 assert_never(event)
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.run_conditions import SPEED_NOT_KEPT
 
 PATIENCE_S = 2.0
 """A change is logged once it has lasted this long: a start or a gust is no news."""
@@ -38,7 +39,7 @@ class PaceLog:
             self._logged = slower
             if slower:
                 asked, left = f"{self._speed:g} m/s along the path", f"{max(0.0, pace) * self._speed:.2g} m/s"
-                text = f"the thrusters cannot keep {asked}: to stay on the path it goes on at {left}"
+                text = f"{SPEED_NOT_KEPT.begins}{asked}: to stay on the path it goes on at {left}"
                 self._recorder.log(t, "WARNING", text)
             else:
-                self._recorder.log(t, "INFO", "the thrusters keep the speed along the path again")
+                self._recorder.log(t, "INFO", SPEED_NOT_KEPT.ends)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cube_sim.native.compiled import compiled
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.run_conditions import OUT_OF_THE_WATER
 from cube_sim.vehicle.vehicle import Vehicle
 
 SURFACE_M = 0.0
@@ -79,12 +80,12 @@ class SurfaceWatch:
                 self._recorder.log(
                     t,
                     "WARNING",
-                    f"the hull comes out of the water: its top is at z = {top:.2f} m, its origin at {origin:.2f} m; "
+                    f"{OUT_OF_THE_WATER.begins}its top is at z = {top:.2f} m, its origin at {origin:.2f} m; "
                     f"{NOT_MODELLED}",
                 )
         elif self._out and t - self._dry_at >= SUBMERGED_S:
             self._out = False
-            self._recorder.log(t, "INFO", "the hull is under water again")
+            self._recorder.log(t, "INFO", OUT_OF_THE_WATER.ends)
 
     @property
     def under_water(self) -> bool:

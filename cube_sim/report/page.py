@@ -11,7 +11,7 @@ from cube_sim.report import colours
 from cube_sim.report.check_panels import check_panels
 from cube_sim.report.drawing import HALF, WIDE, draw
 from cube_sim.report.guides import captions
-from cube_sim.report.happenings import AUTHORITY, BELIEF, END, EVENT, Happening, happenings
+from cube_sim.report.happenings import AUTHORITY, BELIEF, END, EVENT, SUPPLY, WARNING, WRENCH, Happening, happenings
 from cube_sim.report.html_table import badge, name_of
 from cube_sim.report.lanes import StateLane, draw_lanes
 from cube_sim.report.map_view import plan_view
@@ -36,7 +36,10 @@ from cube_sim.report.tables import check_table, comparison_table, happening_tabl
 from cube_sim.report.thruster_use import STATES
 from cube_sim.runs.recorded_run import RecordedRun
 
-_OF_KIND = {EVENT: colours.BAD, BELIEF: colours.ORANGE, AUTHORITY: colours.PURPLE, END: colours.BLACK}
+_OF_KIND = {
+    **{EVENT: colours.BAD, BELIEF: colours.ORANGE, AUTHORITY: colours.PURPLE},
+    **{SUPPLY: colours.BAD, WARNING: colours.ORANGE, WRENCH: colours.FAINT, END: colours.BLACK},
+}
 _OF_STATE = ("", "#8fb8de", "#f0b37a", "#b6bcc4", "#7a1fa2", "#c4231c")
 _OF_CODES = ("#cfe8d5", *(colours.of_index(i) for i in (1, 3, 4, 5, 0, 6, 7, 2)))
 
@@ -201,9 +204,9 @@ def _told(subjects: Sequence[Subject]) -> list[tuple[str, Happening, Sequence[Su
 
 def _foot(subjects: Sequence[Subject]) -> str:
     versions = dict.fromkeys(subject.run.header.versions.get("cube-sim", "unknown") for subject in subjects)
-    axes = (
-        "World axes are ENU, body axes FLU, units SI. The numbers on dashed upright lines are those of What happened."
-    )
+    axes = "World axes are ENU, body axes FLU, units SI."
+    if any(happenings(subject) for subject in subjects):
+        axes += " The numbers on dashed upright lines are those of What happened."
     moving = "Move over a plot to read its curves at that time; click to hold them there."
     said = f"Made by cube-sim report from what cube-sim {', '.join(versions)} recorded. Curves keep every peak. {axes}"
     return f'<footer><p>{text(said)} <span class="screen">{moving}</span></p></footer>'

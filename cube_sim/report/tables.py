@@ -14,7 +14,7 @@ from cube_sim.report.judged_quantity import JudgedQuantity, beyond_from, judged_
 from cube_sim.report.markup import element, number, seconds, text
 from cube_sim.report.motion_panels import LIKELY, sensor_names
 from cube_sim.report.subject import Subject
-from cube_sim.report.thruster_use import LOST, LOWER, OFF, UPPER, ThrusterUse
+from cube_sim.report.thruster_use import LOST, LOWER, NEAR, NEAR_OVER_S, OFF, UPPER, ThrusterUse
 from cube_sim.scenario.check_blocks import SignalCheckBlock
 from cube_sim.verdict import CheckResult
 
@@ -99,6 +99,7 @@ def thruster_table(subject: Subject) -> str:
                 _share_of(at[UPPER], whole),
                 "–" if first is None else seconds(first),
                 seconds(longest) if longest else "–",
+                _near(use, whole),
                 _share_of(at[OFF], whole, hot=False),
                 _share_of(at[LOST], whole),
                 str(use.reversals),
@@ -106,8 +107,16 @@ def thruster_table(subject: Subject) -> str:
             )
         )
     header = ("", "force [N]", "RMS [N]", "limits: reverse, forward [N]", "at lower limit", "at upper limit")
-    header += ("first at one", "longest", "off", "believed dead", "reversals", "energy [J]")
-    return table(header, rows, "srrrrrrrrrrr")
+    header += (
+        "first at one",
+        "longest",
+        f"≥ {100 * NEAR:.0f} % of one, mean of {NEAR_OVER_S:g} s",
+        "off",
+        "believed dead",
+        "reversals",
+        "energy [J]",
+    )
+    return table(header, rows, "srrrrrrrrrrrr")
 
 
 def sensor_table(subjects: Sequence[Subject]) -> str:
@@ -201,6 +210,15 @@ def _share_of(lasted: float, whole: float, *, hot: bool = True) -> str:
         return "–"
     shown = f"{number(lasted, 3)} s<br/>{100 * lasted / whole:.2g} %"
     return element("span", shown, class_="hot") if hot else shown
+
+
+def _near(use: ThrusterUse, whole: float) -> str:
+    """How long it was near a limit, on average over a while, and the largest share of one so asked for."""
+    if not np.isfinite(use.shares).any():
+        return "–"
+    largest = f"at most {100 * float(np.nanmax(use.shares)):.0f} %"
+    near = use.period_s * float(np.sum(use.shares >= NEAR))
+    return f"{_share_of(near, whole)}<br/>{largest}" if near else largest
 
 
 def _limits(use: ThrusterUse) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,11 @@ UNKNOWN = -1
 """What it does where nothing is recorded."""
 
 STATES = ("off", "reverse", "forward", "believed dead", "at its lower limit", "at its upper limit")
+
+NEAR = 0.95
+"""A thruster is near a limit while it is asked for so large a share of it on average (choice)."""
+NEAR_OVER_S = 5.0
+"""Over so long a time is averaged: what a gust or a curve asks for is no news (choice)."""
 
 _AT_LIMIT = 1e-3
 """A force this near to a limit, as a share of it, counts as at the limit (choice)."""
@@ -53,6 +59,35 @@ class ThrusterUse:
         inside = np.concatenate([[False], np.isin(self.state, states), [False]])
         edges = np.flatnonzero(np.diff(inside)).reshape(-1, 2)
         return [(float(self.times[a]), float(self.times[b - 1]) + self.period_s) for a, b in edges.tolist()]
+
+    @cached_property
+    def shares(self) -> Values:
+        """(n,) mean share of its limit that was asked for in the `NEAR_OVER_S` before; NaN before so much has passed.
+
+        Of the limit on the side of the force; NaN where one of the forces is not recorded or that limit is 0.
+        """
+        limits = held(self.limits, self.times)
+        limit = np.where(self.force < 0, limits[:, 0], limits[:, 3])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(self.force == 0, 0.0, self.force / limit)
+        n = round(NEAR_OVER_S / self.period_s) if self.period_s > 0 else len(share) + 1
+        mean = np.full(len(share), np.nan)
+        if n <= len(share):
+            mean[n - 1 :] = np.convolve(share, np.full(n, 1.0 / n), "valid")
+        return np.where(np.isfinite(mean), mean, np.nan)
+
+    def near_since(self, t: float) -> tuple[float, float, bool] | None:
+        """Since when it has been near a limit at a time [s]; its mean share of it since then, and whether the upper."""
+        last = int(np.searchsorted(self.times, t + 1e-9, side="right")) - 1
+        near = self.shares[: last + 1] >= NEAR
+        if last < 0 or not near[last]:
+            return None
+        before = np.flatnonzero(~near)
+        first = int(before[-1]) + 1 if len(before) else 0
+        n = round(NEAR_OVER_S / self.period_s)
+        start = max(first - n + 1, 0)
+        share = float(np.mean(self.shares[first : last + 1]))
+        return float(self.times[start]), share, bool(self.force[last] > 0)
 
     @property
     def reversals(self) -> int:

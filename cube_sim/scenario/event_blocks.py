@@ -43,7 +43,12 @@ class ThrusterEventBlock(Block):
         """What happens, for readers."""
         how = "" if self.efficiency is None else f", {100 * self.efficiency:g} % of its force"
         how += "" if self.force_N is None else f", {self.force_N:g} N"
-        return f"{', '.join(self.thrusters)}: {self.state}{how}"
+        return self.message + how
+
+    @property
+    def message(self) -> str:
+        """What the log of a flight says of it."""
+        return f"{', '.join(self.thrusters)}: {self.state}"
 
 
 class CurrentEventBlock(Block):
@@ -58,6 +63,11 @@ class CurrentEventBlock(Block):
         """What happens, for readers."""
         x, y, z = self.current_m_s
         return f"current becomes [{x:g}, {y:g}, {z:g}] m/s"
+
+    @property
+    def message(self) -> str:
+        """What the log of a flight says of it."""
+        return f"the current is now {list(self.current_m_s)} m/s"
 
 
 AnyEvent = Annotated[ThrusterEventBlock | CurrentEventBlock, Field(discriminator="kind")]

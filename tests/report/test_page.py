@@ -77,8 +77,8 @@ def test_it_is_small(page):
 def test_it_says_why_it_fails(page):
     said = words(page)
     assert "made_up FAIL" in said
-    assert "Beyond the limit from 6.2 s : T3 at its upper limit since 6 s; T1 dead or stuck" in said
-    assert "Worst at 6.6 s : T3 at its upper limit since 6 s; T1 dead or stuck" in said
+    assert "Beyond the limit from 6.2 s : T3 at its upper limit since 6 s; T1 dead or stuck, since 2 s" in said
+    assert "Worst at 6.6 s : T3 at its upper limit since 6 s; T1 dead or stuck, since 2 s" in said
     assert f"FAIL cross-track error: 0.9, must be ≤ {LIMIT_M}, margin −0.4, worst at 6.6 s" in said
     assert "PASS thruster forces inside their allowed sets: 0 ≤ 1e−6" in said
     assert "2 s event T1: dead" in said
@@ -89,8 +89,8 @@ def test_it_says_why_it_fails(page):
 def test_the_circumstances_are_those_of_the_time():
     run = subject()
     assert circumstances(run, 1.0) == []
-    assert circumstances(run, 2.2) == ["T1 dead or stuck, believed to give 100 %", "at 2 s: T1: dead"]
-    assert circumstances(run, 9.0) == ["T3 at its upper limit for 1 s of the 5 s before", "T1 dead or stuck"]
+    assert circumstances(run, 2.2) == ["T1 dead or stuck, believed to give 100 %, since 2 s", "at 2 s: T1: dead"]
+    assert circumstances(run, 9.0) == ["T1 dead or stuck, since 2 s", "T3 at its upper limit for 1 s of the 5 s before"]
 
 
 def test_time_at_a_limit_is_counted():
