@@ -25,7 +25,7 @@ import cube_sim
 
 def make(setup, wrong_tick=10**9, wrong=0):
     told = {"inverse": np.linalg.pinv(setup.A), "limits": setup.limits, "wrong_tick": wrong_tick, "wrong": wrong}
-    return cube_sim.compiled(allocate, told, {"before": np.zeros(len(setup.which)), "ticks": 0})
+    return cube_sim.compiled(allocate, told, {"before": np.zeros(len(setup.which)), "ticks": np.int64(0)})
 
 
 def allocate(wrench, p, m):

@@ -51,7 +51,7 @@ def law(aim, p, m):
         if p.wrong == 2:
             return np.zeros(5)
         if p.wrong == 3:
-            m.total[m.ticks - 102 + len(m.total)] = 1.0
+            m.total[int(m.ticks) - 102 + len(m.total)] = 1.0
     return wrench
 
 
@@ -260,3 +260,10 @@ def test_values_are_packed_into_whole_words():
         record_of_values({"name": "a"})
     with pytest.raises(TypeError, match="compiled takes a function, not a int"):
         cube_sim.compiled(7)
+
+
+def test_a_memory_that_starts_at_a_whole_number_need_not_stay_one():
+    start = {"z": 0, "list": [0, 0], "on": True, "count": np.int64(0), "counts": np.zeros(2, int)}
+    memory = cube_sim.compiled(lambda aim, p, m: aim.error, {"n": 0}, start).memory
+    assert [memory.dtype[name].base.kind for name in start] == list("ffbii")
+    assert cube_sim.compiled(lambda aim, p, m: aim.error, {"n": 0}).parameters.dtype["n"] == np.int64

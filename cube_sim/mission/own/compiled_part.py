@@ -44,7 +44,9 @@ def compiled(
         function: of an aim, the parameters and the memory, whose fields it has as attributes: ``step(aim, p, m)``. It
             has to be one that numba compiles (`numba.njit`, nopython).
         parameters: name -> number or array, that it reads.
-        memory: likewise, with which it begins: it writes ``m.total[:] = ...`` or ``m.count += 1``.
+        memory: likewise, with which it begins: it writes ``m.total[:] = ...`` or ``m.count += 1``. A whole number of
+            Python's or a list of them is the start of what need not stay one, and becomes float64; what numpy has as
+            int64 stays it.
 
     Raises:
         TypeError: it is no function, or a value is neither a number nor an array of numbers.
@@ -52,7 +54,19 @@ def compiled(
     plain = getattr(function, "py_func", function)
     if not hasattr(plain, "__code__"):
         raise TypeError(f"compiled takes a function, not a {type(function).__name__}")
-    return CompiledPart(_compiled(plain), record_of_values(parameters or {}), record_of_values(memory or {}))
+    return CompiledPart(_compiled(plain), record_of_values(parameters or {}), record_of_values(started(memory or {})))
+
+
+def started(memory: Mapping[str, Any]) -> dict[str, Any]:
+    """The same values, whole numbers of Python's as floats."""
+    return {name: _floats(value) for name, value in memory.items()}
+
+
+def _floats(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        return value
+    array = np.asarray(value)
+    return array.astype(float) if array.dtype.kind in "iu" else value
 
 
 @cache
