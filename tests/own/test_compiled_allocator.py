@@ -151,7 +151,7 @@ def test_one_that_fails_in_flight_ends_both_loops_alike(scenario, wrong, told, o
 @pytest.mark.parametrize(
     ("body", "told"),
     [
-        ("return p.kq * wrench", "own.py:make cannot be compiled: KeyError: 'kq'"),
+        ("return p.kq * wrench", "own.py:3: cannot be compiled: neither parameters nor memory have the name 'kq'"),
         ("return wrench.nothing", "own.py:3: cannot be compiled: Unknown attribute 'nothing'"),
         ("return 7.0", "own.py:make answers, compiled, float64; it takes a new array of floats, one for each thruster"),
         ("return wrench, wrench", "own.py:make answers, compiled, array(float64, 1d, C) and array(float64, 1d, C)"),

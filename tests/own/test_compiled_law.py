@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from support.places import HELIX, SCENARIOS
 
 import cube_sim
 from cube_sim.control.own_law import PlainAim
+from cube_sim.errors import ScenarioError
 from cube_sim.flight.compiled.loop import fly
 from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import PathPoint
@@ -225,9 +227,32 @@ def test_the_record_holds_it_and_flies_again(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("[('M', 1)]", "parameters and memory are mappings of names to numbers and arrays, not a list"),
+        ("{3: 1.0}", "3 is no name that a function could have as an attribute"),
+        ("{'b': np.zeros(3, bool)}", "b is an array of truth values; it takes one of numbers: .astype(int)"),
+        ("{'b': 'a'}", "b is a str; it takes a number or an array of numbers"),
+    ],
+)
+@pytest.mark.parametrize("place", ["parameters", "memory"])
+def test_values_that_are_none_are_refused_where_they_are_handed_on(place, given, told, tmp_path):
+    source = "import numpy as np, cube_sim\ndef law(aim, p, m): return aim.error\ndef make(setup):\n"
+    source += f"    return cube_sim.compiled(law, {place}={given})\n"
+    with pytest.raises(ScenarioError) as caught:
+        cube_sim.Flight(scenario_with(tmp_path, source, control=LAW))
+    assert f"own.py:4: TypeError: {told}" in str(caught.value)
+
+
+@pytest.mark.parametrize(
     ("body", "told"),
     [
-        ("return p.kq * aim.error", "own.py:make cannot be compiled: KeyError: 'kq'"),
+        ("return p.kq * aim.error", "own.py:3: cannot be compiled: neither parameters nor memory have the name 'kq'"),
+        ("m.kq += 1.0", "own.py:3: cannot be compiled: neither parameters nor memory have the name 'kq'"),
+        ("m.a = np.zeros(6)", "own.py:3: cannot be compiled: numba fails here, as it does where one writes"),
+        ("m.whole += aim.error", "own.py:3: cannot be compiled: numba fails here, as it does where one writes"),
+        ("OUTSIDE[:] += aim.error", "own.py:3: cannot be compiled: "),
+        ("with open('a') as file: pass", "own.py:3: cannot be compiled: UnsupportedBytecodeError: The 'with"),
         ("return aim.nothing", "own.py:3: cannot be compiled: Unknown attribute 'nothing' of type PlainAim"),
         ("return helper(aim.error)", "own.py:3: cannot be compiled: Untyped global name 'helper'"),
         ("return aim.error + 'a'", "own.py:3: cannot be compiled: No implementation of function"),
@@ -240,7 +265,8 @@ def test_the_record_holds_it_and_flies_again(tmp_path):
 )  # fmt: skip
 def test_what_cannot_be_compiled_is_one_line(body, told, tmp_path, monkeypatch, capsys):
     source = f"import numpy as np, cube_sim\ndef law(aim, p, m):\n    {body}\n    return np.zeros(6)\n"
-    source += "def helper(x): return x\ndef make(setup): return cube_sim.compiled(law)\n"
+    source += "def helper(x): return x\nOUTSIDE = np.zeros(6)\n"
+    source += "def make(setup): return cube_sim.compiled(law, {}, {'a': np.zeros(6), 'whole': np.zeros(6, int)})\n"
     path = scenario_with(tmp_path, source, control=LAW)
     code, out, err = call(monkeypatch, capsys, "run", path, "--out", tmp_path / "out", "--quiet")
     assert (code, out, err.count("\n")) == (2, "", 1), err
@@ -249,7 +275,7 @@ def test_what_cannot_be_compiled_is_one_line(body, told, tmp_path, monkeypatch, 
 
 
 def test_values_are_packed_into_whole_words():
-    values = {"M": np.eye(2, dtype=int), "on": True, "flags": [True, False, True], "n": 3, "x": np.float32(0.5)}
+    values = {"M": np.eye(2, dtype=int), "on": True, "n": 3, "x": np.float32(0.5)}
     (record,) = record_of_values(values)
     assert record.dtype.itemsize % 8 == 0
     for name, value in values.items():
@@ -260,6 +286,8 @@ def test_values_are_packed_into_whole_words():
         record_of_values({"name": "a"})
     with pytest.raises(TypeError, match="compiled takes a function, not a int"):
         cube_sim.compiled(7)
+    with pytest.raises(TypeError, match="compiled takes a function, not a method"):
+        cube_sim.compiled(Path("a").exists)
 
 
 def test_a_memory_that_starts_at_a_whole_number_need_not_stay_one():

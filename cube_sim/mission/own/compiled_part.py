@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from inspect import isfunction
 from typing import Any
 
 import numpy as np
@@ -49,17 +50,28 @@ def compiled(
             int64 stays it.
 
     Raises:
-        TypeError: it is no function, or a value is neither a number nor an array of numbers.
+        TypeError: it is no function, a name is none, or a value is neither a number nor an array of numbers.
     """
     plain = getattr(function, "py_func", function)
-    if not hasattr(plain, "__code__"):
+    if not isfunction(plain):
         raise TypeError(f"compiled takes a function, not a {type(function).__name__}")
+    for values in (parameters or {}, memory or {}):
+        _require_names(values)
     return CompiledPart(_compiled(plain), record_of_values(parameters or {}), record_of_values(started(memory or {})))
 
 
 def started(memory: Mapping[str, Any]) -> dict[str, Any]:
     """The same values, whole numbers of Python's as floats."""
     return {name: _floats(value) for name, value in memory.items()}
+
+
+def _require_names(values: Any) -> None:
+    if not isinstance(values, Mapping):
+        raise TypeError(
+            f"parameters and memory are mappings of names to numbers and arrays, not a {type(values).__name__}"
+        )
+    if wrong := [name for name in values if not isinstance(name, str) or not name.isidentifier()]:
+        raise TypeError(f"{wrong[0]!r} is no name that a function could have as an attribute")
 
 
 def _floats(value: Any) -> Any:
@@ -101,6 +113,8 @@ def record_of_values(values: Mapping[str, Any]) -> Record:
 
 def _array(name: str, value: Any) -> np.ndarray[Any, Any]:
     array = np.asarray(value)
+    if array.dtype == np.bool_ and array.ndim:
+        raise TypeError(f"{name} is an array of truth values; it takes one of numbers: .astype(int)")
     for kind in (np.bool_, np.int64, np.float64):
         if array.dtype.kind in "biuf" and np.can_cast(array.dtype, kind):
             return array.astype(kind)
