@@ -79,6 +79,23 @@ def test_a_current_that_stops_it_is_why(tmp_path):
     assert [each.kind for each in happenings(subject) if each.t == 6.0] == ["event"], "not once more, as a warning"
 
 
+@pytest.mark.flight
+def test_a_path_given_up_and_ballast_dropped_are_why(tmp_path):
+    names = [f"T{k}" for k in range(1, 9)]
+    dead = {"kind": "thrusters", "at_s": 2.0, "thrusters": names, "state": "dead"}
+    safe = {"action": "surface", "surface_m": -4.0, "drop_weight_N": 15.0}
+    run = flown(tmp_path, **{"duration_s": 12.0, "events": [dead], "checks": REACHED, "control.safe_mode": safe})
+    subject = Subject(run, "run", "#000")
+    found = [each for each in happenings(subject) if each.kind == "warning"]
+    starts = [condition.begins for condition in (PATH_GIVEN_UP, BALLAST_DROPPED)]
+    assert [any(each.text.startswith(start) for each in found) for start in starts] == [True, True]
+    said = circumstances(subject, 11.9)
+    assert [any(line.startswith(start) and "(since" in line for line in said) for start in starts] == [True, True]
+    believed = [each.text for each in happenings(subject) if each.kind == "belief"]
+    assert any("T8" in text for text in believed)
+    assert not any(each.text in text for each in found for text in believed), "not once more, as a warning"
+
+
 def test_what_is_over_is_no_cause():
     slow, again = f"{SPEED_NOT_KEPT.begins}0.4 m/s", SPEED_NOT_KEPT.ends
     log = (
