@@ -37,9 +37,9 @@ def replay(
         from cube_sim.runs.recorded_run import load_run
 
         recorded = load_run(run)
-        take_recorded_kernel(recorded.header)
         if not recorded.header.code:
             open_no_windows()
+        take_recorded_kernel(recorded.header)
         from cube_sim.runs.replay import replay as fly_again
 
         begin_compiling(hidden=quiet or json)
