@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,7 @@ from cube_sim.allocation.exact.problem import AllocationProblem
 from cube_sim.allocation.exact.solve import answer_of
 from cube_sim.allocation.exact.stages import EXACT, INVALID_WRENCH, UNPROVEN
 from cube_sim.allocation.subset_qp.solver import SubsetSolver
+from cube_sim.native import apart
 from cube_sim.native.compiled import borrowed, compiled, prepare
 
 
@@ -44,6 +47,7 @@ class Confirmer:
             row: one answer, see `answer_of`.
             wrench: (n,) demand it answers.
         """
+        _wait_for_code()
         subset_problem(self._packed, row, wrench, self._qp, self._multiplier)
         linear, demand, low, high, force = self._vectors
         solved, x = self._solver.refine(
@@ -103,6 +107,12 @@ def within(x: NDArray[np.float64], y: NDArray[np.float64], limit: float) -> bool
     for i in range(x.shape[0]):
         agree = agree and abs(x[i] - y[i]) <= limit
     return agree
+
+
+@cache
+def _wait_for_code() -> None:
+    """Let another process that makes it come to its end: whoever flies is not to load the compiler."""
+    apart.finish(CONFIRMATION)
 
 
 CONFIRMATION = f"{__name__}:make_confirmation"
