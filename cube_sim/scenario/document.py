@@ -22,10 +22,11 @@ _PLAIN_TAGS = {"tag:yaml.org,2002:map", "tag:yaml.org,2002:seq"}
 
 
 class Position(NamedTuple):
-    """A place in a text file; both counts start at 1."""
+    """A place in a text file; both counts start at 1. `file` is "" for the one that is read."""
 
     line: int
     column: int
+    file: str = ""
 
 
 class Mistake(NamedTuple):

@@ -14,16 +14,15 @@ from pydantic import ValidationError
 
 from cube_sim.errors import ScenarioError
 from cube_sim.scenario.check_blocks import AnyCheck
-from cube_sim.scenario.document import Document, Location, Mistake, Position, parse
+from cube_sim.scenario.document import Document, Location, Mistake, Position
 from cube_sim.scenario.explain import Refusal, explain
+from cube_sim.scenario.include import merged
 from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.scenario.overrides import Override, apply
+from cube_sim.scenario.reading import CHECKS, dotted, line, parsed, read_text
 from cube_sim.scenario.resolved import seen_from, to_yaml
 from cube_sim.scenario.schema import Scenario
 
-# Far above any scenario; a recording or a table given by mistake is not parsed for minutes.
-_LARGEST_BYTES = 1_000_000
-_SCENARIO, _CHECKS = "scenario file", "file of checks"
 _KEYS = tuple(Scenario.model_fields)
 
 
@@ -36,7 +35,9 @@ class Loaded:
         text: the file as written.
         path: the file, as given.
         overrides: what replaced values of the file.
-        document: the file as parsed: where each value is written, for mistakes that are found later.
+        document: the file as parsed, with those it includes: where each value is written, for mistakes that are found
+            later.
+        bases: text of each file it includes, under a name that depends on no machine.
         given: functions, classes and objects that a program hands over, by the key of the block that names them.
     """
 
@@ -45,6 +46,7 @@ class Loaded:
     path: Path
     overrides: tuple[Override, ...]
     document: Document
+    bases: Mapping[str, str] = field(default_factory=dict)
     given: Mapping[str, Any] = field(default_factory=dict)
 
     def resolved_yaml(self, directory: Path | None = None) -> str:
@@ -66,7 +68,7 @@ class Loaded:
         """
         refusal = Refusal(_location(path), message, at_key=False, because=_location(because))
         place = _place(refusal, self.document, self.overrides)
-        return _line(self.path, place)
+        return line(self.path, place)
 
 
 def load(path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = None) -> Loaded:
@@ -80,7 +82,7 @@ def load(path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = Non
         ScenarioError: with one ``file:line:column: path: message`` per mistake.
     """
     path = Path(path)
-    return _load(path, _read(path), overrides)
+    return _load(path, read_text(path), overrides)
 
 
 def load_mapping(scenario: Mapping[str, Any], overrides: Mapping[str, Any] | None = None) -> Loaded:
@@ -111,7 +113,8 @@ def loaded_again(loaded: Loaded, overrides: Mapping[str, Any]) -> Loaded:
         ScenarioError: with one line per mistake.
     """
     before = {override.path: override.value for override in loaded.overrides}
-    return replace(_load(loaded.path, loaded.text, {**before, **overrides}), given=loaded.given)
+    scenario, applied = _overridden(loaded.path, loaded.document, {**before, **overrides})
+    return replace(loaded, scenario=scenario, overrides=applied)
 
 
 def _plain(value: Any) -> Any:
@@ -140,10 +143,10 @@ def load_checks(
         ScenarioError: with one ``file:line:column: path: message`` per mistake.
     """
     path = Path(path)
-    document = _parsed(path, _read(path, _CHECKS), _CHECKS)
+    document = merged(path, parsed(path, read_text(path, CHECKS), CHECKS)).document
     strange = [Refusal((key,), _no_such_key(str(key)), at_key=True) for key in document.data if key not in _KEYS]
     if strange:
-        raise ScenarioError([_line(path, _place(refusal, document, ())) for refusal in strange])
+        raise ScenarioError([line(path, _place(refusal, document, ())) for refusal in strange])
     if "checks" not in document.data:
         raise ScenarioError([f"{path}:1:1: checks: is missing; give a list of checks"])
     data = {**scenario, "checks": document.data["checks"]}
@@ -151,7 +154,7 @@ def load_checks(
     mistakes = signal_mistakes(checks, widths, recorded=recorded)
     refusals = [Refusal(_location(place), text, at_key=False) for place, text in mistakes]
     if refusals:
-        raise ScenarioError([_line(path, _place(refusal, document, ())) for refusal in refusals])
+        raise ScenarioError([line(path, _place(refusal, document, ())) for refusal in refusals])
     return checks
 
 
@@ -160,24 +163,15 @@ def _no_such_key(key: str) -> str:
     return f"unknown key; did you mean {near[0]}?" if near else "unknown key; known: checks, and those of a scenario"
 
 
-def _parsed(path: Path, text: str, what: str = _SCENARIO) -> Document:
-    document = parse(text)
-    if document.data is None:
-        raise ScenarioError([_line(path, mistake) for mistake in document.mistakes])
-    if not isinstance(document.data, dict):
-        inside = " with checks: in it" if what == _CHECKS else ""
-        held = type(document.data).__name__
-        raise ScenarioError(
-            [f"{path}:1:1: a {what.removesuffix(' file')} is a block of keys{inside}, this file holds a {held}"]
-        )
-    return document
-
-
 def _load(path: Path, text: str, overrides: Mapping[str, Any] | None) -> Loaded:
-    document = _parsed(path, text)
-    data, applied, wrong_paths = apply(document.data, overrides or {})
-    scenario = _validated(path, document, data, applied, wrong_paths, path.parent)
-    return Loaded(scenario, text, path, tuple(applied), document)
+    document, bases = merged(path, parsed(path, text))
+    scenario, applied = _overridden(path, document, overrides or {})
+    return Loaded(scenario, text, path, applied, document, bases)
+
+
+def _overridden(path: Path, document: Document, overrides: Mapping[str, Any]) -> tuple[Scenario, tuple[Override, ...]]:
+    data, applied, wrong_paths = apply(document.data, overrides)
+    return _validated(path, document, data, applied, wrong_paths, path.parent), tuple(applied)
 
 
 def _validated(
@@ -200,29 +194,10 @@ def _validated(
     found = [mistake for mistake in found if mistake.position not in reported]
     in_file = sorted([*document.mistakes, *(mistake for mistake in found if mistake.position)], key=_by_position)
     in_overrides = [mistake.message for mistake in found if not mistake.position]
-    lines = [_line(path, mistake) for mistake in in_file] + in_overrides
+    lines = [line(path, mistake) for mistake in in_file] + in_overrides
     if lines or wrong_paths or scenario is None:
         raise ScenarioError(lines + wrong_paths)
     return scenario
-
-
-def _read(path: Path, what: str = _SCENARIO) -> str:
-    try:
-        # A pipe or a device would be read for ever, or only once.
-        if path.exists() and not path.is_file():
-            raise ScenarioError([f"{path}: is {'a folder' if path.is_dir() else 'not a regular file'}, not a {what}"])
-        if path.stat().st_size > _LARGEST_BYTES:
-            raise ScenarioError([f"{path}: is larger than {_LARGEST_BYTES} bytes, so it is no {what}"])
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise ScenarioError([f"{path}: cannot be read: {reason}"]) from error
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        before = content[: error.start]
-        line, column = before.count(b"\n") + 1, error.start - before.rfind(b"\n")
-        raise ScenarioError([f"{path}:{line}:{column}: not UTF-8 text (byte 0x{content[error.start]:02x})"]) from error
 
 
 def _validate(data: dict[str, Any], directory: Path | None) -> tuple[Scenario | None, list[Refusal]]:
@@ -240,7 +215,7 @@ def _place(refusal: Refusal, document: Document, overrides: Sequence[Override]) 
         # An unknown block that exists only because the override's path goes through it.
         above = override.location[: len(location)] == location and refusal.at_key and location not in document.keys
         if below or above:
-            inside = "" if location == override.location else f"{_dotted(location)}: "
+            inside = "" if location == override.location else f"{dotted(location)}: "
             return Mistake(None, location, f"override {override.path}: {inside}{refusal.message}")
     blame = [f" (override {override.path})" for override in overrides if override.location == refusal.because]
     return Mistake(document.position(location, key=refusal.at_key), location, refusal.message + "".join(blame))
@@ -250,16 +225,6 @@ def _location(path: str) -> Location:
     return tuple(int(step) if step.isdigit() else step for step in path.split(".") if step)
 
 
-def _by_position(mistake: Mistake) -> Position:
-    return mistake.position or Position(0, 0)
-
-
-def _line(path: Path, mistake: Mistake) -> str:
-    if mistake.position is None:
-        return mistake.message
-    place = f"{path}:{mistake.position.line}:{mistake.position.column}"
-    return ": ".join(part for part in (place, _dotted(mistake.location), mistake.message) if part)
-
-
-def _dotted(location: Location) -> str:
-    return ".".join(map(str, location))
+def _by_position(mistake: Mistake) -> tuple[str, Position]:
+    position = mistake.position or Position(0, 0)
+    return position.file, position

@@ -241,6 +241,12 @@ class Scenario(Block):
     schema_version: Literal[1] = Field(description="Version of this file format.")
     name: Name = Field(description="Letters, digits, '_', '-', '.'; names the run's folder.")
     description: str = Field(default="", description="What the scenario shows, for readers.")
+    include: str | None = Field(
+        default=None,
+        exclude=True,
+        description="A scenario file, relative to this one, whose keys hold where this one says nothing. Blocks are"
+        " merged key by key; a list is replaced as a whole, and so is a block of another type, mode or kind.",
+    )
     model: ModelFile = Field(description="MJCF file, relative to the scenario file.")
     vehicle: str | None = Field(
         default=None,
@@ -294,6 +300,13 @@ class Scenario(Block):
     def ticks(self) -> int:
         """Whole control periods in the run."""
         return int(self.duration_s / self.control_period_s * (1 + 1e-12))
+
+    @field_validator("include")
+    @classmethod
+    def _in_a_file(cls, include: str | None) -> str | None:
+        if include is not None:  # that of a file is followed before its values are looked at
+            refuse("only a file includes another; load that one")
+        return include
 
     @field_validator("control_period_s")
     @classmethod

@@ -93,9 +93,9 @@ def test_mistakes_of_file_and_overrides_come_together(tmp_path):
         "mission.yaml:6:23: guidance.speed_m_s: must be greater than 0, got -0.4",
         "override seed: must be at least 0, got -1",
         "override no.where: no: unknown key; known: "
-        "schema_version, name, description, model, vehicle, seed, duration_s, physics, control_period_s, current_m_s, "
-        "initial, thrusters, parameters, battery, path, guidance, control, navigation, knowledge, telemetry, "
-        "allocation, events, checks",
+        "schema_version, name, description, include, model, vehicle, seed, duration_s, physics, control_period_s, "
+        "current_m_s, initial, thrusters, parameters, battery, path, guidance, control, navigation, knowledge, "
+        "telemetry, allocation, events, checks",
         "override checks.7: checks is a list of 1, '7' is not an index of it",
     ]
 
