@@ -47,6 +47,10 @@ def run(
         ),
     ] = None,
     settings: Settings = None,
+    sample: Annotated[
+        int | None,
+        typer.Option(min=0, help="Fly this sample, counted from 0, of those that the scenario's samples: block has."),
+    ] = None,
     record: Annotated[
         Recorded,
         typer.Option(
@@ -67,7 +71,7 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", help="Show neither progress nor result.")] = False,
 ) -> None:
     """Fly a scenario, record it, judge its checks."""
-    name, duration_s, result = _fly(scenario, settings, out, record, live_port if live else None, hidden=quiet)
+    name, duration_s, result = _fly(scenario, settings, sample, out, record, live_port if live else None, hidden=quiet)
     with read_or_not():
         if json:
             _print_json(result)
@@ -77,7 +81,14 @@ def run(
 
 
 def _fly(
-    scenario: Path, settings: list[str] | None, out: Path | None, record: Recorded, live: int | None, *, hidden: bool
+    scenario: Path,
+    settings: list[str] | None,
+    sample: int | None,
+    out: Path | None,
+    record: Recorded,
+    live: int | None,
+    *,
+    hidden: bool,
 ) -> tuple[str, float, Run]:
     """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
     from cube_sim.native.heap import keep_little
@@ -100,6 +111,10 @@ def _fly(
             live = live if _somebody_listens(live) else None
         if not any(python_blocks(loaded.scenario)):
             open_no_windows()
+        if sample is not None:
+            from cube_sim.campaign import sampling
+
+            loaded = sampling.sample(loaded, sample)
         from cube_sim import simulation
 
         begin_compiling(hidden=hidden)

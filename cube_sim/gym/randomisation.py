@@ -12,21 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import FlightError, ModelError
+from cube_sim.mission.parameter_values import factors_on, parameter_values
 from cube_sim.scenario import Scenario
-from cube_sim.vehicle.mjcf.elements import (
-    ELEMENT_PARAMETERS,
-    LAG,
-    element_values,
-    is_of_element,
-    lags_of,
-    require_possible,
-)
+from cube_sim.vehicle.mjcf.elements import LAG, is_of_element, lags_of, require_possible
 from cube_sim.vehicle.vehicle import Vehicle
 
 GROUPS = ("scenario", "model", "thrusters", "faults")
 FAULTS = ("most", "at_s", "states", "efficiency")
 STATES = ("dead", "weak", "stuck")
-_ELEMENTS = ", ".join(f"<hull>:{each}" for each in ELEMENT_PARAMETERS)
 
 
 @dataclass(frozen=True)
@@ -179,7 +172,7 @@ class Randomisation:
         """Overrides of the scenario for one flight; the same generator in the same state gives the same ones."""
         drawn = {key: value.draw(rng) for key, value in self._values.items()}
         for name, (numbers, factor) in self._factors.items():
-            values = (numbers * _factors(name, numbers, factor.draw(rng))).tolist()
+            values = (numbers * factors_on(name, numbers, factor.draw(rng))).tolist()
             if name in self._lagging:
                 drawn |= {
                     f"parameters.{each}:{LAG}": [lag] for each, lag in zip(self._lagging[name], values, strict=True)
@@ -218,16 +211,10 @@ def _choice(name: str, given: Any) -> UniformRange | OneOf:
 
 
 def _numbers(name: str, scenario: Scenario, model: mujoco.MjModel) -> NDArray[np.float64]:
-    """The values of a custom numeric, as the scenario has them."""
-    if name in scenario.parameters:
-        return np.array(scenario.parameters[name])
-    if (values := element_values(model, name)) is not None:
-        return values
-    names = [model.numeric(i).name for i in range(model.nnumeric)]
-    if name not in names:
-        listed = ", ".join(each for each in names if ":" in each and not each.startswith("cube_sim"))
-        raise FlightError(f"randomise model: no '{name}'; the model has {listed}, and of hulls {_ELEMENTS}")
-    return np.array(model.numeric(name).data, dtype=np.float64)
+    try:
+        return parameter_values(name, scenario.parameters, model)
+    except ModelError as error:
+        raise FlightError(f"randomise model: {error.reason}") from None
 
 
 def _require_possible(name: str, numbers: NDArray[np.float64], factor: UniformRange) -> None:
@@ -244,14 +231,6 @@ def _require_possible(name: str, numbers: NDArray[np.float64], factor: UniformRa
                 require_possible(name, given)
         except ModelError as error:
             raise FlightError(f"randomise model.{name}: at its ends it {error.reason}") from None
-
-
-def _factors(name: str, numbers: NDArray[np.float64], drawn: Any) -> NDArray[np.float64]:
-    """One for each number; one factor on a characteristic is on its forces, and its commands stay."""
-    factors = np.broadcast_to(np.asarray(drawn, dtype=np.float64), numbers.shape).copy()
-    if np.ndim(drawn) == 0 and name.endswith(":thruster_characteristic"):
-        factors[0::2] = 1.0
-    return factors
 
 
 def _weakened(share: float) -> dict[str, Any]:

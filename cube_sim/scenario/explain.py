@@ -151,7 +151,9 @@ def _follow(model: type[BaseModel], loc: Sequence[str | int]) -> tuple[Location,
                 here = chosen[0]
                 continue
         location.append(step)
-        if isinstance(step, int):
+        if get_origin(here) is dict:
+            here = get_args(here)[1]
+        elif isinstance(step, int):
             inner = get_args(here)
             here = inner[0] if inner and (inner[-1] is ... or step >= len(inner)) else (inner[step] if inner else here)
         elif isinstance(here, type) and issubclass(here, BaseModel) and step in here.model_fields:

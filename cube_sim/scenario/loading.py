@@ -19,6 +19,7 @@ from cube_sim.scenario.explain import Refusal, explain
 from cube_sim.scenario.include import merged
 from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.scenario.overrides import Override, apply
+from cube_sim.scenario.possible_samples import sample_refusals
 from cube_sim.scenario.reading import CHECKS, dotted, line, parsed, read_text
 from cube_sim.scenario.resolved import seen_from, to_yaml
 from cube_sim.scenario.schema import Scenario
@@ -58,15 +59,16 @@ class Loaded:
         """
         return to_yaml(self.scenario if directory is None else seen_from(self.scenario, directory))
 
-    def mistake(self, path: str, message: str, because: str = "") -> str:
+    def mistake(self, path: str | Location, message: str, because: str = "") -> str:
         """A mistake found after loading (the model has no such thruster...), as a line of a ScenarioError.
 
         Args:
-            path: dotted path of the value at fault.
+            path: dotted path of the value at fault; its keys, where one has a dot in it.
             message: what is wrong and what would be right.
             because: dotted path of another value which this one does not fit.
         """
-        refusal = Refusal(_location(path), message, at_key=False, because=_location(because))
+        location = _location(path) if isinstance(path, str) else path
+        refusal = Refusal(location, message, at_key=False, because=_location(because))
         place = _place(refusal, self.document, self.overrides)
         return line(self.path, place)
 
@@ -188,6 +190,8 @@ def _validated(
         ScenarioError: with one line per mistake.
     """
     scenario, refusals = _validate(data, directory)
+    if scenario is not None:
+        refusals = sample_refusals(data, scenario, lambda varied: _validate(varied, directory)[1])
     # Where the YAML itself is wrong, the schema need not say so again.
     reported = {mistake.position for mistake in document.mistakes}
     found = [_place(refusal, document, applied) for refusal in refusals]

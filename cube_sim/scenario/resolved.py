@@ -47,7 +47,9 @@ def to_yaml(scenario: Scenario) -> str:
     yaml.width = 2**31
     yaml.Representer = _Representer
     stream = io.StringIO()
-    yaml.dump(_nodes(scenario.model_dump(mode="python")), stream)
+    # Most scenarios are of one flight, and a run is of one always.
+    left_out = {"samples"} if scenario.samples is None else set()
+    yaml.dump(_nodes(scenario.model_dump(mode="python", exclude=left_out)), stream)
     return stream.getvalue()
 
 

@@ -22,6 +22,7 @@ from cube_sim.scenario.knowledge_block import KnowledgeBlock
 from cube_sim.scenario.navigation_blocks import NavigationBlock, require_slower_than
 from cube_sim.scenario.path_blocks import AnyPath, PythonPathBlock
 from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
+from cube_sim.scenario.samples_block import SamplesBlock
 from cube_sim.scenario.telemetry_block import TelemetryBlock
 from cube_sim.scenario.values import Block, Name, Numbers, Pair, Place, Vector3, refuse
 
@@ -289,6 +290,9 @@ class Scenario(Block):
     )
     checks: Annotated[tuple[AnyCheck, ...], Strict(False)] = Field(
         description="What the run must show; at least one.", json_schema_extra={"minItems": 1}
+    )
+    samples: SamplesBlock | None = Field(
+        default=None, description="Many flights with values of their own. Default: there is this one alone."
     )
 
     @property

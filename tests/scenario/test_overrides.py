@@ -95,7 +95,7 @@ def test_mistakes_of_file_and_overrides_come_together(tmp_path):
         "override no.where: no: unknown key; known: "
         "schema_version, name, description, include, model, vehicle, seed, duration_s, physics, control_period_s, "
         "current_m_s, initial, thrusters, parameters, battery, path, guidance, control, navigation, knowledge, "
-        "telemetry, allocation, events, checks",
+        "telemetry, allocation, events, checks, samples",
         "override checks.7: checks is a list of 1, '7' is not an index of it",
     ]
 

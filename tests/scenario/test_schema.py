@@ -44,6 +44,18 @@ WITHOUT_UNIT = {
     "noise",  # of a sensor of one's own, with the unit it says
     "bias",
     "parameters",  # numerics of the MJCF, each with its own unit
+    "low",  # of what is drawn, in the unit of the key it is drawn for
+    "high",
+    "mean",
+    "std",
+    "median",
+    "log_std",
+    "points",
+    "weights",
+    "count",
+    "losses",
+    "pass_rate",
+    "confidence",
 }
 
 
@@ -96,7 +108,7 @@ def test_every_key_is_described_and_every_number_carries_its_unit(block, name):
     field = block.model_fields[name]
     if holds_numbers(field.annotation):
         assert name in WITHOUT_UNIT or name.endswith(UNITS)
-    tag = name in {"type", "kind", "mode"}
+    tag = name in {"type", "kind", "mode", "distribution"}
     a_block = isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel)
     assert tag or a_block or name == "path" or field.description
 

@@ -123,4 +123,41 @@ checks:
   - {kind: allowed_forces}
   - {kind: exact_wrench, at_most: 1.0e-3}
 """,
+    "samples": """\
+samples:                     # cube-sim sweep flies all 200, cube-sim run --sample 17 one
+  count: 200
+  required: {pass_rate: 0.95, confidence: 0.95}
+  vary:
+    guidance.speed_m_s: {distribution: uniform, low: 0.3, high: 0.5}
+    parameters.hull:mass: {distribution: uniform, gives: percent, low: -5, high: 5}
+    parameters.hull:added_mass: {distribution: normal, gives: factor, mean: 1, std: 0.1, at_least: 0.5}
+    current_m_s: {distribution: direction, high: 0.2}
+  lost_thrusters: {losses: [0, 1], choose: random, at_s: 5, until_s: 15}
+""",
+    "samples.vary": """\
+samples:
+  count: 64
+  vary:
+    initial.position_m: {distribution: uniform, gives: offset, low: [-1, -1, 0], high: [1, 1, 0]}
+    initial.attitude_deg.2: {distribution: normal, mean: 0, std: 20, at_least: -90, at_most: 90}
+    control.faults: {distribution: choice, values: [diagnosed, ignored], weights: [3, 1]}
+    knowledge.drag: {distribution: log_normal, median: 1.0, log_std: 0.2}
+""",
+    "samples.vary:grid": """\
+samples:                     # 3 x 5 samples
+  vary:
+    allocation.objective: {distribution: grid, values: [energy, reactivity, reactivity_by_side]}
+    guidance.speed_m_s: {distribution: grid, low: 0.2, high: 0.6, points: 5}
+""",
+    "samples.vary:sobol": """\
+samples:
+  count: 256
+  vary:
+    knowledge.mass: {distribution: sobol, low: 0.8, high: 1.2}
+    knowledge.drag: {distribution: sobol, low: 0.5, high: 2.0}
+""",
+    "samples.lost_thrusters": """\
+samples:                     # all 36 losses of one or two of eight
+  lost_thrusters: {losses: [1, 2], at_s: 5}
+""",
 }

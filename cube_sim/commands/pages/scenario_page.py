@@ -65,12 +65,12 @@ class _Keys:
 
     def block(self, value: Schema) -> Schema | None:
         """The block a value, or each entry of a list, is; None when it is none."""
-        value, _ = without_null(value.get("items", value))
+        value, _ = without_null(_entry(value))
         return self._at(value["$ref"]) if "$ref" in value else None
 
     def kinds(self, value: Schema) -> tuple[str, list[_Kind]] | None:
         """The key by which the kinds of a block, or of a list's entries, are told apart, and the kinds; or None."""
-        value = value.get("items", value)
+        value = _entry(value)
         if "discriminator" not in value:
             return None
         tag = value["discriminator"]["propertyName"]
@@ -87,6 +87,19 @@ class _Keys:
 
     def _at(self, reference: str) -> Schema:
         return self._definitions[reference.rpartition("/")[2]]
+
+
+def _entry(value: Schema) -> Schema:
+    """What each entry of a list or of a mapping is; of anything else, itself."""
+    below = value.get("additionalProperties")
+    return value.get("items", below if isinstance(below, dict) else value)
+
+
+def _many(value: Schema, of_what: str) -> str:
+    """What holds one block, or many, in a word."""
+    return (
+        f"list of {of_what}s" if "items" in value else f"{of_what}s by path" if _entry(value) is not value else of_what
+    )
 
 
 def scenario_page() -> str:
@@ -129,7 +142,7 @@ def _children(keys: _Keys, path: str, parent: Schema, level: int, skip: str = ""
 
 def _union(keys: _Keys, where: str, value: Schema, tag: str, kinds: list[_Kind], *, level: int) -> Iterator[str]:
     """The sections of a block that comes in several kinds, or of a list of such blocks."""
-    who = "Each entry of the list" if "items" in value else "It"
+    who = "Each entry of the list" if "items" in value else "Each" if _entry(value) is not value else "It"
     yield f"{_text(value['description'])} {who} has a key {code(tag)}, which says what other keys it takes:"
     rows = [
         (link(code(kind.value), _title(where, tag, kind.value)), _first_paragraph(kind.block["description"]))
@@ -161,13 +174,16 @@ def _row(keys: _Keys, where: str, name: str, value: Schema, required: bool) -> t
     description = value.get("description") or (below or {}).get("description", "")
     unit, meaning = unit_and_meaning(_text(description))
     if below is not None:
-        null, what = " or `null`" if without_null(value)[1] else "", "list of blocks" if "items" in value else "block"
-        allow, standard = link(what, _title(where)) + null, _block_default(keys, value, below, required)
+        null = " or `null`" if without_null(value)[1] else ""
+        allow, standard = (
+            link(_many(value, "block"), _title(where)) + null,
+            _block_default(keys, value, below, required),
+        )
     elif (both := keys.named_or_own(value)) is not None:
         allow = f"{allowed(both[0])}, or a {link('block', _OWN)} that names your own"
         standard = default(value, required)
     elif kinds is not None:
-        allow = link(f"{'list of blocks' if 'items' in value else 'block'} by {code(kinds[0])}", _title(where))
+        allow = link(f"{_many(value, 'block')} by {code(kinds[0])}", _title(where))
         standard = default(value, required)
     else:
         allow, standard = allowed(value), default(value, required)

@@ -32,8 +32,10 @@ def allowed(schema: Schema) -> str:
     Raises:
         ValueError: the schema uses a word for which there are none here yet.
     """
-    schema, null = without_null(schema)
-    return f"{_allowed(schema)}{' or `null`' if null else ''}"
+    first, null = without_null(schema)
+    others = [member for member in schema.get("anyOf", [first]) if member.get("type") != "null"]
+    words = ", or a ".join(_allowed(other) for member in others for other in member.get("anyOf", [member]))
+    return f"{words}{' or `null`' if null else ''}"
 
 
 def _allowed(schema: Schema) -> str:
@@ -48,6 +50,8 @@ def _allowed(schema: Schema) -> str:
     kind = schema.get("type")
     if kind == "array":
         return _list(schema)
+    if schema.keys() <= {"default", "description", "title"}:
+        return "anything"
     if kind not in _TYPES:
         raise ValueError(f"nothing says in words what {schema} allows")
     words = [_TYPES[kind], _bounds(schema)]
@@ -61,12 +65,14 @@ def _allowed(schema: Schema) -> str:
 def _list(schema: Schema) -> str:
     fixed = schema.get("prefixItems")
     item = fixed[0] if fixed else schema["items"]
+    least = ", at least one" if schema.get("minItems") == 1 else ""
+    if not item:
+        return f"list of anything{least}"
     count = f"{len(fixed)} " if fixed else ""
     if item["type"] == "array":
         return f"list of {count}lists, each a {_list(item)}"
     bounds = _bounds(item)
     each = f", each {bounds}" if bounds else ""
-    least = ", at least one" if schema.get("minItems") == 1 else ""
     return f"list of {count}{_TYPES[item['type']]}s{each}{least}"
 
 

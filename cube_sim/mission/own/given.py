@@ -65,7 +65,9 @@ def loaded_with(
         loaded = load_mapping(scenario, all_overrides)
     else:
         loaded = load(scenario, all_overrides)
-    return replace(loaded, given={**loaded.given, **given})
+    # One flight is flown: the scenario as it stands, whatever samples of it there are.
+    alone = loaded.scenario.model_copy(update={"samples": None})
+    return replace(loaded, scenario=alone, given={**loaded.given, **given})
 
 
 def _below(overrides: Mapping[str, Any], key: str) -> Any:

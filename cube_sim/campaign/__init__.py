@@ -1,0 +1,1 @@
+"""Many flights of one scenario, each with values of its own: drawn, flown, counted."""
