@@ -14,6 +14,7 @@ from cube_sim.control.turning_limit import too_tight
 from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.speed import tightest_radius
+from cube_sim.mission.water import initial_currents
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.dynamics import Dynamics
@@ -68,7 +69,7 @@ class Ability:
         whole = remaining_capability(A, limits, everything, hold=hold)
         within = whole if cost_limit is None else remaining_capability(A, limits, everything, cost_limit, hold)
         speed, radius = scenario.guidance.speed_m_s, tightest_radius(path)
-        fastest = fastest_through_water(path, speed, np.asarray(scenario.current_m_s))
+        fastest = max(fastest_through_water(path, speed, current) for current in initial_currents(scenario))
         delay = mean_delay(lag_s, scenario.control_period_s)
         return cls(A, limits, hold, speed, radius, fastest, delay, cost_limit, whole, within)
 

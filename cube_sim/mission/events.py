@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import ceil
 from sys import maxsize
 from typing import assert_never
 
 import mujoco
 
+from cube_sim.mission.water import water_schedule
+from cube_sim.scenario import Scenario
 from cube_sim.scenario.event_blocks import AnyEvent, CurrentEventBlock, ThrusterEventBlock
 from cube_sim.vehicle import faults
+from cube_sim.vehicle.current import set_current
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.health import Health
 
@@ -25,9 +27,11 @@ class Events:
         health: the true state of the thrusters.
     """
 
-    def __init__(self, events: Sequence[AnyEvent], model: mujoco.MjModel, vehicle: Vehicle) -> None:
-        self._pending = sorted(events, key=lambda event: event.at_s)
+    def __init__(self, scenario: Scenario, model: mujoco.MjModel, vehicle: Vehicle) -> None:
+        self._pending = sorted(scenario.events, key=lambda event: event.at_s)
         self._model, self._vehicle = model, vehicle
+        water = water_schedule(scenario)
+        self._tables = None if water is None else list(water.tables[1:])
         self.health = Health.whole(len(vehicle.thrusters.names))
 
     def apply_due(self, t: float) -> list[str]:
@@ -55,7 +59,7 @@ class Events:
     def _apply(self, event: AnyEvent) -> str:
         match event:
             case CurrentEventBlock():
-                self._model.opt.wind[:] = event.current_m_s
+                self._change_current(event)
                 return event.message
             case ThrusterEventBlock():
                 for name in event.thrusters:
@@ -63,6 +67,12 @@ class Events:
                 return event.message
             case _:
                 assert_never(event)
+
+    def _change_current(self, event: CurrentEventBlock) -> None:
+        if self._tables is None:
+            self._model.opt.wind[:] = event.current_m_s
+        elif not event.over_s:  # what changes within a time is in the table from the start
+            set_current(self._model, self._tables.pop(0))
 
     def _change(self, name: str, event: ThrusterEventBlock) -> None:
         index = self._vehicle.thrusters.names.index(name)

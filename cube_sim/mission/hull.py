@@ -9,9 +9,12 @@ import mujoco
 import numpy as np
 
 from cube_sim.errors import ModelError, ScenarioError
+from cube_sim.mission.water import water_schedule
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
+from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.mjcf.numeric_names import CURRENT
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
@@ -30,17 +33,33 @@ def flown_hull(loaded: Loaded) -> CompiledHull:
         ScenarioError: the model is not right, or has no such vehicle; with position.
     """
     scenario = loaded.scenario
-    hull = _hull(loaded, scenario.model, "model", scenario.parameters)
+    hull, water = _hull(loaded, scenario.model, "model", scenario.parameters), water_schedule(scenario)
+    if water is not None:
+        if current_table(hull.model) is not None:
+            text = "the model has a current of its own by time and height, water:current: leave one of both out"
+            raise ScenarioError([loaded.mistake(_of_the_schedule(scenario), text)])
+        table = {CURRENT: water.rows.ravel().tolist()}
+        hull = _hull(loaded, scenario.model, "model", {**scenario.parameters, **table})
     hull.model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{scenario.physics.integrator.upper()}")
     hull.model.opt.timestep = scenario.physics.step_s
     try:
         require_time_step(hull.model)
     except ModelError as error:
         raise ScenarioError([loaded.mistake("physics.step_s", f"{scenario.model}: {error}")]) from None
-    hull.model.opt.wind[:] = scenario.current_m_s
+    hull.model.opt.wind[:] = scenario.current_m_s if water is None else 0.0
     # A state that has left the real numbers must end the run, not silently start it again.
     hull.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     return hull
+
+
+def _of_the_schedule(scenario: Scenario) -> str:
+    """The key for which the current of a scenario takes a table."""
+    if scenario.current_profile is not None:
+        return "current_profile"
+    kinds = (
+        i for i, event in enumerate(scenario.events) if event.kind == "current" and (event.over_s or event.profile)
+    )
+    return f"events.{next(kinds)}"
 
 
 def believed_hull(loaded: Loaded, flown: CompiledHull) -> CompiledHull:

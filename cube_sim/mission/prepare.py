@@ -128,7 +128,7 @@ def prepare(loaded: Loaded) -> Mission:
         controller=controller_of(loaded, believed, path, ability, codes),
         allocator=allocator,
         supply=supply_of(loaded, model, vehicle),
-        events=Events(scenario.events, model, vehicle),
+        events=Events(scenario, model, vehicle),
         fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle, scenario.control_period_s),
         estimation=StateEstimation.of(scenario, vehicle, path, own_sensors(loaded, codes, start)),

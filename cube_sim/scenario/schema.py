@@ -16,6 +16,7 @@ from cube_sim.scenario.allocation_block import AllocationBlock
 from cube_sim.scenario.attitude_blocks import AlongPathBlock, AnyAttitude
 from cube_sim.scenario.battery_block import BatteryBlock
 from cube_sim.scenario.check_blocks import AllowedForcesCheckBlock, AnyCheck, PathEndCheckBlock, SignalCheckBlock
+from cube_sim.scenario.current_block import CurrentProfileBlock
 from cube_sim.scenario.event_blocks import AnyEvent
 from cube_sim.scenario.file_names import ModelFile
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
@@ -264,6 +265,9 @@ class Scenario(Block):
         description="Time between two thruster commands [s]; an integer multiple of physics.step_s.",
     )
     current_m_s: Vector3 = Field(default=ZERO, description="Velocity of the water, world axes [m/s].")
+    current_profile: CurrentProfileBlock | None = Field(
+        default=None, description="The current by depth, in place of current_m_s. Default: the same at every depth."
+    )
     initial: InitialBlock = InitialBlock()
     thrusters: ThrustersBlock = ThrustersBlock()
     parameters: dict[str, Numbers] = Field(
@@ -335,6 +339,13 @@ class Scenario(Block):
                 because=("duration_s",),
             )
         return control_period_s
+
+    @field_validator("current_profile")
+    @classmethod
+    def _one_current(cls, profile: CurrentProfileBlock | None, info: ValidationInfo) -> CurrentProfileBlock | None:
+        if profile is not None and any(info.data.get("current_m_s", ())):
+            refuse("give either current_m_s or current_profile", because=("current_m_s",))
+        return profile
 
     @field_validator("navigation")
     @classmethod

@@ -12,7 +12,14 @@ from cube_sim.flight.compiled.loop import fly
 from cube_sim.scenario import load
 
 CHECKS = [{"kind": "allowed_forces"}]
-COMPILED = {"bluerov2_battery", "bluerov2_free", "bluerov2_gust", "bluerov2_vectored_helix", "bluerov2_vectored_hover"}
+COMPILED = {
+    "bluerov2_battery",
+    "bluerov2_free",
+    "bluerov2_gust",
+    "bluerov2_tide",
+    "bluerov2_vectored_helix",
+    "bluerov2_vectored_hover",
+}
 COMPILED |= {"bluerov2_vectored_line", "cube_free", "cube_helix", "cube_hover", "cube_look_at", "cube_lose_one"}
 COMPILED |= {"cube_navigated", "cube_survival", "cube_track", "jack_exact", "rov6_helix", "torpedo_helix"}
 COMPILED |= {"infante_circle", "infante_circle_current", "infante_line", "infante_line_current", "infante_sinusoid"}

@@ -230,6 +230,7 @@ def test_aliases_that_grow_without_bound_are_refused():
 
 MAY_BE_BLOCKS = {
     ("parameters",),
+    ("current_profile",),
     ("navigation",),
     ("battery",),
     ("control", "law"),

@@ -24,6 +24,11 @@ initial:
   position_m: [7.0, -3.0, -8.0]
   attitude_deg: [0.0, 0.0, -120.0]
 """,
+    "current_profile": """\
+current_profile:
+  depths_m: [0, 4, 10]
+  velocities_m_s: [[0.3, 0, 0], [0.2, 0.05, 0], [0, 0, 0]]   # strongest at the surface
+""",
     "thrusters": """\
 thrusters: {dead_zone_N: [-2.0, 2.0]}
 """,
@@ -109,6 +114,7 @@ events:
   - {kind: thrusters, at_s: 5, thrusters: [T1, T4], state: dead}
   - {kind: thrusters, at_s: 8, thrusters: [T2], state: weak, efficiency: 0.5}
   - {kind: current, at_s: 12, current_m_s: [0, 0.2, 0]}
+  - {kind: current, name: the tide turns, at_s: 14, current_m_s: [0, -0.2, 0], over_s: 5}
 """,
     "checks": """\
 checks:

@@ -57,6 +57,8 @@ class _Keys:
 
     def __init__(self, schema: Schema) -> None:
         self._definitions: dict[str, Schema] = schema["$defs"]
+        self.shown: dict[str, str] = {}
+        """Where the keys of each block are listed, by its title."""
 
     @property
     def blocks(self) -> list[Schema]:
@@ -133,6 +135,9 @@ def _children(keys: _Keys, path: str, parent: Schema, level: int, skip: str = ""
             yield heading(level, _title(where))
             yield _text(below["description"])
             yield from _example(where)
+            if (there := keys.shown.setdefault(below["title"], where)) != where:
+                yield f"Its keys are those of {link(code(there), _title(there))}."
+                continue
             yield _rows(keys, where, below)
             yield from _children(keys, where, below, level + 1)
         elif (kinds := keys.kinds(value)) is not None:
