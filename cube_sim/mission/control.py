@@ -90,7 +90,7 @@ def controller_of(
     if within_limit.authority is Authority.SAFE and whole.authority is not Authority.SAFE:
         costs = _costs(ability.A, whole)
         text = f"what is left of this vehicle at {ability.cost_limit:g} N/N follows no path; {costs}"
-        mistakes.append(loaded.mistake("control.cost_limit", text))
+        mistakes.append(loaded.mistake("control.cost_limit", text, because="model"))
     if within_limit.level:
         if not is_level(path):
             text = "this path climbs or sinks, and the vehicle has thrusters for a level plane only"

@@ -45,7 +45,7 @@ def flown_hull(loaded: Loaded) -> CompiledHull:
     try:
         require_time_step(hull.model)
     except ModelError as error:
-        raise ScenarioError([loaded.mistake("physics.step_s", f"{scenario.model}: {error}")]) from None
+        raise ScenarioError([loaded.mistake("physics.step_s", f"{scenario.model}: {error}", because="model")]) from None
     hull.model.opt.wind[:] = scenario.current_m_s if water is None else 0.0
     # A state that has left the real numbers must end the run, not silently start it again.
     hull.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET

@@ -57,17 +57,17 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
     mistakes += wrong_depth(loaded, path)
     if guidance.stop_at_end and laps_of(scenario.path) < inf:
         text = "a planar law steers by moving ahead and cannot stop where the path or its last lap ends: give false"
-        mistakes.append(loaded.mistake("guidance.stop_at_end", text))
+        mistakes.append(loaded.mistake("guidance.stop_at_end", text, because="path"))
     if not planar.least_speed_m_s < profile.least:
         text = f"must lie below the speed wanted everywhere, got {planar.least_speed_m_s:g} m/s"
-        mistakes.append(loaded.mistake("control.planar.least_speed_m_s", text))
+        mistakes.append(loaded.mistake("control.planar.least_speed_m_s", text, because="guidance.speed_m_s"))
     if np.linalg.matrix_rank(vehicle.actuation_matrix[[0, 5]]) < 2:
         text = "a planar law needs a force ahead and a torque about the vertical; these thrusters do not give both"
         mistakes.append(loaded.mistake("model", text))
     try:
         knowledge = believed_planar_model(identify_planar_model(model, vehicle), vehicle, scenario.knowledge)
     except ModelError as error:
-        mistakes.append(loaded.mistake("control.law", str(error)))
+        mistakes.append(loaded.mistake("control.law", str(error), because="model"))
         raise ScenarioError(mistakes) from None
     if mistakes:
         raise ScenarioError(mistakes)

@@ -100,7 +100,7 @@ def wrong_depth(loaded: Loaded, path: Path) -> list[str]:
     text = (
         f"starts at z = {at:g} m, the path lies at z = {there:g} m, and nothing the controller asks for changes depth"
     )
-    return [loaded.mistake("initial.position_m", text)]
+    return [loaded.mistake("initial.position_m", text, because="path")]
 
 
 def require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:

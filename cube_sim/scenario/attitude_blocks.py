@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from cube_sim.scenario.python_block import PythonBlock
-from cube_sim.scenario.values import Block, Vector3, refuse
+from cube_sim.scenario.values import Angles3, Block, Direction, Extent, Place, Vector3, require_direction
 
 
 class AlongPathBlock(Block):
@@ -20,7 +20,7 @@ class FixedAttitudeBlock(Block):
     """The vehicle keeps one attitude in the world."""
 
     mode: Literal["fixed"]
-    attitude_deg: Vector3 = Field(description="[roll, pitch, yaw], as in initial.attitude_deg [deg].")
+    attitude_deg: Angles3 = Field(description="[roll, pitch, yaw], as in initial.attitude_deg [deg].")
 
 
 class FreeAttitudeBlock(Block):
@@ -33,20 +33,17 @@ class LookAtBlock(Block):
     """A body axis points at a fixed point of the world; about it, the vehicle stays level."""
 
     mode: Literal["look_at"]
-    point_m: Vector3 = Field(description="What to look at, world axes [m].")
-    axis: Vector3 = Field(default=(1.0, 0.0, 0.0), description="Which way it looks, body axes, of any length.")
-    near_m: float = Field(
+    point_m: Place = Field(description="What to look at, world axes [m].")
+    axis: Direction = Field(default=(1.0, 0.0, 0.0), description="Which way it looks, body axes, of any length.")
+    near_m: Extent = Field(
         default=0.3,
-        gt=0,
         description="Distance of the point within which its direction counts for less and less [m].",
     )
 
     @field_validator("axis")
     @classmethod
     def _has_a_direction(cls, axis: Vector3) -> Vector3:
-        if not any(axis):
-            refuse("an axis to look along needs a direction")
-        return axis
+        return require_direction(axis, "an axis to look along")
 
 
 class PythonAttitudeBlock(PythonBlock):

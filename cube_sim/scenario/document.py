@@ -4,29 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode
-from ruamel.yaml.reader import ReaderError
+
+from cube_sim.scenario.composing import NotYAMLError, Position, compose
 
 Location = tuple[str | int, ...]
 """Keys and list indices from the top of the document to a value."""
 
 _EMPTY = "the file is empty"
-# Far above any scenario; a tower of aliases passes it within a second.
-_MOST_VALUES = 20_000
+# Far above any scenario; a tower of aliases passes it within a second. What is written out may be longer.
+_MOST_COPIES = 20_000
+_MERGE = "tag:yaml.org,2002:merge"
+NO_MERGE = (
+    "merge keys are not part of YAML 1.2; write the keys out, or let the file include one that holds what is shared"
+)
 _PLAIN_TAGS = {"tag:yaml.org,2002:map", "tag:yaml.org,2002:seq"}
-
-
-class Position(NamedTuple):
-    """A place in a text file; both counts start at 1. `file` is "" for the one that is read."""
-
-    line: int
-    column: int
-    file: str = ""
 
 
 class Mistake(NamedTuple):
@@ -73,23 +69,17 @@ class Document:
 def parse(text: str) -> Document:
     """Parse one YAML 1.2 document; never raises on bad text."""
     try:
-        yaml, root = _composed(text)
-    except RecursionError:
-        return Document(None, (Mistake(Position(1, 1), (), "nested too deeply"),))
-    except YAMLError as error:
-        return Document(None, (_syntax_mistake(text, error),))
+        yaml, root = compose(text)
+    except NotYAMLError as error:
+        return Document(None, (Mistake(error.position, (), error.reason),))
     if root is None or root.tag == "tag:yaml.org,2002:null":
         return Document(None, (Mistake(Position(1, 1), (), _EMPTY),))
     builder = _Builder(yaml)
-    data = builder.build(root, ())
+    try:
+        data = builder.build(root, ())
+    except _TooManyError as error:
+        return Document(None, (Mistake(error.position, (), f"aliases repeat more than {_MOST_COPIES} values"),))
     return Document(data, tuple(builder.mistakes), builder.keys, builder.values)
-
-
-@lru_cache(maxsize=8)  # a file is often read again, with other overrides; builders only read its nodes
-def _composed(text: str) -> tuple[YAML, Node | None]:
-    """The tree of nodes of a text, and what made it."""
-    yaml = YAML(typ="safe", pure=True)
-    return yaml, yaml.compose(text)
 
 
 def parse_value(text: str) -> Any:
@@ -104,21 +94,9 @@ def parse_value(text: str) -> Any:
     return document.data
 
 
-def _syntax_mistake(text: str, error: YAMLError) -> Mistake:
-    if isinstance(error, MarkedYAMLError):
-        mark = error.problem_mark or error.context_mark
-        position = Position(mark.line + 1, mark.column + 1) if mark else Position(1, 1)
-        reason = " ".join(part for part in (error.context, error.problem) if part)
-        return Mistake(position, (), f"not valid YAML: {' '.join(reason.split())}")
-    if isinstance(error, ReaderError):
-        before = text[: error.position]
-        position = Position(before.count("\n") + 1, error.position - before.rfind("\n"))
-        return Mistake(
-            position,
-            (),
-            f"not text: character {text[error.position : error.position + 1]!a} is not allowed in YAML",
-        )
-    return Mistake(Position(1, 1), (), f"not valid YAML: {' '.join(str(error).split())}")
+class _TooManyError(Exception):
+    def __init__(self, position: Position) -> None:
+        self.position = position
 
 
 class _Builder:
@@ -129,7 +107,10 @@ class _Builder:
         self.keys: dict[Location, Position] = {}
         self.values: dict[Location, Position] = {}
         self._yaml = yaml
-        self._open: list[Node] = []
+        # By what nodes hold: an alias is a node of its own, with the same in it.
+        self._open: list[Any] = []
+        self._built: set[int] = set()
+        self._copies = 0
 
     def build(self, node: Node, location: Location) -> Any:
         self.values[location] = _start(node)
@@ -138,9 +119,14 @@ class _Builder:
         if node.tag not in _PLAIN_TAGS:
             return self._refuse(node, location, f"the tag {node.tag} is not supported")
         # Aliases are followed, so a loop or a tower of them would grow without end.
-        if node in self._open or len(self.values) > _MOST_VALUES:
-            return self._refuse(node, location, "an alias that contains itself or grows without bound")
-        self._open.append(node)
+        if any(node.value is one for one in self._open):
+            return self._refuse(node, location, "an alias that contains itself")
+        if id(node.value) in self._built:
+            self._copies += max(1, len(node.value))
+            if self._copies > _MOST_COPIES:
+                raise _TooManyError(_start(node))
+        self._built.add(id(node.value))
+        self._open.append(node.value)
         try:
             return self._mapping(node, location) if isinstance(node, MappingNode) else self._sequence(node, location)
         finally:
@@ -154,6 +140,10 @@ class _Builder:
                 continue
             key = key_node.value
             here = (*location, key)
+            if key_node.tag == _MERGE:
+                self._refuse(key_node, here, NO_MERGE)
+                self._merge(value_node, data, location)
+                continue
             if key in data:
                 first = self.keys[here].line
                 self._refuse(key_node, here, f"the key {key!r} is already given in line {first}")
@@ -164,6 +154,15 @@ class _Builder:
                 # Nothing is written: YAML puts that wherever the next word is, a reader at the key.
                 self.values[here] = self.keys[here]
         return data
+
+    def _merge(self, node: Node, data: dict[str, Any], location: Location) -> None:
+        """Take over what a merge key would, so that nobody is told of it as missing."""
+        before = self.values[location]
+        for each in [node] if isinstance(node, MappingNode | ScalarNode) else node.value:
+            if isinstance(each, MappingNode):
+                found = self.build(each, location)
+                data.update({key: value for key, value in (found or {}).items() if key not in data})
+        self.values[location] = before
 
     def _sequence(self, node: Node, location: Location) -> list[Any]:
         items = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from cube_sim.scenario.file_names import ModelFile
-from cube_sim.scenario.values import Block, Vector3
+from cube_sim.scenario.values import Block, Factor, WaterVelocity
 
 
 class KnowledgeBlock(Block):
@@ -16,18 +16,17 @@ class KnowledgeBlock(Block):
         description="MJCF file of the vehicle as the controller knows it, with the same thrusters, relative to the"
         " scenario file. Default: the one that flies.",
     )
-    mass: float = Field(
+    mass: Factor = Field(
         default=1.0,
-        gt=0,
         description="Factor on mass and inertia, and with them on the displaced mass: a vehicle is trimmed whatever it"
         " weighs.",
     )
-    added_mass: float = Field(default=1.0, ge=0, description="Factor on the added mass.")
-    drag: float = Field(default=1.0, ge=0, description="Factor on linear and quadratic damping.")
-    thrust: float = Field(
-        default=1.0, gt=0, description="Factor on the actuation matrix: on what a newton of a thruster does."
+    added_mass: float = Field(default=1.0, ge=0, le=1e3, description="Factor on the added mass.")
+    drag: float = Field(default=1.0, ge=0, le=1e3, description="Factor on linear and quadratic damping.")
+    thrust: Factor = Field(
+        default=1.0, description="Factor on the actuation matrix: on what a newton of a thruster does."
     )
-    current_m_s: Vector3 = Field(
+    current_m_s: WaterVelocity = Field(
         default=(0.0, 0.0, 0.0),
         description="Velocity of the water as the planar law knows it beforehand, world axes [m/s]: its estimate starts"
         " from it, and with control.current_time_s: null it stays.",

@@ -221,6 +221,14 @@ def _place(refusal: Refusal, document: Document, overrides: Sequence[Override]) 
         if below or above:
             inside = "" if location == override.location else f"{dotted(location)}: "
             return Mistake(None, location, f"override {override.path}: {inside}{refusal.message}")
+    if refusal.because and location not in document.values:
+        # A default that does not fit what is written: there is nothing to show but that.
+        where, message = refusal.because, f"{dotted(location)}: {refusal.message}"
+        blamed = next((override for override in overrides if override.location == where), None)
+        if blamed is not None:
+            return Mistake(None, where, f"override {blamed.path}: {message}")
+        if where in document.values:
+            return Mistake(document.position(where), where, message)
     blame = [f" (override {override.path})" for override in overrides if override.location == refusal.because]
     return Mistake(document.position(location, key=refusal.at_key), location, refusal.message + "".join(blame))
 

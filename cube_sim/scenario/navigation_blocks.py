@@ -12,7 +12,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, StringConstraints, field_validator, model_validator
 
 from cube_sim.scenario.python_block import PythonBlock
-from cube_sim.scenario.values import Block, Vector3, refuse
+from cube_sim.scenario.values import Block, Deviation, Noise, Place, Rate, refuse
 
 LONGEST_DELAY_S = 10.0
 LARGEST_SCALE_ERROR = 0.1
@@ -26,33 +26,33 @@ expected; at 0.3 it may be off by 7 sigma.
 class ImuBlock(Block):
     """Gyros and accelerometers at the body origin, read at every control period. Defaults: industrial MEMS."""
 
-    gyro_noise_deg_s_per_sqrt_hz: float = Field(
-        default=0.005, ge=0, description="Density of the gyros' white noise [deg/s/sqrt(Hz)]."
+    gyro_noise_deg_s_per_sqrt_hz: Deviation = Field(
+        default=0.005, description="Density of the gyros' white noise [deg/s/sqrt(Hz)]."
     )
-    gyro_bias_deg_s: float = Field(default=0.1, ge=0, description="Standard deviation of the gyros' bias [deg/s].")
-    gyro_bias_walk_deg_s2_per_sqrt_hz: float = Field(
-        default=0.0003, ge=0, description="Random walk of the gyros' bias: density of its rate [deg/s^2/sqrt(Hz)]."
+    gyro_bias_deg_s: Deviation = Field(default=0.1, description="Standard deviation of the gyros' bias [deg/s].")
+    gyro_bias_walk_deg_s2_per_sqrt_hz: Deviation = Field(
+        default=0.0003, description="Random walk of the gyros' bias: density of its rate [deg/s^2/sqrt(Hz)]."
     )
-    accelerometer_noise_m_s2_per_sqrt_hz: float = Field(
-        default=0.0006, ge=0, description="Density of the accelerometers' white noise [m/s^2/sqrt(Hz)]."
+    accelerometer_noise_m_s2_per_sqrt_hz: Deviation = Field(
+        default=0.0006, description="Density of the accelerometers' white noise [m/s^2/sqrt(Hz)]."
     )
-    accelerometer_bias_m_s2: float = Field(
-        default=0.02, ge=0, description="Standard deviation of the accelerometers' bias [m/s^2]."
+    accelerometer_bias_m_s2: Deviation = Field(
+        default=0.02, description="Standard deviation of the accelerometers' bias [m/s^2]."
     )
-    accelerometer_bias_walk_m_s3_per_sqrt_hz: float = Field(
-        default=0.0001, ge=0, description="Random walk of the accelerometers' bias [m/s^3/sqrt(Hz)]."
+    accelerometer_bias_walk_m_s3_per_sqrt_hz: Deviation = Field(
+        default=0.0001, description="Random walk of the accelerometers' bias [m/s^3/sqrt(Hz)]."
     )
 
 
 class AidBlock(Block):
     """What every sensor beside the inertial unit has."""
 
-    rate_hz: float
+    rate_hz: Rate
     delay_s: float
 
 
 def _rate(default: float) -> Any:
-    return Field(default=default, gt=0, description="Readings per second [Hz], at most one per control period.")
+    return Field(default=default, description="Readings per second [Hz], at most one per control period.")
 
 
 def _delay(default: float) -> Any:
@@ -63,9 +63,9 @@ def _delay(default: float) -> Any:
 class DvlBlock(AidBlock):
     """Doppler log with bottom track: velocity over ground, body axes. Defaults: a 1 MHz class."""
 
-    rate_hz: float = _rate(5.0)
-    noise_m_s: float = Field(default=0.01, gt=0, description="Standard deviation of a reading, each axis [m/s].")
-    bias_m_s: float = Field(default=0.002, ge=0, description="Standard deviation of the bias, each axis [m/s].")
+    rate_hz: Rate = _rate(5.0)
+    noise_m_s: Noise = Field(default=0.01, description="Standard deviation of a reading, each axis [m/s].")
+    bias_m_s: Deviation = Field(default=0.002, description="Standard deviation of the bias, each axis [m/s].")
     scale_error: float = Field(
         default=0.005,
         ge=0,
@@ -73,32 +73,32 @@ class DvlBlock(AidBlock):
         description="Standard deviation of the scale error, a share of the velocity.",
     )
     delay_s: float = _delay(0.1)
-    lever_arm_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="Where it sits, body axes from the origin [m].")
+    lever_arm_m: Place = Field(default=(0.0, 0.0, 0.0), description="Where it sits, body axes from the origin [m].")
 
 
 class DepthBlock(AidBlock):
     """Pressure gauge, read as depth below z = 0. Defaults: a strain gauge, air pressure known to 5 hPa."""
 
-    rate_hz: float = _rate(10.0)
-    noise_m: float = Field(default=0.01, gt=0, description="Standard deviation of a reading [m].")
-    bias_m: float = Field(default=0.05, ge=0, description="Standard deviation of the bias [m].")
+    rate_hz: Rate = _rate(10.0)
+    noise_m: Noise = Field(default=0.01, description="Standard deviation of a reading [m].")
+    bias_m: Deviation = Field(default=0.05, description="Standard deviation of the bias [m].")
     delay_s: float = _delay(0.05)
 
 
 class HeadingBlock(AidBlock):
     """Compass: the azimuth of the body's x axis; none while that points steeply up or down. Defaults: magnetic."""
 
-    rate_hz: float = _rate(10.0)
-    noise_deg: float = Field(default=0.5, gt=0, description="Standard deviation of a reading [deg].")
-    bias_deg: float = Field(default=2.0, ge=0, description="Standard deviation of the bias [deg].")
+    rate_hz: Rate = _rate(10.0)
+    noise_deg: Noise = Field(default=0.5, description="Standard deviation of a reading [deg].")
+    bias_deg: Deviation = Field(default=2.0, description="Standard deviation of the bias [deg].")
     delay_s: float = _delay(0.05)
 
 
 class PositionFixBlock(AidBlock):
     """Acoustic fix in world axes. Defaults: an ultra-short baseline at some tens of metres."""
 
-    rate_hz: float = _rate(0.5)
-    noise_m: float = Field(default=0.5, gt=0, description="Standard deviation of a reading, each axis [m].")
+    rate_hz: Rate = _rate(0.5)
+    noise_m: Noise = Field(default=0.5, description="Standard deviation of a reading, each axis [m].")
     delay_s: float = _delay(0.5)
 
 
@@ -108,11 +108,11 @@ class OwnSensorBlock(PythonBlock, AidBlock):
     name: Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)] = Field(
         description="One word; the channel of its readings is `sensor_NAME`."
     )
-    rate_hz: float = _rate(1.0)
+    rate_hz: Rate = _rate(1.0)
     components: int = Field(default=1, ge=1, le=3, description="Numbers in a reading.")
     unit: str = Field(default="1", min_length=1, max_length=20, description="Unit of a reading, for the record.")
-    noise: float = Field(gt=0, description="Standard deviation of each number of a reading, in its unit.")
-    bias: float = Field(default=0.0, ge=0, description="Standard deviation of the bias of each number, in its unit.")
+    noise: float = Field(ge=1e-6, le=1e6, description="Standard deviation of each number of a reading, in its unit.")
+    bias: float = Field(default=0.0, ge=0, le=1e6, description="Standard deviation of each number's bias, in its unit.")
     angle: bool = Field(
         default=False, description="Whether the reading is an angle [rad]: differences go the short way round."
     )
@@ -122,10 +122,10 @@ class OwnSensorBlock(PythonBlock, AidBlock):
 class InitialEstimateBlock(Block):
     """How well the state is known at time 0; the first estimate is off by a drawn error of this size."""
 
-    position_m: float = Field(default=0.5, ge=0, description="Standard deviation of each axis [m].")
-    velocity_m_s: float = Field(default=0.05, ge=0, description="Standard deviation of each axis [m/s].")
-    tilt_deg: float = Field(default=1.0, ge=0, description="Standard deviation of the vertical, each axis [deg].")
-    heading_deg: float = Field(default=3.0, ge=0, description="Standard deviation of the heading [deg].")
+    position_m: Deviation = Field(default=0.5, description="Standard deviation of each axis [m].")
+    velocity_m_s: Deviation = Field(default=0.05, description="Standard deviation of each axis [m/s].")
+    tilt_deg: Deviation = Field(default=1.0, description="Standard deviation of the vertical, each axis [deg].")
+    heading_deg: Deviation = Field(default=3.0, description="Standard deviation of the heading [deg].")
 
 
 class NavigationBlock(Block):

@@ -14,8 +14,9 @@ from pydantic_core.core_schema import ValidationInfo
 from cube_sim.errors import PathError
 from cube_sim.scenario.file_names import TableFile
 from cube_sim.scenario.python_block import PythonBlock
-from cube_sim.scenario.values import Block, Extent, Place, Vector3, refuse
+from cube_sim.scenario.values import Angle, Block, Direction, Extent, Place, Vector3, refuse, require_direction
 
+Laps = Annotated[float, Field(ge=1e-3, le=1e6)]
 Waypoints = Annotated[tuple[Place, ...], Strict(False)]
 LAPS = "How many times round; default: again and again until the run ends. Only for a closed path."
 CORNER = "Smallest radius of curvature of the rounded corners [m]."
@@ -60,7 +61,7 @@ class PointBlock(Block):
 
     type: Literal["point"]
     position_m: Place = Field(description="Where to stay, world axes [m].")
-    heading_deg: float = Field(
+    heading_deg: Angle = Field(
         default=0.0, description="Which way is along the path, from world x towards world y [deg]."
     )
 
@@ -88,25 +89,23 @@ class CircleBlock(Block):
     type: Literal["circle"]
     centre_m: Place = Field(description="Centre, world axes [m].")
     radius_m: Extent = Field(description="Radius [m].")
-    axis: Vector3 = Field(
+    axis: Direction = Field(
         default=(0.0, 0.0, 1.0),
         description="Direction square to the circle's plane, of any length; the circle is seen from its tip.",
     )
-    start_angle_deg: float = Field(
+    start_angle_deg: Angle = Field(
         default=0.0,
         description="Where the path starts: about the axis, from world x laid into the plane [deg].",
     )
     direction: Literal["left", "right"] = Field(
         default="left", description="Seen from the tip of the axis: left turns counter-clockwise, right clockwise."
     )
-    laps: float | None = Field(default=None, gt=0, description=LAPS)
+    laps: Laps | None = Field(default=None, description=LAPS)
 
     @field_validator("axis")
     @classmethod
     def _has_a_direction(cls, axis: Vector3) -> Vector3:
-        if not any(axis):
-            refuse("the axis of a circle needs a direction")
-        return axis
+        return require_direction(axis, "the axis of a circle")
 
 
 class HelixBlock(Block):
@@ -119,7 +118,7 @@ class HelixBlock(Block):
     radius_m: Extent = Field(description="Distance of the path from its axis [m].")
     pitch_m: float = Field(ge=-1e5, le=1e5, description="Rise along world z in one turn [m]; negative descends.")
     turns: float = Field(gt=0, le=1e4, description="Number of turns; fractions are welcome.")
-    start_angle_deg: float = Field(
+    start_angle_deg: Angle = Field(
         default=0.0, description="Where on the circle the path starts, from world x towards world y [deg]."
     )
     direction: Literal["left", "right"] = Field(
@@ -137,7 +136,7 @@ class SinusoidBlock(Block):
 
     type: Literal["sinusoid"]
     start_m: Place = Field(description="Where it starts, on its axis, world axes [m].")
-    heading_deg: float = Field(default=0.0, description="Direction of the axis, from world x towards world y [deg].")
+    heading_deg: Angle = Field(default=0.0, description="Direction of the axis, from world x towards world y [deg].")
     amplitude_m: float = Field(
         ge=-1e5, le=1e5, description="Largest distance from the axis [m]; negative begins to the right."
     )
@@ -158,7 +157,7 @@ class ClosablePathBlock(Block):
     """What paths through points share."""
 
     closed: bool = Field(default=False, description="Whether the last point leads back to the first.")
-    laps: float | None = Field(default=None, gt=0, description=LAPS)
+    laps: Laps | None = Field(default=None, description=LAPS)
 
     @field_validator("laps")
     @classmethod
@@ -234,7 +233,7 @@ class PythonPathBlock(PythonBlock):
     """A path of one's own; see docs/extending.md."""
 
     type: Literal["python"]
-    laps: float | None = Field(default=None, gt=0, description=LAPS)
+    laps: Laps | None = Field(default=None, description=LAPS)
 
 
 NamedPath = (

@@ -6,7 +6,7 @@ keys anew with `cube-sim schema > scenarios/scenario.schema.json` and `cube-sim 
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 from pydantic.types import Strict
@@ -25,7 +25,25 @@ from cube_sim.scenario.path_blocks import AnyPath, PythonPathBlock
 from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
 from cube_sim.scenario.samples_block import SamplesBlock
 from cube_sim.scenario.telemetry_block import TelemetryBlock
-from cube_sim.scenario.values import Block, Name, Numbers, Pair, Place, Vector3, refuse
+from cube_sim.scenario.values import (
+    Acceleration,
+    Angles3,
+    Block,
+    Coordinate,
+    Extent,
+    HullVelocity,
+    Name,
+    Newtons2,
+    Numbers,
+    Place,
+    Rate,
+    Rates3,
+    Seconds,
+    Speed,
+    Vector3,
+    WaterVelocity,
+    refuse,
+)
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 
@@ -37,32 +55,32 @@ class PhysicsBlock(Block):
     """How MuJoCo integrates."""
 
     integrator: Literal["RK4", "implicitfast", "Euler"] = Field(default="RK4", description="MuJoCo's integrator.")
-    step_s: float = Field(default=0.01, gt=0, le=1, description="Physics step [s].")
+    step_s: float = Field(default=0.01, ge=1e-5, le=1, description="Physics step [s].")
 
 
 class InitialBlock(Block):
     """The vehicle's state at time 0."""
 
     position_m: Place = Field(default=ZERO, description="Body origin in world axes [m].")
-    attitude_deg: Vector3 = Field(
+    attitude_deg: Angles3 = Field(
         default=ZERO,
         description="[roll, pitch, yaw] [deg]: yaw about z, pitch about the new y, roll about the new x.",
     )
-    velocity_m_s: Vector3 = Field(default=ZERO, description="Velocity over ground in body axes [m/s].")
-    rates_deg_s: Vector3 = Field(default=ZERO, description="Angular velocity in body axes [deg/s].")
+    velocity_m_s: HullVelocity = Field(default=ZERO, description="Velocity over ground in body axes [m/s].")
+    rates_deg_s: Rates3 = Field(default=ZERO, description="Angular velocity in body axes [deg/s].")
 
 
 class ThrustersBlock(Block):
     """Changes to the model's thrusters."""
 
-    dead_zone_N: Pair | None = Field(  # noqa: N815 - N is the newton
+    dead_zone_N: Newtons2 | None = Field(  # noqa: N815 - N is the newton
         default=None,
         description="Smallest attainable forces [F_DZ-, F_DZ+] of each thruster [N]. Default: the model's.",
     )
 
     @field_validator("dead_zone_N")
     @classmethod
-    def _around_zero(cls, dead_zone_N: Pair | None) -> Pair | None:
+    def _around_zero(cls, dead_zone_N: Newtons2 | None) -> Newtons2 | None:
         if dead_zone_N is not None and not dead_zone_N[0] <= 0.0 <= dead_zone_N[1]:
             refuse(f"must be [F_DZ-, F_DZ+] with F_DZ- <= 0 <= F_DZ+, got {list(dead_zone_N)}")
         return dead_zone_N
@@ -81,21 +99,19 @@ class GuidanceBlock(Block):
         " time 0, at the speed along the path. A path of type point is held under either law. Code of your own says"
         " with which velocity a vehicle comes to a target that waits for it.",
     )
-    speed_m_s: float = Field(gt=0, description="Speed along the path [m/s].")
-    lateral_acceleration_m_s2: float | None = Field(
+    speed_m_s: Speed = Field(description="Speed along the path [m/s].")
+    lateral_acceleration_m_s2: Acceleration | None = Field(
         default=None,
-        gt=0,
         description="Slow down in curves so that speed^2 / radius stays below this [m/s^2]. Default: one speed.",
     )
-    along_acceleration_m_s2: float = Field(
-        default=0.05, gt=0, description="How fast the speed may change before and after a curve [m/s^2]."
+    along_acceleration_m_s2: Acceleration = Field(
+        default=0.05, description="How fast the speed may change before and after a curve [m/s^2]."
     )
-    tracking_time_s: float = Field(
-        default=2.0, gt=0, description="Tracking, or at a point: time that removes 63 % of a small position error [s]."
+    tracking_time_s: Seconds = Field(
+        default=2.0, description="Tracking, or at a point: time that removes 63 % of a small position error [s]."
     )
-    closing_speed_m_s: float | None = Field(
+    closing_speed_m_s: Speed | None = Field(
         default=None,
-        gt=0,
         description="How fast a large position error is run down at most [m/s]. Tracking, or at a point: beside the"
         " target's own speed, default: speed_m_s. Path following by the law for all axes: across the path, where the"
         " thrusters afford more than speed_m_s; default: what they afford, or with approach_gain_per_m no more than"
@@ -107,19 +123,17 @@ class GuidanceBlock(Block):
         lt=90,
         description="Angle to the path at which the vehicle approaches from far away [deg].",
     )
-    approach_gain_per_m: float | None = Field(
+    approach_gain_per_m: Rate | None = Field(
         default=None,
-        gt=0,
         description="k_delta in theta = approach angle * tanh(k_delta * cross-track error) [1/m]. Default: 0.5 for the"
         " planar law; for all axes, what removes a small error in four times control.velocity_time_s.",
     )
-    target_gain_per_s: float = Field(
+    target_gain_per_s: Rate = Field(
         default=0.5,
-        gt=0,
         description="k_2 in s' = v_T + k_2 s_1: how fast the target closes its along-track gap [1/s].",
     )
-    target_speed_limit_m_s: float | None = Field(
-        default=None, gt=0, description="Bound on |s'|, the virtual target's speed [m/s]. Default: none."
+    target_speed_limit_m_s: Speed | None = Field(
+        default=None, description="Bound on |s'|, the virtual target's speed [m/s]. Default: none."
     )
     wait_for_thrusters: bool = Field(
         default=True,
@@ -129,9 +143,8 @@ class GuidanceBlock(Block):
     stop_at_end: bool = Field(
         default=True, description="Whether to come to rest at the end, or run on along the last tangent."
     )
-    stop_time_s: float = Field(
+    stop_time_s: Seconds = Field(
         default=2.0,
-        gt=0,
         description="The speed falls as remaining path / stop_time_s before the end of the path [s]; in a longer time "
         "where the attitude has to point the thrust.",
     )
@@ -140,15 +153,12 @@ class GuidanceBlock(Block):
 class PlanarGainsBlock(Block):
     """The planar law of Lapierre and Soetanto 2007; its k2 is guidance.target_gain_per_s."""
 
-    angle_gain_per_s: float = Field(
-        default=0.5, gt=0, description="k1: decay of the angle to the approach direction [1/s]."
-    )
-    yaw_rate_gain_per_s: float = Field(default=1.0, gt=0, description="k3: decay of the yaw rate's error [1/s].")
-    surge_gain_per_s: float = Field(default=1.0, gt=0, description="k4: decay of the surge speed's error [1/s].")
-    angle_stiffness_per_s2: float = Field(default=0.1, gt=0, description="k5: stiffness beyond k1 k3 [1/s^2].")
-    least_speed_m_s: float = Field(
+    angle_gain_per_s: Rate = Field(default=0.5, description="k1: decay of the angle to the approach direction [1/s].")
+    yaw_rate_gain_per_s: Rate = Field(default=1.0, description="k3: decay of the yaw rate's error [1/s].")
+    surge_gain_per_s: Rate = Field(default=1.0, description="k4: decay of the surge speed's error [1/s].")
+    angle_stiffness_per_s2: Rate = Field(default=0.1, description="k5: stiffness beyond k1 k3 [1/s^2].")
+    least_speed_m_s: Speed = Field(
         default=0.1,
-        gt=0,
         description="Surge speed below which side-slip is not believed [m/s]; the speed wanted stays above it.",
     )
 
@@ -159,21 +169,21 @@ class SafeModeBlock(Block):
     action: Literal["hold", "surface"] = Field(
         default="hold", description="Keep the position as well as what is left of the thrusters can, or rise."
     )
-    surface_m: float = Field(default=0.0, description="Height to rise to, world axes [m].")
-    speed_m_s: float = Field(default=0.2, gt=0, description="Bound on the velocity asked for [m/s].")
+    surface_m: Coordinate = Field(default=0.0, description="Height to rise to, world axes [m].")
+    speed_m_s: Speed = Field(default=0.2, description="Bound on the velocity asked for [m/s].")
     drop_weight_N: float = Field(  # noqa: N815 - N is the newton
         default=0.0,
         ge=0,
+        le=1e6,
         description="Weight in water of the ballast dropped when it surfaces; its inertia is taken as none [N].",
     )
-    distance_limit_m: float | None = Field(
+    distance_limit_m: Extent | None = Field(
         default=10.0,
-        gt=0,
         description="Distance from its target at which a vehicle that was nearer gives the path up, until other"
         " thrusters work; null: never [m].",
     )
-    patience_s: float = Field(
-        default=10.0, gt=0, description="Time beyond that limit, coming no nearer, until it is given up [s]."
+    patience_s: Seconds = Field(
+        default=10.0, description="Time beyond that limit, coming no nearer, until it is given up [s]."
     )
 
 
@@ -190,26 +200,23 @@ class ControlBlock(Block):
         " torque about the vertical, on a level path. Default: the planar law for a vehicle built with just these two.",
     )
     planar: PlanarGainsBlock = PlanarGainsBlock()
-    velocity_time_s: float | None = Field(
+    velocity_time_s: Seconds | None = Field(
         default=None,
-        gt=0,
         description="Velocity loop [s]. Default: 0.5 s, or six delays if that is more; a delay is the thrusters' lag"
         " and 1.5 control periods.",
     )
-    attitude_time_s: float | None = Field(
-        default=None, gt=0, description="Attitude loop [s]. Default: 0.5 s, or ten delays if that is more."
+    attitude_time_s: Seconds | None = Field(
+        default=None, description="Attitude loop [s]. Default: 0.5 s, or ten delays if that is more."
     )
-    rate_time_s: float | None = Field(
-        default=None, gt=0, description="Angular rate loop [s]. Default: 0.15 s, or three delays if that is more."
+    rate_time_s: Seconds | None = Field(
+        default=None, description="Angular rate loop [s]. Default: 0.15 s, or three delays if that is more."
     )
-    disturbance_time_s: float | None = Field(
+    disturbance_time_s: Seconds | None = Field(
         default=1.0,
-        gt=0,
         description="Estimate of the wrench the model does not explain [s]; null: no estimate.",
     )
-    current_time_s: float | None = Field(
+    current_time_s: Seconds | None = Field(
         default=5.0,
-        gt=0,
         description="Estimate of the current, from the wrench still water does not explain [s]; null, or without"
         " disturbance_time_s: none, and"
         " what the current does counts as a disturbance.",
@@ -220,7 +227,8 @@ class ControlBlock(Block):
     )
     cost_limit: float | None = Field(
         default=None,
-        gt=0,
+        ge=1e-3,
+        le=1e12,
         description="Directions of the wrench that cost more thruster force than this are given up, as if thrusters "
         "were missing: N per N, torques divided by the thrusters' rms lever arm, as `cube-sim analyze` lists them. "
         "Default: ten times what the cheapest one costs, as long as the vehicle flies without what is dearer.",
@@ -264,7 +272,7 @@ class Scenario(Block):
         le=10,
         description="Time between two thruster commands [s]; an integer multiple of physics.step_s.",
     )
-    current_m_s: Vector3 = Field(default=ZERO, description="Velocity of the water, world axes [m/s].")
+    current_m_s: WaterVelocity = Field(default=ZERO, description="Velocity of the water, world axes [m/s].")
     current_profile: CurrentProfileBlock | None = Field(
         default=None, description="The current by depth, in place of current_m_s. Default: the same at every depth."
     )
@@ -316,6 +324,14 @@ class Scenario(Block):
             refuse("only a file includes another; load that one")
         return include
 
+    @field_validator("schema_version", mode="before")
+    @classmethod
+    def _whole_number(cls, schema_version: Any) -> Any:
+        # Python takes true for 1.
+        if isinstance(schema_version, bool | float):
+            refuse(f"must be 1, got {str(schema_version).lower()}")
+        return schema_version
+
     @field_validator("control_period_s")
     @classmethod
     def _whole_steps(cls, control_period_s: float, info: ValidationInfo) -> float:
@@ -325,7 +341,8 @@ class Scenario(Block):
             if round(steps) < 1 or abs(steps - round(steps)) > 1e-9 * steps:
                 refuse(
                     f"must be an integer multiple of physics.step_s: {control_period_s:g} s is"
-                    f" {steps:.6g} steps of {physics.step_s:g} s"
+                    f" {steps:.6g} steps of {physics.step_s:g} s",
+                    because=("physics", "step_s"),
                 )
         duration_s = info.data.get("duration_s")
         if duration_s is not None and duration_s < control_period_s:

@@ -15,8 +15,44 @@ Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
 Place = Annotated[tuple[Coordinate, Coordinate, Coordinate], Strict(False)]
 # What a path is made of: neither a speck nor a journey.
 Extent = Annotated[float, Field(ge=0.01, le=1e6)]
-Pair = Annotated[tuple[float, float], Strict(False)]
-Numbers = Annotated[tuple[float, ...], Strict(False)]
+
+# Every number has bounds, far outside what makes sense and far inside what squares and quotients of it can hold: what
+# would overflow after a minute of flight is a mistake with a position instead.
+Seconds = Annotated[float, Field(ge=1e-4, le=1e6)]
+"""A time that is divided by."""
+Rate = Annotated[float, Field(ge=1e-6, le=1e4)]
+"""A gain, or how often something comes: one divided by a time, or by a length."""
+Speed = Annotated[float, Field(ge=1e-4, le=100)]
+"""A speed that is asked for [m/s]."""
+Acceleration = Annotated[float, Field(ge=1e-6, le=1e3)]
+"""A bound on one [m/s^2]."""
+Deviation = Annotated[float, Field(ge=0, le=1e3)]
+"""A standard deviation that may be none."""
+Noise = Annotated[float, Field(ge=1e-6, le=1e3)]
+"""A standard deviation that is divided by."""
+Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
+"""What something else is multiplied by."""
+Angle = Annotated[float, Field(ge=-1e6, le=1e6)]
+"""In degrees, however many turns."""
+Angles3 = Annotated[tuple[Angle, Angle, Angle], Strict(False)]
+Rates3 = Angles3
+"""Angular velocity [deg/s]."""
+WaterSpeed = Annotated[float, Field(ge=-100, le=100)]
+WaterVelocity = Annotated[tuple[WaterSpeed, WaterSpeed, WaterSpeed], Strict(False)]
+"""Of a current [m/s]."""
+HullSpeed = Annotated[float, Field(ge=-1e5, le=1e5)]
+HullVelocity = Annotated[tuple[HullSpeed, HullSpeed, HullSpeed], Strict(False)]
+"""Of a vehicle, at the beginning [m/s]."""
+Newtons = Annotated[float, Field(ge=-1e6, le=1e6)]
+Newtons2 = Annotated[tuple[Newtons, Newtons], Strict(False)]
+Volts = Annotated[float, Field(ge=-1e5, le=1e5)]
+Volts2 = Annotated[tuple[Volts, Volts], Strict(False)]
+Component = Annotated[float, Field(ge=-1e6, le=1e6)]
+Direction = Annotated[tuple[Component, Component, Component], Strict(False)]
+"""A vector of any length but none, see `require_direction`."""
+SHORTEST_DIRECTION = 1e-6
+Number = Annotated[float, Field(ge=-1e12, le=1e12)]
+Numbers = Annotated[tuple[Number, ...], Strict(False)]
 
 # Names become folder names and test ids, so they hold nothing a shell or a file system would mind.
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
@@ -56,3 +92,15 @@ def refuse(message: str, *below: str | int, because: tuple[str | int, ...] = ())
     """
     # The text travels as a value: a template would stumble over braces in it.
     raise PydanticCustomError("refused", "{text}", {"text": message, "below": below, "because": because})
+
+
+def require_direction(vector: Vector3, what: str) -> Vector3:
+    """A vector that points somewhere: whose square is no zero.
+
+    Args:
+        vector: in any unit.
+        what: it is, for the message.
+    """
+    if max(map(abs, vector)) < SHORTEST_DIRECTION:
+        refuse(f"{what} needs a direction")
+    return vector

@@ -424,9 +424,9 @@ def test_the_result_fits_a_screen_and_says_how_to_look_at_the_recording(tmp_path
 
 
 def test_an_early_end_says_when_and_why(tmp_path, monkeypatch, capsys):
-    """A current that no water has: nothing is flown."""
+    """A speed that no vehicle has: nothing is flown."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
-    arguments = ["run", path, "--out", out, "--set", "current_m_s=[1e6, 0, 0]"]
+    arguments = ["run", path, "--out", out, "--set", "initial.velocity_m_s=[1e5, 0, 0]"]
     code, stdout, stderr = call(monkeypatch, capsys, *arguments)
     assert (code, stderr) == (3, "")
     lines = stdout.splitlines()

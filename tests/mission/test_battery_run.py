@@ -145,7 +145,7 @@ def test_a_whole_voltage_changes_no_bit():
     ("scenario", "battery", "reason"),
     [
         ("jack_exact", WEAK, "battery: .*jack.xml: T1:thruster_voltage: is not in the model"),
-        ("cube_helix", {**WEAK, "open_circuit_V": [7.0, 6.0]}, r"must be \[empty, full\] with 0 < empty <= full"),
+        ("cube_helix", {**WEAK, "open_circuit_V": [7.0, 6.0]}, r"must be \[empty, full\] with 0.01 <= empty <= full"),
         ("cube_helix", {**WEAK, "charge": 0.0}, "battery.charge: "),
         ("cube_helix", {"open_circuit_V": [6.0, 7.0]}, "battery.resistance_ohm"),
     ],

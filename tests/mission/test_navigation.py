@@ -139,7 +139,7 @@ def test_a_lost_thruster_is_found_and_flown_without_on_the_estimate(tmp_path):
         ({"navigation.dvl.rate_hz": 80.0}, r"at most one reading per control period: 80 Hz against 50 Hz"),
         ({"control_period_s": 0.2}, r"10 Hz against 5 Hz \(override control_period_s\)"),
         ({"navigation.depth.delay_s": 11.0}, r"must be at most 10"),
-        ({"navigation.heading.noise_deg": 0.0}, r"must be greater than 0"),
+        ({"navigation.heading.noise_deg": 0.0}, r"must be at least 1e-06"),
         ({"navigation.sonar": {}}, r"unknown key"),
     ],
 )

@@ -188,7 +188,7 @@ def test_of_two_errors_at_once_none_is_left_for_the_next_flight(tmp_path):
         ("def make(a): return lambda m: 1", "", "own.0.python", "missing a required argument: 'a'"),
         ("def make(): return lambda m: 1", "name: depth, ", "own.0.name", "there is a sensor depth already"),
         ("def make(): return lambda m: 1", "rate_hz: 80, ", "own.0.rate_hz", "at most one reading per control period"),
-        ("def make(): return lambda m: 1", "noise: 0, ", "own.0.noise", "greater than 0"),
+        ("def make(): return lambda m: 1", "noise: 0, ", "own.0.noise", "at least 1e-06"),
     ],
 )
 def test_what_is_no_sensor_is_one_line(source, sensor, key, told, tmp_path, monkeypatch, capsys):

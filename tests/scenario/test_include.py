@@ -117,7 +117,7 @@ def test_replaced_again_from_what_was_read(base, tmp_path):
     base.unlink()
     again = loaded_again(loaded, {"guidance.speed_m_s": 0.2})
     assert (again.scenario.guidance.speed_m_s, again.scenario.seed) == (0.2, 3)
-    with pytest.raises(ScenarioError, match=r"override guidance\.speed_m_s: must be greater than 0"):
+    with pytest.raises(ScenarioError, match=r"override guidance\.speed_m_s: must be at least 0.0001"):
         loaded_again(again, {"guidance.speed_m_s": 0.0})
 
 

@@ -132,7 +132,9 @@ checks:
     ("old", "new", "expected"),
     [
         ("schema_version: 1", "schema_version: 2", "1:17: schema_version: must be 1, got 2"),
-        ("duration_s: 10", "duration_s: 0.01", "1:1: control_period_s: must not exceed duration_s: 0.02 s against"),
+        ("duration_s: 10", "duration_s: 0.01", "4:13: duration_s: control_period_s: must not exceed duration_s: 0.02"),
+        ("schema_version: 1", "schema_version: true", "1:17: schema_version: must be 1, got true"),
+        ("schema_version: 1", "schema_version: 1.0", "1:17: schema_version: must be 1, got 1.0"),
         ("duration_s: 10", "duration_s: .inf", "4:13: duration_s: must be finite, got inf"),
         ("duration_s: 10", "duration_s: true", "4:13: duration_s: must be a number, got true"),
         ("duration_s: 10", "duration_s:", "4:1: duration_s: must be a number, got nothing"),
@@ -190,7 +192,8 @@ def test_one_mistake_one_line(tmp_path, old, new, expected):
         (b"name: x\n\tmodel: y\n", "mission.yaml:2:1: not valid YAML: "),
         (b"name: x\n---\nname: y\n", "mission.yaml:2:1: not valid YAML: "),
         (b"name: *nowhere\n", "mission.yaml:1:7: not valid YAML: found undefined alias 'nowhere'"),
-        (b"[" * 1_000, "mission.yaml:1:1: nested too deeply"),
+        (b"[" * 1_000, "mission.yaml:1:61: nested more than 60 deep"),
+        (b"[" * 100_000, "mission.yaml:1:61: nested more than 60 deep"),
     ],
 )
 def test_what_is_no_scenario_at_all(tmp_path, content, expected):
@@ -222,10 +225,66 @@ def test_aliases_that_grow_without_bound_are_refused():
         f"a{level}: &a{level} [{', '.join([f'*a{level - 1}'] * 10)}]\n" for level in range(1, 12)
     )
     document = parse(tower)
-    assert document.mistakes
-    assert len(document.values) < 21_000
+    (mistake,) = document.mistakes
+    assert mistake.message == "aliases repeat more than 20000 values"
+    assert 2 <= mistake.position.line <= 12
     (mistake,) = parse("a: &a [*a]").mistakes
-    assert mistake.position[:2] == (1, 4)
+    assert mistake.position == (1, 8, "")
+    assert mistake.message == "an alias that contains itself"
+    assert parse("a: &a {<<: *a, b: 1}").mistakes
+
+
+def test_what_is_written_out_may_be_long(tmp_path):
+    """A path of thousands of points is no tower of aliases."""
+    points = "".join(f"    - [{0.5 * index}, {index % 2}, -5]\n" for index in range(7_000))
+    text = MINIMAL.replace(
+        "path: {type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}", f"path:\n  type: spline\n  points_m:\n{points}"
+    )
+    assert len(load(write(tmp_path, text)).scenario.path.points_m) == 7_000
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [
+        ("name: short_line", 'name: "short_line', "2:7: not valid YAML: a quote that opens here is not closed"),
+        ("name: short_line", "name: 'short_line", "2:7: not valid YAML: a quote that opens here is not closed"),
+        (
+            "name: short_line",
+            'name: "short_line\ndescription: "of two"',
+            "2:7: not valid YAML: a double quote that opens here closes only in line 3, amid other text",
+        ),
+        ("{speed_m_s: 0.4}", "{speed_m_s: 0.4", "6:11: not valid YAML: a '{' that opens here is not closed"),
+        ("[0, 0, -5], end", "[0, 0, -5, end", "5:57: not valid YAML: expected ',' or ']', but got '}', for the '['"),
+        ("0.5}", "0.5", "8:5: not valid YAML: a '{' that opens here is not closed"),
+    ],
+)
+def test_what_is_not_closed_is_shown_where_it_opens(tmp_path, old, new, place):
+    (line,) = mistakes(write(tmp_path, MINIMAL.replace(old, new)))
+    assert line.startswith(f"mission.yaml:{place}")
+
+
+def test_merge_keys_are_named_as_what_they_are(tmp_path):
+    text = MINIMAL.replace(
+        "guidance: {speed_m_s: 0.4}", "guidance:\n  <<: &slow {speed_m_s: 0.4}\n  stop_at_end: false"
+    )
+    (line,) = mistakes(write(tmp_path, text))
+    assert line.startswith(
+        "mission.yaml:7:3: guidance.<<: merge keys are not part of YAML 1.2; write the keys out, or "
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "overrides", "expected"),
+    [
+        ("physics: {step_s: 0.015}", {}, "mission.yaml:5:19: physics.step_s: control_period_s: must be an integer mul"),
+        ("", {"physics.step_s": 0.015}, "override physics.step_s: control_period_s: must be an integer multiple of"),
+        ("control_period_s: 0.5\nphysics: {step_s: 0.5}\nnavigation: {imu: {}}", {},
+         "mission.yaml:5:19: control_period_s: navigation.dvl.rate_hz: must be at most one reading per control period"),
+    ],
+)  # fmt: skip
+def test_a_default_that_does_not_fit_is_shown_where_what_it_does_not_fit_stands(tmp_path, text, overrides, expected):
+    lines = mistakes(write(tmp_path, MINIMAL.replace("duration_s: 10", f"duration_s: 10\n{text}")), overrides)
+    assert lines[0].startswith(expected)
 
 
 MAY_BE_BLOCKS = {

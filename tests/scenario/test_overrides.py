@@ -90,7 +90,7 @@ def test_mistakes_of_file_and_overrides_come_together(tmp_path):
     path = write(tmp_path)
     path.write_text(path.read_text().replace("0.4", "-0.4"))
     assert mistakes(path, {"seed": -1, "no.where": 1, "checks.7": 1}) == [
-        "mission.yaml:6:23: guidance.speed_m_s: must be greater than 0, got -0.4",
+        "mission.yaml:6:23: guidance.speed_m_s: must be at least 0.0001, got -0.4",
         "override seed: must be at least 0, got -1",
         f"override no.where: no: unknown key; known: {', '.join(Scenario.model_fields)}",
         "override checks.7: checks is a list of 1, '7' is not an index of it",
