@@ -14,6 +14,7 @@ from cube_sim.errors import ScenarioError
 from cube_sim.flight import Loop, prepared
 from cube_sim.flight_statistics import Signals
 from cube_sim.judged_store import JudgedRows
+from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.recording.channels import SUPPLY, channel_table
@@ -174,7 +175,7 @@ def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
     Raises:
         ValueError: with the names there are.
     """
-    channels = channel_table(("T1",), 1, (), (), SUPPLY)
+    channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed=any(force_events(one.scenario) for one in loaded))
     known = dict.fromkeys(f"{channel.name}.{field.name}" for channel in channels for field in channel.fields)
     for one in loaded:
         sensed = channels_of(one.scenario.navigation)

@@ -36,6 +36,7 @@ class TickRows(NamedTuple):
     power: Table
     health: Table
     water: Table
+    disturbance: Table
 
     def named(self) -> Iterator[tuple[str, Table]]:
         """Channel and rows, for `SignalStore.extend`."""
@@ -122,6 +123,21 @@ def write_motion(rows, k, t, state, seen, followed, quaternion, attitude_error, 
     error[5] = attitude_error
     for i in range(6):
         rows.wrench[k, 1 + i], rows.wrench[k, 13 + i] = out.wrench[i], disturbance[i]
+
+
+@compiled
+def write_disturbance(rows, k, t, wrench):
+    """The row of what pushes the vehicle.
+
+    Args:
+        rows: `TickRows`.
+        k: which of them.
+        t: simulated time [s].
+        wrench: 6-tuple [N, N m], body axes, at the body origin.
+    """
+    rows.disturbance[k, 0] = t
+    for i in range(6):
+        rows.disturbance[k, 1 + i] = wrench[i]
 
 
 @compiled

@@ -7,6 +7,7 @@ import numpy as np
 from cube_sim.allocation import Status
 from cube_sim.control.authority import Authority
 from cube_sim.guidance.path import Path
+from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
 from cube_sim.recording.channels import SUPPLY, WHY_NOT_SUPPLIED, Channel, channel_table
 from cube_sim.scenario import Scenario
@@ -25,6 +26,7 @@ def recorded_channels(scenario: Scenario, vehicle: Vehicle) -> tuple[Channel, ..
         tuple(status.name for status in Status),
         tuple(authority.name for authority in Authority),
         tuple(name for name in SUPPLY if not why_unknown(name, scenario, vehicle)),
+        bool(force_events(scenario)),
     ) + channels_of(scenario.navigation)
 
 

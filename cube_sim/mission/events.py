@@ -10,7 +10,7 @@ import mujoco
 
 from cube_sim.mission.water import water_schedule
 from cube_sim.scenario import Scenario
-from cube_sim.scenario.event_blocks import AnyEvent, CurrentEventBlock, ThrusterEventBlock
+from cube_sim.scenario.event_blocks import AnyEvent, CurrentEventBlock, ForceEventBlock, ThrusterEventBlock
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.current import set_current
 from cube_sim.vehicle.vehicle import Vehicle
@@ -60,6 +60,8 @@ class Events:
         match event:
             case CurrentEventBlock():
                 self._change_current(event)
+                return event.message
+            case ForceEventBlock():  # it is in the model from the start
                 return event.message
             case ThrusterEventBlock():
                 for name in event.thrusters:

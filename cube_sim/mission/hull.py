@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from cube_sim.errors import ModelError, ScenarioError
+from cube_sim.mission.disturbance import force_events, set_pushes
 from cube_sim.mission.water import water_schedule
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
@@ -40,6 +41,7 @@ def flown_hull(loaded: Loaded) -> CompiledHull:
             raise ScenarioError([loaded.mistake(_of_the_schedule(scenario), text)])
         table = {CURRENT: water.rows.ravel().tolist()}
         hull = _hull(loaded, scenario.model, "model", {**scenario.parameters, **table})
+    set_pushes(loaded, *hull)
     hull.model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{scenario.physics.integrator.upper()}")
     hull.model.opt.timestep = scenario.physics.step_s
     try:
@@ -81,15 +83,16 @@ def believed_hull(loaded: Loaded, flown: CompiledHull) -> CompiledHull:
 
 def _hull(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence[float]]) -> CompiledHull:
     scenario = loaded.scenario
+    pushes = len(force_events(scenario))
     try:
-        model = load_model(file, parameters)
+        model = load_model(file, parameters, pushes=pushes)
         vehicle = _chosen_hull(loaded, model, key)
         zone = scenario.thrusters.dead_zone_N
         if zone is not None:
             # Every thruster gets it, whether the model states dead zones per hull or per thruster.
             owners = (vehicle.name, *vehicle.thrusters.names)
             zones = {f"{owner}:thruster_dead_zone": zone for owner in owners}
-            model = load_model(file, {**parameters, **zones})
+            model = load_model(file, {**parameters, **zones}, pushes=pushes)
             vehicle = Vehicle.from_model(model, vehicle.name)
     except ModelError as error:
         where = key

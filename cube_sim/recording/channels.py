@@ -103,6 +103,14 @@ SUPPLY = ("motor", "energy", "voltage", "charge")
 """Fields of the channel `power`, in their order."""
 
 
+DISTURBANCE = Channel(
+    "disturbance",
+    (
+        Field("force", 3, "N", "true force of what pushes the vehicle, body axes", XYZ),
+        Field("torque", 3, "N m", "its true torque about the body origin, body axes", XYZ),
+    ),
+)
+"""Recorded where a scenario has `force` events."""
 WHY_NOT_SUPPLIED = {
     "motor": "the model does not state the power of each thruster (NAME:thruster_power)",
     "energy": "the model does not state the power of each thruster (NAME:thruster_power)",
@@ -117,6 +125,8 @@ def why_absent(signal: str) -> str:
     channel, _, quantity = signal.partition(".")
     if channel == "power" and quantity in SUPPLY:
         return WHY_NOT_SUPPLIED[quantity]
+    if channel == DISTURBANCE.name:
+        return "the scenario has no event of kind force"
     if channel in ("navigation", "navigation_error"):
         return "the scenario has no navigation block"
     sensor = channel.removeprefix("sensor_")
@@ -140,6 +150,7 @@ def channel_table(
     allocation_status: tuple[str, ...] = (),
     authority: tuple[str, ...] = (),
     supply: tuple[str, ...] = SUPPLY,
+    pushed: bool = False,
 ) -> tuple[Channel, ...]:
     """Declare what a run of a vehicle with these thrusters records.
 
@@ -149,6 +160,7 @@ def channel_table(
         allocation_status: what the status codes 0, 1, 2 ... of the allocation mean.
         authority: what the codes of the vehicle's authority mean.
         supply: which of `SUPPLY` are known; the others are not recorded.
+        pushed: whether something pushes the vehicle.
 
     Returns:
         The channels in the order in which they are written.
@@ -259,4 +271,5 @@ def channel_table(
                 Field("estimated", 3, "m/s", "the same as the controller estimates it", XYZ),
             ),
         ),
+        *((DISTURBANCE,) if pushed else ()),
     )

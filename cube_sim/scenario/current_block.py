@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 from pydantic.types import Strict
 
-from cube_sim.scenario.values import Block, Coordinate, Vector3, refuse
+from cube_sim.scenario.values import Block, Coordinate, WaterVelocity, refuse
 
 MOST_DEPTHS = 100
 
@@ -19,7 +19,7 @@ class CurrentProfileBlock(Block):
     depths_m: Annotated[tuple[Coordinate, ...], Strict(False)] = Field(
         description="Depths below z = 0, increasing [m].", json_schema_extra={"minItems": 1}, max_length=MOST_DEPTHS
     )
-    velocities_m_s: Annotated[tuple[Vector3, ...], Strict(False)] = Field(
+    velocities_m_s: Annotated[tuple[WaterVelocity, ...], Strict(False)] = Field(
         description="Velocity of the water at each of them, world axes [m/s].", json_schema_extra={"minItems": 1}
     )
 

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from pydantic.types import Strict
 
 from cube_sim.scenario.current_block import CurrentProfileBlock
-from cube_sim.scenario.values import Block, Title, Vector3, refuse
+from cube_sim.scenario.values import ZERO, Block, Newtons, Newtons3, Place, Seconds, Title, WaterVelocity, refuse
 
 ThrusterState = Literal["dead", "weak", "stuck", "recovered"]
 
@@ -17,7 +17,7 @@ class EventBlock(Block):
     """What every event has; each also has a `what`: what happens, in words."""
 
     name: Title | None = Field(default=None, description="Shown where the event is told. Default: what happens.")
-    at_s: float = Field(ge=0, description="When it happens [s].")
+    at_s: float = Field(ge=0, le=86400, description="When it happens [s].")
 
     @property
     def what(self) -> str:
@@ -46,7 +46,7 @@ class ThrusterEventBlock(EventBlock):
         description="dead: no force; weak: a share of it; stuck: one force whatever is commanded; recovered: whole."
     )
     efficiency: float | None = Field(default=None, gt=0, lt=1, description="Share of its force a weak thruster gives.")
-    force_N: float | None = Field(  # noqa: N815 - N is the newton
+    force_N: Newtons | None = Field(  # noqa: N815 - N is the newton
         default=None, description="Force a stuck thruster holds [N]."
     )
 
@@ -77,7 +77,7 @@ class CurrentEventBlock(EventBlock):
     """The current changes, at once or within a time; what it was before does not count any more then."""
 
     kind: Literal["current"]
-    current_m_s: Vector3 | None = Field(
+    current_m_s: WaterVelocity | None = Field(
         default=None, description="Velocity of the water from then on, world axes [m/s]. This or `profile`."
     )
     profile: CurrentProfileBlock | None = Field(
@@ -117,4 +117,49 @@ class CurrentEventBlock(EventBlock):
         return f"the current is now {list(self.current_m_s)} m/s"
 
 
-AnyEvent = Annotated[ThrusterEventBlock | CurrentEventBlock, Field(discriminator="kind")]
+class ForceEventBlock(EventBlock):
+    """Something pushes the vehicle: a force, a torque, or both; several add up.
+
+    They act inside each step of the physics: one in body axes turns with the vehicle. The controller does not know of
+    them. The record has the wrench of all of them as the channel `disturbance`.
+    """
+
+    kind: Literal["force"]
+    force_N: Newtons3 = Field(default=ZERO, description="Force [N].")  # noqa: N815 - N is the newton
+    torque_N_m: Newtons3 = Field(default=ZERO, description="Torque, besides that of the force [N m].")  # noqa: N815
+    axes: Literal["world", "body"] = Field(
+        default="world", description="Axes of both: fixed in the world, or turning with the vehicle."
+    )
+    point_m: Place | None = Field(
+        default=None,
+        description="Where the force acts, from the body origin in body axes [m]. Default: the centre of mass.",
+    )
+    site: str | None = Field(
+        default=None, min_length=1, description="The same as a site of the model that is fixed to the vehicle's hull."
+    )
+    for_s: Seconds | None = Field(
+        default=None, description="How long it acts, over_s at both ends included [s]. Default: to the end."
+    )
+    over_s: float = Field(default=0.0, ge=0, le=86400, description="Time in which it grows, and fades again [s].")
+
+    @model_validator(mode="after")
+    def _makes_sense(self) -> ForceEventBlock:
+        if not any((*self.force_N, *self.torque_N_m)):
+            refuse("give force_N, torque_N_m or both", "force_N")
+        if self.point_m is not None and self.site is not None:
+            refuse("give either point_m or site", "site")
+        if self.for_s is not None and 2.0 * self.over_s > self.for_s:
+            refuse(f"must be at most half of for_s, {self.for_s:g} s: it grows and fades within it", "over_s")
+        return self
+
+    @property
+    def what(self) -> str:
+        """See `EventBlock.what`."""
+        given = [(self.force_N, "N"), (self.torque_N_m, "N m")]
+        told = " and ".join(f"[{x:g}, {y:g}, {z:g}] {unit}" for (x, y, z), unit in given if any((x, y, z)))
+        where = "" if self.site is None else f" at {self.site}"
+        where += "" if self.point_m is None else " at [{:g}, {:g}, {:g}] m".format(*self.point_m)
+        return f"pushed by {told}{where}, {self.axes} axes" + ("" if self.for_s is None else f", for {self.for_s:g} s")
+
+
+AnyEvent = Annotated[ThrusterEventBlock | CurrentEventBlock | ForceEventBlock, Field(discriminator="kind")]

@@ -26,6 +26,7 @@ from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
 from cube_sim.scenario.samples_block import SamplesBlock
 from cube_sim.scenario.telemetry_block import TelemetryBlock
 from cube_sim.scenario.values import (
+    ZERO,
     Acceleration,
     Angles3,
     Block,
@@ -40,12 +41,9 @@ from cube_sim.scenario.values import (
     Rates3,
     Seconds,
     Speed,
-    Vector3,
     WaterVelocity,
     refuse,
 )
-
-ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 MOST_TICKS = 24 * 3600 * 50
 """Control periods of the longest run: a day at 50 Hz, some 5 GB of rows in memory."""

@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 
 # A YAML list becomes a tuple; the numbers inside stay strict (no "3" for 3, no true for 1).
 Vector3 = Annotated[tuple[float, float, float], Strict(False)]
+ZERO: Vector3 = (0.0, 0.0, 0.0)
 # Places: beyond 100 km the last digits of a position are no longer fine beside a vehicle.
 Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
 Place = Annotated[tuple[Coordinate, Coordinate, Coordinate], Strict(False)]
@@ -44,6 +45,8 @@ HullSpeed = Annotated[float, Field(ge=-1e5, le=1e5)]
 HullVelocity = Annotated[tuple[HullSpeed, HullSpeed, HullSpeed], Strict(False)]
 """Of a vehicle, at the beginning [m/s]."""
 Newtons = Annotated[float, Field(ge=-1e6, le=1e6)]
+Newtons3 = Annotated[tuple[Newtons, Newtons, Newtons], Strict(False)]
+"""A force [N], or a torque [N m]."""
 Newtons2 = Annotated[tuple[Newtons, Newtons], Strict(False)]
 Volts = Annotated[float, Field(ge=-1e5, le=1e5)]
 Volts2 = Annotated[tuple[Volts, Volts], Strict(False)]

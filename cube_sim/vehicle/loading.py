@@ -27,6 +27,7 @@ def load_model(
     path: str | Path | mujoco.MjSpec,
     parameters: Mapping[str, ArrayLike] | None = None,
     forces: Mapping[str, UserForce] | None = None,
+    pushes: int = 0,
 ) -> mujoco.MjModel:
     """Compile a model with water.
 
@@ -41,19 +42,20 @@ def load_model(
             inertia and lags as well, which the MJCF has in its elements: see `cube_sim.vehicle.mjcf.elements`.
         forces: hull -> a force of your own, see `cube_sim.vehicle.plugin.user_forces`. The MJCF can name one too:
             ``<text name="hull:force" data="package.module:function"/>``.
+        pushes: for how many forces from outside there is to be room, see `cube_sim.vehicle.pushes`.
 
     Raises:
         ModelError: the file cannot be read or compiled, or its water makes no sense; names the element.
     """
     with collect_warnings() as spoken:
-        model = _load(path, dict(parameters or {}), dict(forces or {}))
+        model = _load(path, dict(parameters or {}), dict(forces or {}), pushes)
     for text in spoken:
         warnings.warn(f"MuJoCo: {text}", stacklevel=2)
     return model
 
 
 def _load(
-    path: str | Path | mujoco.MjSpec, parameters: dict[str, ArrayLike], forces: dict[str, UserForce]
+    path: str | Path | mujoco.MjSpec, parameters: dict[str, ArrayLike], forces: dict[str, UserForce], pushes: int
 ) -> mujoco.MjModel:
     if isinstance(path, (str, Path)):
         spec, name = _read(Path(path)), str(path)
@@ -62,7 +64,7 @@ def _load(
     else:
         raise ModelError("", f"a model is loaded from an MJCF file or an MjSpec, not from {_kind(path)}")
     try:
-        return _immerse(_own_copy(spec) if spec is path else spec, parameters, forces)
+        return _immerse(_own_copy(spec) if spec is path else spec, parameters, forces, pushes)
     except ModelError as error:
         raise ModelError(error.element, error.reason, name) from None
     except ValueError as error:  # MuJoCo's compiler
@@ -97,7 +99,9 @@ def _read(path: Path) -> mujoco.MjSpec:
         raise ModelError("", _one_line(error), str(path)) from None
 
 
-def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[str, UserForce]) -> mujoco.MjModel:
+def _immerse(
+    spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[str, UserForce], pushes: int
+) -> mujoco.MjModel:
     hook.install()
     numerics = {n.name: np.array(n.data, dtype=float) for n in spec.numerics}
     of_elements: dict[str, NDArray[np.float64]] = {}
@@ -117,7 +121,7 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     _require_usable_options(spec)
     for hull in parameters.hulls:
         _prepare(spec, hull.body)
-    spec.add_numeric(name=layout.PACKED, size=packing.packed_size(parameters), data=[0.0])
+    spec.add_numeric(name=layout.PACKED, size=packing.packed_size(parameters, pushes), data=[0.0])
     model = spec.compile()
     require_time_step(model)
     if np.any(model.tendon_armature != 0.0):
@@ -126,7 +130,7 @@ def _immerse(spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[
     dofs = [int(model.body_dofadr[i]) for i in ids]
     start = model.numeric_adr[model.nnumeric - 1]
     table = _register(model, forces, [hull.body for hull in parameters.hulls])
-    packed = packing.pack_parameters(parameters, ids, dofs, table, user_forces.process_number())
+    packed = packing.pack_parameters(parameters, ids, dofs, table, user_forces.process_number(), pushes)
     model.numeric_data[start : start + packed.size] = packed
     data = mujoco.MjData(model)
     structs.verify(model, data)

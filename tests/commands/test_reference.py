@@ -57,6 +57,7 @@ def test_readers_are_not_shown_classes():
 
 def test_a_unit_in_a_key_is_a_unit_in_its_row():
     endings = {"_m": "m", "_s": "s", "_m_s": "m/s", "_N": "N", "_deg": "deg", "_deg_s": "deg/s", "_per_s": "1/s"}
+    endings["_N_m"] = "N m"
     found = 0
     for name, unit in re.findall(r"^\| `(\w+)` \| ([^|`]*) \|", scenario_page(), re.MULTILINE):
         ending = max((end for end in endings if name.endswith(end)), key=len, default=None)
@@ -118,7 +119,7 @@ def test_every_example_can_be_flown(where, tmp_path):
 
 def test_every_channel_says_who_writes_it():
     sensors = dict.fromkeys(READINGS, 1.0)
-    channels = (*channel_table(("T1",), 2), *navigation_channels(sensors))
+    channels = (*channel_table(("T1",), 2, pushed=True), *navigation_channels(sensors))
     assert {channel.name for channel in channels} == WRITTEN_BY.keys()
     text = recording_page()
     for channel in channels:

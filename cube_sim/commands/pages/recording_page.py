@@ -49,6 +49,7 @@ WRITTEN_BY = {
     "power": "the power supply",
     "health": "the scenario's events (the truth), the fault diagnosis and control (the belief)",
     "water": "the water (the truth) and the current observer (the estimate)",
+    "disturbance": "the scenario's events of kind `force`",
     "navigation": "the estimator",
     "navigation_error": "the estimator against MuJoCo",
     "sensor_imu": "the inertial unit",
@@ -231,6 +232,7 @@ def _tables(m: int) -> tuple[Channel, ...]:
         PATH_POINTS,
         tuple(status.name for status in Status),
         tuple(authority.name for authority in Authority),
+        pushed=True,
     )
 
 

@@ -115,6 +115,7 @@ events:
   - {kind: thrusters, at_s: 8, thrusters: [T2], state: weak, efficiency: 0.5}
   - {kind: current, at_s: 12, current_m_s: [0, 0.2, 0]}
   - {kind: current, name: the tide turns, at_s: 14, current_m_s: [0, -0.2, 0], over_s: 5}
+  - {kind: force, name: the tether snags, at_s: 16, for_s: 2, over_s: 0.5, force_N: [-20, 0, 5], point_m: [-0.25, 0, 0]}
 """,
     "checks": """\
 checks:

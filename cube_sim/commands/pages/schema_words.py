@@ -9,7 +9,7 @@ from cube_sim.commands.pages.markdown import code
 
 Schema = dict[str, Any]
 
-_UNIT = re.compile(r" \[((?:1|[A-Za-z()]+(?:\^\d)?)(?:/[A-Za-z()]+(?:\^\d)?)*)\]")
+_UNIT = re.compile(r" \[((?:1|N m|[A-Za-z()]+(?:\^\d)?)(?:/[A-Za-z()]+(?:\^\d)?)*)\]")
 _TYPES = {"number": "number", "integer": "whole number", "string": "text", "boolean": "`true` or `false`"}
 
 

@@ -23,9 +23,12 @@ from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, Na
 from cube_sim.navigation.reading import READING
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.current import current_table
+from cube_sim.vehicle.laws.push import COLUMNS
 from cube_sim.vehicle.plugin import structs
 from cube_sim.vehicle.plugin.guard import TEXT_BYTES, guards
+from cube_sim.vehicle.pushes import hull_number, push_table
 
+NO_PUSHES = np.zeros((0, COLUMNS))
 NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
 LEAST_ARENA_BYTES = 1_000_000
 """With less, contacts may need more memory than there is; MuJoCo ends the process then, where nothing guards it."""
@@ -191,8 +194,11 @@ def _is_classical(model: mujoco.MjModel) -> bool:
 
 
 def _hull(mission: Mission, boxes: Boxes) -> Hull:
-    table = current_table(mission.model)
-    return Hull(*boxes, mission.model.opt.wind, table is not None, *(NO_TABLE if table is None else table))
+    table, pushes = current_table(mission.model), push_table(mission.model)
+    number = 0.0 if pushes is None else float(hull_number(mission.model, mission.vehicle.body))
+    from_outside = pushes is not None, NO_PUSHES if pushes is None else pushes, number
+    current = NO_TABLE if table is None else table
+    return Hull(*boxes, mission.model.opt.wind, table is not None, *current, *from_outside)
 
 
 def _feed(mission: Mission) -> Feed:

@@ -15,7 +15,7 @@ from cube_sim.control.probing import put_probe
 from cube_sim.control.safe_mode import loses_target
 from cube_sim.control.shortage import watch_shortage
 from cube_sim.flight.compiled.callees import ANSWERING, ESTIMATING, STEERING
-from cube_sim.flight.rows import write_actuation, write_motion, write_power
+from cube_sim.flight.rows import write_actuation, write_disturbance, write_motion, write_power
 from cube_sim.guidance.path_record import path_row
 from cube_sim.guidance.speed import speed_at
 from cube_sim.guidance.target_record import advanced, see_from_target
@@ -29,6 +29,7 @@ from cube_sim.navigation.motion import felt
 from cube_sim.tuples import angle_of_turn, put, sextuple, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
+from cube_sim.vehicle.laws.push import push_wrench
 from cube_sim.vehicle.laws.supply_law import charge_left, sag
 from cube_sim.vehicle.laws.supply_law import count as count_drawn
 from cube_sim.vehicle.plugin.engine import forward, forward_again, step
@@ -206,6 +207,8 @@ def fly(
                 water[i] += there[i]
         off = angle_of_turn(wanted, state[3:7]) if sensing.navigated else out.attitude_error
         write_motion(rows, k, t, state, view, followed, wanted, off, disturbance, current, water)
+        if hull.pushed:
+            write_disturbance(rows, k, t, push_wrench(hull.pushes, hull.number, state[7:16].reshape(3, 3), t, 0.0))
         write_actuation(
             rows, k, t, answering.applied, force, commands, given, thrusters.subset, residual, cost, status,
             feed.efficiency, thrusters.efficiency, answering.authority,

@@ -78,6 +78,9 @@ class Hull(NamedTuple):
         times: (n_t,) of `velocity_at`, like the next two.
         heights: (n_z,) of it.
         velocities: (n_t n_z,3) of it.
+        pushed: whether something pushes it.
+        pushes: (n,k) of `push_wrench`.
+        number: of the hull among them.
     """
 
     geoms: Indices
@@ -89,6 +92,9 @@ class Hull(NamedTuple):
     times: Vector
     heights: Vector
     velocities: Matrix
+    pushed: bool
+    pushes: Matrix
+    number: float
 
 
 class Feed(NamedTuple):

@@ -17,6 +17,7 @@ from numba import types
 
 from cube_sim.vehicle.laws.current import accelerating_water, current_at
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
+from cube_sim.vehicle.laws.push import COLUMNS, push_wrench
 from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.curve_record import steady_force
 from cube_sim.vehicle.plugin.inertia import put_factors, put_inertia
@@ -107,7 +108,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         steady = (double(m + opt_wind, 0), double(m + opt_wind, 1), double(m + opt_wind, 2))
         time = double(d + time_, 0)
         profile = int(double(packed, layout.CURRENT))
-        count = int(double(packed, layout.COUNT))
+        count, pushes = int(double(packed, layout.COUNT)), int(double(packed, layout.PUSHES))
         factored = field(m, nv) == 6 * count  # no arms: hulls are all there is, each a block of its own
         for k in range(count):
             hull = packed + 8 * (int(double(packed, layout.HULLS)) + k * layout.HULL_SIZE)
@@ -166,6 +167,10 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             )
             if profile >= 0:
                 F = _plus(F, accelerating_water(M_A, displaced, r_CB, R, surge))
+            if pushes >= 0:
+                table = packed + 8 * pushes
+                from_outside = matrix(table + 8, int(double(table, 0)), COLUMNS)
+                F = _plus(F, push_wrench(from_outside, float(k), R, time, double(m + opt_timestep, 0)))
             function = int(double(hull, layout.FORCE))
             if function >= 0:
                 F = _plus(F, _user_wrench(function, double(packed, layout.PROCESS), time, position, rotation, nu, nu_r))

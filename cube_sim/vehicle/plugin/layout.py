@@ -4,16 +4,19 @@ The array is the model's last custom numeric, `PACKED`. Its header says where th
 doubles from the array's beginning:
 
     header          MAGIC, number of hulls, start of the hull records, start of the thruster table,
-                    start of the current's table or -1, number of the process whose user forces it names
+                    start of the current's table or -1, number of the process whose user forces it names,
+                    start of the table of pushes or -1
     hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric
     thruster table  one value per actuator of the model: the start of its curve record, or -1 for no thruster
     curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
                     voltage [V], pulse widths of the commands -1, 0 and 1 [us], c_1..c_n, F_1..F_n [N];
                     stuck is NaN for a thruster that is free; voltage and pulses are NaN where not known
+    pushes          n, and n rows as `cube_sim.vehicle.laws.push` has them
     current         n_t, n_z, t_1.. [s], z_1.. [m], (v_x, v_y, v_z) [m/s] time by time
 
-`cube_sim.vehicle.plugin.packing` writes it. Efficiency, supply, stuck and the velocities of the current are meant to
-change while a model is in use (`cube_sim.vehicle.faults`, `cube_sim.vehicle.current`).
+`cube_sim.vehicle.plugin.packing` writes it. Efficiency, supply, stuck, the velocities of the current and the
+pushes are meant to change while a model is in use (`cube_sim.vehicle.faults`, `cube_sim.vehicle.current`,
+`cube_sim.vehicle.pushes`).
 """
 
 from __future__ import annotations
@@ -27,8 +30,8 @@ MAGIC_BITS = struct.unpack("=q", struct.pack("=d", MAGIC))[0]  # the same as the
 FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's table of user forces
 
 # the header
-COUNT, HULLS, THRUSTERS, CURRENT, PROCESS = 1, 2, 3, 4, 5
-HEADER_SIZE = 6
+COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES = 1, 2, 3, 4, 5, 6
+HEADER_SIZE = 7
 # one hull record
 BODY, DOF, DISPLACED_MASS, CENTRE, ADDED_MASS, LINEAR, QUADRATIC, FORCE = 0, 1, 2, 3, 6, 42, 78, 114
 HULL_SIZE = 115

@@ -13,12 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.laws.push import COLUMNS, HULL
 from cube_sim.vehicle.mjcf.parameters import CurrentProfile, HullParameters, ThrusterParameters, WaterParameters
 from cube_sim.vehicle.plugin import layout
 
 
 def pack_parameters(
-    parameters: WaterParameters, bodies: list[int], dofs: list[int], forces: Sequence[int], process: float
+    parameters: WaterParameters,
+    bodies: list[int],
+    dofs: list[int],
+    forces: Sequence[int],
+    process: float,
+    pushes: int = 0,
 ) -> NDArray[np.float64]:
     """(n,) values as `cube_sim.vehicle.plugin.layout` says.
 
@@ -28,6 +34,7 @@ def pack_parameters(
         dofs: address of each hull's first degree of freedom.
         forces: place of each hull's own force in the table of this process, or -1.
         process: number of this process.
+        pushes: for how many there is to be room.
     """
     hulls = [_hull_record(*row) for row in zip(parameters.hulls, bodies, dofs, forces, strict=True)]
     table_start = layout.HEADER_SIZE + layout.HULL_SIZE * len(hulls)
@@ -43,14 +50,17 @@ def pack_parameters(
         end += curves[-1].size
     current = _current_record(parameters.current)
     current_start = end if current.size else -1.0
-    header = np.array([layout.MAGIC, len(hulls), layout.HEADER_SIZE, table_start, current_start, process])
-    return np.concatenate([header, *hulls, np.array(table), *curves, current])
+    pushed = _push_record(pushes)
+    pushes_start = end + current.size if pushed.size else -1.0
+    starts = layout.HEADER_SIZE, table_start, current_start, process, pushes_start
+    header = np.array([layout.MAGIC, len(hulls), *starts])
+    return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed])
 
 
-def packed_size(parameters: WaterParameters) -> int:
+def packed_size(parameters: WaterParameters, pushes: int = 0) -> int:
     """Number of values `pack_parameters` will return."""
     n = len(parameters.hulls)
-    return pack_parameters(parameters, [0] * n, [0] * n, [-1] * n, 0.0).size
+    return pack_parameters(parameters, [0] * n, [0] * n, [-1] * n, 0.0, pushes).size
 
 
 def packed_parameters(model: mujoco.MjModel) -> NDArray[np.float64]:
@@ -84,6 +94,14 @@ def _curve_record(thruster: ThrusterParameters) -> NDArray[np.float64]:
     head = [*curve.command_dead_zone, *curve.force_dead_zone, curve.commands.size, *healthy, *thruster.power]
     wires = [np.nan if thruster.voltage is None else thruster.voltage, *(thruster.pulse_us or [np.nan] * 3)]
     return np.concatenate([np.array([*head, *wires]), curve.commands, curve.forces])
+
+
+def _push_record(pushes: int) -> NDArray[np.float64]:
+    if not pushes:
+        return np.empty(0)
+    rows = np.zeros((pushes, COLUMNS))
+    rows[:, HULL] = -1.0
+    return np.concatenate([[float(pushes)], rows.ravel()])
 
 
 def _current_record(profile: CurrentProfile | None) -> NDArray[np.float64]:
