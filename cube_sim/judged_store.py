@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.evaluating import Evaluation
 from cube_sim.recording.batch import Batch, BySignal, Rows, signals
-from cube_sim.recording.channels import Channel, units_of
+from cube_sim.recording.channels import Channel, held_signals, units_of
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.scenario import Scenario
 from cube_sim.scenario.check_blocks import AnyCheck
 from cube_sim.verdict import CheckResult
 
@@ -17,17 +19,31 @@ BLOCK_S = 60.0
 """So much of a run is judged at once [s]."""
 
 
+def beforehand_of(scenario: Scenario, channels: Sequence[Channel]) -> Beforehand:
+    """What is known of a run before its rows come.
+
+    Args:
+        scenario: to be flown, or flown.
+        channels: what it records.
+    """
+    return Beforehand(scenario.events, held_signals(channels))
+
+
 class JudgedRows:
     """Judges a run batch by batch, as a sink; it holds a minute of what the checks look at, however long the run.
 
     Args:
         channels: the channel table.
-        checks: the scenario's.
+        scenario: what is flown, or was.
+        checks: in place of the scenario's.
     """
 
-    def __init__(self, channels: Sequence[Channel], checks: Sequence[AnyCheck]) -> None:
+    def __init__(
+        self, channels: Sequence[Channel], scenario: Scenario, checks: Sequence[AnyCheck] | None = None
+    ) -> None:
         self._channels = channels
-        self._evaluation, self._judge_at = Evaluation(checks), BLOCK_S
+        asked = scenario.checks if checks is None else checks
+        self._evaluation, self._judge_at = Evaluation(asked, beforehand_of(scenario, channels)), BLOCK_S
         self._names = [f"{channel.name}.{field.name}" for channel in channels for field in channel.fields]
         needed = self._evaluation.needs.intersection(self._names)
         self._needed = [c for c in channels if needed.intersection(f"{c.name}.{field.name}" for field in c.fields)]
@@ -40,7 +56,7 @@ class JudgedRows:
                 rows.append(batch.rows[name])
         last = max((float(rows[-1, 0]) for rows in batch.rows.values()), default=-np.inf)
         if last >= self._judge_at:
-            self._judge(np.floor(last))  # blocks of whole seconds: the results are those of the whole run, to the bit
+            self._judge(np.floor(last))  # all rows before a whole second are there
             self._judge_at = np.floor(last) + BLOCK_S
 
     def close(self) -> None:

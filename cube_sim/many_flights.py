@@ -149,7 +149,7 @@ def _outcome(
     except ScenarioError as error:
         raise _named(index, error) from None
     known = [f"{channel.name}.{field.name}" for channel in mission.channels for field in channel.fields]
-    judge = JudgedRows(mission.channels, mission.scenario.checks)
+    judge = JudgedRows(mission.channels, mission.scenario)
     store = AskedStore(mission.channels, judge, [name for name in wanted if name in known])
     flight = Loop(mission, store)
     if missing := [name for name in wanted if name not in known]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cube_sim.checks import evaluate
 from cube_sim.errors import RecordingError, RunInterrupted, told
 from cube_sim.flight import Loop, prepared
-from cube_sim.judged_store import JudgedRows, JudgedStore
+from cube_sim.judged_store import JudgedRows, JudgedStore, beforehand_of
 from cube_sim.mission import Mission
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.run_header import header, versions
@@ -194,7 +194,7 @@ def _record_and_judge(
                 reserve_verdict(directory)
                 place.begin(but=() if record == "none" else (MCAP_FILE,))
 
-    judge = None if record == "none" and keep_signals else JudgedRows(mission.channels, mission.scenario.checks)
+    judge = None if record == "none" and keep_signals else JudgedRows(mission.channels, mission.scenario)
     with to_be_ended, _store(place, loaded, mission, record, live, judge, begin) as recorder, ExitStack() as stack:
         stack.callback(lambda: place.begun or recorder.clear())  # what never began to fly leaves nothing
         flight, clock = Loop(mission, recorder), _Clock()
@@ -239,8 +239,13 @@ def _results(mission: Mission, recorder: SignalStore, judge: JudgedRows | None) 
     scenario = mission.scenario
     if judge is not None:
         return judge.results(scenario.duration_s)
-    units = units_of(mission.channels)
-    return evaluate(scenario.checks, recorder.signals, duration_s=scenario.duration_s, units=units)
+    return evaluate(
+        scenario.checks,
+        recorder.signals,
+        duration_s=scenario.duration_s,
+        units=units_of(mission.channels),
+        beforehand=beforehand_of(scenario, mission.channels),
+    )
 
 
 def _fly(flight: Loop, tell: Callable[[float], None]) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -46,10 +45,6 @@ def judge(signals, *, duration_s=None, **asked) -> CheckResult:
     check = TypeAdapter(AnyCheck).validate_python(asked)
     (result,) = evaluate([check], signals, duration_s=duration_s)
     (again,) = evaluate([check], InBlocks(signals), duration_s=duration_s)
-    if check.kind == "signal" and check.statistic in ("rms", "mean") and result.value is not None:
-        rounding = 1e-13 * np.abs(signals["a.b"][:, 1:]).max()
-        assert again.value == pytest.approx(result.value, rel=1e-12, abs=rounding)
-        again = replace(again, value=result.value, margin=result.margin)
     assert again == result
     return result
 

@@ -24,7 +24,8 @@ MOST_COLUMNS = 6
 """Columns of a signal that the table names one by one; of more it names the first and the last."""
 HOW_TO_USE = (
     "A check names one of them, for example signal: path_error.cross_track; component: counts its columns from 0. "
-    "Signals recorded on change cannot be checked. The scenario's own checks and events are not examined here."
+    "What is recorded on change is judged as held until its next row. "
+    "The scenario's own checks and events are not examined here."
 )
 
 

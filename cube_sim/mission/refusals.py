@@ -9,11 +9,11 @@ import numpy as np
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.mission.channels import why_unknown
-from cube_sim.recording.channels import ON_CHANGE, SUPPLY, Channel
+from cube_sim.recording.channels import ON_CHANGE, SUPPLY, Channel, units_of
 from cube_sim.scenario import Loaded, Scenario
-from cube_sim.scenario.check_blocks import SignalCheckBlock
+from cube_sim.scenario.check_windows import statistics_of
 from cube_sim.scenario.event_blocks import ThrusterEventBlock
-from cube_sim.scenario.named_signals import signal_mistakes
+from cube_sim.scenario.named_signals import signal_mistakes, unit_mistakes
 from cube_sim.vehicle.vehicle import Vehicle
 
 SAME_DEPTH_M = 0.05
@@ -29,35 +29,36 @@ def require_signals(loaded: Loaded, vehicle: Vehicle, channels: tuple[Channel, .
         supplied = channel == "power" and quantity in SUPPLY
         return why_unknown(quantity, loaded.scenario, vehicle) if supplied else ""
 
-    unknown = list(signal_mistakes(loaded.scenario.checks, widths, why_absent))
+    unknown = [
+        *signal_mistakes(loaded.scenario.checks, widths, why_absent),
+        *unit_mistakes(loaded.scenario.checks, units_of(channels)),
+    ]
     mistakes = [loaded.mistake(*each) for each in unknown or _too_few_rows(loaded.scenario, channels)]
     if mistakes:
         raise ScenarioError(mistakes)
 
 
 def _too_few_rows(scenario: Scenario, channels: tuple[Channel, ...]) -> Iterator[tuple[str, str]]:
-    """Checks of what is recorded on change, and of windows that cannot hold the samples their statistic takes."""
+    """Checks of windows that cannot hold the samples their statistic takes; what comes on change needs none."""
     channel_of = {f"{channel.name}.{field.name}": channel for channel in channels for field in channel.fields}
     period = scenario.control_period_s
     for i, check in enumerate(scenario.checks):
-        if not isinstance(check, SignalCheckBlock):
-            continue
-        channel, signal = channel_of[check.signal], check.signal
-        if channel.rate == ON_CHANGE:
-            yield f"checks.{i}.signal", f"'{signal}' is recorded on change, it has no samples to take a statistic of"
-            continue
-        start, end = check.from_s or 0.0, scenario.duration_s if check.to_s is None else check.to_s
-        if channel.every_tick:
-            times = np.arange(scenario.ticks + 1) * period
-            count, apart = int(((times >= start) & (times <= end)).sum()), period
-        else:  # nobody knows when a reading arrives
-            count, apart = int((end - start) * channel.rate) + 1, 1.0 / channel.rate
-        needed = 1 if check.statistic == "final" else 2
-        if count < needed:
-            at = "to_s" if check.to_s is not None else "from_s" if check.from_s is not None else "signal"
-            holds = ("" if channel.every_tick else "at most ") + ("one sample" if count else "no sample")
-            window = f"the window {start:g} s to {end:g} s holds {holds} of {signal}"
-            yield f"checks.{i}.{at}", f"{window}, which has one every {apart:g} s; {check.statistic} needs {needed}"
+        for asked, window, place, key in statistics_of(check, scenario.events):
+            channel, signal = channel_of[asked.signal], asked.signal
+            if channel.rate == ON_CHANGE:
+                continue
+            start, end = window.within(scenario.duration_s)
+            if channel.every_tick:
+                times = np.arange(scenario.ticks + 1) * period
+                count, apart = int(((times >= start) & (times <= end)).sum()), period
+            else:  # nobody knows when a reading arrives
+                count, apart = int((end - start) * channel.rate) + 1, 1.0 / channel.rate
+            needed = 1 if asked.statistic == "final" else 2
+            if count < needed:
+                holds = ("" if channel.every_tick else "at most ") + ("one sample" if count else "no sample")
+                text = f"the window {start:g} s to {end:g} s holds {holds} of {signal}, which has one every {apart:g} s"
+                where = f"checks.{i}.{place}.{key}" if place else f"checks.{i}.{key}"
+                yield where, f"{text}; {asked.statistic} needs {needed}"
 
 
 def require_a_value_per_thruster(loaded: Loaded, vehicle: Vehicle) -> None:

@@ -99,6 +99,11 @@ def units_of(channels: Iterable[Channel]) -> dict[str, tuple[str, ...]]:
     return {f"{channel.name}.{field.name}": field.units for channel in channels for field in channel.fields}
 
 
+def held_signals(channels: Iterable[Channel]) -> frozenset[str]:
+    """The signals of which a row holds until the next, as "channel.field"."""
+    return frozenset(f"{c.name}.{field.name}" for c in channels if c.rate == ON_CHANGE for field in c.fields)
+
+
 SUPPLY = ("motor", "energy", "voltage", "charge")
 """Fields of the channel `power`, in their order."""
 

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from cube_sim.report import colours
-from cube_sim.report.judged_quantity import JudgedQuantity, judged_quantity
-from cube_sim.report.panel import Curve, Guide, Panel
+from cube_sim.report.guides import drawn_levels
+from cube_sim.report.judged_quantity import JudgedQuantity, judged_quantities
+from cube_sim.report.panel import Curve, Guide, Panel, Shade
 from cube_sim.report.subject import Subject
 from cube_sim.verdict import CheckResult
 
@@ -20,22 +21,31 @@ def check_panels(subjects: Sequence[Subject]) -> list[Panel]:
     """A panel for each quantity that is judged, in the order of the checks."""
     curves: dict[str, list[Curve]] = {}
     guides: dict[str, list[Guide]] = {}
+    shades: dict[str, list[Shade]] = {}
     first: dict[str, JudgedQuantity] = {}
     for subject in subjects:
         alone = len(subjects) == 1
         drawn = set()
         for check, result in zip(subject.scenario.checks, subject.results, strict=True):
-            quantity = judged_quantity(subject, check)
-            title = quantity.title
-            first.setdefault(title, quantity)
-            if title not in drawn:
-                drawn.add(title)
-                rows = quantity.rows
-                colour = colours.BLUE if alone else subject.colour
-                curve = Curve("" if alone else subject.label, rows[:, 0], rows[:, 1], colour)
-                curves.setdefault(title, []).append(curve)
-            guides.setdefault(title, []).append(_guide(quantity, result, subject, alone))
-    return [_panel(quantity, curves[title], guides[title]) for title, quantity in first.items()]
+            for quantity in judged_quantities(subject, check):
+                title = quantity.title
+                first.setdefault(title, quantity)
+                if title not in drawn:
+                    drawn.add(title)
+                    rows = quantity.rows
+                    colour = colours.BLUE if alone else subject.colour
+                    label = "" if alone else subject.label
+                    curve = Curve(label, rows[:, 0], rows[:, 1], colour, steps=quantity.steps)
+                    curves.setdefault(title, []).append(curve)
+                guides.setdefault(title, []).append(_guide(quantity, result, subject, alone))
+                shades.setdefault(title, []).extend(_shades(quantity, subject))
+    return [_panel(quantity, curves[title], guides[title], shades[title]) for title, quantity in first.items()]
+
+
+def _shades(quantity: JudgedQuantity, subject: Subject) -> list[Shade]:
+    """The windows of a check that draws no limit, where they are not the whole run."""
+    whole = 0.0, subject.scenario.duration_s
+    return [Shade(*window, colours.LOOKED_AT) for window in quantity.windows if window != whole]
 
 
 def _guide(quantity: JudgedQuantity, result: CheckResult, subject: Subject, alone: bool) -> Guide:
@@ -55,27 +65,33 @@ def _guide(quantity: JudgedQuantity, result: CheckResult, subject: Subject, alon
         result.margin,
         colours.of_verdict(result.verdict) if alone else subject.colour,
         quantity.every_sample,
+        quantity.apart,
+        result.unit if quantity.apart and result.unit != "1" else "",
+        quantity.levels,
     )
 
 
-def _panel(quantity: JudgedQuantity, curves: Sequence[Curve], guides: Sequence[Guide]) -> Panel:
+def _panel(
+    quantity: JudgedQuantity, curves: Sequence[Curve], guides: Sequence[Guide], shades: Sequence[Shade]
+) -> Panel:
     values = np.concatenate([curve.values for curve in curves])
     values = values[np.isfinite(values)]
     above = values[values > 0]
-    logarithmic = False
-    if len(above) and not quantity.codes and np.all(values >= 0) and all(guide.limit >= 0 for guide in guides):
-        largest = max(float(above.max()), *(guide.limit for guide in guides))
+    logarithmic, drawn = False, [level for guide in guides for level in drawn_levels(guide)]
+    if len(above) and not quantity.codes and np.all(values >= 0) and all(level >= 0 for level in drawn):
+        largest = max([float(above.max()), *drawn])
         logarithmic = largest > _SPREAD * float(np.median(above))
     focus = min(g.start_s for g in guides), max(g.end_s for g in guides)
     flown = any(np.any((curve.times >= focus[0]) & np.isfinite(curve.values)) for curve in curves)
     note = ""
     if quantity.codes:
-        shown = sorted({int(value) for value in values} | {int(guide.limit) for guide in guides})
+        shown = sorted({int(value) for value in values} | {int(level) for level in drawn})
         note = ", ".join(f"{code} {quantity.codes[code]}" for code in shown if 0 <= code < len(quantity.codes))
     return Panel(
         quantity.title,
         quantity.unit,
         tuple(curves),
+        shades=tuple(dict.fromkeys(shades)),
         guides=tuple(guides),
         logarithmic=logarithmic,
         note=f"({note})" if note else "",

@@ -10,6 +10,7 @@ MOST_CURVES = len(SERIES) * len(_LINES)
 """So many curves in a frame are told apart, by their colours and lines."""
 
 FAINT = "#8a929b"
+LOOKED_AT = "#edf3f9"
 GOOD, BAD, UNKNOWN = "#1a7f37", "#c4231c", "#9a6700"
 OF_VERDICT = {"PASS": GOOD, "FAIL": BAD}
 

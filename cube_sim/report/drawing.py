@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from cube_sim.report.decimation import Values, decimated, held, stepped
-from cube_sim.report.guides import LEFT, limits, points
+from cube_sim.report.guides import LEFT, drawn_levels, limits, points
 from cube_sim.report.legend import draw_legend, legend_lines
 from cube_sim.report.markup import element, text
 from cube_sim.report.panel import Curve, Mark, Panel, TimeAxis, Zone
@@ -74,7 +74,8 @@ def _vertical(panel: Panel) -> Scale:
             above = sound[sound > 0]
             positive += [float(above.min())] if len(above) else []
     for guide in panel.guides:
-        seen += [number for number in (guide.limit, guide.value) if number is not None]
+        value = () if guide.apart or guide.value is None else (guide.value,)
+        seen += [*drawn_levels(guide), *value]
     for zone in panel.zones:
         if zone.shown:
             edges = np.concatenate([zone.low, zone.high])

@@ -17,6 +17,8 @@ from cube_sim.report.figure_panels import TARGET, Plot, height_panel, panel_of, 
 from cube_sim.report.happenings import EVENT, happenings
 from cube_sim.report.subject import Subject
 from cube_sim.scenario.check_blocks import SignalCheckBlock
+from cube_sim.scenario.statistic_keys import AMONG_SAMPLES, statistic_alone
+from cube_sim.scenario.windows import window_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -171,9 +173,9 @@ def _over_time(
     axes.set_xlim(start, max(end, start + 1e-9))
     unit = [panel.unit] if panel.unit not in ("", "1") else []
     for check in _limits(subject, panel):
-        begins = max(start, check.from_s or 0.0)
-        ends = min(end, subject.scenario.duration_s if check.to_s is None else check.to_s)
-        label = " ".join([check.statistic, _SIGNS[check.bound.relation], f"{check.bound.limit:g}", *unit])
+        begins, ends = window_of(check, subject.scenario.events).within(subject.scenario.duration_s)
+        begins, ends = max(start, begins), min(end, ends)
+        label = " ".join([statistic_alone(check), _SIGNS[check.bound.relation], f"{check.bound.limit:g}", *unit])
         limit = [check.bound.limit] * 2
         axes.plot([begins, ends], limit, color=colours.BAD, linestyle=(0, (5, 2)), linewidth=0.9, label=label)
     for begins, ends in subject.gaps:
@@ -234,7 +236,7 @@ def _limits(subject: Subject, panel: Plot) -> Iterator[SignalCheckBlock]:
     """Checks whose limit is one on what is drawn: on a number, not on the norm of several that are drawn apart."""
     name, _, part = panel.signal.rpartition(".")
     for check in subject.scenario.checks:
-        if not isinstance(check, SignalCheckBlock):
+        if not isinstance(check, SignalCheckBlock) or check.statistic not in AMONG_SAMPLES:
             continue
         if check.signal == panel.signal:
             field = subject.run.fields[panel.signal]

@@ -19,7 +19,8 @@ def captions(panel: Panel) -> list[tuple[str, str]]:
     """The checks drawn in a panel, in words, each with its colour."""
     said = []
     for guide in panel.guides:
-        asked = f"{SIGNS[guide.relation]} {number(guide.limit)}"
+        unit = f" {guide.unit}" if guide.unit else ""
+        asked = f"{SIGNS[guide.relation]} {number(guide.limit)}{unit}"
         asked = f" {asked}" if guide.verdict == "PASS" else f", must be {asked}"
         words = f"{guide.verdict} {guide.name}: {number(guide.value)}{asked}"
         if guide.value is not None and guide.at_s is not None:
@@ -30,7 +31,12 @@ def captions(panel: Panel) -> list[tuple[str, str]]:
 
 def limits(guides: Sequence[Guide], across: Scale, up: Scale, top: int) -> Iterable[str]:
     """Each limit over its window, and where no sample may be shaded; limits that lie on one another once."""
-    return (_limit(guide, across, up, top) for guide in _once(guides))
+    return (_limit(guide, level, across, up, top) for guide in _once(guides) for level in drawn_levels(guide))
+
+
+def drawn_levels(guide: Guide) -> tuple[float, ...]:
+    """Numbers of the panel at which lines are drawn for a check: its limit, or what it names where that is another."""
+    return guide.levels if guide.apart else (guide.limit,)
 
 
 def points(guides: Sequence[Guide], across: Scale, up: Scale, top: int) -> Iterable[str]:
@@ -41,6 +47,11 @@ def points(guides: Sequence[Guide], across: Scale, up: Scale, top: int) -> Itera
         if guide.value is None or guide.at_s is None or guide.margin is None:
             continue
         x = LEFT + across.at(guide.at_s)
+        if guide.apart:
+            if guide.at_value is not None:
+                y = bottom - up.at(guide.at_value)
+                yield f'<circle class="p" stroke="{guide.colour}" cx="{x:.1f}" cy="{y:.1f}" r="4"/>'
+            continue
         limit, value = bottom - up.at(guide.limit), bottom - up.at(guide.value)
         yield f'<path class="w" stroke="{guide.colour}" d="M{x:.1f} {value:.1f}V{limit:.1f}"/>'
         if guide.at_value is not None and guide.at_value != guide.value:
@@ -64,18 +75,18 @@ def points(guides: Sequence[Guide], across: Scale, up: Scale, top: int) -> Itera
 
 def _once(guides: Sequence[Guide]) -> list[Guide]:
     """Of limits that lie on one another, the one that fares worst."""
-    found: dict[tuple[str, float, float, float], Guide] = {}
+    found: dict[tuple[object, ...], Guide] = {}
     for guide in guides:
-        key = (guide.relation, guide.limit, guide.start_s, guide.end_s)
+        key = (guide.relation, drawn_levels(guide), guide.start_s, guide.end_s)
         if key not in found or guide.verdict != "PASS":
             found[key] = guide
     return list(found.values())
 
 
-def _limit(guide: Guide, across: Scale, up: Scale, top: int) -> str:
-    """The limit over its window, and the forbidden side shaded."""
+def _limit(guide: Guide, level: float, across: Scale, up: Scale, top: int) -> str:
+    """The limit, or another level, over its window, and the forbidden side shaded."""
     start, end = LEFT + across.at(guide.start_s), LEFT + across.at(guide.end_s)
-    y = top + up.pixels - up.at(guide.limit)
+    y = top + up.pixels - up.at(level)
     start_y, end_y = (top, y) if guide.relation == "<=" else (y, top + up.pixels)
     colour = colours.of_verdict(guide.verdict)
     line = f'<path class="b" stroke="{colour}" d="M{start:.1f} {y:.1f}H{end:.1f}"/>'

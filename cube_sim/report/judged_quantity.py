@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import assert_never
 
 import numpy as np
 
-from cube_sim.checks import distance_to_allowed
+from cube_sim.checks import distance_to_allowed, margin_of, series_of
 from cube_sim.recording.batch import Rows
 from cube_sim.report.decimation import Values, held
 from cube_sim.report.subject import Subject
 from cube_sim.scenario.check_blocks import (
     AllowedForcesCheckBlock,
+    AlwaysCheckBlock,
     AnyCheck,
+    BeforeAfterCheckBlock,
+    ComparisonBlock,
+    EventuallyCheckBlock,
     ExactWrenchCheckBlock,
     PathEndCheckBlock,
+    RatioCheckBlock,
     SignalCheckBlock,
 )
+from cube_sim.scenario.check_windows import windows_of
+from cube_sim.scenario.statistic_keys import AMONG_SAMPLES, AsksStatistic
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,10 @@ class JudgedQuantity:
         end_s: its end [s].
         as_samples: whether the value is that of a sample, and not a mean over them.
         every_sample: whether no sample of the window may be beyond the limit.
+        apart: whether value and limit are other numbers than these: a share, a count, a time, a ratio, a change.
+        levels: numbers that the check itself names, in the unit.
+        windows: from when to when is looked at [s], where that is more than one span.
+        steps: whether a number holds until the next.
         codes: names of its values, where it is a code.
     """
 
@@ -43,6 +53,10 @@ class JudgedQuantity:
     end_s: float
     as_samples: bool = True
     every_sample: bool = True
+    apart: bool = False
+    levels: tuple[float, ...] = ()
+    windows: tuple[tuple[float, float], ...] = ()
+    steps: bool = False
     codes: tuple[str, ...] = ()
 
     def at(self, t: float) -> float | None:
@@ -51,12 +65,31 @@ class JudgedQuantity:
         return float(value) if np.isfinite(value) else None
 
 
+def judged_quantities(subject: Subject, check: AnyCheck) -> tuple[JudgedQuantity, ...]:
+    """Everything that a check looks at in a run, what its answer points at first."""
+    if not isinstance(check, RatioCheckBlock):
+        return (judged_quantity(subject, check),)
+    both = check.numerator, check.denominator
+    windows = [each.within(subject.scenario.duration_s) for each in windows_of(check, subject.scenario.events)]
+    return tuple(_apart(subject, *each) for each in zip(both, windows, strict=True))
+
+
 def judged_quantity(subject: Subject, check: AnyCheck) -> JudgedQuantity:
     """The number that a check judges in a run."""
     end_s = subject.scenario.duration_s
+    windows = [window.within(end_s) for window in windows_of(check, subject.scenario.events)]
     match check:
+        case SignalCheckBlock() if check.statistic not in AMONG_SAMPLES:
+            return _apart(subject, check, windows[0])
         case SignalCheckBlock():
-            return _of_signal(subject, check, end_s)
+            return _of_signal(subject, check, windows[0])
+        case AlwaysCheckBlock() | EventuallyCheckBlock():
+            return _of_condition(subject, check, windows[0])
+        case RatioCheckBlock():
+            return _apart(subject, check.numerator, windows[0])
+        case BeforeAfterCheckBlock():
+            whole = windows[0][0], windows[1][1]
+            return replace(_apart(subject, check, whole), windows=tuple(windows))
         case AllowedForcesCheckBlock():
             allow_off = check.allow_off is not False
             return JudgedQuantity(
@@ -68,8 +101,8 @@ def judged_quantity(subject: Subject, check: AnyCheck) -> JudgedQuantity:
             return JudgedQuantity(
                 "Distance to the end of the path, at most", "m", _to_end(subject), 0, end_s, every_sample=False
             )
-        case _:
-            assert_never(check)
+        case _:  # one that is new: its result is told, and nothing drawn
+            return JudgedQuantity(check.title, check.unit, np.empty((0, 2)), 0, end_s, apart=True)
 
 
 def beyond_from(quantity: JudgedQuantity, relation: str, limit: float) -> float | None:
@@ -79,30 +112,75 @@ def beyond_from(quantity: JudgedQuantity, relation: str, limit: float) -> float 
     return float(rows[beyond[0], 0]) if len(beyond) else None
 
 
-def _of_signal(subject: Subject, check: SignalCheckBlock, end_s: float) -> JudgedQuantity:
-    rows, name, unit = subject.rows(check.signal), check.signal, subject.unit(check.signal)
-    columns = subject.columns(check.signal)
-    if check.component is not None:
-        known = check.component < len(columns)
-        name += f".{columns[check.component]}" if known else f"[{check.component}]"
-        values = rows[:, 1 + check.component] if known else np.full(len(rows), np.nan)
-    elif rows.shape[1] == 2:
-        values = rows[:, 1]
+def _series(subject: Subject, asked: AsksStatistic | ComparisonBlock) -> tuple[str, Rows]:
+    """What a signal, or the part of it that is asked for, is called, and its rows (n, 2)."""
+    rows, name, columns = subject.rows(asked.signal), asked.signal, subject.columns(asked.signal)
+    if asked.component is not None:
+        known = asked.component < len(columns)
+        name += f".{columns[asked.component]}" if known else f"[{asked.component}]"
+        values = rows[:, 1 + asked.component] if known else np.full(len(rows), np.nan)
     else:
-        name, values = f"|{name}|", np.linalg.norm(rows[:, 1:], axis=1)
-    sizes = check.statistic == "max_abs" or (check.statistic == "rms" and check.at_most is not None)
-    if sizes and np.nanmin(values, initial=np.inf) < 0:
-        name, values = f"|{name}|", np.abs(values)
+        values = series_of(rows[:, 1:], None, asked.combine)
+        if rows.shape[1] != 2:
+            name = f"sum of {name}" if asked.combine == "sum" else f"|{name}|"
+    return name, np.column_stack([rows[:, 0], values])
+
+
+def _of_signal(subject: Subject, check: SignalCheckBlock, window: tuple[float, float]) -> JudgedQuantity:
+    name, rows = _series(subject, check)
+    sizes = check.statistic in ("max_abs", "min_abs") or (check.statistic == "rms" and check.at_most is not None)
+    if sizes and np.nanmin(rows[:, 1], initial=np.inf) < 0:
+        name, rows = f"|{name}|", np.abs(rows)
+    upper, lower = ("max", "max_abs"), ("min", "min_abs")
+    every = check.statistic == "max_abs" or check.statistic in (upper if check.at_least is None else lower)
     return JudgedQuantity(
         name,
-        unit,
-        np.column_stack([rows[:, 0], values]),
-        0.0 if check.from_s is None else check.from_s,
-        end_s if check.to_s is None else check.to_s,
-        check.statistic not in ("rms", "mean"),
-        check.statistic == "max_abs" or (check.statistic, check.at_least is None) in (("max", True), ("min", False)),
-        subject.labels(check.signal),
+        subject.unit(check.signal),
+        rows,
+        *window,
+        as_samples=check.statistic not in ("rms", "mean", "percentile"),
+        every_sample=every,
+        steps=subject.is_held(check.signal),
+        codes=subject.labels(check.signal),
     )
+
+
+def _apart(subject: Subject, asked: AsksStatistic, window: tuple[float, float]) -> JudgedQuantity:
+    """Of a statistic that is no number beside the samples."""
+    name, rows = _series(subject, asked)
+    levels = asked.band or (() if asked.level is None else (asked.level,))
+    return JudgedQuantity(
+        name,
+        subject.unit(asked.signal),
+        rows,
+        *window,
+        as_samples=False,
+        every_sample=False,
+        apart=True,
+        levels=tuple(levels),
+        windows=(window,),
+        steps=subject.is_held(asked.signal),
+        codes=subject.labels(asked.signal),
+    )
+
+
+def _of_condition(
+    subject: Subject, check: AlwaysCheckBlock | EventuallyCheckBlock, window: tuple[float, float]
+) -> JudgedQuantity:
+    """The signal of the only comparison, or the margin of several."""
+    always, first = isinstance(check, AlwaysCheckBlock), check.comparisons[0]
+    if len(check.comparisons) == 1 and not check.scaled:
+        name, rows = _series(subject, first)
+        steps, labels = subject.is_held(first.signal), subject.labels(first.signal)
+        unit = subject.unit(first.signal)
+        return JudgedQuantity(name, unit, rows, *window, every_sample=always, steps=steps, codes=labels)
+    parts = [_series(subject, each)[1] for each in check.comparisons]
+    times = np.unique(np.concatenate([rows[:, 0] for rows in parts]))
+    margins = [margin_of(each, held(rows, times)[:, 0]) for each, rows in zip(check.comparisons, parts, strict=True)]
+    margin = np.min(margins, axis=0) if check.all else np.max(margins, axis=0)
+    unit = "1" if check.scaled else subject.unit(first.signal)
+    title = f"Margin of: {check.condition}"
+    return JudgedQuantity(title, unit, np.column_stack([times, margin]), *window, every_sample=always)
 
 
 def _to_allowed(subject: Subject, allow_off: bool) -> Rows:

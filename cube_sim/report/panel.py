@@ -86,6 +86,9 @@ class Guide:
         margin: distance from limit to value, positive where it passes; None likewise.
         colour: of its point.
         every_sample: whether no sample of the window may be beyond the limit.
+        apart: whether limit, value and margin are other numbers than the panel's.
+        unit: theirs, where they are; "" for a pure number.
+        levels: numbers that the check names, in the panel's unit.
     """
 
     name: str
@@ -100,6 +103,9 @@ class Guide:
     margin: float | None
     colour: str
     every_sample: bool
+    apart: bool = False
+    unit: str = ""
+    levels: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cube_sim.recording.batch import Rows
+from cube_sim.recording.channels import held_signals
 from cube_sim.report.thruster_use import ThrusterUse, thruster_uses
 from cube_sim.run_directory import VERDICT_FILE
 from cube_sim.runs.judging import judged
@@ -69,6 +70,14 @@ class Subject:
     def has(self, signal: str) -> bool:
         """Whether there are rows of it."""
         return len(self.rows(signal)) > 0
+
+    def is_held(self, signal: str) -> bool:
+        """Whether a row of a signal holds until the next."""
+        return signal in self._held
+
+    @cached_property
+    def _held(self) -> frozenset[str]:
+        return held_signals(self.run.recording.channels)
 
     def unit(self, signal: str) -> str:
         """Of a signal; "" where there is none."""

@@ -16,6 +16,7 @@ from cube_sim.report.motion_panels import LIKELY, sensor_names
 from cube_sim.report.subject import Subject
 from cube_sim.report.thruster_use import LOST, LOWER, NEAR, NEAR_OVER_S, OFF, UPPER, ThrusterUse
 from cube_sim.scenario.check_blocks import SignalCheckBlock
+from cube_sim.scenario.statistic_keys import statistic_alone
 from cube_sim.verdict import CheckResult
 
 
@@ -24,8 +25,9 @@ def check_table(subject: Subject) -> str:
     rows = []
     for check, result in zip(subject.scenario.checks, subject.results, strict=True):
         quantity = judged_quantity(subject, check)
-        unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-        statistic = f"{check.statistic.replace('_', ' ')} of " if isinstance(check, SignalCheckBlock) else ""
+        unit = result.unit if quantity.apart else quantity.unit
+        unit = f" {unit}" if unit not in ("", "1") else ""
+        statistic = f"{statistic_alone(check).replace('_', ' ')} of " if isinstance(check, SignalCheckBlock) else ""
         rows.append(
             (
                 badge(result.verdict),

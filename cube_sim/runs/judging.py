@@ -7,14 +7,26 @@ from dataclasses import replace
 from math import inf
 
 from cube_sim.checks import Evaluation, evaluate
+from cube_sim.judged_store import beforehand_of
 from cube_sim.recording.channels import SUPPLY, units_of, why_absent
 from cube_sim.recording.navigation_channels import READINGS, navigation_channels
 from cube_sim.runs.recorded_run import RecordedRun
 from cube_sim.runs.row_times import Span
-from cube_sim.scenario.check_blocks import AnyCheck, PathEndCheckBlock, SignalCheckBlock
+from cube_sim.scenario.check_blocks import (
+    AlwaysCheckBlock,
+    AnyCheck,
+    BeforeAfterCheckBlock,
+    EventuallyCheckBlock,
+    PathEndCheckBlock,
+    RatioCheckBlock,
+    SignalCheckBlock,
+)
+from cube_sim.scenario.check_windows import windows_of
 from cube_sim.verdict import CheckResult, Verdict, overall
 
 _ANY_WIDTH = 1_000
+GROWS = "max", "max_abs", "crossings", "changes", "settling"
+"""Statistics that more rows can only make larger."""
 
 
 def judged(
@@ -30,8 +42,15 @@ def judged(
         The verdict, one result per check, and why the whole cannot be judged, a line each.
     """
     asked = run.scenario.checks if checks is None else checks
-    units = units_of(run.recording.channels)
-    return concluded(run, asked, evaluate(asked, run.signals, duration_s=asked_duration_s(run), units=units))
+    channels = run.recording.channels
+    results = evaluate(
+        asked,
+        run.signals,
+        duration_s=asked_duration_s(run),
+        units=units_of(channels),
+        beforehand=beforehand_of(run.scenario, channels),
+    )
+    return concluded(run, asked, results)
 
 
 def asked_duration_s(run: RecordedRun) -> float | None:
@@ -89,10 +108,10 @@ def nameable(run: RecordedRun) -> dict[str, int]:
 
 def _with_reason(check: AnyCheck, result: CheckResult, run: RecordedRun) -> CheckResult:
     """Of a signal that this run did not record: why not."""
-    if check.named_signal is None or check.named_signal[0] in run.fields:
-        return result
-    why = why_absent(check.named_signal[0])
-    return replace(result, detail=f"{check.named_signal[0]} is not recorded: {why}") if why else result
+    for signal, _, _ in check.named_signals:
+        if signal not in run.fields and (why := why_absent(signal)):
+            return replace(result, detail=f"{signal} is not recorded: {why}")
+    return result
 
 
 def _as_far_as_seen(check: AnyCheck, result: CheckResult, run: RecordedRun) -> CheckResult:
@@ -110,28 +129,34 @@ def _as_far_as_seen(check: AnyCheck, result: CheckResult, run: RecordedRun) -> C
 
 def _unseen(check: AnyCheck, run: RecordedRun) -> list[Span]:
     """From when to when rows are missing that a check asks for [s]."""
-    channels = {name.partition(".")[0] for name in Evaluation([check]).needs}
+    beforehand = beforehand_of(run.scenario, run.recording.channels)
+    channels = {name.partition(".")[0] for name in Evaluation([check], beforehand).needs}
     lost = {span for loss in run.losses if loss.channel in channels for span in loss.spans}
     spans = sorted({*run.missing_s, *lost})
     if run.end is not None and run.end.simulated_s is not None and run.end.simulated_s < run.scenario.duration_s:
         spans.append((run.end.simulated_s, run.scenario.duration_s))
-    start, end = 0.0, inf
-    if isinstance(check, SignalCheckBlock):
-        end = inf if check.to_s is None else check.to_s
-        start = check.from_s or 0.0
-        if check.statistic == "final":
-            start = min(end, run.scenario.duration_s) - 1.5 * run.scenario.control_period_s
-    return [(a, b) for a, b in spans if a <= end and b > start]
+    windows = [window.within(inf) for window in windows_of(check, run.scenario.events)]
+    if isinstance(check, SignalCheckBlock) and check.statistic == "final":
+        end = min(windows[0][1], run.scenario.duration_s)
+        windows = [(end - 1.5 * run.scenario.control_period_s, end)]
+    return [(a, b) for a, b in spans if any(a <= end and b > start for start, end in windows)]
 
 
 def _shown_by_some(check: AnyCheck, result: CheckResult, unseen: Sequence[Span]) -> Verdict | None:
     """Which verdict the rows of a part of the time show, whatever the others are; None where they show none."""
     if isinstance(check, PathEndCheckBlock):  # once at the end is at the end
         return "PASS"
-    if isinstance(check, SignalCheckBlock):
-        largest = check.statistic in ("max", "max_abs")
-        if not largest and check.statistic != "min":
+    match check:
+        case AlwaysCheckBlock():
+            return "FAIL"
+        case EventuallyCheckBlock():
+            return "PASS"
+        case RatioCheckBlock() | BeforeAfterCheckBlock():
             return None
-        return "FAIL" if largest == (check.at_most is not None) else "PASS"
+        case SignalCheckBlock():
+            grows = check.statistic in GROWS
+            if not grows and check.statistic not in ("min", "min_abs"):
+                return None
+            return "FAIL" if grows == (check.at_most is not None) else "PASS"
     # Behind a gap the thrusters' limits may be others, told in the rows that are lost.
     return "FAIL" if result.at_s is not None and result.at_s < unseen[0][0] else None

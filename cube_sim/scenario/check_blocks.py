@@ -5,29 +5,35 @@ These blocks only say what is asked; `cube_sim.checks` answers it from the recor
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import Field, model_validator
+from pydantic.types import Strict
 
-from cube_sim.scenario.values import Block, Title, refuse
+from cube_sim.scenario.statistic_keys import (
+    AtLeast,
+    AtMost,
+    Band,
+    Bound,
+    Combine,
+    Component,
+    Level,
+    NamedSignal,
+    Percent,
+    SignalName,
+    SparingBlock,
+    StatisticName,
+    bound_of,
+    require_one_limit,
+    require_possible_limit,
+    require_statistic,
+    statistic_in_words,
+)
+from cube_sim.scenario.values import Title, refuse
+from cube_sim.scenario.windows import EventName, FromEvent, FromS, ToEvent, ToS, require_window
 
-Statistic = Literal["rms", "mean", "max", "min", "max_abs", "final"]
-SignalName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+\.[a-z0-9_]+$")]
 
-
-class Bound(NamedTuple):
-    """What the value of a check is compared with.
-
-    Attributes:
-        relation: how the value must compare with the limit.
-        limit: in the value's unit.
-    """
-
-    relation: Literal["<=", ">="]
-    limit: float
-
-
-class CheckBlock(Block):
+class CheckBlock(SparingBlock):
     """What every check has; each also has a `title` and a `bound`."""
 
     name: Title | None = Field(
@@ -36,57 +42,300 @@ class CheckBlock(Block):
     )
 
     @property
-    def named_signal(self) -> tuple[str, int | None] | None:
-        """The signal that the scenario names, and the column; None where the check itself knows what to look at."""
-        return None
+    def named_signals(self) -> tuple[NamedSignal, ...]:
+        """The signals that the scenario names; none where the check itself knows what to look at."""
+        return ()
 
 
 class SignalCheckBlock(CheckBlock):
     """One statistic of one recorded signal against one limit.
 
-    A signal with several columns is judged by its Euclidean norm at each sample, or by one `component`.
+    A signal with several columns is judged by its Euclidean norm at each sample, by the sum of its columns, or by one
+    `component`. What is recorded on change is judged as held until the next change. Formulas: docs/checks.md.
     """
 
+    sparing: ClassVar[frozenset[str]] = frozenset(("combine", "level", "band", "percent", "from_event", "to_event"))
+
     kind: Literal["signal"]
-    signal: SignalName = Field(description="Recorded signal as channel.field, for example path_error.cross_track.")
-    component: int | None = Field(
-        default=None,
-        ge=0,
-        description="Column of a vector signal, from 0. Default: the norm of all its columns.",
-    )
-    statistic: Statistic = Field(description="What is compared with the limit, over the samples of the window.")
-    at_most: float | None = Field(default=None, description="Largest value that passes, in the signal's unit.")
-    at_least: float | None = Field(default=None, description="Smallest value that passes, in the signal's unit.")
-    from_s: float | None = Field(default=None, ge=0, description="Start of the window [s]. Default: start of the run.")
-    to_s: float | None = Field(default=None, gt=0, description="End of the window [s]. Default: end of the run.")
+    signal: SignalName
+    component: Component = None
+    combine: Combine = "norm"
+    statistic: StatisticName
+    level: Level = None
+    band: Band = None
+    percent: Percent = None
+    at_most: AtMost = None
+    at_least: AtLeast = None
+    from_s: FromS = None
+    to_s: ToS = None
+    from_event: FromEvent = None
+    to_event: ToEvent = None
 
     @model_validator(mode="after")
     def _one_limit_and_a_window(self) -> SignalCheckBlock:
-        if (self.at_most is None) == (self.at_least is None):
-            refuse("give exactly one limit: at_most or at_least")
-        if self.from_s is not None and self.to_s is not None and not self.from_s < self.to_s:
-            refuse(f"the window is empty: from_s {self.from_s:g} is not before to_s {self.to_s:g}", "to_s")
+        require_one_limit(self)
+        require_statistic(self)
+        require_possible_limit(self.statistic, self)
+        require_window(self)
         return self
 
     @property
     def title(self) -> str:
         """Name shown in results."""
-        column = "" if self.component is None else f"[{self.component}]"
-        return self.name or f"{self.statistic} of {self.signal}{column}"
+        return self.name or statistic_in_words(self)
 
     @property
     def bound(self) -> Bound:
         """The one limit that is given."""
-        if self.at_most is not None:
-            return Bound("<=", self.at_most)
-        if self.at_least is not None:
-            return Bound(">=", self.at_least)
-        raise ValueError("a signal check holds at_most or at_least")
+        return bound_of(self)
 
     @property
-    def named_signal(self) -> tuple[str, int | None]:
-        """See `CheckBlock.named_signal`."""
-        return self.signal, self.component
+    def named_signals(self) -> tuple[NamedSignal, ...]:
+        """See `CheckBlock.named_signals`."""
+        return (NamedSignal(self.signal, self.component),)
+
+
+class ComparisonBlock(SparingBlock):
+    """A signal against a limit, at each instant."""
+
+    sparing: ClassVar[frozenset[str]] = frozenset(("combine", "scale"))
+
+    signal: SignalName
+    component: Component = None
+    combine: Combine = "norm"
+    at_most: AtMost = None
+    at_least: AtLeast = None
+    scale: float | None = Field(
+        default=None,
+        ge=1e-9,
+        le=1e12,
+        description="So much of the signal's unit counts as 1 in the margin; needed where the units of several differ.",
+    )
+
+    @model_validator(mode="after")
+    def _one_limit(self) -> ComparisonBlock:
+        require_one_limit(self)
+        if self.component is not None and self.combine != "norm":
+            refuse("one component has nothing to combine: leave out one of the two", "combine")
+        return self
+
+    @property
+    def bound(self) -> Bound:
+        """The one limit that is given."""
+        return bound_of(self)
+
+    @property
+    def words(self) -> str:
+        """For readers: "pose.position[2] <= -1"."""
+        column = "" if self.component is None else f"[{self.component}]"
+        relation, limit = self.bound
+        return f"{'sum of ' if self.combine == 'sum' else ''}{self.signal}{column} {relation} {limit:g}"
+
+
+Comparisons = Annotated[tuple[ComparisonBlock, ...], Strict(False)]
+
+
+class ConditionCheckBlock(CheckBlock):
+    """What checks of a condition have: comparisons that hold together, or of which one holds, and a window."""
+
+    sparing: ClassVar[frozenset[str]] = frozenset(("from_event", "to_event"))
+
+    all: Comparisons = Field(default=(), description="Comparisons of which every one holds; give all or any.")
+    any: Comparisons = Field(default=(), description="Comparisons of which at least one holds.")
+    from_s: FromS = None
+    to_s: ToS = None
+    from_event: FromEvent = None
+    to_event: ToEvent = None
+
+    @property
+    def comparisons(self) -> tuple[ComparisonBlock, ...]:
+        """Those of `all`, or those of `any`."""
+        return self.all or self.any
+
+    @property
+    def condition(self) -> str:
+        """For readers."""
+        return (" and " if self.all else " or ").join(each.words for each in self.comparisons)
+
+    @property
+    def scaled(self) -> bool:
+        """Whether margins are pure numbers."""
+        return self.comparisons[0].scale is not None
+
+    @property
+    def bound(self) -> Bound:
+        """The limit of the only comparison; of several, their margin is held against 0."""
+        alone = len(self.comparisons) == 1 and not self.scaled
+        return self.comparisons[0].bound if alone else Bound(">=", 0.0)
+
+    @property
+    def named_signals(self) -> tuple[NamedSignal, ...]:
+        """See `CheckBlock.named_signals`."""
+        key = "all" if self.all else "any"
+        return tuple(
+            NamedSignal(each.signal, each.component, f"{key}.{index}") for index, each in enumerate(self.comparisons)
+        )
+
+    @model_validator(mode="after")
+    def _one_list_and_a_window(self) -> ConditionCheckBlock:
+        if bool(self.all) == bool(self.any):
+            refuse("give exactly one list of comparisons: all or any")
+        key = "all" if self.all else "any"
+        for index, each in enumerate(self.comparisons):
+            if (each.scale is None) == self.scaled:
+                refuse("give every comparison a scale, or none", key, index)
+        require_window(self)
+        return self
+
+
+class AlwaysCheckBlock(ConditionCheckBlock):
+    """A condition on signals holds at every instant of the window.
+
+    The value is that of the worst instant: the signal's own where there is one comparison, else the smallest margin.
+    """
+
+    kind: Literal["always"]
+
+    @property
+    def title(self) -> str:
+        """Name shown in results."""
+        return self.name or f"always {self.condition}"
+
+
+class EventuallyCheckBlock(ConditionCheckBlock):
+    """A condition on signals holds at one instant of the window at least.
+
+    The value is that of the best instant: the signal's own where there is one comparison, else the largest margin.
+    """
+
+    sparing: ClassVar[frozenset[str]] = frozenset((*ConditionCheckBlock.sparing, "within_s"))
+
+    kind: Literal["eventually"]
+    within_s: float | None = Field(
+        default=None,
+        gt=0,
+        le=86400,
+        description="Latest time after the start of the window [s]. Default: its end.",
+    )
+
+    @model_validator(mode="after")
+    def _one_end(self) -> EventuallyCheckBlock:
+        if self.within_s is not None and (self.to_s is not None or self.to_event is not None):
+            refuse("the window ends within_s after its start: leave out to_s and to_event", "within_s")
+        return self
+
+    @property
+    def title(self) -> str:
+        """Name shown in results."""
+        within = "" if self.within_s is None else f" within {self.within_s:g} s"
+        return self.name or f"eventually{within} {self.condition}"
+
+
+class StatisticBlock(SparingBlock):
+    """One statistic of one recorded signal, over a window of its own."""
+
+    sparing: ClassVar[frozenset[str]] = SignalCheckBlock.sparing
+
+    signal: SignalName
+    component: Component = None
+    combine: Combine = "norm"
+    statistic: StatisticName
+    level: Level = None
+    band: Band = None
+    percent: Percent = None
+    from_s: FromS = None
+    to_s: ToS = None
+    from_event: FromEvent = None
+    to_event: ToEvent = None
+
+    @model_validator(mode="after")
+    def _statistic_and_window(self) -> StatisticBlock:
+        require_statistic(self)
+        require_window(self)
+        return self
+
+
+class RatioCheckBlock(CheckBlock):
+    """One statistic divided by another, against one limit: energy by distance, one error by another."""
+
+    kind: Literal["ratio"]
+    numerator: StatisticBlock
+    denominator: StatisticBlock
+    at_most: AtMost = None
+    at_least: AtLeast = None
+
+    @model_validator(mode="after")
+    def _one_limit(self) -> RatioCheckBlock:
+        require_one_limit(self)
+        return self
+
+    @property
+    def title(self) -> str:
+        """Name shown in results."""
+        return self.name or f"{statistic_in_words(self.numerator)} / {statistic_in_words(self.denominator)}"
+
+    @property
+    def bound(self) -> Bound:
+        """The one limit that is given."""
+        return bound_of(self)
+
+    @property
+    def named_signals(self) -> tuple[NamedSignal, ...]:
+        """See `CheckBlock.named_signals`."""
+        above, below = self.numerator, self.denominator
+        return (
+            NamedSignal(above.signal, above.component, "numerator"),
+            NamedSignal(below.signal, below.component, "denominator"),
+        )
+
+
+class BeforeAfterCheckBlock(CheckBlock):
+    """By how much one statistic of one signal is another after an event than before it.
+
+    The value is the one after less the one before, or the one after over the one before.
+    """
+
+    sparing: ClassVar[frozenset[str]] = frozenset(("combine", "level", "band", "percent"))
+
+    kind: Literal["before_after"]
+    event: EventName = Field(description="The event, by its name or by its number in the list of events, from 0.")
+    signal: SignalName
+    component: Component = None
+    combine: Combine = "norm"
+    statistic: StatisticName
+    level: Level = None
+    band: Band = None
+    percent: Percent = None
+    before_s: float = Field(gt=0, le=86400, description="Length of the window that ends at the event [s].")
+    after_s: float = Field(gt=0, le=86400, description="Length of the window after the event [s].")
+    delay_s: float = Field(default=0.0, ge=0, le=86400, description="Time from the event until that window begins [s].")
+    compare: Literal["difference", "ratio"] = Field(
+        default="difference", description="difference: after less before. ratio: after over before."
+    )
+    at_most: AtMost = None
+    at_least: AtLeast = None
+
+    @model_validator(mode="after")
+    def _statistic_and_limit(self) -> BeforeAfterCheckBlock:
+        require_one_limit(self)
+        require_statistic(self)
+        return self
+
+    @property
+    def title(self) -> str:
+        """Name shown in results."""
+        sign = "-" if self.compare == "difference" else "/"
+        return self.name or f"{statistic_in_words(self)}, after {sign} before event {self.event}"
+
+    @property
+    def bound(self) -> Bound:
+        """The one limit that is given."""
+        return bound_of(self)
+
+    @property
+    def named_signals(self) -> tuple[NamedSignal, ...]:
+        """See `CheckBlock.named_signals`."""
+        return (NamedSignal(self.signal, self.component),)
 
 
 class AllowedForcesCheckBlock(CheckBlock):
@@ -172,6 +421,13 @@ class PathEndCheckBlock(CheckBlock):
 
 
 AnyCheck = Annotated[
-    SignalCheckBlock | AllowedForcesCheckBlock | ExactWrenchCheckBlock | PathEndCheckBlock,
+    SignalCheckBlock
+    | AlwaysCheckBlock
+    | EventuallyCheckBlock
+    | RatioCheckBlock
+    | BeforeAfterCheckBlock
+    | AllowedForcesCheckBlock
+    | ExactWrenchCheckBlock
+    | PathEndCheckBlock,
     Field(discriminator="kind"),
 ]

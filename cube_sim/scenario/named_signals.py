@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
-from cube_sim.scenario.check_blocks import AnyCheck
+from cube_sim.scenario.check_blocks import AnyCheck, ConditionCheckBlock
+from cube_sim.scenario.statistic_keys import NamedSignal
 
 _NEAREST = 3
 """Of the signals that there are, so many are named to whoever names none of them."""
@@ -29,17 +30,44 @@ def signal_mistakes(
         Dotted path of the value at fault, and what is wrong with it.
     """
     for i, check in enumerate(checks):
-        if check.named_signal is None:
+        for signal, component, place in check.named_signals:
+            where = f"checks.{i}.{place}." if place else f"checks.{i}."
+            if signal not in widths:
+                if why := why_absent(signal):
+                    yield f"{where}signal", f"'{signal}' is not recorded: {why}"
+                    continue
+                known = widths if recorded is None else recorded
+                near = get_close_matches(signal, known, n=1)
+                nearest = ", ".join(get_close_matches(signal, known, n=_NEAREST, cutoff=0.0)) or "none"
+                hint = f"did you mean {near[0]}?" if near else f"the nearest of {len(known)} are {nearest}"
+                yield f"{where}signal", f"no signal '{signal}' is recorded, {hint}"
+            elif component is not None and component >= widths[signal]:
+                yield f"{where}component", f"{signal} has columns 0 to {widths[signal] - 1}"
+
+
+def unit_mistakes(checks: Sequence[AnyCheck], units: Mapping[str, Sequence[str]]) -> Iterator[tuple[str, str]]:
+    """Conditions that weigh margins of different units against one another.
+
+    Args:
+        checks: of a scenario.
+        units: signal -> the unit of each of its numbers.
+
+    Yields:
+        Dotted path of the value at fault, and what is wrong with it.
+    """
+    for i, check in enumerate(checks):
+        if not isinstance(check, ConditionCheckBlock) or check.scaled:
             continue
-        signal, component = check.named_signal
-        if signal not in widths:
-            if why := why_absent(signal):
-                yield f"checks.{i}.signal", f"'{signal}' is not recorded: {why}"
-                continue
-            known = widths if recorded is None else recorded
-            near = get_close_matches(signal, known, n=1)
-            nearest = ", ".join(get_close_matches(signal, known, n=_NEAREST, cutoff=0.0)) or "none"
-            hint = f"did you mean {near[0]}?" if near else f"the nearest of {len(known)} are {nearest}"
-            yield f"checks.{i}.signal", f"no signal '{signal}' is recorded, {hint}"
-        elif component is not None and component >= widths[signal]:
-            yield f"checks.{i}.component", f"{signal} has columns 0 to {widths[signal] - 1}"
+        first, *others = check.named_signals
+        unit = _units(first, units)
+        for other in others:
+            if _units(other, units) != unit:
+                text = f"{_units(other, units)} beside {unit}: give every comparison a scale, by which margins compare"
+                yield f"checks.{i}.{other.place}", text
+                break
+
+
+def _units(named: NamedSignal, units: Mapping[str, Sequence[str]]) -> str:
+    known = units.get(named.signal, ())
+    chosen = known if named.component is None else known[named.component : named.component + 1]
+    return ", ".join(dict.fromkeys(chosen))

@@ -15,7 +15,8 @@ from pydantic_core.core_schema import ValidationInfo
 from cube_sim.scenario.allocation_block import AllocationBlock
 from cube_sim.scenario.attitude_blocks import AlongPathBlock, AnyAttitude
 from cube_sim.scenario.battery_block import BatteryBlock
-from cube_sim.scenario.check_blocks import AllowedForcesCheckBlock, AnyCheck, PathEndCheckBlock, SignalCheckBlock
+from cube_sim.scenario.check_blocks import AllowedForcesCheckBlock, AnyCheck, PathEndCheckBlock
+from cube_sim.scenario.check_windows import require_windows_inside
 from cube_sim.scenario.current_block import CurrentProfileBlock
 from cube_sim.scenario.event_blocks import AnyEvent
 from cube_sim.scenario.file_names import ModelFile
@@ -385,7 +386,7 @@ class Scenario(Block):
                     f"checks {first} and {index} are both called '{check.title}'; give one another name",
                     index,
                 )
-        _require_windows_inside(checks, info.data.get("duration_s"))
+        require_windows_inside(checks, info.data.get("events"), info.data.get("duration_s"))
         path = info.data.get("path")
         may_be_open = isinstance(path, PythonPathBlock)  # only the path itself says
         if not may_be_open and getattr(path, "laps", 1.0) is None and getattr(path, "closed", True):
@@ -401,18 +402,3 @@ class Scenario(Block):
             else check
             for check in checks
         )
-
-
-def _require_windows_inside(checks: tuple[AnyCheck, ...], duration_s: float | None) -> None:
-    """A window that sticks out of the run could only be found wanting after the flight."""
-    if duration_s is None:
-        return
-    for index, check in enumerate(checks):
-        if not isinstance(check, SignalCheckBlock):
-            continue
-        if check.from_s is not None and check.from_s >= duration_s:
-            text = f"the window starts at {check.from_s:g} s, the run ends at {duration_s:g} s"
-            refuse(text, index, "from_s", because=("duration_s",))
-        if check.to_s is not None and check.to_s > duration_s:
-            text = f"the window ends at {check.to_s:g} s, the run at {duration_s:g} s"
-            refuse(text, index, "to_s", because=("duration_s",))

@@ -22,10 +22,6 @@ def prepared(check, scenario="cube_navigated"):
     ("check", "said"),
     [
         (
-            {"signal": "actuation.limits", "statistic": "max"},
-            "signal: 'actuation.limits' is recorded on change, it has no samples to take a statistic of",
-        ),
-        (
             {"signal": "pose.position", "statistic": "rms", "from_s": 5.001, "to_s": 5.015},
             "to_s: the window 5.001 s to 5.015 s holds no sample of pose.position, which has one every 0.02 s; "
             "rms needs 2",
@@ -49,8 +45,43 @@ def test_a_window_without_its_samples_is_refused(check, said):
 
 
 @pytest.mark.parametrize(
+    ("check", "said"),
+    [
+        (
+            {"kind": "always", "all": [{"signal": "pose.position", "at_most": 1},
+             {"signal": "pose.speed", "at_most": 1}]},
+            "all.1.signal: no signal 'pose.speed' is recorded, the nearest of",
+        ),
+        (
+            {"kind": "always", "any": [{"signal": "pose.position", "at_most": 1}, {"signal": "velocity.linear",
+             "at_most": 1}]},
+            "any.1: m/s beside m: give every comparison a scale, by which margins compare",
+        ),
+        (
+            {"kind": "ratio", "numerator": {"signal": "power.charge", "statistic": "max"}, "denominator": {
+                "signal": "pose.position", "statistic": "max", "component": 3}, "at_most": 1},
+            "numerator.signal: 'power.charge' is not recorded: the scenario has no battery\n"
+            "override checks: checks.0.denominator.component: pose.position has columns 0 to 2",
+        ),
+        (
+            {"kind": "ratio", "numerator": {"signal": "pose.position", "statistic": "std", "from_s": 4, "to_s": 4.01},
+             "denominator": {"signal": "pose.position", "statistic": "max"}, "at_most": 1},
+            "numerator.to_s: the window 4 s to 4.01 s holds one sample of pose.position, which has one every 0.02 s;"
+            " std needs 2",
+        ),
+    ],
+)  # fmt: skip
+def test_a_signal_inside_a_check_is_refused_at_its_place(check, said):
+    with pytest.raises(ScenarioError) as refused:
+        prepare(load(SCENARIOS / "cube_navigated.yaml", {"checks": [check], "duration_s": 20.0, "events": []}))
+    assert f"override checks: checks.0.{said}" in str(refused.value)
+
+
+@pytest.mark.parametrize(
     "check",
     [
+        {"signal": "actuation.limits", "statistic": "max"},
+        {"signal": "actuation.limits", "statistic": "mean", "from_s": 5.001, "to_s": 5.002},
         {"signal": "pose.position", "statistic": "final", "from_s": 5.001, "to_s": 5.021},
         {"signal": "pose.position", "statistic": "max", "from_s": 5.001, "to_s": 5.045},
         {"signal": "pose.position", "statistic": "final", "from_s": 19.99},

@@ -10,10 +10,21 @@ from support.synthetic_run import synthetic_run
 from cube_sim.recording.reading import ALTERED
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.runs.judging import judged
-from cube_sim.scenario.check_blocks import AllowedForcesCheckBlock, PathEndCheckBlock, SignalCheckBlock
+from cube_sim.scenario.check_blocks import (
+    AllowedForcesCheckBlock,
+    AlwaysCheckBlock,
+    BeforeAfterCheckBlock,
+    ComparisonBlock,
+    EventuallyCheckBlock,
+    PathEndCheckBlock,
+    SignalCheckBlock,
+)
 
 BEYOND_S = 6.2, 7.0
 """When the cross-track error of the synthetic run is beyond 0.5 m; at 6.6 s it is 0.9 m, elsewhere 0.01 m."""
+
+UNDER = ComparisonBlock(signal="path_error.cross_track", at_most=0.5)
+OVER = ComparisonBlock(signal="path_error.cross_track", at_least=0.5)
 
 
 def cross_track(statistic, **rest):
@@ -49,10 +60,30 @@ def without(start, end, how="recovered", channel=None, simulated_s=10.0):
         (cross_track("final", at_most=0.001), (3.0, 4.0), "FAIL"),
         (cross_track("final", at_most=0.5), (9.0, 10.5), "ERROR"),
         (cross_track("final", at_most=0.5, to_s=5.0), (4.9, 6.0), "ERROR"),
+        (cross_track("min_abs", at_most=0.5), (3.0, 4.0), "PASS"),
+        (cross_track("std", at_most=0.001), (3.0, 4.0), "ERROR"),
+        (cross_track("percentile", percent=50.0, at_most=0.5), (3.0, 4.0), "ERROR"),
+        (cross_track("share_above", level=0.5, at_most=0.5), (3.0, 4.0), "ERROR"),
+        (cross_track("crossings", level=0.5, at_most=1.0), (3.0, 4.0), "FAIL"),
+        (cross_track("crossings", level=0.5, at_most=2.0), (3.0, 4.0), "ERROR"),
+        (cross_track("settling", band=(0.0, 0.5), at_most=6.9), (3.0, 4.0), "FAIL"),
+        (cross_track("settling", band=(0.0, 0.5), at_most=7.5), (8.0, 9.0), "ERROR"),
+        (cross_track("settling", band=(0.0, 0.5), at_least=7.0), (8.0, 9.0), "PASS"),
+        (cross_track("integral", at_most=100.0), (3.0, 4.0), "ERROR"),
+        (AlwaysCheckBlock(kind="always", all=(UNDER,)), (3.0, 4.0), "FAIL"),
+        (AlwaysCheckBlock(kind="always", all=(UNDER,), to_s=5.0), (3.0, 4.0), "ERROR"),
+        (AlwaysCheckBlock(kind="always", all=(UNDER,), to_s=5.0), (6.0, 7.5), "PASS"),
+        (EventuallyCheckBlock(kind="eventually", all=(OVER,)), (3.0, 4.0), "PASS"),
+        (EventuallyCheckBlock(kind="eventually", all=(OVER,)), (6.0, 7.5), "ERROR"),
+        (EventuallyCheckBlock(kind="eventually", all=(OVER,), within_s=5.0), (7.0, 7.5), "FAIL"),
+        (BeforeAfterCheckBlock(kind="before_after", event=0, signal="path_error.cross_track", statistic="max",
+                               before_s=1.0, after_s=2.0, at_most=0.5), (3.0, 3.5), "ERROR"),
+        (BeforeAfterCheckBlock(kind="before_after", event=0, signal="path_error.cross_track", statistic="max",
+                               before_s=1.0, after_s=2.0, at_most=0.5), (5.0, 5.5), "PASS"),
         (PathEndCheckBlock(kind="path_end", reach_m=0.001), (3.0, 4.0), "ERROR"),
         (AllowedForcesCheckBlock(kind="allowed_forces"), (7.5, 8.0), "ERROR"),
     ],
-)
+)  # fmt: skip
 def test_what_the_rows_show_is_said_and_no_more(check, gap, verdict):
     _, (result,), _ = judged(without(*gap), [check])
     assert result.verdict == verdict, result.detail

@@ -385,6 +385,65 @@ WINDOWED = MINIMAL.replace(
 )
 
 
+EVENTFUL = """\
+events:
+  - {kind: current, at_s: 4, current_m_s: [0, 0.2, 0]}
+checks:
+  - kind: signal
+    signal: path_error.cross_track
+    statistic: settling
+    band: [0, 0.1]
+    from_event: 0
+    at_most: 3
+  - kind: before_after
+    event: 0
+    signal: path_error.cross_track
+    statistic: rms
+    before_s: 4
+    after_s: 5
+    delay_s: 1
+    at_most: 0.1
+  - kind: eventually
+    within_s: 6
+    from_event: 0
+    all: [{signal: path_error.cross_track, at_most: 0.1}]
+  - kind: ratio
+    numerator: {signal: power.energy, statistic: increase, from_s: 1, to_event: 0, to_s: 2}
+    denominator: {signal: target.arc_length, statistic: increase}
+    at_most: 400
+"""
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        ({}, None),
+        ({"events.0.at_s": 4.1}, "mission.yaml:21:14: checks.1.after_s: the window after the event ends at 10.1 s,"
+                                 " the run at 10 s"),
+        ({"events.0.at_s": 3.9}, "mission.yaml:20:15: checks.1.before_s: the window before the event starts at -0.1 s,"
+                                 " before the run"),
+        ({"checks.0.at_most": 6}, "override checks.0.at_most: settling is timed in the window, which is 6 s long: 6 s"
+                                  " must be less"),
+        ({"checks.2.within_s": 6.5}, "override checks.2.within_s: 6.5 s after the start of the window, 4 s, the run has"
+                                     " ended, at 10 s"),
+        ({"checks.0.from_event": 1}, "override checks.0.from_event: no event 1; there are 0: current becomes"
+                                     " [0, 0.2, 0] m/s"),
+        ({"checks.1.event": "gust"}, "override checks.1.event: no event 'gust'; there are 0: current becomes"
+                                     " [0, 0.2, 0] m/s"),
+        ({"checks.3.numerator.to_s": -3.5}, "override checks.3.numerator.to_s: the window is empty: from_s 1 is not"
+                                            " before to_s 0.5"),
+        ({"checks.3.numerator.to_s": 7}, "override checks.3.numerator.to_s: the window ends at 11 s, the run at 10 s"),
+        ({"checks.0.from_s": -5}, "override checks.0.from_s: the window starts at -1 s, before the run"),
+    ],
+)  # fmt: skip
+def test_a_window_that_counts_from_an_event_lies_in_the_run(tmp_path, overrides, expected):
+    path = write(tmp_path, MINIMAL[: MINIMAL.index("checks:")] + EVENTFUL)
+    if expected is None:
+        load(path, overrides)
+    else:
+        assert mistakes(path, overrides) == [expected]
+
+
 @pytest.mark.parametrize(
     ("overrides", "expected"),
     [

@@ -40,6 +40,13 @@ WITHOUT_UNIT = {
     "at_most",
     "at_least",
     "component",
+    "level",  # numbers in the unit of the signal they judge
+    "band",
+    "percent",
+    "scale",
+    "event",  # the number of one in their list
+    "from_event",
+    "to_event",
     "components",
     "noise",  # of a sensor of one's own, with the unit it says
     "bias",

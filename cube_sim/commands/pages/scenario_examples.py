@@ -167,4 +167,50 @@ samples:
 samples:                     # all 36 losses of one or two of eight
   lost_thrusters: {losses: [1, 2], at_s: 5}
 """,
+    "checks:signal": """\
+checks:
+  - {kind: signal, signal: path_error.cross_track, statistic: percentile, percent: 95, at_most: 0.3, from_s: 10}
+  - {kind: signal, signal: path_error.cross_track, statistic: settling, band: [0, 0.1], at_most: 15}
+  - {kind: signal, signal: power.motor, combine: sum, statistic: integral, at_most: 5000}   # J
+""",
+    "checks:always": """\
+checks:
+  - {kind: always, all: [{signal: pose.position, component: 2, at_most: -1}]}
+  - kind: always
+    name: slow near the bottom
+    any:
+      - {signal: pose.position, component: 2, at_least: -9, scale: 1}
+      - {signal: velocity.linear, at_most: 0.2, scale: 0.1}
+""",
+    "checks:eventually": """\
+checks:
+  - kind: eventually
+    name: at rest at the end of the path
+    from_s: 5
+    all:
+      - {signal: target.remaining, at_most: 0.1, scale: 0.1}
+      - {signal: velocity.linear, at_most: 0.05, scale: 0.05}
+""",
+    "checks:ratio": """\
+checks:
+  - kind: ratio
+    name: energy per metre
+    numerator: {signal: power.energy, statistic: increase, from_s: 5, to_s: 15}
+    denominator: {signal: target.arc_length, statistic: increase, from_s: 5, to_s: 15}
+    at_most: 400
+""",
+    "checks:before_after": """\
+events:
+  - {kind: thrusters, at_s: 10, thrusters: [T1], state: dead}
+checks:
+  - kind: before_after
+    name: cross-track RMS after the loss
+    event: 0
+    signal: path_error.cross_track
+    statistic: rms
+    before_s: 4
+    after_s: 5
+    delay_s: 2
+    at_most: 0.1
+""",
 }

@@ -79,6 +79,18 @@ class _Keys:
         blocks = [self._at(member["$ref"]) for member in value["oneOf"]]
         return tag, [_Kind(block["properties"][tag]["const"], block) for block in blocks]
 
+    @property
+    def shared(self) -> dict[str, Schema]:
+        """The blocks that stand in more than one place, by their titles; each has one section."""
+        counted: dict[str, int] = {}
+        for parent in self.blocks:
+            for value in parent["properties"].values():
+                value, _ = without_null(value.get("items", value))
+                if "$ref" in value:
+                    counted[value["$ref"]] = counted.get(value["$ref"], 0) + 1
+        blocks = [self._at(reference) for reference, count in counted.items() if count > 1]
+        return {block["title"]: block for block in blocks}
+
     def named_or_own(self, value: Schema) -> tuple[Schema, Schema] | None:
         """Of a value that is a name or a block in its place, both; or None."""
         value, null = without_null(value)
@@ -111,6 +123,8 @@ def scenario_page() -> str:
     parts = [_INTRODUCTION.rstrip(), block(scenario_examples.WHOLE), _HOW_TO, heading(2, _TOP)]
     parts.append(_rows(keys, "", schema))
     parts += _children(keys, "", schema, 2)
+    for title, shared in keys.shared.items():
+        parts += [heading(2, title), _text(shared["description"]), *_example(title), _rows(keys, title, shared)]
     parts += _own(keys, schema)
     return "\n\n".join(parts) + "\n"
 
@@ -132,6 +146,8 @@ def _children(keys: _Keys, path: str, parent: Schema, level: int, skip: str = ""
             continue
         where = f"{path}.{name}" if path else name
         if (below := keys.block(value)) is not None:
+            if below["title"] in keys.shared:
+                continue
             yield heading(level, _title(where))
             yield _text(below["description"])
             yield from _example(where)
@@ -180,8 +196,9 @@ def _row(keys: _Keys, where: str, name: str, value: Schema, required: bool) -> t
     unit, meaning = unit_and_meaning(_text(description))
     if below is not None:
         null = " or `null`" if without_null(value)[1] else ""
+        title = below["title"] if below["title"] in keys.shared else _title(where)
         allow, standard = (
-            link(_many(value, "block"), _title(where)) + null,
+            link(_many(value, "block"), title) + null,
             _block_default(keys, value, below, required),
         )
     elif (both := keys.named_or_own(value)) is not None:
@@ -199,6 +216,8 @@ def _block_default(keys: _Keys, value: Schema, below: Schema, required: bool) ->
     if required:
         return "required"
     standard = value["default"]
+    if "items" in value:
+        return code(flow(standard))
     return "its defaults" if standard == _defaults(keys, below) else code(flow(standard))
 
 

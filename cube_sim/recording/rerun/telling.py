@@ -11,6 +11,8 @@ from cube_sim.recording.rerun.story import Event, Limit, Story
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.check_blocks import AnyCheck, SignalCheckBlock
 from cube_sim.scenario.document import parse
+from cube_sim.scenario.statistic_keys import AMONG_SAMPLES, statistic_alone
+from cube_sim.scenario.windows import window_of
 
 
 def story_of(header: RunHeader) -> Story:
@@ -20,7 +22,10 @@ def story_of(header: RunHeader) -> Story:
     except ValidationError:
         return Story("", "", None, None, (), ())
     events = sorted((Event(event.at_s, event.title) for event in scenario.events), key=lambda event: event.t)
-    limits = (_limit(check, scenario.duration_s) for check in scenario.checks if isinstance(check, SignalCheckBlock))
+    checks = (check for check in scenario.checks if isinstance(check, SignalCheckBlock))
+    limits = (
+        _limit(check, scenario) for check in checks if check.statistic in AMONG_SAMPLES and check.combine == "norm"
+    )
     name, speed = scenario.name, scenario.guidance.speed_m_s
     return Story(name, _text(scenario, events, header), scenario.duration_s, speed, tuple(events), tuple(limits))
 
@@ -46,7 +51,7 @@ def _bound(check: AnyCheck) -> str:
     return f"{relation} {check.bound.limit:g}"
 
 
-def _limit(check: SignalCheckBlock, duration_s: float) -> Limit:
-    start = 0.0 if check.from_s is None else check.from_s
-    end = duration_s if check.to_s is None else min(check.to_s, duration_s)
-    return Limit(check.signal, check.component, f"{check.statistic} {_bound(check)}", check.bound.limit, start, end)
+def _limit(check: SignalCheckBlock, scenario: Scenario) -> Limit:
+    start, end = window_of(check, scenario.events).within(scenario.duration_s)
+    text = f"{statistic_alone(check)} {_bound(check)}"
+    return Limit(check.signal, check.component, text, check.bound.limit, start, end)

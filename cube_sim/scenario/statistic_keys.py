@@ -1,0 +1,204 @@
+"""The keys that say which statistic of which signal is meant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol
+
+from pydantic import Field, SerializerFunctionWrapHandler, StringConstraints, model_serializer
+from pydantic.types import Strict
+
+from cube_sim.scenario.values import Block, Number, refuse
+
+Statistic = Literal[
+    "rms",
+    "mean",
+    "max",
+    "min",
+    "max_abs",
+    "final",
+    "min_abs",
+    "std",
+    "percentile",
+    "share_above",
+    "share_below",
+    "share_within",
+    "crossings",
+    "changes",
+    "settling",
+    "integral",
+    "increase",
+]
+NEEDS: Mapping[str, str] = {
+    "percentile": "percent",
+    "share_above": "level",
+    "share_below": "level",
+    "crossings": "level",
+    "share_within": "band",
+    "settling": "band",
+}
+"""The key without which a statistic says nothing."""
+SHARES = "share_above", "share_below", "share_within"
+COUNTS = "crossings", "changes"
+AMONG_SAMPLES = "rms", "mean", "max", "min", "max_abs", "min_abs", "final", "percentile"
+"""Those whose value can be drawn beside the samples they are of."""
+NEVER_NEGATIVE = "rms", "max_abs", "min_abs", "std", *SHARES, *COUNTS, "settling"
+
+SignalName = Annotated[
+    str,
+    StringConstraints(pattern=r"^[a-z0-9_]+\.[a-z0-9_]+$"),
+    Field(description="Recorded signal as channel.field, for example path_error.cross_track."),
+]
+Component = Annotated[
+    int | None,
+    Field(ge=0, description="Column of a vector signal, from 0. Default: all its columns, as `combine` says."),
+]
+Combine = Annotated[
+    Literal["norm", "sum"],
+    Field(description="How the columns of a vector signal become one number: their Euclidean norm, or their sum."),
+]
+StatisticName = Annotated[Statistic, Field(description="What is compared with the limit, over the window.")]
+Level = Annotated[
+    Number | None,
+    Field(description="In the signal's unit: above or below it time is counted, and across it crossings."),
+]
+Band = Annotated[
+    Annotated[tuple[Number, Number], Strict(False)] | None,
+    Field(description="[lowest, highest] in the signal's unit: share_within it; settling in it, for good."),
+]
+Percent = Annotated[
+    float | None,
+    Field(gt=0, le=100, description="percentile: so much of the time the signal is no larger than the value, in %."),
+]
+AtMost = Annotated[float | None, Field(description="Largest value that passes, in the unit of what is judged.")]
+AtLeast = Annotated[float | None, Field(description="Smallest value that passes, in the unit of what is judged.")]
+
+
+class NamedSignal(NamedTuple):
+    """A signal that a check names.
+
+    Attributes:
+        signal: channel.field.
+        component: the column; None for all.
+        place: dotted path, within the check, of the block that names it; "" for the check itself.
+    """
+
+    signal: str
+    component: int | None = None
+    place: str = ""
+
+
+class Bound(NamedTuple):
+    """What the value of a check is compared with.
+
+    Attributes:
+        relation: how the value must compare with the limit.
+        limit: in the value's unit.
+    """
+
+    relation: Literal["<=", ">="]
+    limit: float
+
+
+class AsksStatistic(Protocol):
+    """What says which statistic of which signal is meant."""
+
+    @property
+    def signal(self) -> str: ...  # noqa: D102
+    @property
+    def component(self) -> int | None: ...  # noqa: D102
+    @property
+    def combine(self) -> Literal["norm", "sum"]: ...  # noqa: D102
+    @property
+    def statistic(self) -> Statistic: ...  # noqa: D102
+    @property
+    def level(self) -> float | None: ...  # noqa: D102
+    @property
+    def band(self) -> tuple[float, float] | None: ...  # noqa: D102
+    @property
+    def percent(self) -> float | None: ...  # noqa: D102
+
+
+class HasLimit(Protocol):
+    """What has the keys of a limit."""
+
+    @property
+    def at_most(self) -> float | None: ...  # noqa: D102
+    @property
+    def at_least(self) -> float | None: ...  # noqa: D102
+
+
+class SparingBlock(Block):
+    """A block that is written out without some keys that nobody has given a value."""
+
+    sparing: ClassVar[frozenset[str]] = frozenset()
+
+    @model_serializer(mode="wrap")
+    def _written(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields = type(self).model_fields
+        return {
+            key: value
+            for key, value in write(self).items()
+            if key not in self.sparing or getattr(self, key) != fields[key].default
+        }
+
+
+def statistic_in_words(asked: AsksStatistic) -> str:
+    """The statistic with what it needs, and the signal: "percentile 95 of path_error.cross_track"."""
+    column = "" if asked.component is None else f"[{asked.component}]"
+    signal = f"{asked.signal}{column}" if asked.combine == "norm" else f"the sum of {asked.signal}"
+    return f"{statistic_alone(asked)} of {signal}"
+
+
+def statistic_alone(asked: AsksStatistic) -> str:
+    """The statistic with what it needs: "share above 0.5"."""
+    name = asked.statistic.replace("_", " ") if asked.statistic in SHARES else asked.statistic
+    if asked.statistic == "percentile":
+        return f"{name} {asked.percent:g}"
+    if asked.statistic in ("share_above", "share_below"):
+        return f"{name} {asked.level:g}"
+    if asked.statistic == "crossings":
+        return f"{name} of {asked.level:g}" if asked.level is not None else name
+    if asked.band is not None:
+        inside = f"[{asked.band[0]:g}, {asked.band[1]:g}]"
+        return f"{name} {inside}" if asked.statistic == "share_within" else f"{name} in {inside}"
+    return name
+
+
+def require_statistic(asked: AsksStatistic) -> None:
+    """Refuse keys that do not go with the statistic, and a statistic without what it needs."""
+    needed = NEEDS.get(asked.statistic)
+    for key in dict.fromkeys(NEEDS.values()):
+        given = getattr(asked, key) is not None
+        if given and key != needed:
+            users = ", ".join(name for name, key_needed in NEEDS.items() if key_needed == key)
+            refuse(f"{asked.statistic} takes no {key}; {users} {'do' if ',' in users else 'does'}", key)
+        if key == needed and not given:
+            refuse(f"{asked.statistic} needs the key {key}", "statistic")
+    if asked.band is not None and not asked.band[0] < asked.band[1]:
+        refuse(f"must be [lowest, highest], got {list(asked.band)}", "band")
+    if asked.component is not None and asked.combine != "norm":
+        refuse("one component has nothing to combine: leave out one of the two", "combine")
+
+
+def require_one_limit(asked: HasLimit) -> None:
+    """Refuse two limits, and none."""
+    if (asked.at_most is None) == (asked.at_least is None):
+        refuse("give exactly one limit: at_most or at_least")
+
+
+def bound_of(asked: HasLimit) -> Bound:
+    """The one limit that is given."""
+    if asked.at_most is not None:
+        return Bound("<=", asked.at_most)
+    if asked.at_least is not None:
+        return Bound(">=", asked.at_least)
+    raise ValueError("a check holds at_most or at_least")
+
+
+def require_possible_limit(statistic: Statistic, asked: HasLimit) -> None:
+    """Refuse a limit that no value of the statistic can meet."""
+    if statistic in NEVER_NEGATIVE and asked.at_most is not None and asked.at_most < 0:
+        refuse(f"{statistic} is never negative: must be at least 0, got {asked.at_most:g}", "at_most")
+    if statistic in SHARES and asked.at_least is not None and asked.at_least > 1:
+        refuse(f"{statistic} is 1 at most, all of the time; got {asked.at_least:g}", "at_least")
