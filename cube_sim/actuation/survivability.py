@@ -21,6 +21,9 @@ from cube_sim.wrench.limits import thruster_limits
 from cube_sim.wrench.matrix import actuation_matrix, lever_arm
 from cube_sim.wrench.names import left_after, thruster_names
 
+MOST_CASES = 2000
+"""Of a table; they take some minutes."""
+
 
 @dataclass(frozen=True)
 class LossCase:
@@ -109,7 +112,7 @@ def survivability(
         lost: names of thrusters that are dead already.
         hull: the moving body, a vehicle's `dynamics`.
         requirements: what the verdict asks for.
-        most: thrusters lost together at most; one is always left.
+        most: thrusters lost together at most; one is always left. Every case takes some tenths of a second.
         length_m: default the rms lever arm of the intact vehicle, for all cases.
         rank_tolerance: relative to the largest singular value of each case.
         cost_limit: [N/N], in each case.
@@ -117,7 +120,7 @@ def survivability(
         progress: called with (cases done, all cases).
 
     Raises:
-        ActuationError: the matrix, the limits or `most` are malformed.
+        ActuationError: the matrix, the limits or `most` are malformed, or there are more than `MOST_CASES` cases.
     """
     matrix, axes = actuation_matrix(A)
     everyone = thruster_names(names, matrix.shape[1])
@@ -129,6 +132,10 @@ def survivability(
     matrix, all_names, m = matrix[:, present], tuple(everyone[i] for i in present), len(present)
     deepest = min(most, m - 1)
     total = sum(comb(m, k) for k in range(deepest + 1))
+    if total > MOST_CASES:
+        raise ActuationError(
+            f"{deepest} of {m} thrusters are lost in {total} ways; {MOST_CASES} are the most: ask for fewer"
+        )
     cases: list[LossCase] = []
     for losses in range(deepest + 1):
         for more in combinations(range(m), losses):

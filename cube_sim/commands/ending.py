@@ -41,11 +41,16 @@ def stop(code: int, message: str) -> NoReturn:
 
 @contextmanager
 def read_or_not() -> Iterator[None]:
-    """Print within what may find nobody to read it: the command's code says the same."""
+    """Print within what may find nobody to read it, or no room: the command's code says the same."""
     try:
         yield
         sys.stdout.flush()
     except BrokenPipeError:
+        _write_no_more()
+    except OSError as error:
+        if error.filename is not None or error.errno not in _OF_OUTPUT:
+            raise
+        _say(_no_room(error))
         _write_no_more()
 
 
@@ -85,7 +90,7 @@ def code_of(error: BaseException) -> int:
             _write_no_more()
             return BROKEN_PIPE
         case OSError(filename=None) if error.errno in _OF_OUTPUT:
-            _say(f"the output cannot be written: {error.strerror}")
+            _say(_no_room(error))
             _write_no_more()
             return NOT_JUDGED
     if os.environ.get(_TRACEBACK):
@@ -125,6 +130,10 @@ def _usage(error: typer.TyperException) -> str:
     told = " ".join(told.split()).removesuffix(".").replace("Value error, ", "")
     name = " ".join(["cube-sim", *sys.argv[1:2]]) if context is None else context.command_path
     return f"{name}: {told[:1].lower()}{told[1:]}; {name} --help says what there is"
+
+
+def _no_room(error: OSError) -> str:
+    return f"the output cannot be written: {error.strerror}"
 
 
 def _say(line: str) -> None:

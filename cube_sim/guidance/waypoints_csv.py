@@ -13,13 +13,20 @@ from cube_sim.errors import PathError
 
 COLUMNS = ("x_m", "y_m", "z_m")
 LARGEST_BYTES = 10_000_000
+_NOT_USED = {
+    "time": ("t", "time", "times", "timestamp", "stamp"),
+    "speed": ("speed", "velocity", "vel", "v", "u"),
+    "attitude": ("roll", "pitch", "yaw", "heading", "course"),
+}
+"""What whoever writes such a column expects to be flown, and a path of points does not say."""
 
 
 def read_waypoints(path: Path, shown: str = "") -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """The points of a CSV file, and a name for each that says its row.
 
-    The first row names the columns; those called x_m, y_m and z_m are read, in any order, others are left alone. Empty
-    rows and rows that begin with # are skipped.
+    The first row names the columns; those called x_m, y_m and z_m are read, in any order. Others are left alone,
+    unless by their names they say when, how fast or in which attitude a point is passed: nothing would come of them.
+    Empty rows and rows that begin with # are skipped.
 
     Args:
         path: the file, comma-separated UTF-8.
@@ -43,6 +50,14 @@ def read_waypoints(path: Path, shown: str = "") -> tuple[NDArray[np.float64], tu
     twice = [column for column in COLUMNS if names.count(column) > 1]
     if twice:
         raise PathError(f"{shown}, row {line}: column {twice[0]} is there twice")
+    for name in names:
+        word = name.lower().partition("_")[0].split("[")[0].split("(")[0].strip()
+        for what, words in _NOT_USED.items():
+            if word in words:
+                raise PathError(
+                    f"{shown}, row {line}: column {name} would have no effect, a table of points says no {what}: "
+                    f"guidance and control.attitude do; take it out, or put # before its name"
+                )
     where = [(column, names.index(column)) for column in COLUMNS]
     points = [[_number(row, column, i, f"{shown}, row {line}") for column, i in where] for line, row in rows[1:]]
     if not points:

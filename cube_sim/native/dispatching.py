@@ -6,7 +6,9 @@ Only imported where something is compiled.
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
@@ -16,6 +18,9 @@ from numba.core import types
 from cube_sim.native.called import CalledCache, CalledCompiler
 from cube_sim.native.doors import MachineCode, answers_of, outside_of
 from cube_sim.native.lent import LendingCompiler
+from cube_sim.native.object_cache import numba_folder
+
+_settings = threading.Lock()
 
 
 def dispatcher_of(function: Callable[..., Any], options: dict[str, Any], stamp: str) -> Any:
@@ -30,7 +35,8 @@ def dispatcher_of(function: Callable[..., Any], options: dict[str, Any], stamp: 
         stamp: what it is made from besides its own file, which numba looks at itself.
     """
     try:
-        dispatcher = numba.njit(cache=True, pipeline_class=LendingCompiler, **options)(function)
+        with _kept():
+            dispatcher = numba.njit(cache=True, pipeline_class=LendingCompiler, **options)(function)
     except RuntimeError:  # no file, and so no place beside it
         dispatcher = numba.njit(pipeline_class=LendingCompiler, **options)(function)
     file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
@@ -41,7 +47,8 @@ def dispatcher_of(function: Callable[..., Any], options: dict[str, Any], stamp: 
     def called() -> Any:  # only where something is compiled that calls it
         inner = numba.njit(no_cpython_wrapper=True, pipeline_class=CalledCompiler, **options)(function)
         if file is not None:
-            inner._cache = CalledCache(function)
+            with _kept():
+                inner._cache = CalledCache(function)
             _depend_on(inner._cache._cache_file, stamp)
         return inner
 
@@ -50,6 +57,18 @@ def dispatcher_of(function: Callable[..., Any], options: dict[str, Any], stamp: 
     dispatcher.get_call_template = _once_for_all_numbers(lambda args, kws: called().get_call_template(args, kws))
     dispatcher.get_overload = lambda signature: called().get_overload(signature)
     return dispatcher
+
+
+@contextmanager
+def _kept() -> Iterator[None]:
+    """While a function is given its place on disk: numba looks for that in its settings, which are everybody's."""
+    with _settings:
+        before = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = numba_folder() or before
+        try:
+            yield
+        finally:
+            numba.config.CACHE_DIR = before
 
 
 def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> Any:

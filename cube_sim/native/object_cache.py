@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import stat
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -77,9 +78,55 @@ def cache_folders() -> list[Path]:
     named = os.environ.get("CUBE_SIM_CACHE_DIR")
     if named:
         return [Path(named)]
-    home = os.environ.get("XDG_CACHE_HOME") or (Path.home() / ".cache")
-    scratch = Path(tempfile.gettempdir()) / f"cube_sim-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
-    return [Path(__file__).parent / "__pycache__", Path(home) / "cube_sim", scratch]
+    own = _users_cache()
+    beside = Path(__file__).parent / "__pycache__"
+    return [beside, *([] if own is None else [own / "cube_sim"]), _scratch()]
+
+
+def numba_folder() -> str:
+    """Where numba keeps what it compiles; "" where its own choice is right: its own variable, beside the code, a home.
+
+    A user whom the machine does not know has no home, and numba would make a folder called ~ wherever it runs.
+    """
+    if os.environ.get("NUMBA_CACHE_DIR"):
+        return ""
+    named = os.environ.get("CUBE_SIM_CACHE_DIR")
+    if named:
+        return str(Path(named) / "numba")
+    own = _users_cache()
+    if _writable(Path(__file__).parents[1]) or (own is not None and _writable(own)):
+        return ""
+    scratch = _scratch()
+    return str(scratch / "numba") if _ours_alone(scratch) else ""
+
+
+def _users_cache() -> Path | None:
+    """The user's own cache; None where the user has no home."""
+    named = os.environ.get("XDG_CACHE_HOME")
+    folder = Path(named) if named else Path(os.path.expanduser("~")) / ".cache"
+    return folder if folder.is_absolute() else None
+
+
+def _scratch() -> Path:
+    return Path(tempfile.gettempdir()) / f"cube_sim-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
+
+
+def _writable(folder: Path) -> bool:
+    """Whether a folder, or the first above it that there is, can be written to."""
+    there = next(each for each in (folder, *folder.parents) if each.exists())
+    return os.access(there, os.W_OK | os.X_OK)
+
+
+def _ours_alone(folder: Path) -> bool:
+    """Make a folder in a place that is everybody's; whether nobody else can put anything there."""
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+    except OSError:
+        return False
+    if not hasattr(os, "getuid"):
+        return True
+    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
 
 
 def emit(text: str, symbol: str, name: str, leaning: bool = False) -> bytes | None:

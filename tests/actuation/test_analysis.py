@@ -192,3 +192,11 @@ def test_losses_are_judged_within_the_cost_limit_and_on_top_of_what_is_lost():
         free.case("T1", "T2")
     with pytest.raises(ActuationError, match="no thruster 'T9'"):
         survivability(A, T200, lost=["T9"])
+
+
+def test_a_table_of_too_many_losses_is_refused_before_it_begins():
+    A = np.vstack([np.ones(12), np.zeros(12), np.arange(12) - 5.5])
+    with pytest.raises(
+        ActuationError, match="11 of 12 thrusters are lost in 4095 ways; 2000 are the most: ask for fewer"
+    ):
+        survivability(A, [-10, 10], most=99)

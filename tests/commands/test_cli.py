@@ -188,13 +188,23 @@ def test_what_is_no_file_is_bad_input(tmp_path, monkeypatch, capsys, path):
 
 
 @pytest.mark.flight
-def test_output_that_finds_no_room_is_one_line(tmp_path):
-    out = fly(write(tmp_path, FLIGHT), out=tmp_path / "out", record="mcap").directory
-    for arguments in (("judge", out), ("judge", out, "--json"), ("diff", out, out)):
+def test_output_that_finds_no_room_is_one_line_and_changes_no_verdict(tmp_path):
+    path = write(tmp_path, FLIGHT)
+    out = fly(path, out=tmp_path / "out", record="mcap").directory
+    failing = ("--record", "none", "--set", "checks.0.at_most=0.0", "--set", "initial.position_m=[0, 1, -5]")
+    for arguments, code in (
+        (("run", path, "--record", "none"), 0),
+        (("run", path, *failing), 1),
+        (("run", path, *failing, "--json"), 1),
+        (("judge", out), 0),
+        (("judge", out, "--json"), 0),
+        (("diff", out, out), 0),
+        (("schema",), 3),  # that was all there was to do
+    ):
         with Path("/dev/full").open("w") as full:
             command = [sys.executable, "-m", "cube_sim", *map(str, arguments)]
-            done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
-        assert (done.returncode, done.stderr) == (3, "the output cannot be written: No space left on device\n")
+            done = subprocess.run(command, cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
+        assert (done.returncode, done.stderr) == (code, "the output cannot be written: No space left on device\n")
 
 
 @pytest.mark.flight

@@ -1,5 +1,6 @@
 """Paths against their own derivatives: the frame equations define a parallel-transport frame."""
 
+import re
 from math import pi
 
 import numpy as np
@@ -15,6 +16,7 @@ from cube_sim.guidance.polyline import polyline
 from cube_sim.guidance.sinusoid import sinusoid
 from cube_sim.guidance.spline import spline
 from cube_sim.guidance.tabulation import Piece, tabulate
+from cube_sim.guidance.waypoints_csv import read_waypoints
 
 CORNERS = [[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 5.0, -1.0], [0.0, 5.0, 3.0]]
 POINTS = [[0.0, 0.0, 0.0], [3.0, 1.0, -1.0], [5.0, 4.0, -2.0], [2.0, 8.0, -4.0], [0.0, 9.0, -1.0]]
@@ -328,3 +330,18 @@ def test_random_splines_keep_all_promises():
             step = derivative(path, s, lambda p: p.position)
             np.testing.assert_allclose(step, point.rotation[:, 0], atol=1e-8)
             np.testing.assert_allclose(point.rotation.T @ point.rotation, np.eye(3), atol=1e-14)
+
+
+@pytest.mark.parametrize("column", ["t_s", "speed", "Speed [m/s]", "yaw_deg", "time", "v_m_s", "heading"])
+def test_a_column_that_would_have_no_effect_is_refused(tmp_path, column):
+    table = tmp_path / "points.csv"
+    table.write_text(f"{column},x_m,y_m,z_m\n0,0,0,-5\n1,3,0,-5\n")
+    with pytest.raises(PathError, match=rf"points.csv, row 1: column {re.escape(column)} would have no effect"):
+        read_waypoints(table)
+
+
+@pytest.mark.parametrize("column", ["#t_s", "remark", "depth_m", "index", "temperature_C", "vehicle"])
+def test_other_columns_are_left_alone(tmp_path, column):
+    table = tmp_path / "points.csv"
+    table.write_text(f"{column},x_m,y_m,z_m\n0,0,0,-5\n1,3,0,-5\n")
+    assert read_waypoints(table)[0].shape == (2, 3)

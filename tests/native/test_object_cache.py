@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import os
 
 import llvmlite.binding as llvm
 import numba
@@ -100,3 +101,54 @@ print(json.dumps([data.qpos.tobytes().hex(), "cube_sim.vehicle.plugin.callbacks"
         runs.append(json.loads(printed_by(program, CUBE, environment=environment)))
     assert runs[0][0] == runs[1][0]
     assert [compiled for _, compiled in runs] == [True, False]
+
+
+@pytest.fixture
+def installation(tmp_path, monkeypatch):
+    """One that can be written to or not, of a user with a home or without; what numba is told then."""
+
+    def numba_is_told(*, writable: bool, home: str | None, **environment: str) -> str:
+        for name in ("CUBE_SIM_CACHE_DIR", "NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+            monkeypatch.delenv(name, raising=False)
+        for name, value in environment.items():
+            monkeypatch.setenv(name, value)
+        # Root may write everywhere; nobody may write below a file.
+        occupied = tmp_path / "file"
+        occupied.write_text("not a folder")
+        package = tmp_path if writable else occupied
+        monkeypatch.setattr(object_cache, "__file__", str(package / "native" / "object_cache.py"))
+        monkeypatch.setattr(object_cache, "_writable", lambda folder: occupied not in (folder, *folder.parents))
+        monkeypatch.setattr(os.path, "expanduser", lambda path: path if home is None else path.replace("~", home))
+        monkeypatch.setattr(object_cache.tempfile, "gettempdir", lambda: str(tmp_path))
+        return object_cache.numba_folder()
+
+    return numba_is_told
+
+
+def test_one_variable_says_where_everything_compiled_is_kept(installation, tmp_path):
+    named = str(tmp_path / "named")
+    assert installation(writable=False, home=None, CUBE_SIM_CACHE_DIR=named) == f"{named}/numba"
+    assert installation(writable=True, home=str(tmp_path), CUBE_SIM_CACHE_DIR=named) == f"{named}/numba"
+    assert installation(writable=False, home=None, CUBE_SIM_CACHE_DIR=named, NUMBA_CACHE_DIR="/else") == ""
+
+
+def test_numba_chooses_where_it_can(installation, tmp_path):
+    assert installation(writable=True, home=None) == ""
+    assert installation(writable=False, home=str(tmp_path)) == ""
+    assert installation(writable=False, home=None, XDG_CACHE_HOME=str(tmp_path)) == ""
+
+
+@pytest.mark.parametrize("home", [None, "occupied"])
+def test_without_a_home_a_scratch_folder_of_ones_own_is_taken(installation, tmp_path, home):
+    home = None if home is None else str(tmp_path / "file" / "below")
+    scratch = tmp_path / f"cube_sim-{os.getuid()}"
+    assert installation(writable=False, home=home) == str(scratch / "numba")
+    assert scratch.stat().st_mode & 0o777 == 0o700
+    # Somebody else could have put code there.
+    scratch.chmod(0o777)
+    assert installation(writable=False, home=home) == ""
+
+
+def test_a_user_without_a_home_has_folders_for_object_files(installation, tmp_path):
+    installation(writable=False, home=None)
+    assert all(folder.is_absolute() for folder in object_cache.cache_folders())
