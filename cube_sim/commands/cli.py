@@ -25,6 +25,7 @@ from cube_sim.commands import (
     run,
     schema,
     signals,
+    validate,
     view,
 )
 from cube_sim.commands.ending import (
@@ -45,7 +46,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-app.command(short_help="Fly a scenario, record it, judge its checks.", epilog=run.EPILOG)(run.run)
+app.command(short_help="Fly scenarios, record them, judge their checks.", epilog=run.EPILOG)(run.run)
+app.command(short_help="Say whether scenarios can be flown, without flying.", epilog=validate.EPILOG)(validate.validate)
 app.command(short_help="Fly a recorded run again and compare it bit by bit.", epilog=replay.EPILOG)(replay.replay)
 app.command(short_help="Compare two runs: settings, files, signals.", epilog=diff.EPILOG)(diff.diff)
 app.command(short_help="Judge a recorded run again, by its checks or others.", epilog=judge.EPILOG)(judge.judge)

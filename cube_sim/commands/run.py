@@ -12,18 +12,21 @@ import typer
 from cube_sim.commands.account import early_end, lasted, log_lines, section
 from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, read_or_not, stop
 from cube_sim.commands.leaving import SIGNALLED
-from cube_sim.commands.output import console_of_stdout, open_no_windows, print_json
+from cube_sim.commands.output import console_for_tables, console_of_stdout, open_no_windows, print_json
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides
 from cube_sim.errors import CubeSimError, DirectoryError, ModelError, RunInterrupted, ScenarioError
 
 if TYPE_CHECKING:
+    from cube_sim.scenario import Loaded
     from cube_sim.simulation import Run
 
 EPILOG = (
     "Exit code: 0 PASS, every check was shown to hold; 1 FAIL, one was shown not to, whatever else could not be "
     "judged; 2 bad input, nothing is written; 3 ERROR, nothing failed but something could not be judged, or the run "
     "ended early; 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP: what was recorded is closed and stays. "
+    "Of several scenarios all are looked at before the first is flown, one that cannot be flown stops no other and the "
+    "exit code is that of the worst: 1 where one failed, else 2, else 3. "
     "Nothing is written where that, or an error, comes before anything is flown: an earlier run in the folder stays "
     "whole until the first second of this one is recorded."
 )
@@ -38,12 +41,19 @@ class Recorded(Enum):
 
 
 def run(
-    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file: scenarios/cube_helix.yaml.")],
+    scenarios: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SCENARIO...",
+            help="Scenario files, and folders: searched to any depth for YAML files that hold a scenario.",
+        ),
+    ],
     out: Annotated[
         Path | None,
         typer.Option(
             help="Folder for the recording: new, empty, or an earlier run's, which is replaced "
-            "once the first second is flown. Default: logs/NAME-UTC_TIME."
+            "once the first second is flown. Of several scenarios a folder of folders, one for each, called after it. "
+            "Default: logs/NAME-UTC_TIME."
         ),
     ] = None,
     settings: Settings = None,
@@ -70,7 +80,13 @@ def run(
     json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show neither progress nor result.")] = False,
 ) -> None:
-    """Fly a scenario, record it, judge its checks."""
+    """Fly a scenario, or several, record them, judge their checks."""
+    if len(scenarios) != 1 or scenarios[0].is_dir():
+        if sample is not None or live:
+            option = "--live" if live else "--sample"
+            stop(BAD_INPUT, f"{option} is of one scenario; {len(scenarios)} files or folders were given")
+        raise typer.Exit(_fly_several(scenarios, settings, out, record, json=json, quiet=quiet))
+    scenario = scenarios[0]
     name, duration_s, result = _fly(scenario, settings, sample, out, record, live_port if live else None, hidden=quiet)
     with read_or_not():
         if json:
@@ -132,6 +148,61 @@ def _fly(
     except RunInterrupted as interrupt:
         said = [] if hidden else log_lines(interrupt.log)
         stop(SIGNALLED + interrupt.number, "\n".join([*said, str(interrupt)]))
+
+
+def _fly_several(
+    places: list[Path], settings: list[str] | None, out: Path | None, record: Recorded, *, json: bool, quiet: bool
+) -> int:
+    """Look at all, fly those that can be flown, tell of each; the exit code. An interrupt ends the command."""
+    from cube_sim.commands import several
+    from cube_sim.commands.skipped import said_of_others
+    from cube_sim.commands.validating import validated
+    from cube_sim.native.heap import keep_little
+    from cube_sim.scenario.finding import find
+
+    keep_little()
+    if record is Recorded.FULL:
+        from cube_sim.recording.rerun.apart import begin
+
+        begin()
+    try:
+        values, found = overrides(settings), find(places)
+    except ScenarioError as error:
+        stop(BAD_INPUT, str(error))
+    outcomes: dict[Path, several.Outcome] = {}
+    flyable: dict[Path, Loaded] = {}
+    for file in found.scenarios:
+        try:
+            flyable[file] = validated(file, values)
+        except ScenarioError as error:
+            outcomes[file] = several.invalid(file, error)
+            typer.echo(str(error), err=True)
+    try:
+        chosen = several.folders(out, flyable)
+    except DirectoryError as error:
+        stop(BAD_INPUT, str(error))
+    if flyable:
+        begin_compiling(hidden=quiet)
+    interrupted: RunInterrupted | None = None
+    for file, loaded in flyable.items():
+        try:
+            with flight_progress(loaded.scenario.name, loaded.scenario.duration_s, hidden=quiet) as progress:
+                outcomes[file] = several.fly_one(file, loaded, chosen[file], record.value, progress)
+        except RunInterrupted as interrupt:
+            interrupted = interrupt
+            break
+    told = [outcomes[file] for file in found.scenarios if file in outcomes]
+    with read_or_not():
+        if json:
+            print_json([outcome.content for outcome in told])
+        elif not quiet:
+            console = console_for_tables()
+            console.print(several.table_of(told, [file for file in found.scenarios if file not in outcomes]))
+            for line in said_of_others(found.others):
+                console.print(line, soft_wrap=True, markup=False, highlight=False)
+    if interrupted is not None:
+        stop(SIGNALLED + interrupted.number, str(interrupted))
+    return several.exit_code(told)
 
 
 def _require_a_record(record: Recorded) -> None:

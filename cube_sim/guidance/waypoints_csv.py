@@ -56,7 +56,7 @@ def read_waypoints(path: Path, shown: str = "") -> tuple[NDArray[np.float64], tu
             if word in words:
                 raise PathError(
                     f"{shown}, row {line}: column {name} would have no effect, a table of points says no {what}: "
-                    f"guidance and control.attitude do; take it out, or put # before its name"
+                    f"guidance and control.attitude do; take it out, or call it something else"
                 )
     where = [(column, names.index(column)) for column in COLUMNS]
     points = [[_number(row, column, i, f"{shown}, row {line}") for column, i in where] for line, row in rows[1:]]

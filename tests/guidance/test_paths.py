@@ -340,7 +340,7 @@ def test_a_column_that_would_have_no_effect_is_refused(tmp_path, column):
         read_waypoints(table)
 
 
-@pytest.mark.parametrize("column", ["#t_s", "remark", "depth_m", "index", "temperature_C", "vehicle"])
+@pytest.mark.parametrize("column", ["remark", "depth_m", "index", "temperature_C", "vehicle"])
 def test_other_columns_are_left_alone(tmp_path, column):
     table = tmp_path / "points.csv"
     table.write_text(f"{column},x_m,y_m,z_m\n0,0,0,-5\n1,3,0,-5\n")

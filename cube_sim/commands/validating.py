@@ -1,0 +1,37 @@
+"""A scenario looked at whole without flying it: its file, its model, its path, events, checks and samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cube_sim.errors import CubeSimError, ScenarioError
+
+if TYPE_CHECKING:
+    from cube_sim.scenario import Loaded
+
+
+def validated(file: Path, overrides: Mapping[str, Any] | None = None) -> Loaded:
+    """A scenario of which everything is known to be right that can be known before the flight.
+
+    Raises:
+        ScenarioError: with a line per mistake, each of which begins with the file or with an override.
+    """
+    from cube_sim.scenario import load
+
+    try:
+        loaded = load(file, overrides)
+        # A file that is wrong says so before MuJoCo is even loaded.
+        from cube_sim.mission import prepare
+
+        prepare(loaded)
+        if loaded.scenario.samples is not None:
+            from cube_sim.campaign.sampling import SamplePlan
+
+            SamplePlan(loaded).require_possible()
+    except ScenarioError:
+        raise
+    except CubeSimError as error:
+        raise ScenarioError([f"{file}: {line}" for line in str(error).splitlines()]) from error
+    return loaded
