@@ -6,27 +6,40 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from cube_sim.baseline import baseline_signal
 from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.evaluating import Evaluation
+from cube_sim.checks.reasons import NotJudgedError
+from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import Batch, BySignal, Rows, signals
 from cube_sim.recording.channels import Channel, held_signals, units_of
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Scenario
-from cube_sim.scenario.check_blocks import AnyCheck
+from cube_sim.scenario.check_blocks import AnyCheck, BaselineCheckBlock
 from cube_sim.verdict import CheckResult
 
 BLOCK_S = 60.0
 """So much of a run is judged at once [s]."""
 
 
-def beforehand_of(scenario: Scenario, channels: Sequence[Channel]) -> Beforehand:
+def beforehand_of(
+    scenario: Scenario, channels: Sequence[Channel], files: Mapping[str, bytes] | None = None
+) -> Beforehand:
     """What is known of a run before its rows come.
 
     Args:
         scenario: to be flown, or flown.
         channels: what it records.
+        files: contents of files that its record carries, by name; None for one that is flown.
     """
-    return Beforehand(scenario.events, held_signals(channels))
+
+    def baseline(check: BaselineCheckBlock) -> Rows:
+        try:
+            return baseline_signal(check.record, check.signal, files).rows
+        except RecordingError as error:
+            raise NotJudgedError(str(error)) from None
+
+    return Beforehand(scenario.events, held_signals(channels), baseline)
 
 
 class JudgedRows:
@@ -36,14 +49,19 @@ class JudgedRows:
         channels: the channel table.
         scenario: what is flown, or was.
         checks: in place of the scenario's.
+        files: as for `beforehand_of`.
     """
 
     def __init__(
-        self, channels: Sequence[Channel], scenario: Scenario, checks: Sequence[AnyCheck] | None = None
+        self,
+        channels: Sequence[Channel],
+        scenario: Scenario,
+        checks: Sequence[AnyCheck] | None = None,
+        files: Mapping[str, bytes] | None = None,
     ) -> None:
         self._channels = channels
         asked = scenario.checks if checks is None else checks
-        self._evaluation, self._judge_at = Evaluation(asked, beforehand_of(scenario, channels)), BLOCK_S
+        self._evaluation, self._judge_at = Evaluation(asked, beforehand_of(scenario, channels, files)), BLOCK_S
         self._names = [f"{channel.name}.{field.name}" for channel in channels for field in channel.fields]
         needed = self._evaluation.needs.intersection(self._names)
         self._needed = [c for c in channels if needed.intersection(f"{c.name}.{field.name}" for field in c.fields)]

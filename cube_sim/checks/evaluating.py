@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Protocol, assert_never, runtime_checkable
 
 from cube_sim.checks.allowed_forces import ForcesWithinLimits
+from cube_sim.checks.baseline_difference import SignalOfBoth, StatisticOfBoth
 from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.condition import ConditionHolds
 from cube_sim.checks.exact_wrench import ExactWrench
@@ -22,6 +23,7 @@ from cube_sim.scenario.check_blocks import (
     AllowedForcesCheckBlock,
     AlwaysCheckBlock,
     AnyCheck,
+    BaselineCheckBlock,
     BeforeAfterCheckBlock,
     EventuallyCheckBlock,
     ExactWrenchCheckBlock,
@@ -119,6 +121,9 @@ def _judge(check: AnyCheck, beforehand: Beforehand) -> Judge:
             return SignalStatistic(check, beforehand)
         case AlwaysCheckBlock() | EventuallyCheckBlock():
             return ConditionHolds(check, beforehand)
+        case BaselineCheckBlock():
+            asked = check.asked
+            return SignalOfBoth(check, beforehand) if asked is None else StatisticOfBoth(check, asked, beforehand)
         case RatioCheckBlock():
             return RatioOfStatistics(check, beforehand)
         case BeforeAfterCheckBlock():

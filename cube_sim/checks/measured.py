@@ -130,6 +130,11 @@ class Measured:
             raise NotJudgedError(f"{window} holds {self._inside} samples, needs {needed}")
 
     @property
+    def end_s(self) -> float:
+        """The last instant looked at [s]."""
+        return float(self._last)
+
+    @property
     def detail(self) -> str:
         """What was looked at, for readers."""
         what = f"{self._inside} samples of {self._asked.signal}"

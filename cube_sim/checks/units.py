@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from cube_sim.scenario.check_blocks import (
     AlwaysCheckBlock,
     AnyCheck,
+    BaselineCheckBlock,
     BeforeAfterCheckBlock,
     ComparisonBlock,
     EventuallyCheckBlock,
@@ -33,6 +34,8 @@ def unit_of(check: AnyCheck, units: Units) -> str:
         case RatioCheckBlock():
             above, below = unit_of_statistic(check.numerator, units), unit_of_statistic(check.denominator, units)
             return _quotient(above, below)
+        case BaselineCheckBlock():
+            return unit_of_statistic(check.asked or check.whole, units)
         case BeforeAfterCheckBlock():
             unit = unit_of_statistic(check, units)
             return unit if check.compare == "difference" else _quotient(unit, unit)

@@ -8,7 +8,9 @@ from typing import NamedTuple
 
 import mujoco
 
+from cube_sim.baseline import TABLE, baseline_signal, table_of_rows
 from cube_sim.scenario import Scenario
+from cube_sim.scenario.check_blocks import AnyCheck, BaselineCheckBlock
 from cube_sim.scenario.file_names import FileKind, named_files, renamed
 
 
@@ -42,6 +44,8 @@ def input_files(scenario: Scenario) -> InputFiles:
         if kind is FileKind.CODE:
             file = value.rpartition(":")[0]
             names.setdefault(file, f"python/{key.removesuffix('.python')}/{Path(file).name}")
+        elif kind is FileKind.RECORD:
+            names[value] = value
         elif value not in names:
             files = mujoco.mju_getXMLDependencies(value) if kind is FileKind.MODEL else []
             together = sorted({os.path.normpath(file) for file in (value, *files)})
@@ -49,4 +53,15 @@ def input_files(scenario: Scenario) -> InputFiles:
             called = {file: f"{key}/{Path(file).relative_to(root).as_posix()}" for file in together}
             contents.update({name: Path(file).read_bytes() for file, name in called.items()})
             names[value] = called[os.path.normpath(value)]
-    return InputFiles(renamed(scenario, names.__getitem__), contents)
+    carried = renamed(scenario, names.__getitem__)
+    checks = tuple(_with_its_baseline(index, check, contents) for index, check in enumerate(carried.checks))
+    return InputFiles(carried if checks == carried.checks else carried.model_copy(update={"checks": checks}), contents)
+
+
+def _with_its_baseline(index: int, check: AnyCheck, contents: dict[str, bytes]) -> AnyCheck:
+    """A check of an earlier run takes along what it compares with: one signal, not the whole record."""
+    if not isinstance(check, BaselineCheckBlock):
+        return check
+    name = f"checks.{index}.record/{check.signal}{TABLE}"
+    contents[name] = table_of_rows(baseline_signal(check.record, check.signal).rows)
+    return check.model_copy(update={"record": name})

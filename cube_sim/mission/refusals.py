@@ -6,12 +6,14 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from cube_sim.errors import ScenarioError
+from cube_sim.baseline import baseline_signal
+from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.mission.channels import why_unknown
 from cube_sim.recording.channels import ON_CHANGE, SUPPLY, Channel, units_of
 from cube_sim.scenario import Loaded, Scenario
-from cube_sim.scenario.check_windows import statistics_of
+from cube_sim.scenario.check_blocks import BaselineCheckBlock
+from cube_sim.scenario.check_windows import statistics_of, windows_of
 from cube_sim.scenario.event_blocks import ThrusterEventBlock
 from cube_sim.scenario.named_signals import signal_mistakes, unit_mistakes
 from cube_sim.vehicle.vehicle import Vehicle
@@ -33,7 +35,8 @@ def require_signals(loaded: Loaded, vehicle: Vehicle, channels: tuple[Channel, .
         *signal_mistakes(loaded.scenario.checks, widths, why_absent),
         *unit_mistakes(loaded.scenario.checks, units_of(channels)),
     ]
-    mistakes = [loaded.mistake(*each) for each in unknown or _too_few_rows(loaded.scenario, channels)]
+    found = unknown or [*_too_few_rows(loaded.scenario, channels), *_no_baselines(loaded.scenario, channels)]
+    mistakes = [loaded.mistake(*each) for each in found]
     if mistakes:
         raise ScenarioError(mistakes)
 
@@ -59,6 +62,37 @@ def _too_few_rows(scenario: Scenario, channels: tuple[Channel, ...]) -> Iterator
                 text = f"the window {start:g} s to {end:g} s holds {holds} of {signal}, which has one every {apart:g} s"
                 where = f"checks.{i}.{place}.{key}" if place else f"checks.{i}.{key}"
                 yield where, f"{text}; {asked.statistic} needs {needed}"
+
+
+def _no_baselines(scenario: Scenario, channels: tuple[Channel, ...]) -> Iterator[tuple[str, str]]:
+    """Checks of an earlier run that does not have what they compare."""
+    of_signal = {f"{c.name}.{field.name}": (c, field) for c in channels for field in c.fields}
+    for i, check in enumerate(scenario.checks):
+        if not isinstance(check, BaselineCheckBlock):
+            continue
+        channel, field = of_signal[check.signal]
+        whole, place = check.asked is None, f"checks.{i}.record"
+        try:
+            rows, unit = baseline_signal(check.record, check.signal)
+        except RecordingError as error:
+            yield place, str(error)
+            continue
+        if rows.shape[1] != 1 + field.width or unit not in ("", field.unit):
+            there = f"{rows.shape[1] - 1} columns in {unit or 'a unit it does not say'}"
+            yield place, f"{check.signal} has {there} there, {field.width} in {field.unit} here"
+            continue
+        _, end = windows_of(check, scenario.events)[0].within(scenario.duration_s)
+        if channel.rate == ON_CHANGE:
+            continue
+        step = float(np.median(np.diff(rows[:, 0]))) if len(rows) > 1 else np.inf
+        if whole and not channel.every_tick:
+            text = f"readings of {channel.name} come at times of their own: compare a statistic of {check.signal}"
+            yield f"checks.{i}.signal", text
+        elif whole and not abs(step - scenario.control_period_s) <= 1e-6:
+            text = f"{check.signal} has a row every {step:g} s there, every {scenario.control_period_s:g} s here"
+            yield place, f"{text}: compare a statistic"
+        elif rows[-1, 0] + 1.5 * step < end:
+            yield place, f"{check.signal} ends at {rows[-1, 0]:g} s there, the window at {end:g} s"
 
 
 def require_a_value_per_thruster(loaded: Loaded, vehicle: Vehicle) -> None:

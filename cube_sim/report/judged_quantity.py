@@ -8,6 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from cube_sim.checks import distance_to_allowed, margin_of, series_of
+from cube_sim.checks.baseline_difference import SAME_INSTANT_S
+from cube_sim.checks.reasons import NotJudgedError
+from cube_sim.judged_store import beforehand_of
 from cube_sim.recording.batch import Rows
 from cube_sim.report.decimation import Values, held
 from cube_sim.report.subject import Subject
@@ -15,6 +18,7 @@ from cube_sim.scenario.check_blocks import (
     AllowedForcesCheckBlock,
     AlwaysCheckBlock,
     AnyCheck,
+    BaselineCheckBlock,
     BeforeAfterCheckBlock,
     ComparisonBlock,
     EventuallyCheckBlock,
@@ -85,6 +89,12 @@ def judged_quantity(subject: Subject, check: AnyCheck) -> JudgedQuantity:
             return _of_signal(subject, check, windows[0])
         case AlwaysCheckBlock() | EventuallyCheckBlock():
             return _of_condition(subject, check, windows[0])
+        case BaselineCheckBlock() if check.asked is not None:
+            return _apart(subject, check.asked, windows[0])
+        case BaselineCheckBlock():
+            name, rows = _from_baseline(subject, check)
+            steps = subject.is_held(check.signal)
+            return JudgedQuantity(name, subject.unit(check.signal), rows, *windows[0], steps=steps)
         case RatioCheckBlock():
             return _apart(subject, check.numerator, windows[0])
         case BeforeAfterCheckBlock():
@@ -162,6 +172,23 @@ def _apart(subject: Subject, asked: AsksStatistic, window: tuple[float, float]) 
         steps=subject.is_held(asked.signal),
         codes=subject.labels(asked.signal),
     )
+
+
+def _from_baseline(subject: Subject, check: BaselineCheckBlock) -> tuple[str, Rows]:
+    """How far a signal is from the same of an earlier run; no rows where that is not at hand."""
+    name, ours = _series(subject, check.whole)
+    title = f"{name}, distance from the baseline"
+    run, rows = subject.run, subject.rows(check.signal)
+    try:
+        theirs = beforehand_of(run.scenario, run.recording.channels, run.header.inputs).baseline(check)
+    except NotJudgedError:
+        return title, np.empty((0, 2))
+    if theirs.shape[1] != rows.shape[1] or (check.component or 0) >= rows.shape[1] - 1:
+        return title, np.empty((0, 2))
+    # Times are whole periods but for rounding: of each, the row that holds a little after it.
+    apart = rows[:, 1:] - held(theirs, rows[:, 0] + SAME_INSTANT_S)
+    distance = np.abs(series_of(apart, check.component, check.combine))
+    return title, np.column_stack([ours[:, 0], distance])
 
 
 def _of_condition(

@@ -75,7 +75,7 @@ def judged_in_one_pass(record: Path, asked: Asked) -> JudgedRecord:
     scenario = run.scenario
     checks = asked(run)
     checks = scenario.checks if checks is None else checks
-    judge, row_times = JudgedRows(run.recording.channels, scenario, checks), dict[str, RowTimes]()
+    judge, row_times = JudgedRows(run.recording.channels, scenario, checks, run.header.inputs), dict[str, RowTimes]()
     for rows in read.blocks():
         for name, some in rows.items():
             row_times.setdefault(name, RowTimes(scenario.control_period_s)).take(some[:, 0])

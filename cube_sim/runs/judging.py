@@ -15,6 +15,7 @@ from cube_sim.runs.row_times import Span
 from cube_sim.scenario.check_blocks import (
     AlwaysCheckBlock,
     AnyCheck,
+    BaselineCheckBlock,
     BeforeAfterCheckBlock,
     EventuallyCheckBlock,
     PathEndCheckBlock,
@@ -48,7 +49,7 @@ def judged(
         run.signals,
         duration_s=asked_duration_s(run),
         units=units_of(channels),
-        beforehand=beforehand_of(run.scenario, channels),
+        beforehand=beforehand_of(run.scenario, channels, run.header.inputs),
     )
     return concluded(run, asked, results)
 
@@ -149,6 +150,8 @@ def _shown_by_some(check: AnyCheck, result: CheckResult, unseen: Sequence[Span])
     match check:
         case AlwaysCheckBlock():
             return "FAIL"
+        case BaselineCheckBlock():
+            return "FAIL" if check.asked is None else None
         case EventuallyCheckBlock():
             return "PASS"
         case RatioCheckBlock() | BeforeAfterCheckBlock():

@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 from pydantic.types import Strict
 
+from cube_sim.scenario.file_names import RecordFile
 from cube_sim.scenario.statistic_keys import (
     AtLeast,
     AtMost,
@@ -338,6 +339,75 @@ class BeforeAfterCheckBlock(CheckBlock):
         return (NamedSignal(self.signal, self.component),)
 
 
+class BaselineCheckBlock(CheckBlock):
+    """A run differs little from an earlier one: in one statistic, or in a whole signal, instant by instant.
+
+    The value is the size of the difference. Of a whole signal it is the largest over time of |x - x of the baseline|, a
+    norm over all columns of a vector.
+    """
+
+    sparing: ClassVar[frozenset[str]] = SignalCheckBlock.sparing | {"statistic"}
+
+    kind: Literal["baseline"]
+    record: RecordFile = Field(
+        description="The run it is compared with, relative to the scenario file: its folder, its MCAP file, or a .npy"
+        " table of the signal with the time in column 0."
+    )
+    signal: SignalName
+    component: Component = None
+    combine: Combine = "norm"
+    statistic: StatisticName | None = Field(default=None, description="What is compared. Default: the whole signal.")
+    level: Level = None
+    band: Band = None
+    percent: Percent = None
+    tolerance: float = Field(ge=0, description="Largest difference that passes, in the unit of what is compared.")
+    from_s: FromS = None
+    to_s: ToS = None
+    from_event: FromEvent = None
+    to_event: ToEvent = None
+
+    @model_validator(mode="after")
+    def _statistic_and_window(self) -> BaselineCheckBlock:
+        require_window(self)
+        if self.asked is None:
+            for key in ("level", "band", "percent"):
+                if getattr(self, key) is not None:
+                    refuse(f"a whole signal takes no {key}: give a statistic", key)
+        require_statistic(self.asked or self.whole)
+        return self
+
+    @property
+    def asked(self) -> StatisticBlock | None:
+        """The statistic; None for the whole signal."""
+        if self.statistic is None:
+            return None
+        keys = {key: getattr(self, key) for key in ("signal", "component", "combine", "level", "band", "percent")}
+        return StatisticBlock.model_construct(statistic=self.statistic, **keys)
+
+    @property
+    def whole(self) -> StatisticBlock:
+        """The signal, by its largest number."""
+        keys = {key: getattr(self, key) for key in ("signal", "component", "combine")}
+        return StatisticBlock.model_construct(statistic="max", **keys)
+
+    @property
+    def title(self) -> str:
+        """Name shown in results."""
+        if self.asked is not None:
+            return self.name or f"{statistic_in_words(self.asked)} against the baseline"
+        return self.name or f"{statistic_in_words(self.whole).removeprefix('max of ')} against the baseline"
+
+    @property
+    def bound(self) -> Bound:
+        """The largest difference."""
+        return Bound("<=", self.tolerance)
+
+    @property
+    def named_signals(self) -> tuple[NamedSignal, ...]:
+        """See `CheckBlock.named_signals`."""
+        return (NamedSignal(self.signal, self.component),)
+
+
 class AllowedForcesCheckBlock(CheckBlock):
     """Every demanded thruster force lies in its allowed set at every tick.
 
@@ -426,6 +496,7 @@ AnyCheck = Annotated[
     | EventuallyCheckBlock
     | RatioCheckBlock
     | BeforeAfterCheckBlock
+    | BaselineCheckBlock
     | AllowedForcesCheckBlock
     | ExactWrenchCheckBlock
     | PathEndCheckBlock,

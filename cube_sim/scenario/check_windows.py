@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from cube_sim.scenario.check_blocks import (
     AnyCheck,
+    BaselineCheckBlock,
     BeforeAfterCheckBlock,
     ConditionCheckBlock,
     EventuallyCheckBlock,
@@ -42,7 +43,7 @@ def condition_window(check: ConditionCheckBlock, events: Sequence[AnyEvent] = ()
 def windows_of(check: AnyCheck, events: Sequence[AnyEvent] = ()) -> tuple[TimeWindow, ...]:
     """All windows at which a check looks; the whole run where it has no keys for one."""
     match check:
-        case SignalCheckBlock():
+        case SignalCheckBlock() | BaselineCheckBlock():
             return (window_of(check, events),)
         case ConditionCheckBlock():
             return (condition_window(check, events),)
@@ -75,6 +76,8 @@ def statistics_of(check: AnyCheck, events: Sequence[AnyEvent] = ()) -> tuple[Ask
     match check:
         case SignalCheckBlock():
             return (AskedStatistic(check, window_of(check, events), "", _end_key(check)),)
+        case BaselineCheckBlock() if check.asked is not None:
+            return (AskedStatistic(check.asked, window_of(check, events), "", _end_key(check)),)
         case RatioCheckBlock():
             above, below = check.numerator, check.denominator
             return (
@@ -107,7 +110,7 @@ def require_windows_inside(
     """
     for index, check in enumerate(checks):
         match check:
-            case SignalCheckBlock() | ConditionCheckBlock():
+            case SignalCheckBlock() | ConditionCheckBlock() | BaselineCheckBlock():
                 require_window_inside(check, events, duration_s, index)
             case RatioCheckBlock():
                 require_window_inside(check.numerator, events, duration_s, index, "numerator")

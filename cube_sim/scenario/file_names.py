@@ -1,7 +1,7 @@
 """Keys whose value names a file: what they take, and how all of them are renamed at once.
 
-A key that names a file has the type `ModelFile`, `TableFile` or `CodeName`, or another that is marked with a
-`FileKind`. By that mark `renamed` finds them all, so that a run and its files can be carried elsewhere.
+A key that names a file has the type `ModelFile`, `TableFile`, `RecordFile` or `CodeName`, or another that is marked
+with a `FileKind`. By that mark `renamed` finds them all, so that a run and its files can be carried elsewhere.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ class FileKind(Enum):
     MODEL = "MJCF"
     TABLE = "CSV"
     CODE = "Python"
+    RECORD = "MCAP"
 
 
 def _beside_the_scenario(file: str, info: ValidationInfo) -> str:
@@ -45,6 +46,14 @@ def _existing_model(file: str, info: ValidationInfo) -> str:
         refuse(f"{file} is a folder, not an MJCF file")
     if not path.is_file():
         refuse(f"no such file: {path}")
+    return absolute
+
+
+def _existing_record(file: str, info: ValidationInfo) -> str:
+    """The absolute name of a run's folder, or of a file in its place."""
+    absolute = _beside_the_scenario(file, info)
+    if info.context is not None and not Path(absolute).exists():
+        refuse(f"no such file: {Path(info.context['directory'], file)}")
     return absolute
 
 
@@ -69,6 +78,7 @@ def _existing_code(code: str, info: ValidationInfo) -> str:
 
 ModelFile = Annotated[str, Field(min_length=1), AfterValidator(_existing_model), FileKind.MODEL]
 TableFile = Annotated[str, Field(min_length=1), AfterValidator(_beside_the_scenario), FileKind.TABLE]
+RecordFile = Annotated[str, Field(min_length=1), AfterValidator(_existing_record), FileKind.RECORD]
 CodeName = Annotated[str, Field(min_length=1), AfterValidator(_existing_code), FileKind.CODE]
 
 

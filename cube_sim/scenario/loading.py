@@ -16,6 +16,7 @@ from cube_sim.errors import ScenarioError
 from cube_sim.scenario.check_blocks import AnyCheck
 from cube_sim.scenario.document import Document, Location, Mistake, Position
 from cube_sim.scenario.explain import Refusal, explain
+from cube_sim.scenario.file_names import renamed
 from cube_sim.scenario.include import merged
 from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.scenario.overrides import Override, apply
@@ -152,12 +153,17 @@ def load_checks(
     if "checks" not in document.data:
         raise ScenarioError([f"{path}:1:1: checks: is missing; give a list of checks"])
     data = {**scenario, "checks": document.data["checks"]}
-    checks = _validated(path, document, data, (), [], None).checks
+    checks = tuple(_beside(path, each) for each in _validated(path, document, data, (), [], None).checks)
     mistakes = signal_mistakes(checks, widths, recorded=recorded)
     refusals = [Refusal(_location(place), text, at_key=False) for place, text in mistakes]
     if refusals:
         raise ScenarioError([line(path, _place(refusal, document, ())) for refusal in refusals])
     return checks
+
+
+def _beside(path: Path, check: AnyCheck) -> AnyCheck:
+    """A check of a file whose own files are seen from it."""
+    return renamed(check, lambda file: str(Path(path.parent, file).resolve()))
 
 
 def _no_such_key(key: str) -> str:

@@ -27,11 +27,20 @@ def scenario(example):
     return {**parse(scenario_examples.WHOLE).data, "model": model, **example}
 
 
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A folder with an earlier run that is called reference."""
+    folder = tmp_path_factory.mktemp("page")
+    cube_sim.fly(load_mapping(scenario({})), out=folder / "reference", record="mcap")
+    return folder
+
+
+@pytest.mark.flight
 @pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
-def test_every_example_can_be_flown(example, tmp_path):
+def test_every_example_can_be_flown(example, place):
     assert set(example) <= {"events", "checks"}
-    (tmp_path / "mission.yaml").write_text(json.dumps(scenario(example)))
-    assert len(prepare(load(tmp_path / "mission.yaml")).scenario.checks) == len(example["checks"])
+    (place / "mission.yaml").write_text(json.dumps(scenario(example)))
+    assert len(prepare(load(place / "mission.yaml")).scenario.checks) == len(example["checks"])
 
 
 def test_the_page_has_every_statistic_and_what_it_needs():
@@ -49,13 +58,14 @@ def test_the_page_shows_every_kind():
 
 
 @pytest.mark.flight
-def test_every_check_of_the_page_is_judged_and_passes(tmp_path):
+def test_every_check_of_the_page_is_judged_and_passes(place, tmp_path):
     events = [event for example in EXAMPLES for event in example.get("events", ())]
     assert all(event == events[0] for event in events)
     for name, lost in (("whole", []), ("lost", events[:1])):
         chosen = [e for e in EXAMPLES if ("events" in e) == bool(lost)]
         checks = [check for example in chosen for check in example["checks"]]
-        mission = load_mapping(scenario({"events": lost, "checks": checks}))
+        (place / "mission.yaml").write_text(json.dumps(scenario({"events": lost, "checks": checks})))
+        mission = load(place / "mission.yaml")
         kept = cube_sim.fly(mission, out=tmp_path / name, record="mcap")
         assert {check.name: check.verdict for check in kept.checks if check.verdict != "PASS"} == {}
         assert all(check.unit and check.margin is not None for check in kept.checks)

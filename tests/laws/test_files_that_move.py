@@ -8,6 +8,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Literal, get_args, get_origin
 
+import numpy as np
 import pytest
 from pydantic import BaseModel
 from support.places import CUBE
@@ -20,10 +21,11 @@ SAMPLES = {
     FileKind.MODEL: "files/cube.xml",
     FileKind.TABLE: "files/points.csv",
     FileKind.CODE: "files/own.py:make",
+    FileKind.RECORD: "files/earlier.npy",
 }
 """A file of every kind, as the scenario below names it."""
 
-REQUIRED = {"name": "mine", "noise": 0.1}
+REQUIRED = {"name": "mine", "noise": 0.1, "signal": "pose.position", "tolerance": 1e6}
 
 SCENARIO = """\
 schema_version: 1
@@ -76,7 +78,7 @@ def tags(block):
 
 
 def required(block):
-    """The keys that a block of code cannot be without, where it stands in a list."""
+    """The keys that a block cannot be without, where it stands in a list."""
     return {
         name: REQUIRED[name] for name, field in block.model_fields.items() if field.is_required() and name in REQUIRED
     }
@@ -105,6 +107,7 @@ def checkout(folder: Path) -> Path:
     shutil.copy(CUBE, folder / "scenarios" / "files")
     (folder / "scenarios" / "files" / "points.csv").write_text("x_m,y_m,z_m\n0,0,-5\n3,1,-5\n6,0,-4\n")
     (folder / "scenarios" / "files" / "own.py").write_text(OWN)
+    np.save(folder / "scenarios" / "files" / "earlier.npy", np.column_stack([np.arange(6) * 0.02, np.zeros((6, 3))]))
     path = folder / "scenarios" / "carried.yaml"
     path.write_text(SCENARIO)
     return path
@@ -126,6 +129,7 @@ def test_the_keys_known_to_name_files_are_found():
         "guidance.law.python",
         "allocation.method.python",
         "navigation.own.python",
+        "checks.record",
     } <= set(KEYS)
 
 

@@ -43,6 +43,7 @@ WITHOUT_UNIT = {
     "level",  # numbers in the unit of the signal they judge
     "band",
     "percent",
+    "tolerance",  # of a check; in the unit of what it compares
     "scale",
     "event",  # the number of one in their list
     "from_event",
