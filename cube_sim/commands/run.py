@@ -169,7 +169,7 @@ def _fly_several(
         values, found = overrides(settings), find(places)
     except ScenarioError as error:
         stop(BAD_INPUT, str(error))
-    outcomes: dict[Path, several.Outcome] = {}
+    outcomes: dict[Path, several.ScenarioOutcome] = {}
     flyable: dict[Path, Loaded] = {}
     for file in found.scenarios:
         try:

@@ -24,7 +24,7 @@ _WORST_FIRST = ("FAIL", INVALID, "ERROR", "PASS")
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ScenarioOutcome:
     """What became of one scenario.
 
     Attributes:
@@ -49,12 +49,12 @@ class Outcome:
         return self.content.get("directory", "")
 
 
-def outcome_of(file: Path, loaded: Loaded, run: Run) -> Outcome:
+def outcome_of(file: Path, loaded: Loaded, run: Run) -> ScenarioOutcome:
     """Of a flight."""
     flown = Flown(run.simulated_s, run.ended_early, run.log)
     content = to_dict(run.verdict, run.checks, run.real_time_factor, run.versions, flown)
     reasons = [f"{check.verdict} {check.name}: {check.detail}" for check in run.checks if check.verdict != "PASS"]
-    return Outcome(
+    return ScenarioOutcome(
         file,
         run.verdict,
         worst_of(run.checks),
@@ -64,17 +64,17 @@ def outcome_of(file: Path, loaded: Loaded, run: Run) -> Outcome:
     )
 
 
-def invalid(file: Path, error: CubeSimError) -> Outcome:
+def invalid(file: Path, error: CubeSimError) -> ScenarioOutcome:
     """Of a scenario that cannot be flown; its mistakes are lines."""
     mistakes = error.mistakes if isinstance(error, ScenarioError) else str(error).splitlines()
     content = {"scenario": str(file), "verdict": INVALID, "mistakes": mistakes}
-    return Outcome(file, INVALID, None, "", tuple(mistakes), content)
+    return ScenarioOutcome(file, INVALID, None, "", tuple(mistakes), content)
 
 
-def broken_off(file: Path, error: CubeSimError) -> Outcome:
+def broken_off(file: Path, error: CubeSimError) -> ScenarioOutcome:
     """Of a flight that came to no end: the disk is full, code of the user's own raised."""
     content = {"scenario": str(file), "verdict": "ERROR", "reason": str(error)}
-    return Outcome(file, "ERROR", None, "", (str(error),), content)
+    return ScenarioOutcome(file, "ERROR", None, "", (str(error),), content)
 
 
 def worst_of(checks: Sequence[CheckResult]) -> CheckResult | None:
@@ -111,7 +111,7 @@ def folders(out: Path | None, scenarios: Mapping[Path, Loaded]) -> dict[Path, Pa
     return chosen
 
 
-def fly_one(file: Path, loaded: Loaded, out: Path | None, record: Any, progress: Progress) -> Outcome:
+def fly_one(file: Path, loaded: Loaded, out: Path | None, record: Any, progress: Progress) -> ScenarioOutcome:
     """Fly a scenario that is valid; what goes wrong on the way is its outcome."""
     from cube_sim import simulation
 
@@ -124,14 +124,14 @@ def fly_one(file: Path, loaded: Loaded, out: Path | None, record: Any, progress:
     return outcome_of(file, loaded, run)
 
 
-def exit_code(outcomes: Iterable[Outcome]) -> int:
+def exit_code(outcomes: Iterable[ScenarioOutcome]) -> int:
     """That of the worst: a FAIL, else a scenario that cannot be flown, else one not judged."""
     verdicts = {outcome.verdict for outcome in outcomes}
     worst = next(verdict for verdict in _WORST_FIRST if verdict in verdicts)
     return BAD_INPUT if worst == INVALID else EXIT_CODES[worst]
 
 
-def table_of(outcomes: Sequence[Outcome], not_flown: Sequence[Path] = ()) -> RenderableType:
+def table_of(outcomes: Sequence[ScenarioOutcome], not_flown: Sequence[Path] = ()) -> RenderableType:
     """A row for each scenario, then why those that did not pass did not.
 
     Args:
@@ -169,7 +169,7 @@ def table_of(outcomes: Sequence[Outcome], not_flown: Sequence[Path] = ()) -> Ren
     return Group(heading, Text(), table, *([Text(), *reasons] if reasons else []))
 
 
-def _with_place(outcome: Outcome) -> list[str]:
+def _with_place(outcome: ScenarioOutcome) -> list[str]:
     """Reasons; mistakes have been said, and name their file themselves."""
     return [] if outcome.verdict == INVALID else list(outcome.reasons)
 

@@ -30,7 +30,7 @@ _OF_A_RUN = ("run.mcap", "verdict.json")
 _LEFT_OUT = ("__pycache__", "node_modules", "site-packages", "venv")
 
 
-class Found(NamedTuple):
+class FoundScenarios(NamedTuple):
     """What folders and files hold.
 
     Attributes:
@@ -42,7 +42,7 @@ class Found(NamedTuple):
     others: tuple[Path, ...]
 
 
-def find(places: Iterable[Path]) -> Found:
+def find(places: Iterable[Path]) -> FoundScenarios:
     """The scenarios among files and folders.
 
     A file that is named is taken for one, whatever is in it. A folder is searched to any depth; left out are hidden
@@ -65,7 +65,7 @@ def find(places: Iterable[Path]) -> Found:
         for file in found:
             scenarios.setdefault(file.resolve(), file)
         others += [file for file in there if file not in found]
-    return Found(tuple(scenarios.values()), tuple(others))
+    return FoundScenarios(tuple(scenarios.values()), tuple(others))
 
 
 def yaml_files(folder: Path) -> Iterator[Path]:

@@ -60,7 +60,7 @@ def test_help_imports_nothing_heavy(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0
-    assert "Fly a scenario" in done.stdout
+    assert "Fly scenarios" in done.stdout
     assert done.stderr.split() == []
 
 
@@ -107,7 +107,7 @@ def test_without_a_command_the_help_is_shown(monkeypatch, capsys):
     code, stdout, stderr = call(monkeypatch, capsys)
     assert (code, stdout) == (2, "")
     assert stderr.startswith("Usage: cube-sim [OPTIONS] COMMAND")
-    assert "Fly a scenario" in stderr
+    assert "Fly scenarios" in stderr
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
@@ -178,7 +178,7 @@ def test_bad_input_is_one_line_per_mistake_and_writes_nothing(
     assert sorted(tmp_path.rglob("*")) == before
 
 
-@pytest.mark.parametrize("path", [".", "none.yaml", "mission.yaml/below"])
+@pytest.mark.parametrize("path", ["none.yaml", "mission.yaml/below"])
 def test_what_is_no_file_is_bad_input(tmp_path, monkeypatch, capsys, path):
     write(tmp_path)
     monkeypatch.chdir(tmp_path)

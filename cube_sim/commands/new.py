@@ -1,0 +1,56 @@
+"""``cube-sim new``: a first scenario for a model."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cube_sim.commands.ending import BAD_INPUT, stop
+from cube_sim.commands.output import open_no_windows
+from cube_sim.commands.progress import begin_compiling
+from cube_sim.errors import CubeSimError
+
+EPILOG = (
+    "Exit code: 0 written, 2 there is a file already, or the model flies none of what is tried; nothing is written."
+)
+
+
+def new(
+    model: Annotated[Path, typer.Argument(metavar="MODEL", help="MJCF file of a vehicle: models/cube.xml.")],
+    scenario: Annotated[
+        Path | None,
+        typer.Argument(metavar="[FILE]", help="Scenario file to write. Default: MODEL_first.yaml in this folder."),
+    ] = None,
+    hull: Annotated[str | None, typer.Option(help="Which hull, when the model has several.")] = None,
+) -> None:
+    """Write a first scenario for a model, with remarks.
+
+    The model is asked for its thrusters and what they can do. Paths are flown, the most telling first, until one is
+    followed: that one is written, with checks that it passes.
+    """
+    file = scenario or Path(f"{model.stem}_first.yaml")
+    if file.exists() or file.is_symlink():
+        stop(BAD_INPUT, f"{file}: is there already; give another name")
+    if not file.parent.is_dir():
+        stop(BAD_INPUT, f"{file}: there is no folder {file.parent}")
+    open_no_windows()
+    begin_compiling(hidden=False)
+    from cube_sim.commands.analysis_report import report_on
+    from cube_sim.commands.starter import head_of, starter_for, text_of
+
+    try:
+        report = report_on(model, hull=hull)
+        chosen = starter_for(model, hull)
+        thrusters, head = report.vehicle.thrusters.names, head_of(report)
+        text = text_of(chosen.candidate, model, hull, chosen.limits, file.parent, head, chosen.measured, thrusters)
+        with file.open("x", encoding="utf-8") as written:
+            written.write(text)
+    except CubeSimError as error:
+        stop(BAD_INPUT, str(error))
+    except OSError as error:
+        stop(BAD_INPUT, f"{file}: cannot be written: {error.strerror}")
+    typer.echo(f"{file}: {chosen.candidate.what}")
+    typer.echo(f"fly it:  cube-sim run {shlex.quote(str(file))}")
