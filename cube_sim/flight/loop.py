@@ -301,8 +301,8 @@ class Loop:
     def _control(self, warnings: list[str], action: Action, begun: Begun) -> None:
         mission, store, t = self.mission, self._store, self.time_s
         if begun.reached == BEGIN:
-            for message in mission.events.apply_due(t):
-                store.log(t, "WARNING", message)
+            for level, message in mission.events.apply_due(t):
+                store.log(t, level, message)
             mujoco.mj_forward(mission.model, mission.data)
         while warnings:
             store.log(t, "WARNING", f"MuJoCo: {warnings.pop(0)}")

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from math import ceil
 from sys import maxsize
-from typing import assert_never
+from typing import NamedTuple, assert_never
 
 import mujoco
 
+from cube_sim.mission.sensor_faults import SensorEvents
 from cube_sim.mission.water import water_schedule
+from cube_sim.navigation.faults import SensorFaults
 from cube_sim.scenario import Scenario
-from cube_sim.scenario.event_blocks import AnyEvent, CurrentEventBlock, ForceEventBlock, ThrusterEventBlock
+from cube_sim.scenario.event_blocks import (
+    AnyEvent,
+    CurrentEventBlock,
+    ForceEventBlock,
+    ThrusterEventBlock,
+)
+from cube_sim.scenario.sensor_event_block import SensorEventBlock
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.current import set_current
 from cube_sim.vehicle.vehicle import Vehicle
@@ -20,26 +28,58 @@ SAME_S = 1e-9
 """Times that differ by less are the same: those of ticks are rounded [s]."""
 
 
+class Due(NamedTuple):
+    """What is to happen.
+
+    Attributes:
+        at_s: when [s].
+        over: whether it is the end of the event, else its beginning.
+        event: the event.
+    """
+
+    at_s: float
+    over: bool
+    event: AnyEvent
+
+
 class Events:
     """The events of a run, each carried out once when its time has come.
+
+    Args:
+        scenario: that has them.
+        model: that flies; changed here.
+        vehicle: whose thrusters fail.
+        faults: of its sensors, changed here; None without sensors.
 
     Attributes:
         health: the true state of the thrusters.
     """
 
-    def __init__(self, scenario: Scenario, model: mujoco.MjModel, vehicle: Vehicle) -> None:
-        self._pending = sorted(scenario.events, key=lambda event: event.at_s)
+    def __init__(
+        self, scenario: Scenario, model: mujoco.MjModel, vehicle: Vehicle, faults: SensorFaults | None = None
+    ) -> None:
+        begins = [Due(event.at_s, False, event) for event in scenario.events]
+        ends = [Due(event.ends[0], True, event) for event in scenario.events if event.ends is not None]
+        # What ends at a time does so before what begins then.
+        self._pending = sorted([*begins, *ends], key=lambda due: (due.at_s, not due.over))
+        self._sensors = SensorEvents(faults, scenario.control_period_s)
         self._model, self._vehicle = model, vehicle
         water = water_schedule(scenario)
         self._tables = None if water is None else list(water.tables[1:])
         self.health = Health.whole(len(vehicle.thrusters.names))
 
-    def apply_due(self, t: float) -> list[str]:
-        """Apply the events due at t [s]; returns one message each, for the log."""
-        messages = []
+    def apply_due(self, t: float) -> list[tuple[str, str]]:
+        """Apply the events due at t [s]; returns level and text of a line each, for the log."""
+        lines: list[tuple[str, str]] = []
         while self._pending and self._pending[0].at_s <= t + SAME_S:
-            messages.append(self._apply(self._pending.pop(0)))
-        return messages
+            _, over, event = self._pending.pop(0)
+            if not over:
+                lines.append(("WARNING", self._apply(event)))
+            elif event.ends is not None:
+                if isinstance(event, SensorEventBlock):
+                    self._sensors.end(event)
+                lines.append(("INFO", event.ends[1]))
+        return lines
 
     def ticks_before(self, tick: int, period: float) -> int:
         """How many ticks, from this one on, come before the next event; very many when there is none.
@@ -62,6 +102,9 @@ class Events:
                 self._change_current(event)
                 return event.message
             case ForceEventBlock():  # it is in the model from the start
+                return event.message
+            case SensorEventBlock():
+                self._sensors.begin(event)
                 return event.message
             case ThrusterEventBlock():
                 for name in event.thrusters:

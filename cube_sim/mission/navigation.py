@@ -13,6 +13,7 @@ from cube_sim.navigation.aid import Aid
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
 from cube_sim.navigation.estimating import NavigationMemory, NavigationParameters
+from cube_sim.navigation.faults import SensorFaults
 from cube_sim.navigation.heading import LEAST_LEVEL_PART, Heading
 from cube_sim.navigation.imu import ImuErrors
 from cube_sim.navigation.motion import Motion, Truth, felt
@@ -45,6 +46,7 @@ class StateEstimation:
         period_s: the control period.
         drifts: what of the estimate is held by what, in words.
         own: sensors of the user's own.
+        faults: of the sensors, which events change; None: they stay whole.
 
     Attributes:
         own: the same.
@@ -58,7 +60,9 @@ class StateEstimation:
         period_s: float,
         drifts: str,
         own: tuple[OwnAid, ...] = (),
+        faults: SensorFaults | None = None,
     ) -> None:
+        self._faults = faults
         self._block, self._vehicle, self._seed, self._period, self.own = block, vehicle, seed, period_s, own
         self._drifts = drifts
         self._navigator: Navigator | None = None
@@ -66,14 +70,19 @@ class StateEstimation:
 
     @classmethod
     def of(
-        cls, scenario: Scenario, vehicle: Vehicle, path: Path, own: tuple[OwnAid, ...] = ()
+        cls,
+        scenario: Scenario,
+        vehicle: Vehicle,
+        path: Path,
+        own: tuple[OwnAid, ...] = (),
+        faults: SensorFaults | None = None,
     ) -> StateEstimation | None:
         """As the scenario says, with its sensors of the user's own; None when its controller sees the true state."""
         block = scenario.navigation
         if block is None:
             return None
         drifts = what_drifts(block.aids, nose_level_share(scenario.control.attitude, path), moves_level(path))
-        return cls(block, vehicle, scenario.seed, scenario.control_period_s, drifts, own)
+        return cls(block, vehicle, scenario.seed, scenario.control_period_s, drifts, own, faults)
 
     def reseed(self, seed: int) -> None:
         """Start all sensors and the estimate anew."""
@@ -151,6 +160,7 @@ class StateEstimation:
             seed=self._seed,
             gravity=self._vehicle.gravity,
             period_s=self._period,
+            faults=self._faults,
         )
 
     def _record_reading(self, aid: Aid, reading: tuple[Any, ...], recorder: SignalStore, t: float) -> None:

@@ -29,6 +29,7 @@ from cube_sim.mission.own.compiled_law import CompiledLaw
 from cube_sim.mission.own.sensor import own_sensors
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
+from cube_sim.mission.sensor_faults import sensor_faults
 from cube_sim.mission.supply import supply_of
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded, Scenario
@@ -118,6 +119,7 @@ def prepare(loaded: Loaded) -> Mission:
     data = initial_state(model, vehicle, scenario)
     mujoco.mj_kinematics(model, data)
     start = read_truth(read_state(vehicle, data), data, vehicle).motion
+    faults = sensor_faults(scenario)
     mission = Mission(
         scenario=scenario,
         model=model,
@@ -128,10 +130,10 @@ def prepare(loaded: Loaded) -> Mission:
         controller=controller_of(loaded, believed, path, ability, codes),
         allocator=allocator,
         supply=supply_of(loaded, model, vehicle),
-        events=Events(scenario, model, vehicle),
+        events=Events(scenario, model, vehicle, faults),
         fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle, scenario.control_period_s),
-        estimation=StateEstimation.of(scenario, vehicle, path, own_sensors(loaded, codes, start)),
+        estimation=StateEstimation.of(scenario, vehicle, path, own_sensors(loaded, codes, start), faults),
         channels=channels,
         codes=codes,
     )

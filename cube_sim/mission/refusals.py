@@ -10,6 +10,7 @@ from cube_sim.baseline import baseline_signal
 from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.mission.channels import why_unknown
+from cube_sim.mission.sensor_faults import impossible_faults
 from cube_sim.recording.channels import ON_CHANGE, SUPPLY, Channel, units_of
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.check_blocks import BaselineCheckBlock
@@ -141,7 +142,7 @@ def wrong_depth(loaded: Loaded, path: Path) -> list[str]:
 def require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
     """Refuse events that cannot happen to this vehicle."""
     thrusters, duration = vehicle.thrusters, loaded.scenario.duration_s
-    mistakes = []
+    mistakes = [loaded.mistake(*each) for each in impossible_faults(loaded.scenario)]
     for i, event in enumerate(loaded.scenario.events):
         if event.at_s > duration:
             text = f"{event.at_s:g} s is after the end of the run at {duration:g} s"

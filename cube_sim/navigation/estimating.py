@@ -11,13 +11,14 @@ from typing import NamedTuple
 import numpy as np
 
 from cube_sim.native.compiled import compiled, inlined
+from cube_sim.navigation.faults import spoil
 from cube_sim.navigation.filtering import FilterMemory, open_tick, run_since
 from cube_sim.navigation.imu import IMU_NORMALS, read_imu
 from cube_sim.navigation.normals import Normals
 from cube_sim.navigation.reading import ARRIVED
 from cube_sim.navigation.sensing import receive, take_readings
 from cube_sim.navigation.strapdown import rotation
-from cube_sim.spatial import Record
+from cube_sim.spatial import Matrix, Record
 from cube_sim.tuples import quaternion_from_matrix
 
 ESTIMATE = np.dtype(
@@ -74,12 +75,16 @@ class NavigationMemory(NamedTuple):
     Attributes:
         imu: record `cube_sim.navigation.imu.IMU_MEMORY`.
         sensors: (k,) of `cube_sim.navigation.sensing.SENSOR`.
+        faults: (1 + k,) of `cube_sim.navigation.faults.FAULT`, the inertial unit's first; changed by events.
+        motions: (L, 18) of `take_readings`.
         normals: standard normal numbers for the noise.
         filter: the filter's.
     """
 
     imu: Record
     sensors: Record
+    faults: Record
+    motions: Matrix
     normals: Normals
     filter: FilterMemory
 
@@ -149,12 +154,16 @@ def estimate(parameters, memory, position, velocity, R, rates, specific_force, a
     first = memory.normals.used[0]
     read_imu(parameters.imu, memory.imu, rates, specific_force, memory.normals.values[0, first : first + IMU_NORMALS])
     memory.normals.used[0] = first + IMU_NORMALS
+    spoil(memory.faults[0], memory.imu[0].reading, 6, memory.normals)
     inertial = np.empty(6)
     for i in range(6):
         inertial[i] = memory.imu[0].reading[i]
     open_tick(filter_, inertial)
     tick, readings, period_s = filter_.tick[0], filter_.readings, parameters.filter[0].period_s
-    take_readings(aids, memory.sensors, memory.normals, readings, tick, period_s, position, velocity, R, rates)
+    take_readings(
+        aids, memory.sensors, memory.faults, memory.motions, memory.normals,
+        readings, tick, period_s, position, velocity, R, rates,
+    )  # fmt: skip
     run_since(parameters.filter, aids, filter_, receive(aids, readings, tick))
     tell(answer, filter_.x, filter_.P, inertial)
     compare(error, answer, position, velocity, R, memory.imu[0].bias)

@@ -9,13 +9,14 @@ import numpy as np
 
 from cube_sim.navigation.aid import Aid
 from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters, estimate
+from cube_sim.navigation.faults import SensorFaults
 from cube_sim.navigation.filter import Filter
 from cube_sim.navigation.imu import IMU_MEMORY, ImuErrors
 from cube_sim.navigation.motion import Motion, Truth
 from cube_sim.navigation.normals import DrawnAhead
 from cube_sim.navigation.own_aid import tell_laws
 from cube_sim.navigation.reading import READING
-from cube_sim.navigation.sensing import SENSOR
+from cube_sim.navigation.sensing import MOTION, SENSOR
 from cube_sim.navigation.strapdown import ATTITUDE, POSITION, VELOCITY, turned
 from cube_sim.navigation.streams import stream
 from cube_sim.spatial import Record, Vector, conjugate, quaternion_from_rotation
@@ -54,6 +55,7 @@ class Navigator:
         seed: root of the random streams.
         gravity: (3,) world axes [m/s^2].
         period_s: length of a tick.
+        faults: of the sensors; None: they stay whole.
 
     Attributes:
         aids: the same.
@@ -71,6 +73,7 @@ class Navigator:
         seed: int,
         gravity: Vector,
         period_s: float,
+        faults: SensorFaults | None = None,
     ) -> None:
         self.aids = tuple(aids)
         k, constants = len(self.aids), np.concatenate([np.zeros(0), *(aid.constants for aid in self.aids)])
@@ -90,7 +93,10 @@ class Navigator:
         for sensor, aid, own in zip(self._sensors, self.aids, streams[1:], strict=True):
             c = len(aid.constants)
             sensor["constants"][:c] = aid.constants * own.standard_normal(c)
-        self._drawn = DrawnAhead(streams)
+        names = "imu", *(aid.name for aid in self.aids)
+        self._faults = SensorFaults(names) if faults is None else faults
+        self._motions = np.zeros((self._faults.latest + 1, MOTION))
+        self._drawn = DrawnAhead([*streams, *(stream(seed, f"{name} outliers") for name in self._faults.outliers)])
         self.answer: Record = np.zeros(1, ESTIMATE)
         self.error: Record = np.zeros(1, ERROR)
         self._arrived: Record = np.zeros(k, READING)
@@ -113,7 +119,9 @@ class Navigator:
         """The first arguments of `estimate`, for so many ticks."""
         self._drawn.reserve(ticks)
         tell_laws(self.filter.aids, self.aids)
-        return self._parameters, NavigationMemory(self._imu, self._sensors, self._drawn.normals, self.filter.memory)
+        faulty = self._faults.records, self._motions
+        memory = NavigationMemory(self._imu, self._sensors, *faulty, self._drawn.normals, self.filter.memory)
+        return self._parameters, memory
 
     def update(self, truth: Truth) -> Record:
         """Go on by one tick (at the first call: to t = 0); the readings that have arrived, of `READING`."""

@@ -85,7 +85,7 @@ def _events(subject: Subject) -> Iterator[Happening]:
     due = [event for event in sorted(subject.scenario.events, key=lambda each: each.at_s) if event.at_s <= last]
     currents = [event.at_s for event in due if isinstance(event, CurrentEventBlock)]
     for event in due:
-        until = None
+        until = None if event.ends is None else event.ends[0]
         if isinstance(event, CurrentEventBlock):
             currents.pop(0)
             until = currents[0] if currents else inf

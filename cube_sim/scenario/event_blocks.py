@@ -8,31 +8,19 @@ from pydantic import Field, model_validator
 from pydantic.types import Strict
 
 from cube_sim.scenario.current_block import CurrentProfileBlock
-from cube_sim.scenario.values import ZERO, Block, Newtons, Newtons3, Place, Seconds, Title, WaterVelocity, refuse
+from cube_sim.scenario.event_block import EventBlock
+from cube_sim.scenario.sensor_event_block import SensorEventBlock
+from cube_sim.scenario.values import (
+    ZERO,
+    Newtons,
+    Newtons3,
+    Place,
+    Seconds,
+    WaterVelocity,
+    refuse,
+)
 
 ThrusterState = Literal["dead", "weak", "stuck", "recovered"]
-
-
-class EventBlock(Block):
-    """What every event has; each also has a `what`: what happens, in words."""
-
-    name: Title | None = Field(default=None, description="Shown where the event is told. Default: what happens.")
-    at_s: float = Field(ge=0, le=86400, description="When it happens [s].")
-
-    @property
-    def what(self) -> str:
-        """What happens, for readers."""
-        raise NotImplementedError
-
-    @property
-    def title(self) -> str:
-        """What happens, for readers, after the name that the scenario gives it."""
-        return self.what if self.name is None else f"{self.name}: {self.what}"
-
-    @property
-    def message(self) -> str:
-        """What the log of a flight says of it."""
-        return self.title
 
 
 class ThrusterEventBlock(EventBlock):
@@ -161,5 +149,12 @@ class ForceEventBlock(EventBlock):
         where += "" if self.point_m is None else " at [{:g}, {:g}, {:g}] m".format(*self.point_m)
         return f"pushed by {told}{where}, {self.axes} axes" + ("" if self.for_s is None else f", for {self.for_s:g} s")
 
+    @property
+    def ends(self) -> tuple[float, str] | None:
+        """See `EventBlock.ends`."""
+        return None if self.for_s is None else (self.at_s + self.for_s, f"{self.name or 'the push'}: over")
 
-AnyEvent = Annotated[ThrusterEventBlock | CurrentEventBlock | ForceEventBlock, Field(discriminator="kind")]
+
+AnyEvent = Annotated[
+    ThrusterEventBlock | CurrentEventBlock | ForceEventBlock | SensorEventBlock, Field(discriminator="kind")
+]

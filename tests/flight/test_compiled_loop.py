@@ -19,11 +19,29 @@ COMPILED = {
     "bluerov2_tide",
     "bluerov2_vectored_helix",
     "bluerov2_vectored_hover",
+    "bluerov2_vectored_line",
+    "cube_free",
+    "cube_helix",
+    "cube_hover",
+    "cube_look_at",
+    "cube_lose_one",
+    "cube_navigated",
+    "cube_sensor_faults",
+    "cube_survival",
+    "cube_track",
+    "infante_circle",
+    "infante_circle_current",
+    "infante_line",
+    "infante_line_current",
+    "infante_sinusoid",
+    "infante_spline",
+    "jack_compensation",
+    "jack_contraction",
+    "jack_exact",
+    "rov6_helix",
+    "torpedo_helix",
+    "torpedo_line",
 }
-COMPILED |= {"bluerov2_vectored_line", "cube_free", "cube_helix", "cube_hover", "cube_look_at", "cube_lose_one"}
-COMPILED |= {"cube_navigated", "cube_survival", "cube_track", "jack_exact", "rov6_helix", "torpedo_helix"}
-COMPILED |= {"infante_circle", "infante_circle_current", "infante_line", "infante_line_current", "infante_sinusoid"}
-COMPILED |= {"infante_spline", "jack_compensation", "jack_contraction", "torpedo_line"}
 """Scenarios whose ticks are nearly all of them flown by compiled code."""
 
 

@@ -17,6 +17,9 @@ UNITS = (
 )  # fmt: skip
 # Pure numbers, and limits whose unit is that of the signal they judge.
 WITHOUT_UNIT = {
+    "offset",
+    "size",
+    "share",
     "schema_version",
     "seed",
     "charge",
