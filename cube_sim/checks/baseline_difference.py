@@ -96,7 +96,8 @@ class SignalOfBoth:
         note_not_finite(self._reasons, name, theirs)
         self._first = self._first if self._instants else ours[0, 0]
         self._last, self._instants = ours[-1, 0], self._instants + len(ours)
-        distance = np.abs(series_of(ours[:, 1:] - theirs[:, 1:], component, self._check.combine))
+        with np.errstate(over="ignore", invalid="ignore"):
+            distance = np.abs(series_of(ours[:, 1:] - theirs[:, 1:], component, self._check.combine))
         self._farthest.take(distance, ours[:, 0])
 
     def result(self, recorded: Collection[str], duration_s: float | None) -> CheckResult:

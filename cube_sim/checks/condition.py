@@ -68,7 +68,8 @@ class ConditionHolds:
         series = [each.at(times, self._reasons) for each in self._signals]
         self._first = self._first if self._instants else float(times[0])
         self._last, self._instants = float(times[-1]), self._instants + len(times)
-        margins = np.array([margin_of(*both) for both in zip(self._check.comparisons, series, strict=True)])
+        with np.errstate(over="ignore", invalid="ignore"):
+            margins = np.array([margin_of(*both) for both in zip(self._check.comparisons, series, strict=True)])
         margin = margins.min(axis=0) if self._check.all else margins.max(axis=0)
         turned = np.flatnonzero(~(margin >= 0) if self._always else margin >= 0)
         if len(turned) and np.isnan(self._turned_s):

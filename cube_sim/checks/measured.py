@@ -11,7 +11,7 @@ from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.held_rows import HeldRows
 from cube_sim.checks.reasons import NotJudgedError, Reasons
 from cube_sim.checks.samples import Array, Samples, Signals, note_not_finite
-from cube_sim.checks.statistics import Found, accumulator
+from cube_sim.checks.statistics import MeasuredValue, accumulator
 from cube_sim.scenario.statistic_keys import AsksStatistic
 from cube_sim.scenario.windows import TimeWindow
 
@@ -77,7 +77,7 @@ class Measured:
         with np.errstate(over="ignore", invalid="ignore"):
             self._found.take(series, rows[:, 0], lasting)
 
-    def found(self, recorded: Collection[str], duration_s: float | None) -> Found:
+    def found(self, recorded: Collection[str], duration_s: float | None) -> MeasuredValue:
         """The statistic, once nothing comes any more.
 
         Args:
@@ -149,12 +149,13 @@ def series_of(values: Array, component: int | None, combine: Literal["norm", "su
         return values[:, component]
     if values.shape[1] == 1:
         return values[:, 0]
-    if combine == "sum":  # in one order on every machine
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is seen to be no number
+        if combine == "norm":
+            return np.linalg.norm(values, axis=1)
         total = np.zeros(len(values))
-        for column in range(values.shape[1]):
+        for column in range(values.shape[1]):  # in one order on every machine
             total += values[:, column]
         return total
-    return np.linalg.norm(values, axis=1)
 
 
 def require_in_run(window: TimeWindow, start: float, end: float, slack: float) -> None:

@@ -17,7 +17,7 @@ from cube_sim.scenario.statistic_keys import AsksStatistic
 Marks = NDArray[np.bool_]
 
 
-class Found(NamedTuple):
+class MeasuredValue(NamedTuple):
     """What was found.
 
     Attributes:
@@ -42,7 +42,7 @@ class Accumulator(Protocol):
         """
         ...
 
-    def found(self, start_s: float, end_s: float) -> Found:
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
         """The statistic, once nothing comes any more.
 
         Args:
@@ -128,8 +128,8 @@ class _Extreme:
     def take(self, series: Array, times: Array, lasting: Array | None) -> None:
         self._largest.take(self._sign * self._of(series), times)
 
-    def found(self, start_s: float, end_s: float) -> Found:
-        return Found(self._sign * self._largest.value, self._largest.at_s)
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
+        return MeasuredValue(self._sign * self._largest.value, self._largest.at_s)
 
 
 class _Weight:
@@ -157,8 +157,8 @@ class _Mean:
         self._sum.take(series if lasting is None else series * lasting, times)
         self._worst.take(series, times)
 
-    def found(self, start_s: float, end_s: float) -> Found:
-        return Found(self._sum.total() / self._weight.total(), self._worst.at_s)
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
+        return MeasuredValue(self._sum.total() / self._weight.total(), self._worst.at_s)
 
 
 class _RootMeanSquare:
@@ -171,8 +171,8 @@ class _RootMeanSquare:
         self._sum.take(squares if lasting is None else squares * lasting, times)
         self._worst.take(np.abs(series), times)
 
-    def found(self, start_s: float, end_s: float) -> Found:
-        return Found(float(np.sqrt(self._sum.total() / self._weight.total())), self._worst.at_s)
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
+        return MeasuredValue(float(np.sqrt(self._sum.total() / self._weight.total())), self._worst.at_s)
 
 
 class _StandardDeviation:
@@ -191,11 +191,11 @@ class _StandardDeviation:
         self._largest.take(series, times)
         self._smallest.take(-series, times)
 
-    def found(self, start_s: float, end_s: float) -> Found:
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
         mean = self._mean.found(start_s, end_s).value
         above, below = self._largest.value - mean, mean + self._smallest.value
         farthest = self._largest if above >= below else self._smallest
-        return Found(float(np.sqrt(self._spread.variance())), farthest.at_s)
+        return MeasuredValue(float(np.sqrt(self._spread.variance())), farthest.at_s)
 
 
 class _Percentile:
@@ -216,15 +216,17 @@ class _Percentile:
             self._lasting.append(lasting.copy())
         self._worst.take(series, times)
 
-    def found(self, start_s: float, end_s: float) -> Found:
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
         series = np.concatenate(self._series)
         if not self._lasting:
             rank = max(int(np.ceil(self._percent / 100.0 * len(series) * (1.0 - 1e-14))), 1)
-            return Found(float(np.partition(series, rank - 1)[rank - 1]), self._worst.at_s)
+            return MeasuredValue(float(np.partition(series, rank - 1)[rank - 1]), self._worst.at_s)
         order = np.argsort(series, kind="stable")
         until = np.cumsum(np.concatenate(self._lasting)[order])
         share = self._percent / 100.0 * _positive(float(until[-1])) * (1.0 - 1e-14)
-        return Found(float(series[order[min(int(np.searchsorted(until, share)), len(order) - 1)]]), self._worst.at_s)
+        return MeasuredValue(
+            float(series[order[min(int(np.searchsorted(until, share)), len(order) - 1)]]), self._worst.at_s
+        )
 
 
 class _Share:
@@ -238,8 +240,8 @@ class _Share:
         self._counted.take(inside if lasting is None else inside * lasting, times)
         self._worst.take(self._badness(series), times)
 
-    def found(self, start_s: float, end_s: float) -> Found:
-        return Found(self._counted.total() / self._weight.total(), self._worst.at_s)
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
+        return MeasuredValue(self._counted.total() / self._weight.total(), self._worst.at_s)
 
 
 class _Count:
@@ -261,8 +263,8 @@ class _Count:
         self._last_s = float(changed[-1]) if len(changed) else self._last_s
         self._before = seen[-1:].copy()
 
-    def found(self, start_s: float, end_s: float) -> Found:
-        return Found(float(self._count), self._last_s if self._at_most and self._count else end_s)
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
+        return MeasuredValue(float(self._count), self._last_s if self._at_most and self._count else end_s)
 
 
 class _Settling:
@@ -285,12 +287,12 @@ class _Settling:
             self._since = float(later[0]) if len(later) else None
         self._was_out |= len(outside) > 0
 
-    def found(self, start_s: float, end_s: float) -> Found:
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
         if self._since is not None:
-            return Found(self._since - start_s, self._since) if self._was_out else Found(0.0, start_s)
+            return MeasuredValue(self._since - start_s, self._since) if self._was_out else MeasuredValue(0.0, start_s)
         longer = end_s - start_s
         if self._limit is not None and (longer > self._limit if self._at_most else longer >= self._limit):
-            return Found(longer, end_s)
+            return MeasuredValue(longer, end_s)
         raise NotJudgedError(f"it has not settled when the window ends, {longer:g} s after its start")
 
 
@@ -313,8 +315,8 @@ class _Integral:
         self._last = float(times[-1]), float(series[-1])
         self._sum.take((series[1:] + series[:-1]) / 2.0 * np.diff(times), times[1:])
 
-    def found(self, start_s: float, end_s: float) -> Found:
-        return Found(self._sum.total(), self._worst.at_s)
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
+        return MeasuredValue(self._sum.total(), self._worst.at_s)
 
 
 class _Increase:
@@ -329,8 +331,8 @@ class _Increase:
             self._first = float(series[0]) if self._first is None else self._first
             self._last = float(series[-1])
 
-    def found(self, start_s: float, end_s: float) -> Found:
-        return Found(self._last - (np.nan if self._first is None else self._first), end_s)
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
+        return MeasuredValue(self._last - (np.nan if self._first is None else self._first), end_s)
 
 
 class _Final:
@@ -341,8 +343,8 @@ class _Final:
         if len(series):
             self._last = float(series[-1])
 
-    def found(self, start_s: float, end_s: float) -> Found:
-        return Found(self._last, end_s)
+    def found(self, start_s: float, end_s: float) -> MeasuredValue:
+        return MeasuredValue(self._last, end_s)
 
 
 def _positive(lasting_s: float) -> float:

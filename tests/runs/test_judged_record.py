@@ -22,9 +22,14 @@ from cube_sim.runs.recorded_run import load_run
 from cube_sim.runs.recovery import recover
 from cube_sim.scenario.check_blocks import (
     AllowedForcesCheckBlock,
+    AlwaysCheckBlock,
+    ComparisonBlock,
+    EventuallyCheckBlock,
     ExactWrenchCheckBlock,
     PathEndCheckBlock,
+    RatioCheckBlock,
     SignalCheckBlock,
+    StatisticBlock,
 )
 
 SCENARIOS = HELIX.parent
@@ -59,6 +64,11 @@ def of(signal, statistic, **rest):
     return SignalCheckBlock(kind="signal", signal=signal, statistic=statistic, **({"at_most": 0.5} | rest))
 
 
+DEEP = ComparisonBlock(signal="pose.position", component=2, at_most=-1.0, scale=1.0)
+SLOW = ComparisonBlock(signal="velocity.linear", at_most=0.4, scale=0.1)
+LIMIT = ComparisonBlock(signal="actuation.limits", component=3, at_least=20.0, scale=10.0)
+ENERGY = StatisticBlock(signal="power.energy", statistic="increase", from_s=1.0)
+WAY = StatisticBlock(signal="target.arc_length", statistic="increase", from_s=1.0)
 CHECKS = [
     *(of("path_error.cross_track", statistic) for statistic in ("rms", "mean", "max", "min", "max_abs", "final")),
     of("wrench.demanded", "rms", at_most=None, at_least=1.0, from_s=1.31, to_s=6.77),
@@ -68,6 +78,19 @@ CHECKS = [
     of("sensor_dvl.velocity", "max"),
     of("path_error.cross_trak", "max"),
     of("path_error.cross_track", "max", from_s=50.0),
+    *(of("path_error.cross_track", statistic) for statistic in ("min_abs", "std", "changes", "integral", "increase")),
+    of("path_error.attitude", "percentile", percent=95.0, from_s=1.05, to_s=8.83),
+    of("velocity.linear", "share_above", level=0.2),
+    of("velocity.linear", "share_within", band=(0.1, 0.3), component=0),
+    of("thrusters.force", "crossings", level=0.0, component=0),
+    of("path_error.attitude", "settling", band=(0.0, 0.2)),
+    of("power.motor", "integral", combine="sum"),
+    *(of("actuation.matrix", statistic, component=3, from_s=3.1) for statistic in ("mean", "std", "max", "changes")),
+    of("actuation.limits", "percentile", percent=40.0, combine="sum"),
+    AlwaysCheckBlock(kind="always", all=(DEEP, SLOW)),
+    AlwaysCheckBlock(kind="always", any=(DEEP, SLOW, LIMIT), from_s=2.03, to_s=7.01),
+    EventuallyCheckBlock(kind="eventually", all=(SLOW, LIMIT), within_s=5.0),
+    RatioCheckBlock(kind="ratio", numerator=ENERGY, denominator=WAY, at_most=1000.0),
     AllowedForcesCheckBlock(kind="allowed_forces"),
     ExactWrenchCheckBlock(kind="exact_wrench"),
     PathEndCheckBlock(kind="path_end", reach_m=0.5),
