@@ -1,8 +1,8 @@
 """Which files of a folder are scenarios: told by what they hold, not by where they stand or what they are called.
 
-A scenario says ``schema_version`` at its top and, beside it, some of the other keys that only a scenario has; or it
-includes a file that is one. That is looked for in the text, so that a scenario with mistakes in it is still one, and a
-folder full of other YAML costs little more than reading it.
+A scenario says ``schema_version`` at its top and, beside it, some of the other keys that every scenario has, or nearly
+all of these without it; or it includes a file that is one. That is looked for in the text, so that a scenario with
+mistakes in it is still one, and a folder full of other YAML costs little more than reading it.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ _VERSION = re.compile(_BEFORE + b"schema_version" + _AFTER, re.MULTILINE)
 _OTHER = re.compile(rb"""(?:^|[{,])[ \t]*["']?(name|model|duration_s|path|guidance|checks)""" + _AFTER, re.MULTILINE)
 _ENOUGH = 3
 """Of the other keys that every scenario has, so many are there even where some are misspelt or left to a base."""
+_WITHOUT_VERSION = 5
 _INCLUDE = re.compile(rb"""^[{]?[ \t]*include[ \t]*:[ \t]*["']?([^\s"'#,}\[]+)""", re.MULTILINE)
 _MOST_INCLUDES = 20
 _OF_A_RUN = ("run.mcap", "verdict.json")
@@ -80,10 +81,14 @@ def yaml_files(folder: Path) -> Iterator[Path]:
 
     for here, folders, files in os.walk(folder, onerror=unreadable):
         folders[:] = sorted(name for name in folders if not left_out(name))
-        of_a_run = any(name in files for name in _OF_A_RUN)
         for name in sorted(files):
-            if name.endswith(SUFFIXES) and not (of_a_run and name == "resolved.yaml"):
+            if name.endswith(SUFFIXES) and not is_of_a_run(Path(here, name)):
                 yield Path(here, name)
+
+
+def is_of_a_run(file: Path) -> bool:
+    """Whether a run has left a file: its scenario written out, beside its record or its verdict."""
+    return file.name == "resolved.yaml" and any(file.with_name(name).exists() for name in _OF_A_RUN)
 
 
 def left_out(folder: str) -> bool:
@@ -103,7 +108,7 @@ def _is_scenario(file: Path, deeper: int) -> bool:
         content = file.read_bytes().removeprefix(b"\xef\xbb\xbf").replace(b"\r", b"\n")
     except OSError:
         return False
-    if _VERSION.search(content) and len(set(_OTHER.findall(content))) >= _ENOUGH:
+    if len(set(_OTHER.findall(content))) >= (_ENOUGH if _VERSION.search(content) else _WITHOUT_VERSION):
         return True
     included = _INCLUDE.search(content)
     if included is None or not deeper:

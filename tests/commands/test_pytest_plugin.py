@@ -37,9 +37,21 @@ def folder(pytester):
     return pytester
 
 
+SAMPLED = FLIGHT.replace(
+    "checks:",
+    "samples: {count: 4, vary: {initial.position_m.1: {distribution: grid, values: [0, 0.01, 0.5, 0.6]}}}\nchecks:",
+).replace("short_flight", "sampled")
+
+
+def collected(folder, *arguments):
+    """The tests there are, and all that was said."""
+    result = folder.runpytest_subprocess("-p", "cube_sim.testing", "--collect-only", "-q", *arguments)
+    return sorted(line for line in result.outlines if "::" in line), result
+
+
 def test_one_test_per_scenario_file_and_none_for_other_files(folder):
-    result = folder.runpytest_subprocess(f"--rootdir={folder.path}", "-p", "cube_sim.testing", "--collect-only", "-q")
-    assert sorted(line for line in result.outlines if "::" in line) == [
+    names, result = collected(folder, f"--rootdir={folder.path}")
+    assert names == [
         "scenarios/misnamed.yaml::misnamed",
         "scenarios/short_flight.yaml::short_flight",
         "scenarios/thrown.yaml::thrown",
@@ -47,6 +59,103 @@ def test_one_test_per_scenario_file_and_none_for_other_files(folder):
         "scenarios/wrong.yaml::wrong",
     ]
     assert result.ret == 0
+
+
+def test_files_are_scenarios_by_what_they_hold_in_folders_of_any_name(folder):
+    deep = folder.path / "flights" / "of" / "today"
+    deep.mkdir(parents=True)
+    (deep / "b.yml").write_text(FLIGHT)
+    workflows = folder.path / "pipelines"
+    workflows.mkdir()
+    (workflows / "ci.yml").write_text("on: [push]\njobs: {}\n")
+    (workflows / "unreadable.yaml").write_bytes(b"a: [1\n\xff\xfe\x00")
+    run = folder.path / "logs" / "run"
+    run.mkdir(parents=True)
+    (run / "resolved.yaml").write_text(FLIGHT)
+    (run / "verdict.json").write_text("{}")
+    names, result = collected(folder)
+    assert "flights/of/today/b.yml::b" in names
+    assert len(names) == 6
+    said = "skipped, they hold no scenario: data/table.yaml, pipelines/ci.yml, pipelines/unreadable.yaml"
+    assert result.outlines.count(said) == 1
+    assert collected(folder, "flights")[0] == ["flights/of/today/b.yml::b"]
+    # Whoever names a file means it.
+    assert collected(folder, "pipelines/ci.yml")[0] == ["pipelines/ci.yml::ci"]
+
+
+def test_where_there_are_no_scenarios_nothing_is_said(pytester):
+    (pytester.path / "compose.yml").write_text("services: {}\n")
+    (pytester.path / "test_x.py").write_text("def test_x(): pass\n")
+    names, result = collected(pytester)
+    assert names == ["test_x.py::test_x"]
+    assert "compose.yml" not in result.stdout.str()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "names"),
+    [
+        ((), ["s0", "s1", "s2", "s3"]),
+        (("--scenario-samples", "2"), ["s0", "s1"]),
+        (("--scenario-samples", "all"), ["s0", "s1", "s2", "s3"]),
+        (("--scenario-samples", "1-2,7"), ["s1", "s2"]),
+        (("--scenario-samples", "1", "-k", "s0 or s3"), ["s0"]),
+        (("--scenario-samples", "0", "sampled.yaml::sampled[s3]"), ["s3"]),
+        (("--scenario-samples", "1", "--scenario-seed", "7", "--scenario-seed", "8"), ["s0-seed7", "s0-seed8"]),
+    ],
+)
+def test_samples_and_seeds_are_tests_of_their_own(pytester, arguments, names):
+    (pytester.path / "sampled.yaml").write_text(SAMPLED)
+    found, result = collected(pytester, *arguments)
+    assert found == [f"sampled.yaml::sampled[{name}]" for name in names]
+    left_out = "samples are tests (--scenario-samples)" in result.stdout.str()
+    assert left_out is (len(names) < 4)
+
+
+def test_options_that_mean_nothing_are_told_at_once(folder):
+    for arguments, told in (
+        (("--scenario-set", "duration_s"), "--set duration_s: write PATH=VALUE"),
+        (("--scenario-samples", "some"), "--scenario-samples some: all, a number, or some, for example 0-9,17"),
+    ):
+        result = folder.runpytest_subprocess("-p", "cube_sim.testing", *arguments)
+        assert result.ret == pytest.ExitCode.USAGE_ERROR
+        assert told in result.stderr.str()
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("processes", [0, 2])
+def test_overrides_folders_and_what_is_kept(pytester, processes):
+    """With and without pytest-xdist."""
+    (pytester.path / "sampled.yaml").write_text(SAMPLED)
+    (pytester.path / "other.yml").write_text("on: push\n")
+    report, out = pytester.path / "report.xml", pytester.path / "out"
+    options = ("--scenario-out", out, "--scenario-keep", "failures", "--scenario-set", "guidance.speed_m_s=0.3")
+    with_xdist = ("-p", "xdist", "-n", str(processes)) if processes else ()
+    result = pytester.runpytest_subprocess(
+        "-p", "cube_sim.testing", f"--junitxml={report}", *map(str, options), *with_xdist
+    )
+    result.assert_outcomes(passed=2, failed=2)
+    assert result.outlines.count("skipped, they hold no scenario: other.yml") == 1
+    assert sorted(path.name for path in out.iterdir()) == ["sampled-s2", "sampled-s3"]
+    assert (out / "sampled-s2" / "run.mcap").is_file()
+    assert "speed_m_s: 0.3" in (out / "sampled-s2" / "resolved.yaml").read_text()
+    cases = {case.get("name"): case for case in ElementTree.parse(report).iter("testcase")}
+    said = cases["sampled[s3]"].find("failure").text
+    assert said.splitlines()[-1] == "again: cube-sim run sampled.yaml --sample 3 --set guidance.speed_m_s=0.3"
+    properties = {item.get("name"): item.get("value") for item in cases["sampled[s1]"].iter("property")}
+    assert properties["drawn initial.position_m.1"] == "0.01"
+    assert properties["verdict"] == "PASS"
+
+
+@pytest.mark.flight
+def test_without_recordings_there_is_a_verdict_alone(pytester):
+    (pytester.path / "a.yaml").write_text(FLIGHT)
+    out = pytester.path / "out"
+    result = pytester.runpytest_subprocess(
+        "-p", "cube_sim.testing", "--scenario-out", str(out), "--scenario-keep", "none", "--scenario-seed", "3"
+    )
+    result.assert_outcomes(passed=1)
+    assert sorted(path.name for path in (out / "a-seed3").iterdir()) == ["resolved.yaml", "verdict.json"]
+    assert "seed: 3" in (out / "a-seed3" / "resolved.yaml").read_text()
 
 
 def test_a_quick_look_leaves_flights_out_in_a_repository_that_has_not_heard_of_the_marker(folder):
@@ -81,7 +190,8 @@ def test_outcomes_texts_properties_and_recordings(folder):
     assert "ended early, at 0 s: the acceleration of 'hull' is" in thrown
     assert "0 of 0.5 s simulated" in thrown
     assert "log:\n  0.00 s  ERROR  the acceleration of 'hull' is" in failures["thrown"]
-    assert failures["too_strict"].endswith("\n\nlog:\n  0.20 s  WARNING  T1: dead")
+    again = "again: cube-sim run scenarios/too_strict.yaml"
+    assert failures["too_strict"].endswith(f"\n\nlog:\n  0.20 s  WARNING  T1: dead\n\n{again}")
     assert failures["misnamed"] == (
         f"{path.with_name('misnamed.yaml')}:9:28: checks.0.signal: no signal 'path_error.crosstrack' is recorded, "
         "did you mean path_error.cross_track?"

@@ -48,6 +48,7 @@ def test_every_shipped_scenario_is_one(file):
         lambda text: text.replace("duration_s", "durtion_s"),  # with mistakes
         lambda text: text.replace("guidance: {", 'guidance: "{'),
         lambda text: text.replace("schema_version: 1", "schema_version: 7"),
+        lambda text: text.replace("schema_version: 1", "schema_versoin: 1"),
         lambda text: "# a remark\n---\n" + text,
         lambda text: json.dumps(parse(text).data),
         lambda text: json.dumps(parse(text).data, indent=2),
