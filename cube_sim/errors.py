@@ -7,7 +7,7 @@ from signal import SIGINT
 from traceback import extract_tb
 
 from cube_sim.run_log import LogLine
-from cube_sim.uninterrupted import interrupted_by
+from cube_sim.uninterrupted import interrupted_by, signal_of
 
 
 class CubeSimError(Exception):
@@ -133,6 +133,28 @@ class RunInterrupted(KeyboardInterrupt):
         elif recorded:
             said = f"{said}; recorded so far: {directory}"
         super().__init__(said)
+
+
+class SweepInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a sweep, SIGTERM or SIGHUP.
+
+    Attributes:
+        directory: where the rows of what was flown are.
+        stored: so many samples are there.
+        number: of the signal.
+    """
+
+    def __init__(self, directory: Path, stored: int, wanted: int, interrupt: KeyboardInterrupt) -> None:
+        """Tell what was interrupted.
+
+        Args:
+            directory: where the rows are.
+            stored: of so many samples.
+            wanted: of so many in all.
+            interrupt: the signal.
+        """
+        self.directory, self.stored, self.number = directory, stored, signal_of(interrupt)
+        super().__init__(f"{interrupted_by(self.number)}: {stored} of {wanted} samples are in {directory}")
 
 
 def told(error: Exception) -> str:

@@ -44,7 +44,7 @@ class FlightStatistics:
     def results(self) -> dict[str, float]:
         """See `statistics_of`."""
         if not self._speed:
-            return dict.fromkeys(_STATISTICS, nan)
+            return dict.fromkeys(STATISTICS, nan)
         cross_track, off, speed = (np.concatenate(parts) for parts in (self._cross_track, self._off, self._speed))
         values = (
             _rms(cross_track),
@@ -57,7 +57,7 @@ class FlightStatistics:
             self._residual,
             self._lost,
         )
-        return {name: float(value) for name, value in zip(_STATISTICS, values, strict=True)}
+        return {name: float(value) for name, value in zip(STATISTICS, values, strict=True)}
 
 
 def statistics_of(signals: Signals) -> dict[str, float]:
@@ -77,7 +77,7 @@ def statistics_of(signals: Signals) -> dict[str, float]:
     return statistics.results()
 
 
-_STATISTICS = (
+STATISTICS = (
     "cross_track_rms_m",
     "cross_track_max_m",
     "attitude_error_rms_rad",

@@ -6,6 +6,7 @@ import os
 import threading
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -95,7 +96,7 @@ def fly_many(
     stop = threading.Event()
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool, ThreadPoolExecutor(1) as turn:
         asked = [
-            (turn if threads is None and _flies_in_python(one) else pool).submit(
+            (turn if threads is None and flies_in_python(one) else pool).submit(
                 _outcome, index, one, variation, signals, stop
             )
             for index, (one, variation) in enumerate(zip(loaded, varied, strict=True))
@@ -112,7 +113,7 @@ def fly_many(
                 each_pool.shutdown(wait=False, cancel_futures=True)
 
 
-class _StoppedError(Exception):
+class StoppedFlightError(Exception):
     """Another flight has failed, or nobody waits for this one any more."""
 
 
@@ -128,33 +129,53 @@ def _loaded(scenario: AnyScenario, index: int, variation: dict[str, Any], confir
         loaded = loaded_with(scenario, variation, None, None, None)
     except ScenarioError as error:
         raise _named(index, error) from None
-    allocation = loaded.scenario.allocation
-    if confirm or allocation.method != "search+proxqp":
-        return loaded
-    unconfirmed = allocation.model_copy(update={"method": "search"})
-    return replace(loaded, scenario=loaded.scenario.model_copy(update={"allocation": unconfirmed}))
+    return loaded if confirm else unconfirmed(loaded)
 
 
 def _outcome(
     index: int, loaded: Loaded, variation: dict[str, Any], wanted: Sequence[str], stop: threading.Event
 ) -> FlightOutcome:
     """Fly one."""
-
-    def told(_: float) -> None:
-        if stop.is_set():
-            raise _StoppedError
-
     try:
-        mission = prepared(loaded)
+        return flown(loaded, variation, wanted, stop)
     except ScenarioError as error:
         raise _named(index, error) from None
+
+
+def flown(
+    loaded: Loaded,
+    variation: Mapping[str, Any],
+    wanted: Sequence[str] = (),
+    stop: threading.Event | None = None,
+    around: AbstractContextManager[Any] | None = None,
+) -> FlightOutcome:
+    """Fly one scenario of many, and judge it; nothing is written.
+
+    Args:
+        loaded: the scenario.
+        variation: what of it was varied, for the outcome to say.
+        wanted: names of the signals to keep.
+        stop: once it is set, the flight lands within a simulated second or ten.
+        around: entered for the flight itself, without its preparation and judgement.
+
+    Raises:
+        ScenarioError: it cannot be flown.
+        StoppedFlightError: it was stopped.
+    """
+
+    def told(_: float) -> None:
+        if stop is not None and stop.is_set():
+            raise StoppedFlightError
+
+    mission = prepared(loaded)
     known = [f"{channel.name}.{field.name}" for channel in mission.channels for field in channel.fields]
     judge = JudgedRows(mission.channels, mission.scenario)
     store = AskedStore(mission.channels, judge, [name for name in wanted if name in known])
     flight = Loop(mission, store)
     if missing := [name for name in wanted if name not in known]:
         store.log(0.0, "WARNING", f"this flight does not record {', '.join(missing)}")
-    flight.fly_to_its_end(told)
+    with around or nullcontext():
+        flight.fly_to_its_end(told)
     store.settle()
     results = judge.results(mission.scenario.duration_s)
     return FlightOutcome(
@@ -167,6 +188,15 @@ def _outcome(
         statistics=store.statistics.results(),
         signals=store.signals,
     )
+
+
+def unconfirmed(loaded: Loaded) -> Loaded:
+    """The same flight without ProxQP's confirmation of every answer, which changes no bit and takes Python's time."""
+    allocation = loaded.scenario.allocation
+    if allocation.method != "search+proxqp":
+        return loaded
+    bare = allocation.model_copy(update={"method": "search"})
+    return replace(loaded, scenario=loaded.scenario.model_copy(update={"allocation": bare}))
 
 
 def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
@@ -185,7 +215,7 @@ def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
         raise ValueError(f"no signal {unknown[0]!r}; there are {', '.join(known)}")
 
 
-def _flies_in_python(loaded: Loaded) -> bool:
+def flies_in_python(loaded: Loaded) -> bool:
     """Whether there is code of the user's own in a scenario."""
     return any(True for _ in python_blocks(loaded.scenario))
 

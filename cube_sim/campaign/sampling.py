@@ -64,7 +64,8 @@ def sample(loaded: Loaded, k: int) -> Loaded:
     Raises:
         ScenarioError: there is no such sample, or its scenario is none that can be flown.
     """
-    return SamplePlan(loaded).loaded(k)
+    plan = SamplePlan(loaded)
+    return plan.scenario_of(plan.sample(k))
 
 
 def variation(loaded: Loaded, k: int) -> dict[str, Any]:
@@ -154,17 +155,16 @@ class SamplePlan:
             overrides[_SEED] = int(self._rng(k, _SEED).integers(2**63))
         return DrawnSample(k, values, overrides)
 
-    def loaded(self, k: int) -> Loaded:
-        """The scenario of sample k.
+    def scenario_of(self, sample: DrawnSample) -> Loaded:
+        """The scenario of a sample, without samples of its own.
 
         Raises:
-            ScenarioError: there is none, or its values are none that can be flown.
+            ScenarioError: its values are none that can be flown.
         """
-        overrides = {**self.sample(k).overrides, "samples": None}
         try:
-            return loaded_again(self._loaded, overrides)
+            return loaded_again(self._loaded, {**sample.overrides, "samples": None})
         except ScenarioError as error:
-            raise ScenarioError([f"{line} (sample {k})" for line in error.mistakes]) from None
+            raise ScenarioError([f"{line} (sample {sample.index})" for line in error.mistakes]) from None
 
     def require_possible(self) -> None:
         """Refuse what only the vehicle can tell: names of thrusters, parameters of the model at their ends.

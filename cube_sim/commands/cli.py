@@ -26,6 +26,7 @@ from cube_sim.commands import (
     run,
     schema,
     signals,
+    sweep,
     validate,
     view,
 )
@@ -49,6 +50,7 @@ app = typer.Typer(
 )
 app.command(short_help="Fly scenarios, record them, judge their checks.", epilog=run.EPILOG)(run.run)
 app.command(short_help="Say whether scenarios can be flown, without flying.", epilog=validate.EPILOG)(validate.validate)
+app.command(short_help="Fly all samples of a scenario, count what passes.", epilog=sweep.EPILOG)(sweep.sweep)
 app.command(short_help="Fly a recorded run again and compare it bit by bit.", epilog=replay.EPILOG)(replay.replay)
 app.command(short_help="Compare two runs: settings, files, signals.", epilog=diff.EPILOG)(diff.diff)
 app.command(short_help="Judge a recorded run again, by its checks or others.", epilog=judge.EPILOG)(judge.judge)

@@ -6,8 +6,12 @@ import contextlib
 import sys
 import time
 from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
 
 from cube_sim.commands.leaving import raise_on_interrupt
+
+if TYPE_CHECKING:
+    from cube_sim.campaign.sweep import Told
 
 COMPILES = "compiling for this machine, once after an installation or an update: about a minute"
 
@@ -62,6 +66,48 @@ def flight_progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[C
                 started = now
             factor = f"{simulated_s / (now - started):.1f} x real time" if simulated_s > 0 and now > started else ""
             bar.update(task, completed=simulated_s, total=whole_s, factor=factor)
+
+        yield update
+
+
+@contextlib.contextmanager
+def sweep_progress(name: str, *, hidden: bool) -> Iterator[Callable[[Told], None]]:
+    """A bar while a sweep lasts, by what is in its files; from its first report on Ctrl-C is the usual exception.
+
+    Args:
+        name: of the scenario.
+        hidden: whether nothing is shown; nor is it where stderr is no terminal.
+
+    Yields:
+        What the sweep tells how far it is.
+    """
+    if hidden or not sys.stderr.isatty():
+        yield lambda *_: raise_on_interrupt()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.completed:.0f} of {task.total:.0f} samples stored"),
+        TextColumn("{task.fields[rate]}", markup=False),
+        TextColumn("{task.fields[failed]}", markup=False),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(name, total=None, rate="", failed="")
+        begun: tuple[float, int] | None = None
+
+        def update(told: Told) -> None:
+            nonlocal begun
+            raise_on_interrupt()
+            now = time.perf_counter()
+            begun = begun or (now, told.flown)
+            flown, seconds = told.flown - begun[1], now - begun[0]
+            rate = f"{flown / seconds:.1f} a second" if flown and seconds > 0.0 else ""
+            failed = f"{told.failed} did not pass" if told.failed else ""
+            bar.update(task, completed=told.stored, total=told.wanted, rate=rate, failed=failed)
 
         yield update
 

@@ -11,7 +11,8 @@ from rich.text import Text
 
 from cube_sim.verdict import CheckResult
 
-_STYLES = {"PASS": "bold green", "FAIL": "bold red", "ERROR": "bold magenta"}
+STYLES = {"PASS": "bold green", "FAIL": "bold red", "ERROR": "bold magenta"}
+"""Of each verdict."""
 
 
 def result_table(
@@ -28,7 +29,7 @@ def result_table(
     for result in results:
         table.add_row(
             Text(result.name),
-            Text(result.verdict, _STYLES[result.verdict]),
+            Text(result.verdict, STYLES[result.verdict]),
             _number(result.value),
             f"{result.relation} {_number(result.limit)}",
             _number(result.margin),
@@ -38,7 +39,7 @@ def result_table(
     reasons = [
         Text(f"{result.verdict} {result.name}: {result.detail}") for result in results if result.verdict != "PASS"
     ]
-    heading = Text.assemble((verdict, _STYLES.get(verdict, "bold")), f"  {title}")
+    heading = Text.assemble((verdict, STYLES.get(verdict, "bold")), f"  {title}")
     return Group(heading, *map(Text, remarks), Text(), table, *([Text(), *reasons] if reasons else []))
 
 

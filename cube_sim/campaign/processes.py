@@ -1,0 +1,148 @@
+"""Samples flown in processes of their own, of which one that dies costs its own sample only."""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import signal
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from itertools import islice
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+
+from cube_sim.campaign.sample_flight import FlownSample, SampleFlights, Task
+from cube_sim.errors import CubeSimError
+
+_POOLS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+ONE_THREAD: dict[str, str] = dict.fromkeys(_POOLS, "1")
+"""Of libraries that would each start as many threads as there are processors, in every process."""
+_SPAWN = get_context("spawn")
+
+
+def in_processes(task: Task, samples: Iterable[int], workers: int) -> Iterator[FlownSample]:
+    """Fly samples, in the order in which they land.
+
+    Args:
+        task: what is flown.
+        samples: their numbers.
+        workers: how many fly at a time.
+
+    Raises:
+        CubeSimError: a process does not come up.
+    """
+    flights, waiting = SampleFlights(task), iter(samples)
+    with tempfile.TemporaryDirectory(prefix="cube-sim-sweep-") as folder:
+        crew: list[_Worker] = []
+        try:
+            crew += [_Worker(task, Path(folder)).told(k) for k in islice(waiting, workers)]
+            while crew:
+                ready = wait([worker.connection for worker in crew])
+                for place, worker in enumerate(list(crew)):
+                    if worker.connection not in ready:
+                        continue
+                    landed = worker.answer()
+                    if landed is None:
+                        yield flights.died(worker.sample, worker.how_it_died(), worker.last_words())
+                        crew[place] = _Worker(task, Path(folder))
+                    else:
+                        yield landed
+                    if (k := next(waiting, None)) is not None:
+                        crew[place].told(k)
+                    else:
+                        crew[place].dismiss()
+                crew = [worker for worker in crew if worker.busy]
+        finally:
+            for worker in crew:
+                worker.kill()
+
+
+class _Worker:
+    """A process that flies one sample at a time."""
+
+    _number = 0
+
+    def __init__(self, task: Task, folder: Path) -> None:
+        _Worker._number += 1
+        self._words = folder / f"{_Worker._number}.txt"
+        self._here, there = _SPAWN.Pipe()
+        with _environment(ONE_THREAD):
+            self._process = _SPAWN.Process(target=_fly_what_is_asked, args=(there, self._words), daemon=True)
+            self._process.start()
+        there.close()
+        self._here.send(task)
+        self.sample, self.busy, self._up = -1, False, False
+
+    @property
+    def connection(self) -> Connection:
+        return self._here
+
+    def told(self, k: int) -> _Worker:
+        with suppress(BrokenPipeError):  # it has died; that is found when its answer is read
+            self._here.send(k)
+        self.sample, self.busy = k, True
+        return self
+
+    def answer(self) -> FlownSample | None:
+        """The sample it has flown; None where it has died."""
+        try:
+            if not self._up:
+                self._up = self._here.recv()
+            return self._here.recv()
+        except (EOFError, ConnectionResetError):
+            self._process.join()
+            if not self._up:
+                raise CubeSimError(f"a process to fly in does not come up: {self.last_words() or 'it ends'}") from None
+            return None
+
+    def how_it_died(self) -> str:
+        code = self._process.exitcode or 0
+        return f"its process died: {signal.Signals(-code).name if code < 0 else f'exit code {code}'}"
+
+    def last_words(self) -> str:
+        with suppress(OSError):
+            return self._words.read_text(errors="replace").strip()
+        return ""
+
+    def dismiss(self) -> None:
+        self.busy = False
+        self._here.close()
+        self._process.join()
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.join()
+        self._here.close()
+
+
+@contextmanager
+def _environment(values: dict[str, str]) -> Iterator[None]:
+    """What a process that is started meanwhile finds in its environment."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _fly_what_is_asked(connection: Connection, words: Path) -> None:
+    """The process: samples until its parent is gone, or has no more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent hears it too, and ends this
+    with words.open("w") as file, suppress(EOFError, BrokenPipeError):
+        faulthandler.enable(file)
+        try:
+            flights = SampleFlights(connection.recv())
+        except Exception as error:
+            print(f"{type(error).__name__}: {error}", file=file)
+            sys.exit(1)
+        connection.send(True)
+        while True:
+            connection.send(flights.fly(connection.recv()))

@@ -1,0 +1,215 @@
+"""One sample flown: a row of what became of it."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+import traceback
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Literal, NamedTuple
+
+from cube_sim.campaign.sampling import DrawnSample, SamplePlan
+from cube_sim.errors import CubeSimError
+from cube_sim.many_flights import FlightOutcome, StoppedFlightError, flown, unconfirmed
+from cube_sim.scenario import Loaded
+from cube_sim.simulation import fly
+from cube_sim.vehicle.plugin.hook import install
+from cube_sim.verdict import CheckResult
+
+Keep = Literal["none", "failures", "all"]
+"""Of which samples a recording stays."""
+RUNS = "runs"
+"""Folder of the recordings, one for each sample in it, by its number."""
+CHECK = "check"
+"""Before the name of a check, in the name of a column."""
+
+
+@dataclass(frozen=True)
+class FlownSample:
+    """What became of a sample.
+
+    Attributes:
+        row: by the name of the column; the same whoever flies it, wherever.
+        flight_s: of the clock, between take-off and landing [s].
+        wall_s: of the clock, drawing, preparation, judgement and recording included [s].
+    """
+
+    row: Mapping[str, Any]
+    flight_s: float
+    wall_s: float
+
+    @property
+    def index(self) -> int:
+        """Its number."""
+        return self.row["sample"]
+
+    @property
+    def verdict(self) -> str:
+        """PASS, FAIL or ERROR."""
+        return self.row["verdict"]
+
+
+class Task(NamedTuple):
+    """What all who fly samples are told, in whatever process.
+
+    Attributes:
+        loaded: the scenario.
+        keep: of which samples a recording stays.
+        folder: where the recordings go, in `RUNS`.
+    """
+
+    loaded: Loaded
+    keep: Keep
+    folder: Path
+
+
+class SampleFlights:
+    """Flies samples of a scenario; several threads may use it at once.
+
+    Args:
+        task: what is flown.
+
+    Raises:
+        ScenarioError: the scenario has no samples, or code that it names cannot be found.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self._task, self._plan = task, SamplePlan(task.loaded)
+        self._turn = threading.Lock()  # samples are drawn one at a time
+        install()
+
+    def fly(self, k: int, stop: threading.Event | None = None) -> FlownSample:
+        """Fly sample k; whatever goes wrong in it is its row.
+
+        Args:
+            k: its number.
+            stop: once it is set, the flight is left.
+
+        Raises:
+            StoppedFlightError: it was stopped.
+        """
+        begun, clock = time.perf_counter(), _FlightClock()
+        row: dict[str, Any] = {"sample": k, "verdict": "ERROR", "reason": "", "seed": None}
+        try:
+            with self._turn:
+                sample = self._plan.sample(k)
+                loaded = self._plan.scenario_of(sample)
+            row |= {"seed": loaded.scenario.seed, **drawn_columns(sample)}
+            outcome = flown(unconfirmed(loaded), sample.values, stop=stop, around=clock)
+            row |= _columns(outcome)
+            self._keep_recording(k, loaded, outcome)
+        except StoppedFlightError:
+            raise
+        except CubeSimError as error:
+            row |= {"reason": _one_line(error)}
+        except Exception as error:
+            row |= {"reason": f"{type(error).__name__}: {_one_line(error)}", "traceback": _below_here(error)}
+        return FlownSample(row, clock.seconds, time.perf_counter() - begun)
+
+    def died(self, k: int, reason: str, said: str) -> FlownSample:
+        """What became of a sample whose process died.
+
+        Args:
+            k: its number.
+            reason: of what.
+            said: what the process said of itself at its end.
+        """
+        row: dict[str, Any] = {"sample": k, "verdict": "ERROR", "reason": reason, "seed": None}
+        with suppress(CubeSimError), self._turn:
+            sample = self._plan.sample(k)
+            row |= drawn_columns(sample)
+        return FlownSample(row | {"traceback": said}, 0.0, 0.0)
+
+    def _keep_recording(self, k: int, loaded: Loaded, outcome: FlightOutcome) -> None:
+        """Fly it once more, with a recording, where that is wanted: what passes has cost nothing for it."""
+        if self._task.keep == "all" or (self._task.keep == "failures" and outcome.verdict != "PASS"):
+            again = fly(loaded, out=self._task.folder / RUNS / str(k), record="mcap")
+            if again.checks != outcome.checks:
+                raise CubeSimError(f"flown again with a recording, it is another flight: {_words(again.checks)}")
+
+
+class _FlightClock:
+    """Seconds spent within it."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+
+    def __enter__(self) -> None:
+        self._begun = time.perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        self.seconds += time.perf_counter() - self._begun
+
+
+def drawn_columns(sample: DrawnSample) -> dict[str, Any]:
+    """What was drawn, a column for each number: those of a list by their index, names joined, the rest as JSON."""
+    found: dict[str, Any] = {}
+    for path, value in sample.values.items():
+        found |= dict(_flat(path, value))
+    found.pop("seed", None)  # a column that every sample has
+    return found
+
+
+def _flat(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, list | tuple) and value and all(_is_number(each) for each in value):
+        for index, each in enumerate(value):
+            yield f"{path}.{index}", each
+    elif isinstance(value, list | tuple) and all(isinstance(each, str) for each in value):
+        yield path, "+".join(value)
+    elif _is_number(value) or isinstance(value, str | bool) or value is None:
+        yield path, value
+    else:
+        yield path, json.dumps(value, default=str)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _columns(outcome: FlightOutcome) -> dict[str, Any]:
+    """What a flight came to."""
+    found: dict[str, Any] = {"verdict": outcome.verdict, "reason": _reason(outcome), "simulated_s": outcome.simulated_s}
+    for check in outcome.checks:
+        name = f"{CHECK}.{check.name}"
+        found |= {
+            f"{name}.value": check.value,
+            f"{name}.margin": check.margin,
+            f"{name}.verdict": check.verdict,
+            f"{name}.at_s": check.at_s,
+        }
+    return found | dict(outcome.statistics)
+
+
+def _reason(outcome: FlightOutcome) -> str:
+    """Why it did not pass, in one line; "" where it did."""
+    if outcome.ended_early is not None:
+        return f"ended at {outcome.ended_early.time_s:g} s: {outcome.ended_early.reason}"
+    return _words(check for check in outcome.checks if check.verdict == outcome.verdict != "PASS")
+
+
+def _words(checks: Any) -> str:
+    return "; ".join(map(_said, checks))
+
+
+def _said(check: CheckResult) -> str:
+    if check.value is None:
+        return f"{check.name}: {check.detail}"
+    unit = "" if check.unit in ("", "1") else f" {check.unit}"
+    return f"{check.name}: {check.value:.4g}{unit}, {check.relation} {check.limit:g} wanted"
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(str(error).split())
+
+
+def _below_here(error: BaseException) -> str:
+    """The traceback from the sample on: who flies it, a thread or a cluster, is no part of what went wrong."""
+    place: TracebackType | None = error.__traceback__
+    return "".join(traceback.format_exception(type(error), error, place.tb_next if place is not None else None))

@@ -1,0 +1,129 @@
+"""A sweep in few numbers: what each check came to, and which samples are worst."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyarrow as pa
+
+from cube_sim.campaign.sample_flight import CHECK
+from cube_sim.scenario.document import parse
+from cube_sim.spatial import Vector
+
+
+class CheckSummary(NamedTuple):
+    """What a check came to, over all samples.
+
+    Attributes:
+        name: of the check.
+        passed: how many samples passed it.
+        failed: how many failed it.
+        errors: of how many it could not be judged.
+        least_margin: the smallest margin; None where none was judged.
+        worst: the sample that has it.
+    """
+
+    name: str
+    passed: int
+    failed: int
+    errors: int
+    least_margin: float | None
+    worst: int | None
+
+
+class WorstSample(NamedTuple):
+    """A sample near the end of the list.
+
+    Attributes:
+        sample: its number.
+        verdict: PASS, FAIL or ERROR.
+        reason: why it did not pass; of one that did, its smallest margin.
+    """
+
+    sample: int
+    verdict: str
+    reason: str
+
+
+def check_names(rows: pa.Table) -> list[str]:
+    """Names of the checks that have a column."""
+    ending = ".verdict"
+    names = (name for name in rows.column_names if name.startswith(f"{CHECK}.") and name.endswith(ending))
+    return [name.removeprefix(f"{CHECK}.").removesuffix(ending) for name in names]
+
+
+def numbers(rows: pa.Table, column: str) -> Vector:
+    """A column as (n,) numbers; NaN where there is none."""
+    if pa.types.is_string(rows.schema.field(column).type):
+        return np.full(rows.num_rows, np.nan)
+    return np.array([np.nan if value is None else float(value) for value in rows[column].to_pylist()])
+
+
+def check_summaries(rows: pa.Table) -> list[CheckSummary]:
+    """What each check came to."""
+    found = []
+    for name in check_names(rows):
+        verdicts = rows[f"{CHECK}.{name}.verdict"].to_pylist()
+        margins = numbers(rows, f"{CHECK}.{name}.margin")
+        known = bool(np.isfinite(margins).any())
+        place = int(np.nanargmin(margins)) if known else 0
+        found.append(
+            CheckSummary(
+                name,
+                verdicts.count("PASS"),
+                verdicts.count("FAIL"),
+                verdicts.count("ERROR"),
+                float(margins[place]) if known else None,
+                rows["sample"][place].as_py() if known else None,
+            )
+        )
+    return found
+
+
+def relative_margins(rows: pa.Table, limits: Mapping[str, float]) -> Vector:
+    """The smallest margin of each sample, of any check, as a share of its limit (n,).
+
+    Of a check whose limit is zero, or not known, it is a share of the largest margin. -inf where a sample could not be
+    judged.
+    """
+    least = np.full(rows.num_rows, np.inf)
+    for name in check_names(rows):
+        margins = numbers(rows, f"{CHECK}.{name}.margin")
+        scale = abs(limits.get(name, 0.0)) or float(np.nanmax(np.abs(margins), initial=0.0)) or 1.0
+        least = np.fmin(least, margins / scale)
+    errors = np.array([verdict == "ERROR" for verdict in rows["verdict"].to_pylist()], dtype=bool)
+    least[errors | np.isinf(least)] = -np.inf
+    return least
+
+
+def worst_samples(rows: pa.Table, limits: Mapping[str, float], most: int) -> list[WorstSample]:
+    """Those that did not pass, those that could not be judged first, then by margin; then the closest that did."""
+    if not rows.num_rows:
+        return []
+    margins = relative_margins(rows, limits)
+    passed = np.array([verdict == "PASS" for verdict in rows["verdict"].to_pylist()])
+    order = np.lexsort((rows["sample"].to_numpy(), margins, passed))[:most]
+    found = []
+    for place in order.tolist():
+        verdict, reason = rows["verdict"][place].as_py(), rows["reason"][place].as_py()
+        if verdict == "PASS":
+            reason = f"smallest margin {100.0 * margins[place]:.3g} % of the limit"
+        found.append(WorstSample(rows["sample"][place].as_py(), verdict, reason))
+    return found
+
+
+def command_of(scenario: str | Path, settings: Mapping[str, Any], k: int) -> str:
+    """What a shell takes to fly a sample again."""
+    given = [word for path, value in settings.items() for word in ("--set", f"{path}={_as_yaml(value)}")]
+    return shlex.join(["cube-sim", "run", str(scenario), "--sample", str(k), *given])
+
+
+def _as_yaml(value: Any) -> str:
+    """A plain value as --set takes it, in one line."""
+    text = json.dumps(value, ensure_ascii=False)
+    return str(value) if isinstance(value, str) and parse(value).data == value else text

@@ -1,0 +1,215 @@
+"""``cube-sim sweep``: fly all samples of a scenario."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, PASS, read_or_not, stop
+from cube_sim.commands.leaving import SIGNALLED, raise_on_interrupt
+from cube_sim.commands.output import console_for_tables, open_no_windows, print_json
+from cube_sim.commands.progress import begin_compiling, sweep_progress
+from cube_sim.commands.settings import Settings, overrides
+from cube_sim.errors import CubeSimError, DirectoryError, ModelError, ScenarioError, SweepInterrupted
+
+WORST = 5
+"""So many of the worst samples are shown."""
+_PLAIN: dict[str, Any] = {"soft_wrap": True, "markup": False, "highlight": False}
+
+if TYPE_CHECKING:
+    from cube_sim.campaign.sweep import SweepResult
+
+EPILOG = (
+    "Exit code: 0 PASS, the samples show the pass rate that the scenario requires, or all pass where it requires none; "
+    "1 FAIL, they show that it is not reached; 2 bad input, nothing is flown; 3 ERROR, they are too few to show "
+    "either, or one could not be judged; 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP: what was flown "
+    "stays, and --resume goes on with it. A part of a sweep (--shard) that must show a pass rate is judged with the "
+    "others: --resume in the folder that has the files of all of them."
+)
+
+
+class WorkersAs(Enum):
+    """In what samples are flown."""
+
+    THREADS = "threads"
+    PROCESSES = "processes"
+
+
+class Kept(Enum):
+    """Of which samples a recording stays."""
+
+    NONE = "none"
+    FAILURES = "failures"
+    ALL = "all"
+
+
+def sweep(
+    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file with a samples: block.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the rows. Default: logs/NAME-sweep-UTC_TIME.", show_default=False)
+    ] = None,
+    settings: Settings = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, help="Samples flown at a time on this machine. Default: as many as it has processors."),
+    ] = None,
+    workers_as: Annotated[
+        WorkersAs | None,
+        typer.Option(
+            help="What they are flown in; the rows are the same. Default: threads where nothing of your own is flown, "
+            "else processes, of which one that crashes costs its own sample only."
+        ),
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Fly on the workers of a Dask cluster, by the address of its scheduler: tcp://host:8786. They see the "
+            "same files and have the same cube_sim.",
+        ),
+    ] = None,
+    shard: Annotated[
+        str | None,
+        typer.Option(metavar="I/N", help="Fly the I-th of N parts alone, as 2/5. The files of all may share a folder."),
+    ] = None,
+    keep: Annotated[
+        Kept,
+        typer.Option(
+            help="Of which samples a recording stays, in OUT/runs: those that do not pass are flown once more for it."
+        ),
+    ] = Kept.NONE,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with what is in OUT, after a kill too, or with more samples.")
+    ] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Show neither progress nor result.")] = False,
+) -> None:
+    """Fly all samples of a scenario, and count what passes."""
+    result = _flown(scenario, settings, out, workers, workers_as, cluster, shard, keep, resume, hidden=quiet)
+    with read_or_not():
+        if json:
+            print_json(_as_plain(result))
+        elif not quiet:
+            _print(result)
+    raise typer.Exit(PASS if result.verdict is None else EXIT_CODES[result.verdict.verdict])
+
+
+def _flown(
+    scenario: Path,
+    settings: list[str] | None,
+    out: Path | None,
+    workers: int | None,
+    workers_as: WorkersAs | None,
+    cluster: str | None,
+    shard: str | None,
+    keep: Kept,
+    resume: bool,
+    *,
+    hidden: bool,
+) -> SweepResult:
+    """Load and fly; whatever goes wrong ends the command."""
+    if resume and out is None:
+        stop(BAD_INPUT, "--resume goes on with what is in a folder: say which by --out")
+    if cluster is not None and (workers is not None or workers_as is not None):
+        stop(BAD_INPUT, "--workers and --workers-as are of this machine: they do not go with --cluster")
+    try:
+        from cube_sim.scenario import load
+
+        loaded = load(scenario, overrides(settings))
+        open_no_windows()
+        from cube_sim.campaign import sweep as campaign
+
+        begin_compiling(hidden=hidden)
+        part = _shard(shard)
+        raise_on_interrupt()
+        with sweep_progress(loaded.scenario.name, hidden=hidden) as progress:
+            return campaign.sweep(
+                loaded,
+                out,
+                workers=workers,
+                workers_as=None if workers_as is None else workers_as.value,
+                cluster=cluster,
+                shard=part,
+                keep=keep.value,
+                resume=resume,
+                progress=progress,
+            )
+    except (ScenarioError, ModelError, DirectoryError) as error:
+        stop(BAD_INPUT, str(error))
+    except CubeSimError as error:
+        stop(NOT_JUDGED, str(error))
+    except SweepInterrupted as interrupt:
+        stop(SIGNALLED + interrupt.number, f"{interrupt}\n{_go_on(scenario, settings, interrupt.directory)}")
+
+
+def _go_on(scenario: Path, settings: list[str] | None, folder: Path) -> str:
+    given = [word for setting in settings or [] for word in ("--set", setting)]
+    return f"go on with: {shlex.join(['cube-sim', 'sweep', str(scenario), *given, '--out', str(folder), '--resume'])}"
+
+
+def _shard(text: str | None) -> Any:
+    from cube_sim.campaign.folder import WHOLE, Shard
+
+    if text is None:
+        return WHOLE
+    match = re.fullmatch(r"([1-9][0-9]*)/([1-9][0-9]*)", text)
+    if match is None or int(match[1]) > int(match[2]):
+        stop(BAD_INPUT, f"--shard {text}: takes the number of a part and how many there are, from 1/5 to 5/5")
+    return Shard(int(match[1]), int(match[2]))
+
+
+def _as_plain(result: SweepResult) -> dict[str, Any]:
+    from cube_sim.campaign.summary import check_summaries, worst_samples
+
+    judged = result.verdict
+    return {
+        "verdict": None if judged is None else judged.verdict,
+        "detail": None if judged is None else judged.detail,
+        "samples": result.rows.num_rows,
+        **{verdict.lower(): result.count(verdict) for verdict in ("PASS", "FAIL", "ERROR")},
+        "interval": None if not result.rows.num_rows else list(result.interval[:2]),
+        "checks": [summary._asdict() for summary in check_summaries(result.rows)],
+        "worst": [
+            {**each._asdict(), "command": result.command(each.sample)}
+            for each in worst_samples(result.rows, result.limits, WORST)
+        ],
+        "directory": str(result.folder),
+    }
+
+
+def _print(result: SweepResult) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    from cube_sim.campaign.summary import check_summaries, worst_samples
+    from cube_sim.commands.result_table import STYLES
+
+    console = console_for_tables()
+    low, high, confidence = result.interval
+    counts = f"{result.count('PASS')} pass, {result.count('FAIL')} fail, {result.count('ERROR')} could not be judged"
+    judged = result.verdict
+    word = "flown" if judged is None else judged.verdict
+    said = "a part of the sweep" if judged is None else judged.detail
+    console.print(Text.assemble((word, STYLES.get(word, "bold")), f"  {result.name}: {said}"))
+    console.print(f"{counts}; pass rate {low:.4f} to {high:.4f} at {confidence:g} confidence", highlight=False)
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("check")
+    for heading in ("pass", "fail", "not judged", "smallest margin", "of sample"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for check in check_summaries(result.rows):
+        margin = "-" if check.least_margin is None else f"{check.least_margin:.4g}"
+        figures = (check.passed, check.failed, check.errors, margin, "-" if check.worst is None else check.worst)
+        table.add_row(Text(check.name), *map(str, figures))
+    console.print(table)
+    if bad := [each for each in worst_samples(result.rows, result.limits, WORST) if each.verdict != "PASS"]:
+        console.print("\nworst samples, and how to fly them again:")
+        for each in bad:
+            console.print(f"  {each.sample}: {each.verdict}  {each.reason}", **_PLAIN)
+            console.print(f"      {result.command(each.sample)}", **_PLAIN)
+    console.print(f"\nrows: {result.folder}", **_PLAIN)
+    console.print(f"a page of them: {shlex.join(['cube-sim', 'report', str(result.folder)])}", **_PLAIN)
