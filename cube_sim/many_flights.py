@@ -22,6 +22,7 @@ from cube_sim.recording.channels import SUPPLY, channel_table
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.python_block import python_blocks
+from cube_sim.scenario.shared import Shared
 from cube_sim.vehicle.plugin.hook import install
 from cube_sim.verdict import CheckResult, EarlyEnd, Verdict, overall
 
@@ -89,8 +90,10 @@ def fly_many(
         raise ValueError(f"threads is {threads}; at least one flies")
     if isinstance(signals, str):
         raise ValueError(f"signals takes a list of names, not {signals!r}")
-    varied = [_checked(index, variation) for index, variation in enumerate(variations)]
-    loaded = [_loaded(scenario, index, variation, confirm) for index, variation in enumerate(varied)]
+    varied, shared = [_checked(index, variation) for index, variation in enumerate(variations)], Shared()
+    loaded = [
+        replace(_loaded(scenario, index, variation, confirm), shared=shared) for index, variation in enumerate(varied)
+    ]
     _require_possible(signals, loaded)
     install()
     stop = threading.Event()
@@ -156,7 +159,7 @@ def flown(
         variation: what of it was varied, for the outcome to say.
         wanted: names of the signals to keep.
         stop: once it is set, the flight lands within a simulated second or ten.
-        around: entered for the flight itself, without its preparation and judgement.
+        around: entered for the flight itself, its last row judged, without its preparation.
 
     Raises:
         ScenarioError: it cannot be flown.
@@ -176,7 +179,7 @@ def flown(
         store.log(0.0, "WARNING", f"this flight does not record {', '.join(missing)}")
     with around or nullcontext():
         flight.fly_to_its_end(told)
-    store.settle()
+        store.settle()
     results = judge.results(mission.scenario.duration_s)
     return FlightOutcome(
         variation=variation,

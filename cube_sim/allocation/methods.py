@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import cache, partial
 from inspect import signature
 from typing import Any, get_args
 
@@ -58,14 +58,23 @@ def make_allocator(
     Raises:
         AllocationError: an unknown method, an option the method does not know, or one that means nothing.
     """
-    if is_exact(method):
-        from cube_sim.allocation.allocator import Allocator
-
-        build = partial(Allocator, method=method)  # type: ignore[arg-type]
-    else:
-        build = BASELINES[method]
-    given, known = dict(options or {}), [name for name in signature(build).parameters if name not in _NOT_OPTIONS]
+    build = _builder(method)
+    given, known = dict(options or {}), _options_of(method)
     unknown = sorted(set(given) - set(known))
     if unknown:
         raise AllocationError(f"{method} knows no {', '.join(unknown)}; it takes {', '.join(known)}")
     return build(A, limits, **given)
+
+
+def _builder(method: str) -> Callable[..., WrenchAllocator]:
+    if not is_exact(method):
+        return BASELINES[method]
+    from cube_sim.allocation.allocator import Allocator
+
+    return partial(Allocator, method=method)  # type: ignore[arg-type]
+
+
+@cache
+def _options_of(method: str) -> tuple[str, ...]:
+    """Names of the keyword arguments that a method takes."""
+    return tuple(name for name in signature(_builder(method)).parameters if name not in _NOT_OPTIONS)

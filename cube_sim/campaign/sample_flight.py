@@ -8,7 +8,7 @@ import time
 import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, NamedTuple
@@ -17,6 +17,7 @@ from cube_sim.campaign.sampling import DrawnSample, SamplePlan
 from cube_sim.errors import CubeSimError
 from cube_sim.many_flights import FlightOutcome, StoppedFlightError, flown, unconfirmed
 from cube_sim.scenario import Loaded
+from cube_sim.scenario.shared import Shared
 from cube_sim.simulation import fly
 from cube_sim.vehicle.plugin.hook import install
 from cube_sim.verdict import CheckResult
@@ -79,7 +80,7 @@ class SampleFlights:
     """
 
     def __init__(self, task: Task) -> None:
-        self._task, self._plan = task, SamplePlan(task.loaded)
+        self._task, self._plan = task, SamplePlan(replace(task.loaded, shared=Shared()))
         self._turn = threading.Lock()  # samples are drawn one at a time
         install()
 

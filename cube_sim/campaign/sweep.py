@@ -27,7 +27,7 @@ from cube_sim.scenario import Loaded
 WorkersAs = Literal["threads", "processes"]
 
 
-class Told(NamedTuple):
+class HowFar(NamedTuple):
     """How far a sweep is.
 
     Attributes:
@@ -93,7 +93,7 @@ def sweep(
     shard: Shard = WHOLE,
     keep: Keep = "none",
     resume: bool = False,
-    progress: Callable[[Told], None] | None = None,
+    progress: Callable[[HowFar], None] | None = None,
 ) -> SweepResult:
     """Fly the samples of a scenario.
 
@@ -135,17 +135,17 @@ def sweep(
 
 
 def _take(
-    flown: Iterator[FlownSample], rows: SweepFolder, wanted: int, progress: Callable[[Told], None] | None
+    flown: Iterator[FlownSample], rows: SweepFolder, wanted: int, progress: Callable[[HowFar], None] | None
 ) -> None:
     """Take samples as they land."""
     landed, failed = len(rows.done), 0
     if progress is not None:
-        progress(Told(rows.stored, landed, wanted, failed))
+        progress(HowFar(rows.stored, landed, wanted, failed))
     for each in flown:
         landed, failed = landed + 1, failed + (each.verdict != "PASS")
         rows.append(each)
         if progress is not None:
-            progress(Told(rows.stored, landed, wanted, failed))
+            progress(HowFar(rows.stored, landed, wanted, failed))
 
 
 def _flown(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from cube_sim.commands.leaving import raise_on_interrupt
 
 if TYPE_CHECKING:
-    from cube_sim.campaign.sweep import Told
+    from cube_sim.campaign.sweep import HowFar
 
 COMPILES = "compiling for this machine, once after an installation or an update: about a minute"
 
@@ -71,7 +71,7 @@ def flight_progress(name: str, duration_s: float, *, hidden: bool) -> Iterator[C
 
 
 @contextlib.contextmanager
-def sweep_progress(name: str, *, hidden: bool) -> Iterator[Callable[[Told], None]]:
+def sweep_progress(name: str, *, hidden: bool) -> Iterator[Callable[[HowFar], None]]:
     """A bar while a sweep lasts, by what is in its files; from its first report on Ctrl-C is the usual exception.
 
     Args:
@@ -99,7 +99,7 @@ def sweep_progress(name: str, *, hidden: bool) -> Iterator[Callable[[Told], None
         task = bar.add_task(name, total=None, rate="", failed="")
         begun: tuple[float, int] | None = None
 
-        def update(told: Told) -> None:
+        def update(told: HowFar) -> None:
             nonlocal begun
             raise_on_interrupt()
             now = time.perf_counter()

@@ -48,16 +48,19 @@ class CriticalSpeed(NamedTuple):
     reason: str
 
 
-def critical_speed(left: Capability, hull: Dynamics, delay_s: float) -> CriticalSpeed:
+def critical_speed(left: Capability, hull: Dynamics, delay_s: float, up_to_m_s: float = FASTEST_M_S) -> CriticalSpeed:
     """The slowest speed through the water at which a vehicle lacks what margins need.
 
     Args:
         left: what the thrusters can still do.
         hull: the body.
         delay_s: mean delay T from state to force: lag of the thrusters and 1.5 control periods [s].
+        up_to_m_s: where the margins last up to this speed, nothing faster is looked at: infinite then [m/s].
     """
     slow = 0.0
     for fast in np.linspace(0.0, FASTEST_M_S, STEPS + 1)[1:].tolist():
+        if slow >= up_to_m_s:
+            break
         if not _lacks(left, hull, delay_s, fast):
             slow = fast
             continue
@@ -73,7 +76,7 @@ def too_fast(left: Capability, hull: Dynamics, delay_s: float, speed_m_s: float)
 
     See `critical_speed` for the other arguments.
     """
-    limit = critical_speed(left, hull, delay_s)
+    limit = critical_speed(left, hull, delay_s, speed_m_s)
     if left.authority is Authority.SAFE or speed_m_s <= limit.speed_m_s:
         return None
     return (

@@ -20,7 +20,6 @@ from cube_sim.flight.observation import Observation
 from cube_sim.flight.snapshot import Snapshot
 from cube_sim.flight.start import checked_seed, described, foreseen_attitude, placed, pose_numbers, prepared
 from cube_sim.flight.taken_over import Watches
-from cube_sim.mission.channels import polyline
 from cube_sim.mission.copying import integration_state, packed, set_integration_state, unpacked
 from cube_sim.mission.input_files import input_files
 from cube_sim.mission.own.given import AnyScenario, loaded_with
@@ -97,7 +96,7 @@ class Flight(Loop):
             files |= {f"python/{key}/{name}": content for name, content in code.neighbours.items()}
             files |= {f"{MODULES}/{name}": content for name, content in code.modules.items()}
         # The scenario's own words for a path do not say all of one that a program hands over.
-        files |= {"scenario": self._loaded.resolved_yaml().encode(), "path": polyline(mission.path).tobytes()}
+        files |= {"scenario": self._loaded.resolved_yaml().encode(), "path": mission.outline.tobytes()}
         return {name: sha256(content).hexdigest() for name, content in files.items()}
 
     @property

@@ -10,7 +10,6 @@ import numpy as np
 from cube_sim.errors import CubeSimError, FlightError
 from cube_sim.flight.compiled import compile_beside, wait_for_loop
 from cube_sim.mission import Mission, prepare
-from cube_sim.mission.channels import polyline
 from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.own.given import NOT_AGAIN, why_not_again
 from cube_sim.mission.surface_watch import path_above_surface
@@ -37,7 +36,7 @@ def prepared(loaded: Loaded) -> Mission:
 
 def described(mission: Mission, store: SignalStore) -> None:
     """Record what a reader must know before the first row."""
-    points = polyline(mission.path)
+    points = mission.outline
     store.append("path", 0.0, points.ravel())
     if (warning := path_above_surface(points)) is not None:
         store.log(0.0, "WARNING", warning)

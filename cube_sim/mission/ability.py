@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +34,7 @@ class Ability:
         hold: what the water holds of the hull.
         speed_m_s: along the path.
         radius_m: of the path's tightest turn; infinite where it has none.
+        courses: (n,3) directions of the path, world axes; none at a point.
         fastest_m_s: the largest speed through the water that the path asks for, in the current of the start.
         delay_s: mean delay from state to force: lag of the thrusters and 1.5 control periods.
         cost_limit: `control.cost_limit` [N/N].
@@ -46,6 +47,7 @@ class Ability:
     hold: WaterHold
     speed_m_s: float
     radius_m: float
+    courses: Matrix
     fastest_m_s: float
     delay_s: float
     cost_limit: float | None
@@ -69,9 +71,14 @@ class Ability:
         whole = remaining_capability(A, limits, everything, hold=hold)
         within = whole if cost_limit is None else remaining_capability(A, limits, everything, cost_limit, hold)
         speed, radius = scenario.guidance.speed_m_s, tightest_radius(path)
-        fastest = max(fastest_through_water(path, speed, current) for current in initial_currents(scenario))
-        delay = mean_delay(lag_s, scenario.control_period_s)
-        return cls(A, limits, hold, speed, radius, fastest, delay, cost_limit, whole, within)
+        delay, courses = mean_delay(lag_s, scenario.control_period_s), courses_of(path)
+        ability = cls(A, limits, hold, speed, radius, courses, 0.0, delay, cost_limit, whole, within)
+        return ability.in_currents(initial_currents(scenario))
+
+    def in_currents(self, currents: Matrix) -> Ability:
+        """The same in other water, of which currents (n,3) are possible [m/s], world axes."""
+        fastest = max(fastest_through_water(self.courses, self.speed_m_s, current) for current in currents)
+        return replace(self, fastest_m_s=fastest)
 
     def left(self, health: Health) -> Capability:
         """What it can do, within the cost limit, with thrusters in the state believed."""
@@ -88,9 +95,15 @@ class Ability:
         return too_fast(left, self.hold.hull, self.delay_s, self.fastest_m_s)
 
 
-def fastest_through_water(path: Path, speed_m_s: float, current: Vector) -> float:
-    """The largest speed through a current (3,) [m/s], world axes, along a path [m/s]; 0 at a point."""
+def courses_of(path: Path) -> Matrix:
+    """Directions of a path (n,3), evenly along it, world axes; none at a point."""
     if path.length <= 0.0:
+        return np.empty((0, 3))
+    return np.array([path.at(s).rotation[:, 0] for s in np.linspace(0.0, path.length, COURSES)])
+
+
+def fastest_through_water(courses: Matrix, speed_m_s: float, current: Vector) -> float:
+    """The largest speed through a current (3,) [m/s] on courses (n,3), world axes [m/s]; 0 on none."""
+    if not len(courses):
         return 0.0
-    courses = np.array([path.at(s).rotation[:, 0] for s in np.linspace(0.0, path.length, COURSES)])
     return float(np.max(np.linalg.norm(speed_m_s * courses - current, axis=1)))

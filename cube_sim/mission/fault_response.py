@@ -10,7 +10,6 @@ from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.roomiest_attitude import has_enough_somewhere
 from cube_sim.control.thrown import Thrown
 from cube_sim.control.transient import transient
-from cube_sim.mission.channels import polyline
 from cube_sim.mission.prepare import Mission
 from cube_sim.mission.way_of_flying import depth_not_kept
 from cube_sim.recording.signal_store import SignalStore
@@ -50,7 +49,7 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
     level = (
         "heave, roll and pitch are left to the water" if left.level and not mission.ability.within_limit.level else ""
     )
-    depth = depth_not_kept(mission.ability, left, polyline(mission.path)) if level else None
+    depth = depth_not_kept(mission.ability, left, mission.outline) if level else None
     slower = mission.ability.too_tight(left), mission.too_fast(left)
     more = filter(None, (level, depth, *slower, overpowered(mission), transient_ahead(mission)))
     recorder.log(t, "WARNING", "; ".join((text, f"{left.authority.name}: {left.reason}", *more)))

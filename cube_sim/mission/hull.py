@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -82,18 +83,35 @@ def believed_hull(loaded: Loaded, flown: CompiledHull) -> CompiledHull:
 
 
 def _hull(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence[float]]) -> CompiledHull:
+    shared = loaded.shared
+    if shared is None:
+        return _compiled(loaded, file, key, parameters)
     scenario = loaded.scenario
-    pushes = len(force_events(scenario))
+    given = tuple(sorted((name, tuple(values)) for name, values in parameters.items()))
+    asked = file, given, scenario.vehicle, scenario.thrusters.dead_zone_N, len(force_events(scenario))
+    hull = shared.get(asked, lambda: _compiled(loaded, file, key, parameters))
+    return CompiledHull(copy.copy(hull.model), hull.vehicle)  # a flight changes its model
+
+
+def _compiled(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence[float]]) -> CompiledHull:
+    scenario = loaded.scenario
+    zone, pushes = scenario.thrusters.dead_zone_N, len(force_events(scenario))
+
+    def owners() -> tuple[str, ...]:
+        vehicle = _chosen_hull(loaded, load_model(file, parameters, pushes=pushes), key)
+        return vehicle.name, *vehicle.thrusters.names
+
     try:
-        model = load_model(file, parameters, pushes=pushes)
-        vehicle = _chosen_hull(loaded, model, key)
-        zone = scenario.thrusters.dead_zone_N
-        if zone is not None:
+        if zone is None:
+            model = load_model(file, parameters, pushes=pushes)
+            vehicle = _chosen_hull(loaded, model, key)
+        else:
             # Every thruster gets it, whether the model states dead zones per hull or per thruster.
-            owners = (vehicle.name, *vehicle.thrusters.names)
-            zones = {f"{owner}:thruster_dead_zone": zone for owner in owners}
+            asked = file, scenario.vehicle
+            names = owners() if loaded.shared is None else loaded.shared.get(asked, owners)
+            zones = {f"{owner}:thruster_dead_zone": zone for owner in names}
             model = load_model(file, {**parameters, **zones}, pushes=pushes)
-            vehicle = Vehicle.from_model(model, vehicle.name)
+            vehicle = Vehicle.from_model(model, names[0])
     except ModelError as error:
         where = key
         if scenario.thrusters.dead_zone_N is not None and error.element.endswith("thruster_dead_zone"):

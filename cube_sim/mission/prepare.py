@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import mujoco
@@ -15,7 +15,7 @@ from cube_sim.control.path_follower import PathFollower
 from cube_sim.guidance.path import Path
 from cube_sim.mission.ability import Ability
 from cube_sim.mission.allocation import allocator_of
-from cube_sim.mission.channels import recorded_channels
+from cube_sim.mission.channels import polyline, recorded_channels
 from cube_sim.mission.control import controller_of
 from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.drop_weight import DropWeight
@@ -31,9 +31,13 @@ from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
 from cube_sim.mission.sensor_faults import sensor_faults
 from cube_sim.mission.supply import supply_of
+from cube_sim.mission.water import initial_currents
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.attitude_blocks import AlongPathBlock
+from cube_sim.scenario.path_blocks import PythonPathBlock
+from cube_sim.spatial import Matrix, Vector
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.power_supply import PowerSupply
 from cube_sim.vehicle.state import read_state
 from cube_sim.vehicle.vehicle import Vehicle
@@ -58,6 +62,7 @@ class Mission:
         drop_weight: ballast that can be let go.
         estimation: makes the state the controller gets of sensors; None when it gets the true one.
         channels: what will be recorded.
+        outline: (n,3) points on the whole path, evenly spaced [m], world axes.
         codes: code of the user's own, by the value in whose place it stands.
     """
 
@@ -75,6 +80,7 @@ class Mission:
     drop_weight: DropWeight
     estimation: StateEstimation | None
     channels: tuple[Channel, ...]
+    outline: Matrix
     codes: Codes = field(default_factory=dict)
 
     @property
@@ -108,14 +114,14 @@ def prepare(loaded: Loaded) -> Mission:
     flown = flown_hull(loaded)
     believed = believed_hull(loaded, flown)
     model, vehicle = flown
-    path = path_of(loaded, codes)
+    path, outline = _path(loaded, codes)
     channels = recorded_channels(scenario, vehicle)
     require_signals(loaded, vehicle, channels)
     require_possible_events(loaded, vehicle)
     require_a_value_per_thruster(loaded, vehicle)
     allocator = allocator_of(loaded, believed.vehicle, codes)
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
-    ability = Ability.of(allocator, dynamics, scenario, path, believed.vehicle.thrusters.lag_s)
+    ability = _ability(loaded, allocator, dynamics, path, believed.vehicle.thrusters.lag_s)
     data = initial_state(model, vehicle, scenario)
     mujoco.mj_kinematics(model, data)
     start = read_truth(read_state(vehicle, data), data, vehicle).motion
@@ -135,11 +141,37 @@ def prepare(loaded: Loaded) -> Mission:
         drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle, scenario.control_period_s),
         estimation=StateEstimation.of(scenario, vehicle, path, own_sensors(loaded, codes, start), faults),
         channels=channels,
+        outline=outline,
         codes=codes,
     )
     if codes.keys() & {"control.law", "control.attitude", "guidance.law"}:
         tried(loaded, mission)
     return mission
+
+
+def _path(loaded: Loaded, codes: Codes) -> tuple[Path, Matrix]:
+    """The path, and points on it; shared by flights along one of cube_sim's own."""
+
+    def made() -> tuple[Path, Matrix]:
+        path = path_of(loaded, codes)
+        return path, polyline(path)
+
+    block = loaded.scenario.path
+    if loaded.shared is None or isinstance(block, PythonPathBlock):
+        return made()
+    return loaded.shared.get(("path", block.model_dump_json()), made)
+
+
+def _ability(loaded: Loaded, allocator: FaultTolerant, dynamics: Dynamics, path: Path, lag_s: Vector) -> Ability:
+    """What the vehicle can do, shared by flights of one vehicle along one path, whatever the current of each."""
+    scenario = loaded.scenario
+    if loaded.shared is None or isinstance(scenario.path, PythonPathBlock):
+        return Ability.of(allocator, dynamics, scenario, path, lag_s)
+    arrays = allocator.A, allocator.limits, lag_s, *(getattr(dynamics, each.name) for each in fields(dynamics))
+    asked = scenario.guidance.speed_m_s, scenario.control_period_s, scenario.control.cost_limit
+    key = "ability", scenario.path.model_dump_json(), asked, tuple(np.asarray(each).tobytes() for each in arrays)
+    ability = loaded.shared.get(key, lambda: Ability.of(allocator, dynamics, scenario, path, lag_s))
+    return ability.in_currents(initial_currents(scenario))
 
 
 def tried(loaded: Loaded, mission: Mission) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 XYZ = ("x", "y", "z")
@@ -149,6 +149,7 @@ def _power(thrusters: tuple[str, ...], known: tuple[str, ...]) -> tuple[Channel,
     return (Channel("power", recorded),) if recorded else ()
 
 
+@lru_cache(maxsize=16)  # of many flights it is the same
 def channel_table(
     thrusters: tuple[str, ...],
     path_points: int,

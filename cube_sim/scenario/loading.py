@@ -24,6 +24,7 @@ from cube_sim.scenario.possible_samples import sample_refusals
 from cube_sim.scenario.reading import CHECKS, dotted, line, parsed, read_text
 from cube_sim.scenario.resolved import seen_from, to_yaml
 from cube_sim.scenario.schema import Scenario
+from cube_sim.scenario.shared import Shared
 
 _KEYS = tuple(Scenario.model_fields)
 
@@ -41,6 +42,7 @@ class Loaded:
             later.
         bases: text of each file it includes, under a name that depends on no machine.
         given: functions, classes and objects that a program hands over, by the key of the block that names them.
+        shared: what many flights of variations of it share; None where each makes all anew.
     """
 
     scenario: Scenario
@@ -50,6 +52,7 @@ class Loaded:
     document: Document
     bases: Mapping[str, str] = field(default_factory=dict)
     given: Mapping[str, Any] = field(default_factory=dict)
+    shared: Shared | None = field(default=None, compare=False, repr=False)
 
     def resolved_yaml(self, directory: Path | None = None) -> str:
         """The scenario with every default and override written out.

@@ -192,7 +192,7 @@ samples:
 @pytest.fixture
 def slow(tmp_path):
     """A sweep that takes some seconds."""
-    return written(tmp_path, SLOW, FLIGHT.replace("duration_s: 0.5", "duration_s: 40"))
+    return written(tmp_path, SLOW, FLIGHT.replace("duration_s: 0.5", "duration_s: 20"))
 
 
 def wait_for_rows(folder, process):

@@ -24,7 +24,7 @@ from cube_sim.control.critical_speed import (
 from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
 from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.polyline import polyline
-from cube_sim.mission.ability import fastest_through_water
+from cube_sim.mission.ability import courses_of, fastest_through_water
 from cube_sim.scenario.schema import Scenario
 from cube_sim.spatial import rotation_about
 from cube_sim.wrench.health import Health
@@ -121,4 +121,17 @@ def test_the_period_taken_is_the_one_of_scenarios():
 
 def test_the_speed_through_the_water_is_the_largest_along_the_path():
     bend = polyline([[0.0, 0.0, -5.0], [4.0, 0.0, -5.0], [4.0, 4.0, -5.0]], 0.5)
-    assert fastest_through_water(bend, 0.4, np.array([0.0, -0.3, 0.0])) == pytest.approx(0.7)
+    assert fastest_through_water(courses_of(bend), 0.4, np.array([0.0, -0.3, 0.0])) == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.3, 1.0, 2.0, 4.9])
+def test_a_speed_is_judged_without_looking_at_faster_ones(speed):
+    """What is beyond the critical speed is what is beyond it when all speeds are looked at."""
+    beyond = 0
+    for name in ("bluerov2_heavy", "cube", "bluerov2_vectored"):
+        hull = vehicle(name)
+        left = left_of(hull)
+        limit = critical_speed(left, hull.dynamics, DELAY_S)
+        assert (too_fast(left, hull.dynamics, DELAY_S, speed) is not None) == (speed > limit.speed_m_s)
+        beyond += speed > limit.speed_m_s
+    assert beyond > 0 or speed < 4.0
