@@ -76,8 +76,19 @@ class SignalOfBoth:
             return
         rows = rows[(rows[:, 0] >= self._start) & (rows[:, 0] <= self._end)]
         if len(rows) and note_not_finite(self._reasons, self._check.signal, rows):
-            theirs = self._beforehand.baseline(self._check)
-            self._compare(rows, theirs[_nearest(theirs[:, 0], rows[:, 0])])
+            theirs = self._theirs()
+            if theirs is not None:
+                self._compare(rows, theirs[_nearest(theirs[:, 0], rows[:, 0])])
+
+    def _theirs(self) -> Array | None:
+        """The rows of the baseline; None, which is a reason, where there are none."""
+        if not self._reasons.none("baseline"):
+            return None
+        try:
+            return self._beforehand.baseline(self._check)
+        except NotJudgedError as reason:
+            self._reasons.note("baseline", str(reason))
+            return None
 
     def _compare(self, ours: Array, theirs: Array) -> None:
         """Hold rows (n, 1 + width) of the same instants against one another."""
@@ -109,7 +120,7 @@ class SignalOfBoth:
         require_in_run(self._window, clock.start, clock.end, 1.5 * clock.period)
         if self._held and not self._instants:
             self._compare_held(max(self._start, clock.start), min(self._end, clock.end))
-        for kind in (name, "width", "times"):
+        for kind in ("baseline", name, "width", "times"):
             self._reasons.require_none(kind)
         if not self._instants:
             raise NotJudgedError("the window holds no instant of both runs")
@@ -118,7 +129,9 @@ class SignalOfBoth:
 
     def _compare_held(self, start: float, end: float) -> None:
         """What holds from the start of the window [s] to its end, at each change of either."""
-        ours, theirs = np.concatenate(self._ours), self._beforehand.baseline(self._check)
+        ours, theirs = np.concatenate(self._ours), self._theirs()
+        if theirs is None:
+            return
         for rows in (ours, theirs):
             if not rows[0, 0] <= start:
                 whose = "in the baseline " if rows is theirs else ""

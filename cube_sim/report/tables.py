@@ -15,7 +15,7 @@ from cube_sim.report.markup import element, number, seconds, text
 from cube_sim.report.motion_panels import LIKELY, sensor_names
 from cube_sim.report.subject import Subject
 from cube_sim.report.thruster_use import LOST, LOWER, NEAR, NEAR_OVER_S, OFF, UPPER, ThrusterUse
-from cube_sim.scenario.check_blocks import SignalCheckBlock
+from cube_sim.scenario.check_blocks import AnyCheck, BeforeAfterCheckBlock, SignalCheckBlock
 from cube_sim.scenario.statistic_keys import statistic_alone
 from cube_sim.verdict import CheckResult
 
@@ -27,7 +27,7 @@ def check_table(subject: Subject) -> str:
         quantity = judged_quantity(subject, check)
         unit = result.unit if quantity.apart else quantity.unit
         unit = f" {unit}" if unit not in ("", "1") else ""
-        statistic = f"{statistic_alone(check).replace('_', ' ')} of " if isinstance(check, SignalCheckBlock) else ""
+        statistic = _statistic_words(check)
         rows.append(
             (
                 badge(result.verdict),
@@ -43,6 +43,17 @@ def check_table(subject: Subject) -> str:
         )
     header = ("", "check", "value", "limit", "margin", "worst at", "what was the case then")
     return table(header, rows, "skrrrrw")
+
+
+def _statistic_words(check: AnyCheck) -> str:
+    match check:
+        case SignalCheckBlock():
+            return f"{statistic_alone(check).replace('_', ' ')} of "
+        case BeforeAfterCheckBlock():
+            sign = "−" if check.compare == "difference" else "/"
+            return f"{statistic_alone(check).replace('_', ' ')}, after {sign} before, of "
+        case _:
+            return ""
 
 
 def comparison_table(subjects: Sequence[Subject]) -> str:

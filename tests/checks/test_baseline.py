@@ -7,17 +7,19 @@ import shutil
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
-from support.places import MODELS
+from support.places import HELIX, MODELS
 from support.random_signals import HELD, RUN_S, SAMPLED, in_random_blocks, random_signals
 
 import cube_sim
 from cube_sim.baseline import baseline_signal, table_of_rows
 from cube_sim.checks import Beforehand, evaluate
 from cube_sim.errors import RecordingError, ScenarioError
+from cube_sim.judged_store import beforehand_of
 from cube_sim.recording import one_pass
 from cube_sim.runs.judged_record import judged_in_one_pass
 from cube_sim.runs.judging import judged
 from cube_sim.runs.recorded_run import load_run
+from cube_sim.scenario import load
 from cube_sim.scenario.check_blocks import AnyCheck
 
 SCENARIO = """\
@@ -101,6 +103,7 @@ def test_a_held_signal_is_compared_at_each_change_of_either():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
+        (None, "nowhere: no such file"),
         (lambda rows: rows[::2], "the baseline has no row of fast.values at 0.05 s"),
         (lambda rows: rows[:100], "the baseline has no row of fast.values at 5 s"),
         (lambda rows: np.delete(rows, 50, axis=0), "the baseline has no row of fast.values at 2.5 s"),
@@ -111,6 +114,14 @@ def test_a_held_signal_is_compared_at_each_change_of_either():
 )  # fmt: skip
 def test_what_the_baseline_lacks_is_an_error(change, said):
     ours = random_signals(np.random.default_rng(4))
+    if change is None:
+        for signal, statistic in ((SAMPLED, None), (HELD, None), (SAMPLED, "rms")):
+            asked = {"kind": "baseline", "record": "nowhere", "signal": signal, "statistic": statistic, "tolerance": 1}
+            check = TypeAdapter(AnyCheck).validate_python(asked)
+            beforehand = Beforehand(held={HELD}, baseline=beforehand_of(load(HELIX).scenario, ()).baseline)
+            (result,) = evaluate([check], ours, duration_s=RUN_S, beforehand=beforehand)
+            assert (result.verdict, result.detail) == ("ERROR", said)
+        return
     result = judge(ours, {SAMPLED: change(ours[SAMPLED])}, np.random.default_rng(1), signal=SAMPLED, tolerance=1e9)
     assert result.verdict == "ERROR"
     assert said in result.detail
