@@ -7,6 +7,7 @@ mistake is shown where it opens.
 from __future__ import annotations
 
 import copy
+import re
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -23,6 +24,7 @@ DEEPEST = 60
 _OPENED = {"while parsing a flow sequence": "[", "while parsing a flow mapping": "{"}
 _OUTSIDE = ("got ':'", "got '-'", "got '<stream end>'", "got '<document start>'", "got '<document end>'")
 """What is found in a list or block in brackets, on a later line, when its bracket is missing."""
+_A_KEY = re.compile(r"""\s*(?:- +)?["']?[\w.]+["']?:(?:\s|$)""")
 _QUOTES = {'"': "double quote", "'": "quote"}
 
 
@@ -100,13 +102,16 @@ def _located(text: str, error: Exception) -> NotYAMLError:
     opened, quote = _of(error.context_mark), _open_quote(text, at)
     if context == "while scanning a quoted scalar" and error.context_mark is not None:
         return NotYAMLError(opened, "not valid YAML: a quote that opens here is not closed")
+    if context == "while scanning a simple key" and error.context_mark is not None:
+        return NotYAMLError(opened, "not valid YAML: what begins here is no key: there is no ':' behind it")
     if quote is not None:
         name = _QUOTES[quote.style]
         text = f"a {name} that opens here closes only in line {quote.end_mark.line + 1}, amid other text"
         return NotYAMLError(_of(quote.start_mark), f"not valid YAML: {text}")
     if context in _OPENED and error.context_mark is not None and at is not None:
         bracket = _OPENED[context]
-        if at.line > error.context_mark.line and problem.endswith(_OUTSIDE):
+        outside = problem.endswith(_OUTSIDE) or _A_KEY.match(text.splitlines()[at.line]) is not None
+        if at.line > error.context_mark.line and outside:
             return NotYAMLError(opened, f"not valid YAML: a {bracket!r} that opens here is not closed")
         return NotYAMLError(_of(at), f"not valid YAML: {problem}, for the {bracket!r} in column {opened.column}")
     return NotYAMLError(_of(at), f"not valid YAML: {' '.join(part for part in (context, problem) if part)}")
