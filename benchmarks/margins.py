@@ -13,7 +13,8 @@ lag of the thrusters, the controller's observers and the control period are in i
 it is opened where the wrench goes to the thrusters, in one direction at a time with the others closed.
 
 `--wrong one` believes drag, added mass or thrust 30 % less and more, and a current that is 0.5 m/s off; `--wrong all`
-also everything wrong at once. Printed is the worst of a vehicle and speed; margins.csv has every row.
+also everything wrong at once. The critical speed is then the one up to which a vehicle is sure of its margins for all
+that (`surely_uncritical_speed`). Printed is the worst of a vehicle and speed; margins.csv has every row.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ.setdefault(threads, "1")
 
-from closed_loop.condition import NOMINAL, Condition, corners, one_at_a_time  # noqa: E402
+from closed_loop.condition import NOMINAL, WRONG, Condition, corners, one_at_a_time  # noqa: E402
 from closed_loop.survey import SHARES, Row, surveyed  # noqa: E402
 from support.catalogue.vehicles import catalogue  # noqa: E402
 
@@ -59,6 +60,7 @@ def main() -> None:
         conditions += one_at_a_time()
     if options.wrong == "all":
         conditions += corners()
+    known_to = 0.0 if options.wrong == "none" else WRONG
     options.out.parent.mkdir(parents=True, exist_ok=True)
     with (
         options.out.open("w", newline="") as file,
@@ -67,15 +69,18 @@ def main() -> None:
         writer = csv.writer(file)
         writer.writerow(Row._fields)
         print(f"{'vehicle':30s} {'m/s':>5s} flies      beyond stable  gain dB  phase deg  the worst when")
-        for rows in pool.map(partial(_rows, conditions=conditions), product(names, SHARES)):
+        for rows in pool.map(
+            partial(_rows, conditions=conditions, known_to=known_to),
+            product(names, SHARES),
+        ):
             writer.writerows(rows)
             if rows:
                 print(_line(rows), flush=True)
 
 
-def _rows(job: tuple[str, float], conditions: list[Condition]) -> list[Row]:
+def _rows(job: tuple[str, float], conditions: list[Condition], known_to: float) -> list[Row]:
     name, share = job
-    return surveyed(catalogue()[name], share, conditions)
+    return surveyed(catalogue()[name], share, conditions, known_to)
 
 
 def _line(rows: list[Row]) -> str:

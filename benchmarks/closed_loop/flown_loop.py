@@ -20,7 +20,7 @@ from support.catalogue.vehicles import Entry
 
 from closed_loop.condition import Condition
 from cube_sim.control.authority import Authority
-from cube_sim.control.critical_speed import too_fast
+from cube_sim.control.critical_speed import surely_uncritical_speed
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.loop_times import mean_delay
 from cube_sim.control.path_follower import PathFollower
@@ -135,10 +135,10 @@ class FlownLoop:
         """How the vehicle flies."""
         return self.controller.capability.authority
 
-    @property
-    def too_fast(self) -> bool:
-        """Whether its speed through the water is beyond the critical one, by the truth."""
-        return too_fast(self.controller.capability, self.hull, self._delay, self._through_water) is not None
+    def too_fast(self, known_to: float = 0.0) -> bool:
+        """Whether its speed through the water is beyond the critical one of hulls that differ by a share from it."""
+        left = self.controller.capability
+        return self._through_water > surely_uncritical_speed(left, self.hull, self._delay, known_to)
 
     def tick(self, point: Point, pushed: Vector, dragged: Vector = NOTHING) -> tuple[Point, Vector]:
         """The point one control period later, and the wrench (6,) [N, N m] the controller demanded, body axes.
@@ -177,8 +177,9 @@ class FlownLoop:
         self._data.qpos[at : at + 7] = [*place, 1.0, 0.0, 0.0, 0.0]
         self._data.qvel[dof : dof + 3] = speed_m_s * self._along
         mujoco.mj_forward(self._model, self._data)
+        wrench = np.zeros(6)
         for _ in range(2):
-            decision = self.controller.decide(read_state(self._vehicle, self._data), np.zeros(6), self.period)
+            wrench = self.controller.decide(read_state(self._vehicle, self._data), np.zeros(6), self.period).wrench
             self.controller.target.arc_length = self._started
         for part, name, fields in MEMORIES:
             owner = getattr(self.controller, part) if part else self.controller
@@ -186,7 +187,7 @@ class FlownLoop:
                 self._memories += [getattr(owner, name)[field][0] for field in fields]
         if self.controller.current_observer is not None:
             self._memories.append(self.controller.current_observer.estimate)
-        return self._read(decision.wrench)
+        return self._read(wrench)
 
     def _read(self, applied: Vector) -> Point:
         state = read_state(self._vehicle, self._data)

@@ -18,7 +18,7 @@ from closed_loop.flown_loop import FlownLoop
 from closed_loop.linear_loop import SETTLED, linearised
 from closed_loop.stability import all_margins
 from cube_sim.control.authority import Authority, remaining_capability
-from cube_sim.control.critical_speed import critical_speed
+from cube_sim.control.critical_speed import surely_uncritical_speed
 from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
 from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ScenarioError
@@ -71,8 +71,14 @@ class Row(NamedTuple):
         return self.radius < 1.0
 
 
-def speed_of(entry: Entry, share: float) -> float | None:
-    """What a share of `SHARES` is for a vehicle [m/s]; None where the path's speed is not beyond, or there is none."""
+def speed_of(entry: Entry, share: float, known_to: float = 0.0) -> float | None:
+    """What a share of `SHARES` is for a vehicle [m/s]; None where the path's speed is not beyond, or there is none.
+
+    Args:
+        entry: the vehicle.
+        share: of `SHARES`.
+        known_to: by which share its added mass and drag may be wrong, see `surely_uncritical_speed`.
+    """
     with TemporaryDirectory() as name:
         model = Path(name) / "vehicle.xml"
         model.write_text(entry.make())
@@ -85,21 +91,23 @@ def speed_of(entry: Entry, share: float) -> float | None:
         health = health.with_thruster(vehicle.thrusters.names.index(lost), 0.0)
     hull, limits = vehicle.dynamics, vehicle.thrusters.limits
     left = remaining_capability(vehicle.actuation_matrix, limits, health, hold=WaterHold.of(hull, path))
-    critical = critical_speed(left, hull, mean_delay(vehicle.thrusters.lag_s, USUAL_PERIOD_S)).speed_m_s
+    delay = mean_delay(vehicle.thrusters.lag_s, USUAL_PERIOD_S)
+    critical = surely_uncritical_speed(left, hull, delay, known_to)
     if share == BEYOND:
         return path if path > critical else None
     return share * min(path, INSIDE * critical)
 
 
-def surveyed(entry: Entry, share: float, conditions: Sequence[Condition]) -> list[Row]:
+def surveyed(entry: Entry, share: float, conditions: Sequence[Condition], known_to: float = 0.0) -> list[Row]:
     """One row for each condition, a single one that says why there is none, or none where there is no such speed.
 
     Args:
         entry: the vehicle.
         share: its speed, of `SHARES`.
         conditions: what it knows wrongly.
+        known_to: by which share added mass and drag may be wrong, for the critical speed.
     """
-    speed = speed_of(entry, share)
+    speed = speed_of(entry, share, known_to)
     if speed is None:
         return []
     with TemporaryDirectory() as name:
@@ -117,7 +125,7 @@ def surveyed(entry: Entry, share: float, conditions: Sequence[Condition]) -> lis
             authority = flown.authority
             if authority is Authority.SAFE:
                 return [Row(entry.name, speed, "", why=flown.controller.capability.reason)]
-            start = Row(entry.name, speed, condition.words, authority.name, flown.too_fast)
+            start = Row(entry.name, speed, condition.words, authority.name, flown.too_fast(known_to))
             if not rows and speed > 0.0:
                 said = forecast(model, lost=entry.lost, weak={}, stuck={}, speed_m_s=speed, planar=entry.planar)
                 if not said.flies:

@@ -11,6 +11,8 @@ loop. Those of `cube_sim.control.loop_times`, with the disturbance estimate in t
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import product
 from math import inf
 from typing import NamedTuple
 
@@ -69,6 +71,32 @@ def critical_speed(left: Capability, hull: Dynamics, delay_s: float, up_to_m_s: 
             slow, fast = (slow, middle) if _lacks(left, hull, delay_s, middle) else (middle, fast)
         return CriticalSpeed(fast, _lacks(left, hull, delay_s, fast))
     return CriticalSpeed(inf, "")
+
+
+def surely_uncritical_speed(left: Capability, hull: Dynamics, delay_s: float, known_to: float) -> float:
+    """Up to which speed a vehicle has the margins though added mass, drag and thrust are only known to a share [m/s].
+
+    Added mass and drag move the critical speed: it is the least one of all hulls that the one believed may be, at the
+    corners. A gain that is wrong, as that of the thrusters, and water that moves otherwise than believed take as much
+    of what is left of the margins there: they have the same share of the speed.
+
+    Args:
+        left: what the thrusters can still do.
+        hull: the body, as it is believed to be.
+        delay_s: see `critical_speed`.
+        known_to: by which share they may be wrong.
+    """
+    factors = (1.0 - known_to, 1.0, 1.0 + known_to)
+    corners = [
+        replace(
+            hull,
+            added_mass=mass * hull.added_mass,
+            linear_damping=drag * hull.linear_damping,
+            quadratic_damping=drag * hull.quadratic_damping,
+        )
+        for mass, drag in product(factors, factors)
+    ]
+    return (1.0 - known_to) * min(critical_speed(left, corner, delay_s).speed_m_s for corner in corners)
 
 
 def too_fast(left: Capability, hull: Dynamics, delay_s: float, speed_m_s: float) -> str | None:
