@@ -314,7 +314,12 @@ def _fault_case(case: FaultCase) -> dict[str, Any]:
 
 
 def _transient(transient: Transient) -> dict[str, Any]:
-    return {"bound_m": transient.bound_m, "no_bound": transient.reason or None, "turns_rad": transient.turns_rad}
+    return {
+        "bound_m": transient.bound_m,
+        "no_bound": transient.reason or None,
+        "turns_rad": transient.turns_rad,
+        "wanders_m": transient.wanders_m,
+    }
 
 
 def _plain(value: Any) -> Any:

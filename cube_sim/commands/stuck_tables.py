@@ -47,9 +47,11 @@ def faults_in_words(cases: tuple[FaultCase, ...]) -> list[str]:
     held = sum(case.follows for case in cases)
     bounded = sum(not case.transient.reason for case in cases)
     turn = any(transient.turns_rad > 0.0 for transient in _transients(cases))
+    wander = any(transient.wanders_m > 0.0 for transient in _transients(cases))
     return [
         f"single faults: {held} of {len(cases)} follow the path; how far it is left at most is known for {bounded}",
         *(f"  {note}: {reason}" for reason, note in _notes(cases).items()),
+        *(["  wanders: turned round by what is stuck, by its equations of motion, which is no bound"] * wander),
         *(["  turns: it first has to turn so far, to where the others have enough, and no bound is known"] * turn),
     ]
 
@@ -60,7 +62,8 @@ def _transients(cases: tuple[FaultCase, ...]) -> list[Transient]:
 
 def _notes(cases: tuple[FaultCase, ...]) -> dict[str, str]:
     """Reason why there is no bound -> what stands for it in the table."""
-    reasons = dict.fromkeys(t.reason for t in _transients(cases) if t.reason and t.turns_rad == 0.0)
+    said = [transient for transient in _transients(cases) if transient.turns_rad == 0.0 and transient.wanders_m == 0.0]
+    reasons = dict.fromkeys(transient.reason for transient in said if transient.reason)
     return {reason: f"none ({k})" for k, reason in enumerate(reasons, start=1)}
 
 
@@ -68,4 +71,6 @@ def _bound(transient: Transient, notes: dict[str, str]) -> str:
     """The bound of a transient, or what stands for the reason why there is none."""
     if transient.turns_rad > 0.0:
         return f"turns {np.degrees(transient.turns_rad):.0f} deg"
+    if transient.wanders_m > 0.0:
+        return f"wanders {transient.wanders_m:.2g}"
     return notes[transient.reason] if transient.reason else f"{transient.bound_m:.2g}"

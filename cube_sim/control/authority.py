@@ -30,10 +30,13 @@ from cube_sim.actuation.directions.subspaces import Subspaces, subspaces
 from cube_sim.actuation.path_following.requirements import PathRequirements
 from cube_sim.actuation.path_following.verdict import judge
 from cube_sim.control.effort import effort_matrix
+from cube_sim.control.left_alone import carried_m
 from cube_sim.control.levelling import UP
 from cube_sim.control.pace import ForceBudget
+from cube_sim.control.turned_round import LOOKED_AHEAD_S, NEAR_M, TurnedRound, turned_round
 from cube_sim.control.yielding import FORCES_YIELD, MAX_TILT_SINE, WaterHold, held_or_pointed
 from cube_sim.spatial import Matrix, Record, Vector
+from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, SPATIAL, WrenchAxes
 from cube_sim.wrench.health import Health
@@ -51,6 +54,8 @@ NEARLY_LEVEL = 0.05
 this [rad], where it counts as one for a level plane (a choice)."""
 LITTLE_TILT = MAX_TILT_SINE
 """Sine of the tilt at which stuck thrusters may leave a hull that is flown at trim: the other half is for its drag."""
+LIFTED = 0.5
+"""Share of how far what is stuck lifts a vehicle for a level plane, within which it may wander instead (a choice)."""
 LEAST_SHARE = 0.1
 """A thruster that gives less than this share of a whole one's largest force is no way of moving."""
 
@@ -77,6 +82,7 @@ class Authority(IntEnum):
         LEVEL: surge, sway and yaw and nothing else: any motion in a level plane.
         UNICYCLE: yaw and one direction of force in a level plane, pointed by the heading.
         TRIM: yaw and forces; roll or pitch stay where the water holds them.
+        TURNED: forces, in whichever attitude what is stuck turns the hull to.
     """
 
     HOLONOMIC = 0
@@ -86,6 +92,7 @@ class Authority(IntEnum):
     LEVEL = 4
     UNICYCLE = 5
     TRIM = 6
+    TURNED = 7
 
 
 @dataclass(frozen=True)
@@ -104,6 +111,7 @@ class Capability:
         within_cost_limit: (6,6) projector onto the wrenches within the cost limit; None where no direction exceeds it.
         budget: what they can make; None where their limits are not known.
         strongest: force of the strongest of all thrusters, as they were whole [N]; infinite where it is not known.
+        turned: how it is turned round, by its equations of motion; None for any other authority.
     """
 
     authority: Authority
@@ -117,6 +125,7 @@ class Capability:
     within_cost_limit: Matrix | None = None
     budget: ForceBudget | None = None
     strongest: float = inf
+    turned: TurnedRound | None = None
 
     @property
     def lost(self) -> Matrix:
@@ -218,6 +227,8 @@ def remaining_capability(
     largest = float(np.max(np.abs(limits), initial=0.0))
     budget = ForceBudget(attainable_set(found, allowed), left.held, A[:, counts], weakened[:, (0, 3)].T)
     left = replace(left, budget=budget, strongest=largest)
+    if stuck and hold is not None and hold.hull is not None:
+        left = _perhaps_turned(left, budget, hold.hull)
     if stuck or hold is None or hold.hull is None:
         return left
     if left.authority not in (Authority.TRIM, Authority.PLANE, Authority.LINE):
@@ -231,6 +242,31 @@ def remaining_capability(
     if hold.speed > slow and judge(found, hold.hull, allowed, PathRequirements(speed_m_s=hold.speed)).follows:
         return left
     return replace(left, authority=Authority.SAFE, reason=f"{verdict.reason}: the path cannot be followed")
+
+
+def _perhaps_turned(left: Capability, budget: ForceBudget, hull: Dynamics) -> Capability:
+    """The same, or one that serves the force first in whichever attitude it has, where the model says it stays so."""
+    lifted = abs(left.held[2]) > NEARLY_LEVEL * float(np.linalg.norm(left.held[:3]))
+    if left.authority in (Authority.HOLONOMIC, Authority.TRIM) or (left.authority is Authority.LEVEL and not lifted):
+        return left
+    level, water, farthest = np.eye(3), np.zeros(3), NEAR_M
+    if left.level and lifted:  # nothing else would make up for the lift
+        carried = carried_m(hull.record, left.held, level, np.zeros(6), water, round(LOOKED_AHEAD_S))
+        farthest = max(farthest, LIFTED * float(carried[-1]))
+    turned = turned_round(hull, budget)
+    if not turned.wanders_m < farthest:
+        return left
+    words = left.reason.rpartition(":")[0] or left.reason
+    return replace(
+        left,
+        authority=Authority.TURNED,
+        reason=f"{words}: the force comes first, in whichever attitude what is stuck turns it to",
+        lost_forces=np.zeros((3, 0)),
+        lost_torques=np.zeros((3, 0)),
+        yielding=np.zeros((6, 0)),
+        within_cost_limit=None,
+        turned=turned,
+    )
 
 
 def _tilts_little(left: Capability, hold: WaterHold) -> bool:

@@ -137,7 +137,7 @@ def compiled_parts(
     if wanted is None or (isinstance(mode, FreeAttitude) and mode.dynamics is not follower.loops.dynamics):
         return None
     observer, flow = follower.observer, follower.current_observer
-    settings["dragged"], settings["budgeted"] = dragged, follower.capability.budget is not None
+    settings["dragged"], settings["budgeted"] = dragged, follower.budgeted
     settings["waits"] = follower.waits and isinstance(approach, Approach)
     settings["least_closing"] = approach.least_closing if isinstance(approach, Approach) else 1.0
     settings["most_rest"], settings["level"] = follower.most_rest, follower.capability.level

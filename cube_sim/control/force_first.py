@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cube_sim.control.nearest_forces import THOROUGH, nearest_forces
 from cube_sim.control.pace import ForceBudget, facet_excess
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Vector
@@ -21,10 +22,6 @@ from cube_sim.wrench.matrix import lever_arm
 
 TORQUE = 0.1
 """How much a torque that is missing counts beside the force it takes on the thrusters' rms arm (a choice)."""
-SWEEPS = 1000
-"""Over the thrusters, at most."""
-FINE = 1e-6
-"""Share of the largest force by which a sweep that changes less is the last."""
 
 
 class ForceFirst(NamedTuple):
@@ -36,6 +33,7 @@ class ForceFirst(NamedTuple):
         limits: (2,k) their least and largest forces [N].
         held: (6,) [N, N m] of those that are stuck.
         scale: (6,) [1, 1/m] what a missing component counts.
+        off_range: whether a wrench may be out of the range of A, of which no facet tells.
     """
 
     offsets: Vector
@@ -43,47 +41,19 @@ class ForceFirst(NamedTuple):
     limits: Matrix
     held: Vector
     scale: Vector
+    off_range: bool
 
     @classmethod
-    def of(cls, budget: ForceBudget) -> ForceFirst:
-        """What it reads of a budget."""
-        scale = SPATIAL.scale(lever_arm(budget.matrix, SPATIAL)) * np.array([1.0] * 3 + [TORQUE] * 3)
+    def of(cls, budget: ForceBudget, off_range: bool = False, torque: float = TORQUE) -> ForceFirst:
+        """What it reads of a budget, for wrenches in the range of A or off it, and what a torque counts."""
+        scale = SPATIAL.scale(lever_arm(budget.matrix, SPATIAL)) * np.array([1.0] * 3 + [torque] * 3)
         arrays = budget.attainable.offsets, budget.matrix, budget.limits, budget.held, scale
-        return cls(*(np.ascontiguousarray(array, dtype=np.float64) for array in arrays))
+        offsets, matrix, limits, held, scale = (np.ascontiguousarray(array, dtype=np.float64) for array in arrays)
+        return cls(offsets, matrix, limits, held, scale, off_range)
 
 
-NOT_FORCE_FIRST = ForceFirst(np.zeros(0), np.zeros((6, 0)), np.zeros((2, 0)), np.zeros(6), np.zeros(6))
+NOT_FORCE_FIRST = ForceFirst(np.zeros(0), np.zeros((6, 0)), np.zeros((2, 0)), np.zeros(6), np.zeros(6), False)
 """Where the torque is served as well as the force."""
-
-
-@compiled
-def nearest_forces(matrix, gram, least, most, residual, forces):
-    """The forces (k,) that leave least of a wrench (6,), found one by one, again and again; both are moved on.
-
-    Args:
-        matrix: (6,k), scaled.
-        gram: (k,) the square of each column.
-        least: (k,) [N].
-        most: (k,) [N].
-        residual: (6,) the wrench, scaled; what is left of it in the end.
-        forces: (k,) [N] from where to begin.
-    """
-    largest = 0.0
-    for k in range(len(least)):
-        largest = max(largest, most[k], -least[k])
-    for _ in range(SWEEPS):
-        moved = 0.0
-        for k in range(len(least)):
-            slope = 0.0
-            for i in range(6):
-                slope += matrix[i, k] * residual[i]
-            change = min(max(forces[k] + slope / gram[k], least[k]), most[k]) - forces[k]
-            forces[k] += change
-            moved = max(moved, abs(change))
-            for i in range(6):
-                residual[i] -= matrix[i, k] * change
-        if moved < FINE * largest:
-            break
 
 
 @compiled
@@ -97,7 +67,7 @@ def serve_force_first(parts, normals, held_shares, force_ratio, wrench):
         force_ratio: share of their force that the supply leaves the thrusters.
         wrench: (6,) [N, N m], moved on.
     """
-    demanded, beyond = sextuple(wrench), False
+    demanded, beyond = sextuple(wrench), parts.off_range
     for i in range(len(parts.offsets)):  # one that is no number is beyond no facet, and stays none
         if facet_excess(normals, parts.offsets, held_shares, force_ratio, i, demanded) > 0.0:
             beyond = True
@@ -113,7 +83,7 @@ def serve_force_first(parts, normals, held_shares, force_ratio, wrench):
             gram[k] += scaled[i, k] ** 2
     for k in range(count):
         least[k], most[k] = force_ratio * parts.limits[0, k], force_ratio * parts.limits[1, k]
-    nearest_forces(scaled, gram, least, most, residual, forces)
+    nearest_forces(scaled, gram, least, most, THOROUGH, residual, forces)
     for i in range(6):
         made = 0.0
         for k in range(count):

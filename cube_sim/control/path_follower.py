@@ -111,11 +111,13 @@ class PathFollower:
         self.capability = left
         self.balanced, self._loops, self._approach = None, self.loops, self.approach
         self.refuge, self._holding = Refuge(), None
-        budget = left.budget
+        budget, turned = left.budget, left.turned
         self._left = left.record(self.loops.dynamics.total_mass)
         self.dragged = bool(self._left["dragged"].any())
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
-        self._first = ForceFirst.of(budget) if self.force_first and budget is not None else None
+        self._first = None
+        if self.force_first and budget is not None:
+            self._first = ForceFirst.of(budget) if turned is None else ForceFirst.of(budget, True, turned.torque)
         if left.authority is Authority.HOLONOMIC and left.held.any():
             # A thruster has stuck: whether the others have enough beside it is seen at once.
             wished = rotation_from_quaternion(self.desired)
@@ -123,7 +125,7 @@ class PathFollower:
         wish = rotation_from_quaternion(self.desired)
         self.overpowered = bool(left.held.any()) and not self._rest(wish, 1.0).held
         close = POINTING_M if left.steers_by_attitude else CLOSE_M
-        self.monitor.look_closely(close if self.overpowered else None)
+        self.monitor.look_closely(close if self.overpowered and turned is None else None)
         if left.authority is not Authority.SAFE:
             if self._goal is not None:
                 self.monitor.restart()
@@ -176,7 +178,7 @@ class PathFollower:
                 normals, _, held_shares = self._budget
                 serve_force_first(self._first, normals, held_shares, force_ratio, followed["wrench"][0])
         answer = followed[0]
-        if self.capability.budget is not None:
+        if self.budgeted:
             balanced = NEVER_BALANCED if self.balanced is None else self.balanced.memory
             watch_shortage(self.shortage, bool(answer["enough"]), self.balanced is not None, balanced, dt)
         if goal is None:
@@ -248,7 +250,7 @@ class PathFollower:
             applied,
             force_ratio,
             self.most_rest,
-            self.capability.budget is not None,
+            self.budgeted,
             goal is None and self.waits and isinstance(self._approach, Approach),
             self._approach.least_closing if goal is None and isinstance(self._approach, Approach) else 1.0,
             self.balanced is not None,
@@ -302,7 +304,7 @@ class PathFollower:
     def _hold(self, goal: SafeModeGoal, state: State, force_ratio: float, dt: float) -> None:
         """Hold a place beside what is stuck, or let go where that is better."""
         budget, before = self.capability.budget, self._holding
-        if budget is None:
+        if budget is None or self.capability.turned is not None:
             return
         off = goal.off_m(state.position)
         if before is not None:
@@ -445,9 +447,14 @@ class PathFollower:
         return bool(left.held.any())
 
     @property
+    def budgeted(self) -> bool:
+        """Whether the wrench asked for is compared with what the thrusters make: one that is turned round takes any."""
+        return self.capability.budget is not None and self.capability.authority is not Authority.TURNED
+
+    @property
     def pressed(self) -> bool:
         """Whether the thrusters have been short for so long that the vehicle turns to where they have more."""
-        return bool(self.shortage["pressed"][0])
+        return bool(self.shortage["pressed"][0]) and self.budgeted
 
     @property
     def ready(self) -> CompiledParts | None:

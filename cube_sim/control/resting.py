@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cube_sim.control.nearest_forces import QUICK, nearest_forces
 from cube_sim.control.pace import ForceBudget
 from cube_sim.control.roomiest_attitude import spread_attitudes
 from cube_sim.native.compiled import compiled
@@ -21,10 +22,6 @@ from cube_sim.wrench.matrix import lever_arm
 
 TORQUE_FIRST = 5.0
 """How many times a torque that is missing counts as much as the force it takes on the thrusters' rms arm (a choice)."""
-SWEEPS = 60
-"""Over the thrusters, for the forces that leave least missing."""
-FINE = 1e-4
-"""Share of the largest force by which a sweep that changes less is the last."""
 STEPS_RAD = np.array([0.3, 0.15, 0.075, 0.04, 0.02, 0.01, 0.005])
 """Turns by which an attitude is made better, the large ones first."""
 STARTS = 12
@@ -112,27 +109,12 @@ def _made_better(hull: Record, reckoned: _Reckoned, flow_W: Vector, start: Matri
 def what_is_missing(hull, matrix, gram, least, most, stuck, scale, flow, R, residual):
     """What is missing for rest in an attitude (3,3), into `residual` (6,), scaled; returns its size squared [N^2].
 
-    The forces that leave least missing are found one by one, again and again: gram is the square of each column.
+    gram (k,) is the square of each column.
     """
     wrench, forces = steady_wrench(hull, to_body(R, flow), (R[2, 0], R[2, 1], R[2, 2])), np.zeros(len(least))
-    largest = 0.0
     for i in range(6):
         residual[i] = scale[i] * wrench[i] - stuck[i]
-    for k in range(len(least)):
-        largest = max(largest, most[k], -least[k])
-    for _ in range(SWEEPS):
-        moved = 0.0
-        for k in range(len(least)):
-            slope = 0.0
-            for i in range(6):
-                slope += matrix[i, k] * residual[i]
-            change = min(max(forces[k] + slope / gram[k], least[k]), most[k]) - forces[k]
-            forces[k] += change
-            moved = max(moved, abs(change))
-            for i in range(6):
-                residual[i] -= matrix[i, k] * change
-        if moved < FINE * largest:
-            break
+    nearest_forces(matrix, gram, least, most, QUICK, residual, forces)
     size = 0.0
     for i in range(6):
         size += residual[i] * residual[i]

@@ -66,11 +66,13 @@ class Transient(NamedTuple):
         bound_m: how far it leaves its path at most; infinite where there is no bound.
         reason: why there is none; empty where there is one.
         turns_rad: how far it turns to another attitude.
+        wanders_m: how far from its place it is turned round, by its equations of motion: no bound; 0 where it is not.
     """
 
     bound_m: float
     reason: str
     turns_rad: float = 0.0
+    wanders_m: float = 0.0
 
     @property
     def words(self) -> str:
@@ -168,6 +170,10 @@ def transient(
         return Transient(inf, "the limits of the thrusters are not known")
     if left.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE):
         return Transient(inf, "the attitude has to point the thrust that is left")
+    if left.turned is not None:
+        off = max(left.turned.wanders_m, LEAST_M)
+        reason = f"turned round by what is stuck, it wanders by {off:.2g} m, by its equations of motion"
+        return Transient(inf, reason, wanders_m=off)
     if left.authority is Authority.LEVEL:
         return Transient(inf, "its depth is left to the water")
     slow = LEAST_PACE * velocity_W - current_W

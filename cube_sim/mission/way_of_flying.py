@@ -22,6 +22,7 @@ _WAYS = {
     Authority.UNICYCLE: "turns its heading to point its thrust in a level plane; heave, roll and pitch are left to the "
     "water",
     Authority.TRIM: "moves any way, and roll or pitch are left to the water",
+    Authority.TURNED: "moves any way while what is stuck turns it round",
 }
 
 

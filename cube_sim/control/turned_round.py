@@ -1,0 +1,120 @@
+"""Where a hull goes that what is stuck turns round, if its force is served first in whichever attitude it is by then.
+
+A thruster that is stuck may turn the hull in any attitude there is, and then none points the thrust of the others. But
+what is stuck turns with the hull, so that it may lead nowhere, and so do the directions in which the others push. No
+balance of forces tells how that ends: the equations of motion are integrated, with the law in them.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cube_sim.control.force_first import TORQUE, ForceFirst, serve_force_first
+from cube_sim.control.loop_times import LoopTimes
+from cube_sim.control.loops import MotionLoops, loop_wrench
+from cube_sim.control.pace import ForceBudget
+from cube_sim.native.compiled import compiled
+from cube_sim.spatial import rotation_about
+from cube_sim.tuples import (
+    length,
+    minus6,
+    put_matrix,
+    quaternion_from_matrix,
+    rotated,
+    sextuple,
+    times,
+    to_world,
+    triple,
+)
+from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.laws.hull_motion import inverse_dynamics
+
+LOOKED_AHEAD_S = 40.0
+"""How far ahead it is worked out where the hull goes (a choice)."""
+STEP_S = 0.05
+"""Of the integration."""
+DELAY_S = 0.05
+"""Behind which the loops would be as quick as those that are reckoned with (a choice)."""
+NEAR_M = 0.5
+"""Within this a hull is near its place (a choice)."""
+LET_TURN = 0.01
+"""What a torque counts where the hull is let turn: next to nothing."""
+BETTER = 0.5
+"""Share of how far it is off otherwise, below which it is let turn (a choice)."""
+START = rotation_about(np.array([0.6, 0.8, 0.0]), 0.15)
+"""R_WB from which it begins: no hull lies so level that what would turn it over does not."""
+FASTEST = 20.0
+"""A hull that moves faster [m/s, rad/s] has left what can be integrated so."""
+STEADIED = 0.5
+"""Share of the time looked ahead after which it counts how far off it is: by then it turns as it goes on turning."""
+
+
+class TurnedRound(NamedTuple):
+    """How a hull is best flown that is turned round.
+
+    Attributes:
+        wanders_m: how far from its place it is at most, once it turns steadily; infinite where it cannot be told.
+        torque: what a missing torque counts beside a force, see `cube_sim.control.force_first.TORQUE`.
+    """
+
+    wanders_m: float
+    torque: float
+
+
+def turned_round(hull: Dynamics, budget: ForceBudget) -> TurnedRound:
+    """The better of two ways: to fight for the attitude with what the force leaves, or to let it turn.
+
+    To let it turn is taken where the other leaves it far off, and twice as far: that may yet come to rest.
+    """
+    kept = wanders_m(hull, budget, TORQUE)
+    if kept < NEAR_M:
+        return TurnedRound(kept, TORQUE)
+    let = wanders_m(hull, budget, LET_TURN)
+    return TurnedRound(let, LET_TURN) if let < BETTER * kept else TurnedRound(kept, TORQUE)
+
+
+def wanders_m(hull: Dynamics, budget: ForceBudget, torque: float) -> float:
+    """How far from its place a hull is at most, once it turns steadily [m]; it begins at rest, nearly level.
+
+    Args:
+        hull: the body.
+        budget: what the thrusters can make, and what is stuck.
+        torque: what a missing torque counts.
+    """
+    loop = LoopTimes.behind(DELAY_S)
+    loops = MotionLoops(hull, loop.velocity, loop.attitude, loop.rate).record
+    parts, mobility = ForceFirst.of(budget, True, torque), np.linalg.inv(hull.total_mass)
+    facets, off = (budget.normals, budget.held_shares), np.full(round(LOOKED_AHEAD_S / STEP_S), np.inf)
+    _turn(hull.record, loops, parts, *facets, mobility, loop.lateral, np.array(START), np.zeros(3), off)
+    return float(np.max(off[round(STEADIED * len(off)) :]))
+
+
+@compiled
+def _turn(hull, loops, parts, normals, held_shares, mobility, lateral_time, R, current_W, off):
+    """Fill how far it is off its place after each step [m]; R is moved on."""
+    position, nu, wrench = np.zeros(3), np.zeros(6), np.empty(6)
+    current, none, q_d = triple(current_W), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+    still = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for k in range(len(off)):
+        back = times(-1.0 / lateral_time, triple(position))
+        asked = loop_wrench(
+            hull, loops, R, quaternion_from_matrix(R), triple(nu), triple(nu[3:]), back, none, q_d, none, current
+        )[0]
+        for i in range(6):
+            wrench[i] = asked[i]
+        serve_force_first(parts, normals, held_shares, 1.0, wrench)
+        missing = minus6(sextuple(wrench), inverse_dynamics(hull, R, sextuple(nu), still, current))
+        for i in range(6):
+            for j in range(6):
+                nu[i] += STEP_S * mobility[i, j] * missing[j]
+        velocity, rates = to_world(R, triple(nu)), triple(nu[3:])
+        spin = length(rates)
+        if not (length(velocity) < FASTEST and spin < FASTEST):
+            return
+        for i in range(3):
+            position[i] += STEP_S * velocity[i]
+        if spin > 0.0:
+            put_matrix(R, rotated(R, times(1.0 / spin, rates), spin * STEP_S))
+        off[k] = length(triple(position))
