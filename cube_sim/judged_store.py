@@ -11,7 +11,7 @@ from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.evaluating import Evaluation
 from cube_sim.checks.reasons import NotJudgedError
 from cube_sim.errors import RecordingError
-from cube_sim.recording.batch import Batch, BySignal, Rows, signals
+from cube_sim.recording.batch import Batch, BySignal, Rows, Sink, signals
 from cube_sim.recording.channels import Channel, held_signals, units_of
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Scenario
@@ -108,7 +108,7 @@ class JudgedStore(SignalStore):
         judge: of the rows.
     """
 
-    def __init__(self, channels: Sequence[Channel], judge: JudgedRows) -> None:
+    def __init__(self, channels: Sequence[Channel], judge: Sink) -> None:
         super().__init__(channels)
         self._judge = judge
 

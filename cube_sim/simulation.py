@@ -12,14 +12,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.checks import evaluate
 from cube_sim.errors import RecordingError, RunInterrupted, told
-from cube_sim.flight import Loop, prepared
-from cube_sim.judged_store import JudgedRows, JudgedStore, beforehand_of
-from cube_sim.mission import Mission
-from cube_sim.mission.own.given import AnyScenario, loaded_with
-from cube_sim.mission.run_header import header, versions
-from cube_sim.recording.channels import units_of
+from cube_sim.judged_store import JudgedStore
+from cube_sim.mission.own.given import AnyScenario, any_loaded_with
+from cube_sim.mission.run_header import versions
 from cube_sim.recording.recorder import Recorder
 from cube_sim.recording.run_end import How, RunEnd
 from cube_sim.recording.signal_store import SignalStore
@@ -33,7 +29,8 @@ from cube_sim.run_directory import (
     write_verdict,
 )
 from cube_sim.run_log import LogLine
-from cube_sim.scenario import Loaded
+from cube_sim.scenario.fleet_loading import AnyLoaded, LoadedFleet
+from cube_sim.undertaking import AnyJudge, AnyLoop, Undertaking, undertaking
 from cube_sim.uninterrupted import name_of, signal_of, stoppable, uninterrupted
 from cube_sim.verdict import CheckResult, EarlyEnd, Flown, Verdict, overall, to_json
 from cube_sim.whole_file import written_whole
@@ -108,7 +105,7 @@ def run(
 
 
 def fly(
-    scenario: AnyScenario,
+    scenario: AnyScenario | LoadedFleet,
     overrides: Mapping[str, Any] | None = None,
     *,
     controller: Any = None,
@@ -135,11 +132,11 @@ def fly(
         live: as for `run`.
         keep_signals: as for `run`.
     """
-    loaded = loaded_with(scenario, overrides, controller, allocator, path)
+    loaded = any_loaded_with(scenario, overrides, controller, allocator, path)
     wanted = None if out is None else Path(out)
     if wanted is not None:
         require_writable(wanted)
-    mission = prepared(loaded)
+    mission = undertaking(loaded)
     with claim(wanted, loaded.scenario.name) as place:
         try:
             return _record_and_judge(loaded, mission, place, progress, record, live, keep_signals)
@@ -155,11 +152,10 @@ def fly(
 
 def _store(
     place: Claim,
-    loaded: Loaded,
-    mission: Mission,
+    mission: Undertaking,
     record: Kept,
     live: int | None,
-    judge: JudgedRows | None,
+    judge: AnyJudge | None,
     begin: Callable[[], None],
 ) -> AbstractContextManager[SignalStore]:
     """Where the rows go."""
@@ -167,14 +163,13 @@ def _store(
         return nullcontext(JudgedStore(mission.channels, judge))
     if record == "none":
         return nullcontext(SignalStore(mission.channels))
-    inputs, view = header(loaded, mission.codes), record == "full"
-    shown = mission.channels, mission.model, view, mission.vehicle.name, live
-    return Recorder(place.directory, inputs, *shown, begin, judge)
+    shown = mission.channels, mission.model, record == "full", mission.body, live
+    return Recorder(place.directory, mission.header(), *shown, begin, judge, mission.among)
 
 
 def _record_and_judge(
-    loaded: Loaded,
-    mission: Mission,
+    loaded: AnyLoaded,
+    mission: Undertaking,
     place: Claim,
     progress: Progress | None,
     record: Kept,
@@ -194,10 +189,10 @@ def _record_and_judge(
                 reserve_verdict(directory)
                 place.begin(but=() if record == "none" else (MCAP_FILE,))
 
-    judge = None if record == "none" and keep_signals else JudgedRows(mission.channels, mission.scenario)
-    with to_be_ended, _store(place, loaded, mission, record, live, judge, begin) as recorder, ExitStack() as stack:
+    judge = None if record == "none" and keep_signals else mission.judge()
+    with to_be_ended, _store(place, mission, record, live, judge, begin) as recorder, ExitStack() as stack:
         stack.callback(lambda: place.begun or recorder.clear())  # what never began to fly leaves nothing
-        flight, clock = Loop(mission, recorder), _Clock()
+        flight, clock = mission.loop(recorder), _Clock()
         try:
             number = _fly(flight, _teller(to_be_ended, clock, progress, mission.scenario.duration_s))
             if number and not flight.tick:
@@ -234,21 +229,12 @@ def _record_and_judge(
     return Run(verdict, results, recorder.signals, directory, factor, versions(), flight.time_s, early, flown.log)
 
 
-def _results(mission: Mission, recorder: SignalStore, judge: JudgedRows | None) -> tuple[CheckResult, ...]:
+def _results(mission: Undertaking, recorder: SignalStore, judge: AnyJudge | None) -> tuple[CheckResult, ...]:
     """What the checks say of all that has been flown, which they have seen where there is a judge."""
-    scenario = mission.scenario
-    if judge is not None:
-        return judge.results(scenario.duration_s)
-    return evaluate(
-        scenario.checks,
-        recorder.signals,
-        duration_s=scenario.duration_s,
-        units=units_of(mission.channels),
-        beforehand=beforehand_of(scenario, mission.channels),
-    )
+    return mission.evaluate(recorder.signals) if judge is None else judge.results(mission.scenario.duration_s)
 
 
-def _fly(flight: Loop, tell: Callable[[float], None]) -> int:
+def _fly(flight: AnyLoop, tell: Callable[[float], None]) -> int:
     """Fly to the end; the number of the signal that stopped it before, 0 where none did."""
     try:
         flight.fly_to_its_end(tell)
@@ -313,7 +299,7 @@ def _teller(
     return tell
 
 
-def _end(flight: Loop, stopped: str, verdict: Verdict, results: tuple[CheckResult, ...]) -> RunEnd:
+def _end(flight: AnyLoop, stopped: str, verdict: Verdict, results: tuple[CheckResult, ...]) -> RunEnd:
     """What the record says of its end."""
     how: How = "interrupted" if stopped else "ended early" if flight.ended else "completed"
     return RunEnd(how, stopped or flight.ended, flight.tick, flight.time_s, flight.given_up, verdict, results)

@@ -28,7 +28,7 @@ from cube_sim.errors import CubeSimError
 from cube_sim.scenario.finding import is_of_a_run, is_scenario
 
 if TYPE_CHECKING:
-    from cube_sim.scenario import Loaded
+    from cube_sim.scenario.fleet_loading import AnyLoaded
     from cube_sim.simulation import Kept, Run
 
 MOST_SAMPLES = 20
@@ -199,11 +199,13 @@ class ScenarioFile(pytest.File):
 
     def _samples(self) -> list[int] | list[None]:
         """The samples that are tests; None for the scenario itself where it has none, or cannot be read."""
+        from cube_sim.scenario.fleet_loading import LoadedFleet
+
         try:
             if b"samples" not in self.path.read_bytes() and b"include" not in self.path.read_bytes():
                 return [None]
             loaded = _loaded(self.path, self.config)
-            if loaded.scenario.samples is None:
+            if isinstance(loaded, LoadedFleet) or loaded.scenario.samples is None:
                 return [None]
             from cube_sim.campaign.sampling import count
 
@@ -241,10 +243,12 @@ class ScenarioItem(pytest.Item):
         if keep == "failures":
             shutil.rmtree(directory)
 
-    def _loaded(self) -> Loaded:
+    def _loaded(self) -> AnyLoaded:
+        from cube_sim.scenario.fleet_loading import LoadedFleet
+
         seed = {} if self.seed is None else {"seed": self.seed}
         loaded = _loaded(self.path, self.config, seed)
-        if self.sample is None:
+        if self.sample is None or isinstance(loaded, LoadedFleet):
             return loaded
         from cube_sim.campaign.sampling import sample, variation
 
@@ -269,7 +273,7 @@ class ScenarioItem(pytest.Item):
         self.user_properties += [("ended_early", remark) for remark in early_end(run)]
         self.user_properties += [("log", line) for line in log_lines(run.log)]
 
-    def _account(self, run: Run, loaded: Loaded) -> str:
+    def _account(self, run: Run, loaded: AnyLoaded) -> str:
         """Table, log, and how to fly it again."""
         from cube_sim.commands.account import early_end, lasted, log_lines, section
         from cube_sim.commands.result_table import as_text, result_table
@@ -296,10 +300,10 @@ class ScenarioItem(pytest.Item):
         return self.path, None, f"scenario {self.name}"
 
 
-def _loaded(path: Path, config: pytest.Config, more: dict[str, Any] | None = None) -> Loaded:
-    from cube_sim.scenario import load
+def _loaded(path: Path, config: pytest.Config, more: dict[str, Any] | None = None) -> AnyLoaded:
+    from cube_sim.scenario.fleet_loading import load_any
 
-    return load(path, {**_overrides(config), **(more or {})})
+    return load_any(path, {**_overrides(config), **(more or {})})
 
 
 def _recorded(keep: str) -> Kept:

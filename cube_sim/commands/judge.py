@@ -41,8 +41,13 @@ def judge(
         from cube_sim.runs.judging import nameable
         from cube_sim.scenario.loading import load_checks
 
+        def _checks_of(file: Path, begun: RecordedRun) -> Sequence[AnyCheck]:
+            # What a check must fit beside its signals, all vehicles have alike.
+            one = next(iter(begun.vehicles.values()), begun)
+            return load_checks(file, one.resolved, nameable(begun), begun.fields)
+
         def asked(begun: RecordedRun) -> Sequence[AnyCheck] | None:
-            return None if checks is None else load_checks(checks, begun.resolved, nameable(begun), begun.fields)
+            return None if checks is None else _checks_of(checks, begun)
 
         found = judged_record(run, asked)
     except (RecordingError, ScenarioError) as error:
@@ -54,6 +59,6 @@ def judge(
         else:
             from cube_sim.commands.result_table import result_table
 
-            title = f"{found.run.scenario.name}: judged again"
+            title = f"{found.run.whole.name}: judged again"
             console_of_stdout().print(result_table(title, found.verdict, found.results, found.remarks))
     raise typer.Exit(EXIT_CODES[found.verdict])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,9 @@ from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError
 from cube_sim.whole_file import written_whole
+
+if TYPE_CHECKING:
+    from cube_sim.runs.recorded_run import RecordedRun
 
 EPILOG = "Exit code: 0 written, 2 bad input, 3 it cannot be written. The same run gives the same bytes."
 
@@ -44,6 +47,10 @@ def plot(
     ] = 170.0,
     from_s: Annotated[float | None, typer.Option(metavar="S", help="Start of the time drawn [s].")] = None,
     to_s: Annotated[float | None, typer.Option(metavar="S", help="End of the time drawn [s].")] = None,
+    vehicle: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Of several vehicles, the one that is drawn. Default: errors and distances."),
+    ] = None,
 ) -> None:
     """Draw signals of a run, with units, limits of checks and events, as PNG, SVG or PDF."""
     file = beside(run, ".png") if out is None else out
@@ -57,6 +64,7 @@ def plot(
         from cube_sim.runs.recorded_run import load_run
 
         recorded = load_run(run)
+        drawn, signals = _drawn(recorded, vehicle, signals)
         # What is outside the run would leave its curves no room.
         start = 0.0 if from_s is None or from_s < 0.0 else from_s
         end = recorded.recorded_s if to_s is None or to_s > recorded.recorded_s else to_s
@@ -65,7 +73,7 @@ def plot(
         if not start < end:
             raise RecordingError(f"there is nothing to draw from {start:g} s to {end:g} s")
         window = None if from_s is None and to_s is None else (start, end)
-        subject = Subject(recorded, recorded.scenario.name, colours.BLUE)
+        subject = Subject(drawn, drawn.scenario.name, colours.BLUE)
         with written_whole(file) as part:
             save_figure(subject, signals or (), part, width_mm, window)
     except RecordingError as error:
@@ -77,3 +85,22 @@ def plot(
     typer.echo(str(file))
     if not recorded.complete:
         typer.echo(f"{recorded.path}: {recorded.flaw}", err=True)
+
+
+def _drawn(recorded: RecordedRun, vehicle: str | None, signals: list[str] | None) -> tuple[RecordedRun, list[str]]:
+    """What is drawn of a run, and which of its signals; none for the usual ones.
+
+    Raises:
+        RecordingError: no such vehicle.
+    """
+    wanted = list(signals or ())
+    if vehicle is not None:
+        if vehicle not in recorded.vehicles:
+            there = f"there are {', '.join(recorded.vehicles)}" if recorded.vehicles else "the run is of one alone"
+            raise RecordingError(f"--vehicle {vehicle}: no such vehicle; {there}")
+        return recorded.vehicles[vehicle], wanted
+    if not recorded.vehicles:
+        return recorded, wanted
+    usual = [name for name in recorded.fields if name.endswith("/path_error.cross_track")]
+    usual += [name for name in recorded.fields if name.startswith("distance.")]
+    return recorded.together, wanted or usual

@@ -43,7 +43,7 @@ def replay(
         from cube_sim.runs.replay import replay as fly_again
 
         begin_compiling(hidden=quiet or json)
-        scenario = recorded.scenario
+        scenario = recorded.whole
         with flight_progress(scenario.name, scenario.duration_s, hidden=quiet or json) as progress:
             result = fly_again(recorded, progress)
     except (RecordingError, ScenarioError, ModelError) as error:

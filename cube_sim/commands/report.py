@@ -40,7 +40,7 @@ def report(
         recorded = [load_run(run) for run in runs]
         from cube_sim.report.page import report as page
 
-        content = page(recorded, labels(runs, [run.scenario.name for run in recorded]))
+        content = page(recorded, labels(runs, [run.whole.name for run in recorded]))
     except RecordingError as error:
         stop(BAD_INPUT, str(error))
     try:

@@ -18,7 +18,7 @@ from cube_sim.commands.settings import Settings, overrides
 from cube_sim.errors import CubeSimError, DirectoryError, ModelError, RunInterrupted, ScenarioError
 
 if TYPE_CHECKING:
-    from cube_sim.scenario import Loaded
+    from cube_sim.scenario.fleet_loading import AnyLoaded
     from cube_sim.simulation import Run
 
 EPILOG = (
@@ -109,8 +109,7 @@ def _fly(
     """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
     from cube_sim.native.heap import keep_little
     from cube_sim.run_directory import require_writable
-    from cube_sim.scenario import load
-    from cube_sim.scenario.python_block import python_blocks
+    from cube_sim.scenario.fleet_loading import LoadedFleet, has_own_code, load_any
 
     keep_little()
     if record is Recorded.FULL and live is None:
@@ -118,18 +117,20 @@ def _fly(
 
         begin()
     try:
-        loaded = load(scenario, overrides(settings))
+        loaded = load_any(scenario, overrides(settings))
         if out is not None:
             # Before anything slow is imported; the run looks again.
             require_writable(out)
         if live is not None:
             _require_a_record(record)
             live = live if _somebody_listens(live) else None
-        if not any(python_blocks(loaded.scenario)):
+        if not has_own_code(loaded):
             open_no_windows()
         if sample is not None:
             from cube_sim.campaign import sampling
 
+            if isinstance(loaded, LoadedFleet):
+                raise ScenarioError([loaded.mistake("vehicles", "samples are drawn of one vehicle alone, as yet")])
             loaded = sampling.sample(loaded, sample)
         from cube_sim import simulation
 
@@ -170,7 +171,7 @@ def _fly_several(
     except ScenarioError as error:
         stop(BAD_INPUT, str(error))
     outcomes: dict[Path, several.ScenarioOutcome] = {}
-    flyable: dict[Path, Loaded] = {}
+    flyable: dict[Path, AnyLoaded] = {}
     for file in found.scenarios:
         try:
             flyable[file] = validated(file, values)

@@ -15,7 +15,7 @@ from cube_sim.verdict import CheckResult, Flown, to_dict
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from cube_sim.scenario import Loaded
+    from cube_sim.scenario.fleet_loading import AnyLoaded
     from cube_sim.simulation import Progress, Run
 
 INVALID = "INVALID"
@@ -49,7 +49,7 @@ class ScenarioOutcome:
         return self.content.get("directory", "")
 
 
-def outcome_of(file: Path, loaded: Loaded, run: Run) -> ScenarioOutcome:
+def outcome_of(file: Path, loaded: AnyLoaded, run: Run) -> ScenarioOutcome:
     """Of a flight."""
     flown = Flown(run.simulated_s, run.ended_early, run.log)
     content = to_dict(run.verdict, run.checks, run.real_time_factor, run.versions, flown)
@@ -89,7 +89,7 @@ def worst_of(checks: Sequence[CheckResult]) -> CheckResult | None:
     return min(checks, key=rank, default=None)
 
 
-def folders(out: Path | None, scenarios: Mapping[Path, Loaded]) -> dict[Path, Path | None]:
+def folders(out: Path | None, scenarios: Mapping[Path, AnyLoaded]) -> dict[Path, Path | None]:
     """A folder of its own in `out` for each file, called after the scenario; None for each where no folder is given.
 
     Raises:
@@ -111,7 +111,7 @@ def folders(out: Path | None, scenarios: Mapping[Path, Loaded]) -> dict[Path, Pa
     return chosen
 
 
-def fly_one(file: Path, loaded: Loaded, out: Path | None, record: Any, progress: Progress) -> ScenarioOutcome:
+def fly_one(file: Path, loaded: AnyLoaded, out: Path | None, record: Any, progress: Progress) -> ScenarioOutcome:
     """Fly a scenario that is valid; what goes wrong on the way is its outcome."""
     from cube_sim import simulation
 

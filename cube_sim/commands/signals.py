@@ -53,12 +53,17 @@ def _recorded(scenario: Path, settings: list[str] | None) -> tuple[tuple[Channel
 
     Its checks are not held against them: whoever looks for the name of a signal may have a wrong one in a check.
     """
-    from cube_sim.scenario import load
+    from cube_sim.scenario.fleet_loading import LoadedFleet, load_any
 
-    loaded = load(scenario, overrides(settings))
+    loaded = load_any(scenario, overrides(settings))
     from cube_sim.mission.channels import recorded_channels
     from cube_sim.mission.hull import flown_hull
 
+    if isinstance(loaded, LoadedFleet):
+        from cube_sim.mission.fleet import fleet_channels
+
+        each = {name: recorded_channels(one.scenario, flown_hull(one).vehicle) for name, one in loaded.vehicles.items()}
+        return fleet_channels(loaded.scenario, each), loaded.scenario.control_period_s
     return recorded_channels(loaded.scenario, flown_hull(loaded).vehicle), loaded.scenario.control_period_s
 
 

@@ -9,22 +9,27 @@ from typing import TYPE_CHECKING, Any
 from cube_sim.errors import CubeSimError, ScenarioError
 
 if TYPE_CHECKING:
-    from cube_sim.scenario import Loaded
+    from cube_sim.scenario.fleet_loading import AnyLoaded
 
 
-def validated(file: Path, overrides: Mapping[str, Any] | None = None) -> Loaded:
+def validated(file: Path, overrides: Mapping[str, Any] | None = None) -> AnyLoaded:
     """A scenario of which everything is known to be right that can be known before the flight.
 
     Raises:
         ScenarioError: with a line per mistake, each of which begins with the file or with an override.
     """
-    from cube_sim.scenario import load
+    from cube_sim.scenario.fleet_loading import LoadedFleet, load_any
 
     try:
-        loaded = load(file, overrides)
+        loaded = load_any(file, overrides)
         # A file that is wrong says so before MuJoCo is even loaded.
         from cube_sim.mission import prepare
 
+        if isinstance(loaded, LoadedFleet):
+            from cube_sim.mission.fleet import prepare_fleet
+
+            prepare_fleet(loaded)
+            return loaded
         prepare(loaded)
         if loaded.scenario.samples is not None:
             from cube_sim.campaign.sampling import SamplePlan

@@ -98,7 +98,7 @@ def _write(runs: list[Path], recorded: list[RecordedRun], rrd: Path) -> None:
             if len(runs) == 1:
                 rrd_from_mcap(recorded[0].path, part)
             else:
-                names = labels(runs, [run.scenario.name for run in recorded])
+                names = labels(runs, [run.whole.name for run in recorded])
                 rrd_from_records([run.path for run in recorded], names, part)
     except RecordingError as error:
         stop(BAD_INPUT, str(error))

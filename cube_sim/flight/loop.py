@@ -128,7 +128,7 @@ class Loop:
             FlightError: the flight is over.
         """
         self._require_going_on()
-        tell, patient = _each_second(told), not self.mission.codes  # own code may never come to an end
+        tell, patient = each_second(told), not self.mission.codes  # own code may never come to an end
         with flying(), collect_warnings() as warnings:
             # Amid the first second nobody is told: some of its code may have to be loaded yet, or compiled.
             ticks, amid = self._store.ticks_at_once(self.tick, self._period), _nobody
@@ -376,7 +376,7 @@ class Loop:
             self._store.log(t, "WARNING", BALLAST_DROPPED.begins)
 
 
-def _each_second(told: Callable[[float], None] | None) -> Callable[[float], None]:
+def each_second(told: Callable[[float], None] | None) -> Callable[[float], None]:
     """What can be told the simulated time [s] again and again, and passes it on about once a simulated second."""
     last = -1.0
 

@@ -11,12 +11,14 @@ from cube_sim.errors import CubeSimError, FlightError
 from cube_sim.flight.compiled import compile_beside, wait_for_loop
 from cube_sim.mission import Mission, prepare
 from cube_sim.mission.copying import packed, unpacked
+from cube_sim.mission.fleet import FleetMission, prepare_fleet
 from cube_sim.mission.own.given import NOT_AGAIN, why_not_again
 from cube_sim.mission.surface_watch import path_above_surface
 from cube_sim.mission.way_of_flying import cannot_follow, way_of_flying
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Loaded
+from cube_sim.scenario.fleet_loading import LoadedFleet
 from cube_sim.spatial import State, Vector, rotation_from_quaternion
 
 
@@ -32,6 +34,15 @@ def prepared(loaded: Loaded) -> Mission:
         compile_beside()
         wait_for_loop()
         return prepare(loaded)
+
+
+def prepared_fleet(loaded: LoadedFleet) -> FleetMission:
+    """The missions of several vehicles built, as `prepared`."""
+    require_its_own_threads()
+    with flying():
+        compile_beside()
+        wait_for_loop()
+        return prepare_fleet(loaded)
 
 
 def described(mission: Mission, store: SignalStore) -> None:

@@ -14,13 +14,14 @@ from cube_sim.flight.action import Action
 from cube_sim.flight.rows import TickRows, write_actuation, write_disturbance, write_motion
 from cube_sim.guidance.view_record import record_of
 from cube_sim.mission import Mission
+from cube_sim.mission.disturbance import pushes_of
 from cube_sim.mission.supply import allocate_at
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.spatial import State, Vector
 from cube_sim.tuples import angle_of_turn
 from cube_sim.vehicle.current import water_velocity
 from cube_sim.vehicle.laws.push import push_wrench
-from cube_sim.vehicle.pushes import hull_number, push_table
+from cube_sim.vehicle.pushes import hull_number
 from cube_sim.vehicle.state import read_state
 
 
@@ -113,7 +114,7 @@ def _write(
     vectors = decision.quaternion, attitude_error, decision.disturbance, decision.current, water
     numbers = np.concatenate([state.position, state.quaternion, state.rotation.ravel(), state.velocity, state.rates])
     write_motion(rows, 0, t, numbers, seen, followed, *vectors)
-    pushes = push_table(mission.model)
+    pushes = pushes_of(mission.scenario, mission.model)
     if pushes is not None:
         number = hull_number(mission.model, mission.vehicle.body)
         write_disturbance(rows, 0, t, push_wrench(pushes, float(number), state.rotation, t, 0.0))

@@ -9,8 +9,8 @@ import mujoco
 from cube_sim.errors import ScenarioError
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.event_blocks import ForceEventBlock
-from cube_sim.spatial import Vector
-from cube_sim.vehicle.pushes import Push, Triple, set_push
+from cube_sim.spatial import Matrix, Vector
+from cube_sim.vehicle.pushes import Push, Triple, push_table, set_push
 from cube_sim.vehicle.vehicle import Vehicle
 
 
@@ -19,19 +19,25 @@ def force_events(scenario: Scenario) -> list[tuple[int, ForceEventBlock]]:
     return [(i, event) for i, event in enumerate(scenario.events) if isinstance(event, ForceEventBlock)]
 
 
-def set_pushes(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle) -> None:
+def pushes_of(scenario: Scenario, model: mujoco.MjModel) -> Matrix | None:
+    """The model's table of pushes, for a vehicle that something pushes; others beside it may be pushed."""
+    return push_table(model) if force_events(scenario) else None
+
+
+def set_pushes(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle, first: int = 0) -> None:
     """Let the events push the vehicle when their time has come.
 
     Args:
         loaded: the scenario.
         model: with room for them; changed here.
         vehicle: that flies.
+        first: row of its first push, behind those of other vehicles.
 
     Raises:
         ScenarioError: an event names a site that is not the hull's; with position.
     """
     mistakes = []
-    for row, (i, event) in enumerate(force_events(loaded.scenario)):
+    for row, (i, event) in enumerate(force_events(loaded.scenario), first):
         point = event.point_m if event.site is None else _site(model, vehicle, event.site)
         if point is None and event.site is not None:
             own = [model.site(k).name for k in range(model.nsite) if model.site_bodyid[k] == vehicle.body]
@@ -55,7 +61,7 @@ def set_pushes(loaded: Loaded, model: mujoco.MjModel, vehicle: Vehicle) -> None:
 
 def _site(model: mujoco.MjModel, vehicle: Vehicle, name: str) -> Triple | None:
     """A site of the hull in body axes [m]; None where the hull has no such site."""
-    site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name)
+    site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, f"{vehicle.thrusters.prefix}{name}")
     return _triple(model.site_pos[site]) if site >= 0 and model.site_bodyid[site] == vehicle.body else None
 
 

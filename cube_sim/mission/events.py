@@ -121,10 +121,11 @@ class Events:
 
     def _change(self, name: str, event: ThrusterEventBlock) -> None:
         index = self._vehicle.thrusters.names.index(name)
+        in_model = self._vehicle.thrusters.in_model[index]
         if event.force_N is not None:
-            faults.set_stuck(self._model, name, event.force_N)
+            faults.set_stuck(self._model, in_model, event.force_N)
             self.health = self.health.with_thruster(index, 0.0, event.force_N)
             return
         efficiency = {"dead": 0.0, "weak": event.efficiency, "recovered": 1.0}[event.state] or 0.0
-        faults.set_efficiency(self._model, name, efficiency)
+        faults.set_efficiency(self._model, in_model, efficiency)
         self.health = self.health.with_thruster(index, efficiency)

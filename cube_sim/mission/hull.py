@@ -40,19 +40,29 @@ def flown_hull(loaded: Loaded) -> CompiledHull:
         if current_table(hull.model) is not None:
             text = "the model has a current of its own by time and height, water:current: leave one of both out"
             raise ScenarioError([loaded.mistake(_of_the_schedule(scenario), text)])
-        table = {CURRENT: water.rows.ravel().tolist()}
-        hull = _hull(loaded, scenario.model, "model", {**scenario.parameters, **table})
+        hull = _hull(loaded, scenario.model, "model", {**scenario.parameters, **water_parameters(scenario)})
     set_pushes(loaded, *hull)
-    hull.model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{scenario.physics.integrator.upper()}")
-    hull.model.opt.timestep = scenario.physics.step_s
+    set_physics(hull.model, scenario)
     try:
         require_time_step(hull.model)
     except ModelError as error:
         raise ScenarioError([loaded.mistake("physics.step_s", f"{scenario.model}: {error}", because="model")]) from None
-    hull.model.opt.wind[:] = scenario.current_m_s if water is None else 0.0
-    # A state that has left the real numbers must end the run, not silently start it again.
-    hull.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     return hull
+
+
+def water_parameters(scenario: Scenario) -> dict[str, Sequence[float]]:
+    """The current that a scenario gives to its model as a table, as a parameter of it; none where it is steady."""
+    water = water_schedule(scenario)
+    return {} if water is None else {CURRENT: water.rows.ravel().tolist()}
+
+
+def set_physics(model: mujoco.MjModel, scenario: Scenario) -> None:
+    """Let a model go on as a scenario says, in its current."""
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{scenario.physics.integrator.upper()}")
+    model.opt.timestep = scenario.physics.step_s
+    model.opt.wind[:] = scenario.current_m_s if water_schedule(scenario) is None else 0.0
+    # A state that has left the real numbers must end the run, not silently start it again.
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
 
 
 def _of_the_schedule(scenario: Scenario) -> str:
@@ -125,6 +135,15 @@ def _compiled(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequ
     return CompiledHull(model, vehicle)
 
 
+def dead_zones(scenario: Scenario, vehicle: Vehicle) -> dict[str, Sequence[float]]:
+    """The dead zone that a scenario gives to each thruster, as parameters of its model."""
+    zone = scenario.thrusters.dead_zone_N
+    if zone is None:
+        return {}
+    # Every thruster gets it, whether the model states dead zones per hull or per thruster.
+    return {f"{owner}:thruster_dead_zone": zone for owner in (vehicle.name, *vehicle.thrusters.names)}
+
+
 def _chosen_hull(loaded: Loaded, model: mujoco.MjModel, key: str) -> Vehicle:
     hulls, name = hull_names(model), loaded.scenario.vehicle
     if name is None and len(hulls) > 1:
@@ -138,6 +157,12 @@ def _chosen_hull(loaded: Loaded, model: mujoco.MjModel, key: str) -> Vehicle:
 def initial_state(model: mujoco.MjModel, vehicle: Vehicle, scenario: Scenario) -> mujoco.MjData:
     """MuJoCo's data at the scenario's initial condition."""
     data = mujoco.MjData(model)
+    put_initial(data, vehicle, scenario)
+    return data
+
+
+def put_initial(data: mujoco.MjData, vehicle: Vehicle, scenario: Scenario) -> None:
+    """Put a vehicle into its scenario's initial condition."""
     initial = scenario.initial
     q = quaternion_from_euler(*np.radians(initial.attitude_deg))
     at, dof = vehicle.qpos_address, vehicle.dof_address
@@ -145,4 +170,3 @@ def initial_state(model: mujoco.MjModel, vehicle: Vehicle, scenario: Scenario) -
     data.qpos[at + 3 : at + 7] = q
     data.qvel[dof : dof + 3] = rotation_from_quaternion(q) @ np.array(initial.velocity_m_s)
     data.qvel[dof + 3 : dof + 6] = np.radians(initial.rates_deg_s)
-    return data

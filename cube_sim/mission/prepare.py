@@ -21,7 +21,7 @@ from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.events import Events
 from cube_sim.mission.fault_finding import FaultFinding
-from cube_sim.mission.hull import believed_hull, flown_hull, initial_state
+from cube_sim.mission.hull import CompiledHull, believed_hull, flown_hull, initial_state
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.navigation import StateEstimation, read_truth
 from cube_sim.mission.own.code import Codes, codes_of, refused
@@ -109,10 +109,25 @@ def prepare(loaded: Loaded) -> Mission:
     Raises:
         ScenarioError: the model does not fit the scenario; with position.
     """
+    flown = flown_hull(loaded)
+    return mission_of(loaded, flown, flown, initial_state(*flown, loaded.scenario))
+
+
+def mission_of(loaded: Loaded, alone: CompiledHull, flown: CompiledHull, data: mujoco.MjData) -> Mission:
+    """Build a mission of a hull that is compiled.
+
+    Args:
+        loaded: its scenario.
+        alone: the hull in the model of its file.
+        flown: the same in the model that flies, where others may be beside it.
+        data: of that model, every hull at its initial condition.
+
+    Raises:
+        ScenarioError: the model does not fit the scenario; with position.
+    """
     scenario, codes = loaded.scenario, codes_of(loaded)
     safe_mode = scenario.control.safe_mode
-    flown = flown_hull(loaded)
-    believed = believed_hull(loaded, flown)
+    believed = believed_hull(loaded, alone)
     model, vehicle = flown
     path, outline = _path(loaded, codes)
     channels = recorded_channels(scenario, vehicle)
@@ -122,7 +137,6 @@ def prepare(loaded: Loaded) -> Mission:
     allocator = allocator_of(loaded, believed.vehicle, codes)
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
     ability = _ability(loaded, allocator, dynamics, path, believed.vehicle.thrusters.lag_s)
-    data = initial_state(model, vehicle, scenario)
     mujoco.mj_kinematics(model, data)
     start = read_truth(read_state(vehicle, data), data, vehicle).motion
     faults = sensor_faults(scenario)

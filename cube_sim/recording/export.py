@@ -10,6 +10,7 @@ import mujoco
 import rerun as rr
 
 from cube_sim.errors import RecordingError
+from cube_sim.recording.among import VehicleAmong, header_of
 from cube_sim.recording.batch import split_into_batches
 from cube_sim.recording.reading import Recording, read_recording
 from cube_sim.recording.recorded_model import body_of, recorded_model
@@ -33,12 +34,28 @@ def rrd_from_mcap(mcap: Path, rrd: Path) -> None:
     """
     opened = _Opened.read(mcap)
     recording = opened.recording
-    sink = rerun_sink(rrd, recording.header, recording.channels, opened.model, opened.vehicle)
+    among = vehicles_among(recording, mcap)
+    sink = rerun_sink(rrd, recording.header, recording.channels, opened.model, opened.vehicle, among=among)
     for batch in split_into_batches(recording.rows, recording.log):
         sink.write(batch)
     if recording.end is not None:
         sink.tell(recording.end)
     sink.close()
+
+
+def vehicles_among(recording: Recording, mcap: Path) -> list[VehicleAmong]:
+    """Of a record of several vehicles, each with its compiled model; of one, nothing.
+
+    Raises:
+        RecordingError: a model cannot be compiled.
+    """
+    found = []
+    for name, body in recording.header.vehicles.items():
+        try:
+            found.append(VehicleAmong(name, recorded_model(header_of(name, recording.header)), body))
+        except ValueError as error:
+            raise RecordingError(f"{mcap}: the recorded model of {name} does not compile: {error}") from None
+    return found
 
 
 def rrd_from_records(mcaps: Sequence[Path], names: Sequence[str], rrd: Path) -> None:

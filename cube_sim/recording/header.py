@@ -49,6 +49,7 @@ class RunHeader:
         code: code of the user's own that took part.
         versions: of each package that takes part in the numbers, and what else does: `SOURCE`, the processor ...
         seed: seed of the run's random numbers.
+        vehicles: of several vehicles, the body of each in the model of its own file, by its name; empty of one.
     """
 
     scenario: str
@@ -58,6 +59,7 @@ class RunHeader:
     code: tuple[RecordedCode, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     seed: int = 0
+    vehicles: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def build(self) -> str:

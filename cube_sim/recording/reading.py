@@ -24,6 +24,7 @@ from cube_sim.recording.mcap.names import (
     RESOLVED,
     RUN_METADATA,
     SCENARIO,
+    VEHICLES_METADATA,
     VERSIONS_METADATA,
 )
 from cube_sim.recording.mcap.reader import McapContents, chunks_of, read_contents
@@ -171,6 +172,7 @@ def read_header(contents: McapContents) -> tuple[RunHeader, str]:
             code=code,
             versions=contents.metadata[VERSIONS_METADATA],
             seed=int(run["seed"]),
+            vehicles=dict(contents.metadata.get(VEHICLES_METADATA, {})),
         )
         return header, run["vehicle"]
     except KeyError as missing:

@@ -13,6 +13,7 @@ from types import TracebackType
 import mujoco
 
 from cube_sim.errors import RecordingError
+from cube_sim.recording.among import VehicleAmong
 from cube_sim.recording.batch import Batch, Rows, Sink, View
 from cube_sim.recording.beside import SinkBeside
 from cube_sim.recording.channels import Channel
@@ -20,6 +21,7 @@ from cube_sim.recording.geometry import vehicle_name
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.live import LiveSink
 from cube_sim.recording.long_run import RecordedSignals
+from cube_sim.recording.mcap.fleet_scene import FleetSceneRows
 from cube_sim.recording.mcap.scene import SceneRows
 from cube_sim.recording.mcap.sink import McapSink
 from cube_sim.recording.rerun.apart import is_begun, view_apart
@@ -69,6 +71,7 @@ class Recorder(SignalStore):
         live: int | None = None,
         begin: Callable[[], None] = lambda: None,
         also: Sink | None = None,
+        among: Sequence[VehicleAmong] = (),
     ) -> None:
         """Write nothing yet.
 
@@ -82,6 +85,7 @@ class Recorder(SignalStore):
             live: port of this machine at which a viewer shows the run while it flies; None for no such viewer.
             begin: called when the files are to be opened, before a record that is there is replaced.
             also: who looks at the batches once they are in the record.
+            among: of several vehicles, each; none of one.
         """
         super().__init__(channels)
         self._closed, self._kept_bytes = False, 0
@@ -90,8 +94,10 @@ class Recorder(SignalStore):
         self.rrd = directory / RRD_NAME
         self._shown: SinkBeside | None = None
         self._patience = Patience()
-        name = vehicle or vehicle_name(model)
-        scene = SceneRows(self._channels, model, vehicle, name)
+        name = ", ".join(each.name for each in among) or vehicle or vehicle_name(model)
+        alone = SceneRows(self._channels, model, vehicle, name) if not among else None
+        scene = alone or FleetSceneRows(self._channels, among)
+        self._among = tuple(among)
         self._not_drawn = scene.not_drawn
         if view or live is not None:
             # What a view cannot do is told once, by `warnings`; unasked, Rerun would tell it in its own words as well.
@@ -117,19 +123,23 @@ class Recorder(SignalStore):
 
     def _view(self, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> View:
         if is_begun():
-            from cube_sim.recording.rerun.telling import story_of
-
-            view = view_apart(self._patience, self.rrd, header, self._channels, model, vehicle, story_of(header))
+            view = self._view_apart(header, model, vehicle)
             if view is not None:
                 return view
         from cube_sim.recording.rerun.sink import rerun_sink
 
-        return rerun_sink(self.rrd, header, self._channels, model, vehicle)
+        return rerun_sink(self.rrd, header, self._channels, model, vehicle, among=self._among)
+
+    def _view_apart(self, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> View | None:
+        from cube_sim.recording.rerun.telling import stories_of, story_of
+
+        told = stories_of(header) if self._among else story_of(header)
+        return view_apart(self._patience, self.rrd, header, self._channels, model, vehicle, told, self._among)
 
     def _streamed(self, port: int, header: RunHeader, model: mujoco.MjModel, vehicle: str | None) -> View:
         from cube_sim.recording.rerun.sink import live_sink
 
-        return live_sink(port, header, self._channels, model, vehicle)
+        return live_sink(port, header, self._channels, model, vehicle, self._among)
 
     def hurry(self) -> None:
         """Wait for the view only for some seconds from now on: somebody wants the run to end."""

@@ -31,7 +31,7 @@ from cube_sim.report.motion_panels import (
 from cube_sim.report.panel import Mark, Panel, TimeAxis
 from cube_sim.report.source_tables import build_table, log_table, parameter_table
 from cube_sim.report.style import CSS, GAP, SCRIPT
-from cube_sim.report.subject import Subject
+from cube_sim.report.subject import NO_VERDICT, Subject, subjects_of
 from cube_sim.report.tables import check_table, comparison_table, happening_table, sensor_table, thruster_table
 from cube_sim.report.thruster_use import STATES
 from cube_sim.runs.recorded_run import RecordedRun
@@ -54,22 +54,19 @@ def report(runs: Sequence[RecordedRun], labels: Sequence[str]) -> str:
     Returns:
         HTML that is well-formed XML, with all it needs inside; of the same runs and labels the same text.
     """
-    subjects = [
-        Subject(run, label, colours.of_index(index))
-        for index, (run, label) in enumerate(zip(runs, labels, strict=True))
-    ]
+    subjects, together = subjects_of(runs, labels)
     told = _told(subjects)
     last = max(subject.run.recorded_s for subject in subjects)
     end_s = last if last > 0 else max(subject.scenario.duration_s for subject in subjects)
     # Of several runs each has its own gaps: their curves are broken there.
     gaps = subjects[0].gaps if len(subjects) == 1 else ()
     axis = TimeAxis(0.0, end_s, tuple(Mark(each.t, flag, _OF_KIND[each.kind]) for flag, each, _ in told), gaps)
-    sections = [(name, title, content) for name, title, content in _sections(subjects, axis, told) if content]
+    sections = [(name, title, content) for name, title, content in _sections(subjects, together, axis, told) if content]
     names = ", ".join(dict.fromkeys(subject.scenario.name for subject in subjects))
     links = "".join(f'<a href="#{name}">{text(title)}</a>' for name, title, _ in sections)
     body = [
         GAP if any(subject.gaps for subject in subjects) else "",
-        *_head(subjects),
+        *(_head(subjects) if not together else _head_of_several(subjects, together)),
         element("nav", links),
         *(f'<section id="{name}"><h2>{text(title)}</h2>{content}</section>' for name, title, content in sections),
         _foot(subjects),
@@ -82,6 +79,18 @@ def report(runs: Sequence[RecordedRun], labels: Sequence[str]) -> str:
         f"<title>{text(names)}: {text(verdicts)}</title><style>{CSS}</style></head>\n"
         "<body>" + "\n".join(body) + "</body></html>\n"
     )
+
+
+def _head_of_several(subjects: Sequence[Subject], together: Sequence[Subject]) -> Iterable[str]:
+    """Of runs of several vehicles each, then the vehicles."""
+    for whole in together:
+        yield f"<h1>{text(whole.scenario.name)} {badge(_verdict(whole))}</h1>"
+        yield f"<p>{text(whole.scenario.description)}</p>" if whole.scenario.description else ""
+    yield from list(_head(subjects))[1:]
+
+
+def _verdict(whole: Subject) -> str:
+    return NO_VERDICT if whole.run.end is None or whole.run.end.verdict is None else whole.run.end.verdict
 
 
 def _head(subjects: Sequence[Subject]) -> Iterable[str]:
@@ -119,13 +128,23 @@ def _missing(subject: Subject, alone: bool) -> Iterable[str]:
 
 
 def _sections(
-    subjects: Sequence[Subject], axis: TimeAxis, told: Sequence[tuple[str, Happening, Sequence[Subject]]]
+    subjects: Sequence[Subject],
+    together: Sequence[Subject],
+    axis: TimeAxis,
+    told: Sequence[tuple[str, Happening, Sequence[Subject]]],
 ) -> Iterable[tuple[str, str, str]]:
     alone = len(subjects) == 1
     checks = check_table(subjects[0]) if alone else comparison_table(subjects)
+    for whole in together:
+        checks += f"<p>{name_of(whole)}</p>{check_table(whole)}" if whole.scenario.checks else ""
+    over_several = [panel for whole in together for panel in check_panels([whole])]
     yield "checks", "Checks" if alone else "Side by side", checks
     yield "events", "What happened", happening_table(subjects, told) if told else ""
-    yield "margins", "Margins", "".join(_with_captions(panel, axis) for panel in check_panels(subjects))
+    yield (
+        "margins",
+        "Margins",
+        "".join(_with_captions(panel, axis) for panel in (*check_panels(subjects), *over_several)),
+    )
     # Only what happened in the first run has a place on its track.
     own = [mark for mark, (_, _, whose) in zip(axis.marks, told, strict=True) if subjects[0] in whose]
     plan, depth = plan_view(subjects, own), _drawn(depth_panels(subjects), axis, HALF)

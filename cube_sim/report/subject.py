@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import held_signals
+from cube_sim.report import colours
 from cube_sim.report.thruster_use import ThrusterUse, thruster_uses
 from cube_sim.run_directory import VERDICT_FILE
 from cube_sim.runs.judging import judged
@@ -153,3 +154,21 @@ class Subject:
     def _width(self, signal: str) -> int:
         field = self.run.fields.get(signal)
         return 1 if field is None else field.width
+
+
+def subjects_of(runs: Sequence[RecordedRun], labels: Sequence[str]) -> tuple[list[Subject], list[Subject]]:
+    """Those of the page, and of runs of several vehicles, each of which is one, all vehicles of each together.
+
+    Args:
+        runs: one or more.
+        labels: a short name for each, all different.
+    """
+    named: list[tuple[RecordedRun, str]] = []
+    together = []
+    for run, label in zip(runs, labels, strict=True):
+        if run.vehicles:
+            together.append(Subject(run.together, label, colours.BLACK))
+            named += [(one, name if len(runs) == 1 else f"{label}: {name}") for name, one in run.vehicles.items()]
+        else:
+            named.append((run, label))
+    return [Subject(run, label, colours.of_index(index)) for index, (run, label) in enumerate(named)], together

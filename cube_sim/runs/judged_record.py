@@ -72,6 +72,8 @@ def judged_in_one_pass(record: Path, asked: Asked) -> JudgedRecord:
     """
     told, read = told_beside(record), OnePass(record)
     run = RecordedRun(record, read.beginning, told)
+    if run.header.vehicles:
+        raise RecordingError(f"{record}: is of several vehicles, and read as a whole")
     scenario = run.scenario
     checks = asked(run)
     checks = scenario.checks if checks is None else checks

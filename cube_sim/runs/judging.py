@@ -42,6 +42,8 @@ def judged(
     Returns:
         The verdict, one result per check, and why the whole cannot be judged, a line each.
     """
+    if run.vehicles:
+        return _of_several(run, checks)
     asked = run.scenario.checks if checks is None else checks
     channels = run.recording.channels
     results = evaluate(
@@ -54,10 +56,24 @@ def judged(
     return concluded(run, asked, results)
 
 
+def _of_several(
+    run: RecordedRun, checks: Sequence[AnyCheck] | None
+) -> tuple[Verdict, tuple[CheckResult, ...], tuple[str, ...]]:
+    """Judge each vehicle by its own checks, and all of them by those over several, or by others in place of both."""
+    found: list[CheckResult] = []
+    for name, one in run.vehicles.items() if checks is None else ():
+        if one.scenario.checks:
+            found += [replace(result, name=f"{name}: {result.name}") for result in judged(one)[1]]
+    _, results, remarks = judged(run.together, checks)
+    found += results
+    shown = any(result.verdict == "FAIL" for result in found)
+    return overall(found, complete=shown or not remarks), tuple(found), remarks
+
+
 def asked_duration_s(run: RecordedRun) -> float | None:
     """How long a run has to be for its checks to be judged [s]; None where any part of it may show something."""
     # A flight that ended itself has shown nothing; of any other, what there is of it may show that a check fails.
-    return run.scenario.duration_s if _ended_itself(run) else None
+    return run.whole.duration_s if _ended_itself(run) else None
 
 
 def concluded(
@@ -73,7 +89,7 @@ def concluded(
     Returns:
         As `judged`.
     """
-    scenario = run.scenario
+    scenario = run.whole
     results = tuple(_with_reason(*both, run) for both in zip(asked, results, strict=True))
     results = tuple(_as_far_as_seen(*both, run) for both in zip(asked, results, strict=True))
     remarks = [run.flaw] if run.flaw else []

@@ -12,6 +12,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 
 from cube_sim.errors import RecordingError
+from cube_sim.recording.among import fleet_in, recordings_of, together_of
 from cube_sim.recording.batch import BySignal, Rows, SignalsOf
 from cube_sim.recording.channels import Field
 from cube_sim.recording.header import RunHeader
@@ -23,6 +24,7 @@ from cube_sim.runs.losses import Loss, losses_of
 from cube_sim.runs.row_times import RowTimes, Span, row_times_of
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.document import parse
+from cube_sim.scenario.fleet import SEPARATOR, FleetScenario
 from cube_sim.verdict import CheckResult, EarlyEnd, Verdict
 
 
@@ -67,16 +69,50 @@ class RecordedRun:
         """The scenario flown, every default written out; files go by their names in the record.
 
         Raises:
-            RecordingError: it is none that this version knows.
+            RecordingError: it is none that this version knows, or of several vehicles: each of `vehicles` has its own.
         """
+        if self.header.vehicles:
+            raise RecordingError(f"{self.path}: is of several vehicles: {', '.join(self.header.vehicles)}")
         try:
-            return Scenario.model_validate(self.resolved)
+            return Scenario.model_validate(self.resolved, context={"several": True})
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
             where = ".".join(map(str, first["loc"]))
             raise RecordingError(
                 f"{self.path}: its scenario is none of this version: {where}: {first['msg']}"
             ) from None
+
+    @cached_property
+    def whole(self) -> Scenario | FleetScenario:
+        """The scenario flown, of one vehicle or of several.
+
+        Raises:
+            RecordingError: it is none that this version knows.
+        """
+        return fleet_in(self.header) if self.header.vehicles else self.scenario
+
+    @cached_property
+    def vehicles(self) -> dict[str, RecordedRun]:
+        """Of several vehicles, the run of each under the names it would have alone, by name; of one, nothing.
+
+        Raises:
+            RecordingError: the scenario is none that this version knows.
+        """
+        runs = {}
+        for name, recording in recordings_of(self.recording).items():
+            start = f"{name}{SEPARATOR}"
+            times = self.row_times and {key.removeprefix(start): its for key, its in self.row_times.items()}
+            runs[name] = RecordedRun(self.path, recording, None, times)
+        return runs
+
+    @cached_property
+    def together(self) -> RecordedRun:
+        """Of several vehicles, all of them as one run, whose checks are those over several.
+
+        Raises:
+            RecordingError: the scenario is none that this version knows.
+        """
+        return RecordedRun(self.path, together_of(self.recording), self.told, self.row_times)
 
     @cached_property
     def resolved(self) -> dict[str, Any]:
@@ -189,15 +225,15 @@ class RecordedRun:
         early = f"the record ends early, at {self.recorded_s:.10g} s"
         try:
             if self._reaches_its_end:
-                return f"its rows go to the end, {self.scenario.duration_s:.10g} s, but {NO_END}"
-            return f"{early} of {self.scenario.duration_s:.10g} s"
+                return f"its rows go to the end, {self.whole.duration_s:.10g} s, but {NO_END}"
+            return f"{early} of {self.whole.duration_s:.10g} s"
         except RecordingError:  # a scenario of another version can be looked at all the same
             return early
 
     @property
     def _reaches_its_end(self) -> bool:
         """Whether there are rows of the last control period."""
-        return self.recorded_s > (self.scenario.ticks - 0.5) * self.scenario.control_period_s
+        return self.recorded_s > (self.whole.ticks - 0.5) * self.whole.control_period_s
 
     @property
     def recorded_s(self) -> float:
@@ -209,26 +245,26 @@ class RecordedRun:
     @cached_property
     def missing_s(self) -> tuple[Span, ...]:
         """From when to when there are no rows [s], of the channel that has most; none of a run that is whole."""
-        empty = RowTimes(self.scenario.control_period_s)
+        empty = RowTimes(self.whole.control_period_s)
         most = max(self._row_times.values(), key=lambda times: times.rows, default=empty)
         return most.spans_without_rows(self._last_s)
 
     @cached_property
     def losses(self) -> tuple[Loss, ...]:
         """What each channel lacks, of those that lack anything; none of a run that is whole."""
-        return losses_of(self.recording, self._row_times, self.scenario.control_period_s, self._last_s)
+        return losses_of(self.recording, self._row_times, self.whole.control_period_s, self._last_s)
 
     @cached_property
     def _row_times(self) -> Mapping[str, RowTimes]:
         if self.row_times is not None:
             return self.row_times
-        return row_times_of(self.recording.rows, self.scenario.control_period_s)
+        return row_times_of(self.recording.rows, self.whole.control_period_s)
 
     @property
     def _last_s(self) -> float:
         """When the last row should be [s]."""
         end = self.end
-        return self.scenario.duration_s if end is None or end.simulated_s is None else end.simulated_s
+        return self.whole.duration_s if end is None or end.simulated_s is None else end.simulated_s
 
     def to_pandas(self, channel: str) -> Any:
         """The rows of a channel as a DataFrame, named as by `cube-sim export`, with units: the time is "t [s]".

@@ -12,10 +12,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from cube_sim.errors import RecordingError, ScenarioError
-from cube_sim.flight import Loop, prepared
 from cube_sim.mission.own.given import NOT_AGAIN
 from cube_sim.mission.own.packages import import_from
-from cube_sim.mission.run_header import header
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.header import COMMIT, SOURCE, RunHeader
 from cube_sim.recording.mcap.names import MODEL
@@ -24,8 +22,9 @@ from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_log import LogLine
 from cube_sim.runs.comparison import SignalDifference, differences
 from cube_sim.runs.recorded_run import RecordedRun
-from cube_sim.scenario import load
+from cube_sim.scenario.fleet_loading import load_any
 from cube_sim.simulation import Progress
+from cube_sim.undertaking import undertaking
 
 
 @dataclass(frozen=True)
@@ -72,16 +71,16 @@ def replay(run: RecordedRun, progress: Progress | None = None) -> Replayed:
         after.callback(import_from, None)
         place = save_inputs(run.header, Path(folder))
         try:
-            loaded = replace(load(place), text=run.header.scenario)
-            mission = prepared(loaded)
+            loaded = replace(load_any(place), text=run.header.scenario)
+            mission = undertaking(loaded)
         except ScenarioError as error:
             lines = [line.replace(f"{folder}/", f"{run.path}: ") for line in str(error).splitlines()]
             raise ScenarioError(lines) from None
         store = SignalStore(mission.channels)
-        flight = Loop(mission, store)
+        flight = mission.loop(store)
         whole_s = loaded.scenario.duration_s
         flight.fly_to_its_end(None if progress is None else lambda t: progress(t, whole_s))
-        inputs = header(loaded, mission.codes)
+        inputs = mission.header()
     whole = run.complete
     until_s = max(run.recorded_s, flight.time_s) if whole else run.recorded_s
     again = {name: rows[rows[:, 0] <= until_s] for name, rows in store.signals.items()}

@@ -137,13 +137,20 @@ def _words(table: Table, index: int) -> Iterator[str | None]:
     return (labels.get(code) for code in table.rows[:, index].tolist())  # 2.0 finds 2
 
 
+def _file(folder: Path, name: str) -> Path:
+    """Of a table; those of one vehicle among several are in a folder of its name."""
+    file = folder / name
+    file.parent.mkdir(exist_ok=True)
+    return file
+
+
 def write_csv(table: Table, folder: Path) -> Path:
     """Write CHANNEL.csv; numbers so that they read back to the same bits, a code without a word as an empty one.
 
     Raises:
         OSError: it cannot be written.
     """
-    file = folder / f"{table.name}.csv"
+    file = _file(folder, f"{table.name}.csv")
     with file.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         names, parts = zip(*table.parts(), strict=True)
@@ -161,7 +168,7 @@ def write_parquet(table: Table, folder: Path) -> Path:
     import pyarrow
     import pyarrow.parquet
 
-    file = folder / f"{table.name}.parquet"
+    file = _file(folder, f"{table.name}.parquet")
     columns = {name: _arrow_words(part) if isinstance(part, Words) else part for name, part in table.parts()}
     pyarrow.parquet.write_table(pyarrow.table(columns), file)
     return file

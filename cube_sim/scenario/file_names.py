@@ -29,19 +29,25 @@ class FileKind(Enum):
     RECORD = "MCAP"
 
 
+def _seen_from(info: ValidationInfo) -> Path | None:
+    """The folder from which names of files are seen; None where they are not looked at."""
+    return None if info.context is None else info.context.get("directory")
+
+
 def _beside_the_scenario(file: str, info: ValidationInfo) -> str:
     """The absolute name of a file given relative to the scenario file."""
     if "\0" in file:
         refuse("a file name cannot hold a NUL character")
-    return file if info.context is None else str(Path(info.context["directory"], file).resolve())
+    directory = _seen_from(info)
+    return file if directory is None else str(Path(directory, file).resolve())
 
 
 def _existing_model(file: str, info: ValidationInfo) -> str:
     """The same of an MJCF file, which is there."""
-    absolute = _beside_the_scenario(file, info)
-    if info.context is None:
+    absolute, directory = _beside_the_scenario(file, info), _seen_from(info)
+    if directory is None:
         return file
-    path = Path(info.context["directory"], file)
+    path = Path(directory, file)
     if path.is_dir():
         refuse(f"{file} is a folder, not an MJCF file")
     if not path.is_file():
@@ -71,8 +77,9 @@ def _existing_code(code: str, info: ValidationInfo) -> str:
     if not place.endswith(".py"):
         return code
     absolute = _beside_the_scenario(place, info)
-    if info.context is not None and not Path(absolute).is_file():
-        refuse(f"no such file: {Path(info.context['directory'], place)}")
+    directory = _seen_from(info)
+    if directory is not None and not Path(absolute).is_file():
+        refuse(f"no such file: {Path(directory, place)}")
     return f"{absolute}:{name}"
 
 

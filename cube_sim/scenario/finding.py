@@ -21,7 +21,9 @@ LARGEST_BYTES = 1_000_000
 
 _BEFORE, _AFTER = rb"""^[ \t]*[{,]?[ \t]*["']?""", rb"""["']?[ \t]*:"""
 _VERSION = re.compile(_BEFORE + b"schema_version" + _AFTER, re.MULTILINE)
-_OTHER = re.compile(rb"""(?:^|[{,])[ \t]*["']?(name|model|duration_s|path|guidance|checks)""" + _AFTER, re.MULTILINE)
+_OTHER = re.compile(
+    rb"""(?:^|[{,])[ \t]*["']?(name|model|duration_s|path|guidance|checks|vehicles)""" + _AFTER, re.MULTILINE
+)
 _ENOUGH = 3
 """Of the other keys that every scenario has, so many are there even where some are misspelt or left to a base."""
 _WITHOUT_VERSION = 5

@@ -97,7 +97,7 @@ def _without_include(document: Document) -> Document:
 
 def _merge(above: Document, base: Document) -> Document:
     """Two documents as one: what `above` says counts before what `base` says."""
-    data, replaced = _merged_data(above.data, base.data, ())
+    data, replaced = merged_data(above.data, base.data, ())
 
     def together(ours: dict[Location, Position], theirs: dict[Location, Position]) -> dict[Location, Position]:
         kept = {
@@ -113,7 +113,7 @@ def _merge(above: Document, base: Document) -> Document:
     return Document(data, mistakes, together(above.keys, base.keys), together(above.values, base.values))
 
 
-def _merged_data(above: Any, base: Any, location: Location) -> tuple[Any, set[Location]]:
+def merged_data(above: Any, base: Any, location: Location = ()) -> tuple[Any, set[Location]]:
     """The data, and where the base's is replaced as a whole."""
     same_kind = isinstance(above, dict) and isinstance(base, dict)
     if not same_kind or any(key in above and above[key] != base.get(key) for key in _TELLING):
@@ -123,14 +123,17 @@ def _merged_data(above: Any, base: Any, location: Location) -> tuple[Any, set[Lo
         if key not in base:
             data[key] = value
             continue
-        data[key], inside = _merged_data(value, base[key], (*location, key))
+        data[key], inside = merged_data(value, base[key], (*location, key))
         replaced |= inside
     return data, replaced
 
 
 def _seen_from(data: Any, folder: Path) -> Any:
     """Data of a scenario with the files it names called by absolute names, as seen from a folder."""
-    return _named_from(data, (Scenario,), folder.resolve())
+    found, here = _named_from(data, (Scenario,), folder.resolve()), folder.resolve()
+    if isinstance(data, dict) and isinstance(vehicles := data.get("vehicles"), dict):
+        found["vehicles"] = {name: _named_from(own, (Scenario,), here) for name, own in vehicles.items()}
+    return found
 
 
 def _named_from(data: Any, blocks: tuple[type[Block], ...], folder: Path) -> Any:

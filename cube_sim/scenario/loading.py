@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -17,7 +17,7 @@ from cube_sim.scenario.check_blocks import AnyCheck
 from cube_sim.scenario.document import Document, Location, Mistake, Position
 from cube_sim.scenario.explain import Refusal, explain
 from cube_sim.scenario.file_names import renamed
-from cube_sim.scenario.include import merged
+from cube_sim.scenario.include import Merged, merged
 from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.scenario.overrides import Override, apply
 from cube_sim.scenario.possible_samples import sample_refusals
@@ -27,6 +27,7 @@ from cube_sim.scenario.schema import Scenario
 from cube_sim.scenario.shared import Shared
 
 _KEYS = tuple(Scenario.model_fields)
+_ONE_VEHICLE = "here one vehicle is flown at a time; `cube-sim run` and `cube_sim.run` fly several"
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class Loaded:
         bases: text of each file it includes, under a name that depends on no machine.
         given: functions, classes and objects that a program hands over, by the key of the block that names them.
         shared: what many flights of variations of it share; None where each makes all anew.
+        within: where in the file a value of this scenario stands, of one vehicle among several; None: where it is.
     """
 
     scenario: Scenario
@@ -53,6 +55,7 @@ class Loaded:
     bases: Mapping[str, str] = field(default_factory=dict)
     given: Mapping[str, Any] = field(default_factory=dict)
     shared: Shared | None = field(default=None, compare=False, repr=False)
+    within: Callable[[Location], Location] | None = None
 
     def resolved_yaml(self, directory: Path | None = None) -> str:
         """The scenario with every default and override written out.
@@ -71,9 +74,10 @@ class Loaded:
             message: what is wrong and what would be right.
             because: dotted path of another value which this one does not fit.
         """
-        location = _location(path) if isinstance(path, str) else path
-        refusal = Refusal(location, message, at_key=False, because=_location(because))
-        place = _place(refusal, self.document, self.overrides)
+        where, why = _location(path) if isinstance(path, str) else path, _location(because)
+        if self.within is not None:
+            where, why = self.within(where), self.within(why) if why else ()
+        place = _place(Refusal(where, message, at_key=False, because=why), self.document, self.overrides)
         return line(self.path, place)
 
 
@@ -175,13 +179,20 @@ def _no_such_key(key: str) -> str:
 
 
 def _load(path: Path, text: str, overrides: Mapping[str, Any] | None) -> Loaded:
-    document, bases = merged(path, parsed(path, text))
-    scenario, applied = _overridden(path, document, overrides or {})
-    return Loaded(scenario, text, path, applied, document, bases)
+    return loaded_from(path, text, merged(path, parsed(path, text)), overrides)
+
+
+def loaded_from(path: Path, text: str, whole: Merged, overrides: Mapping[str, Any] | None) -> Loaded:
+    """`load` of a file that is parsed already, with all that it includes."""
+    scenario, applied = _overridden(path, whole.document, overrides or {})
+    return Loaded(scenario, text, path, applied, whole.document, whole.bases)
 
 
 def _overridden(path: Path, document: Document, overrides: Mapping[str, Any]) -> tuple[Scenario, tuple[Override, ...]]:
     data, applied, wrong_paths = apply(document.data, overrides)
+    if "vehicles" in data:
+        place = _place(Refusal(("vehicles",), _ONE_VEHICLE, at_key=True), document, applied)
+        raise ScenarioError([line(path, place)])
     return _validated(path, document, data, applied, wrong_paths, path.parent), tuple(applied)
 
 
@@ -198,24 +209,43 @@ def _validated(
     Raises:
         ScenarioError: with one line per mistake.
     """
-    scenario, refusals = _validate(data, directory)
+    scenario, refusals = validated(data, directory)
     if scenario is not None:
-        refusals = sample_refusals(data, scenario, lambda varied: _validate(varied, directory)[1])
+        refusals = sample_refusals(data, scenario, lambda varied: validated(varied, directory)[1])
+    lines = refused_lines(path, document, applied, refusals)
+    if lines or wrong_paths or scenario is None:
+        raise ScenarioError(lines + wrong_paths)
+    return scenario
+
+
+def refused_lines(
+    path: Path, document: Document, applied: Sequence[Override], refusals: Sequence[Refusal]
+) -> list[str]:
+    """What a file, and its overrides, get wrong, a line each, in the order of their places."""
     # Where the YAML itself is wrong, the schema need not say so again.
     reported = {mistake.position for mistake in document.mistakes}
     found = [_place(refusal, document, applied) for refusal in refusals]
     found = [mistake for mistake in found if mistake.position not in reported]
     in_file = sorted([*document.mistakes, *(mistake for mistake in found if mistake.position)], key=_by_position)
     in_overrides = [mistake.message for mistake in found if not mistake.position]
-    lines = [line(path, mistake) for mistake in in_file] + in_overrides
-    if lines or wrong_paths or scenario is None:
-        raise ScenarioError(lines + wrong_paths)
-    return scenario
+    return [line(path, mistake) for mistake in in_file] + in_overrides
 
 
-def _validate(data: dict[str, Any], directory: Path | None) -> tuple[Scenario | None, list[Refusal]]:
+def validated(
+    data: dict[str, Any], directory: Path | None, several: bool = False
+) -> tuple[Scenario | None, list[Refusal]]:
+    """The scenario that data are, and what is wrong with them.
+
+    Args:
+        data: as a file holds them, its overrides in place.
+        directory: from which the files are seen that it names; None: they are not looked at.
+        several: whether it is one of several vehicles, which need not have checks of its own.
+    """
+    context: dict[str, Any] = {"several": True} if several else {}
+    if directory is not None:
+        context["directory"] = directory
     try:
-        return Scenario.model_validate(data, context=None if directory is None else {"directory": directory}), []
+        return Scenario.model_validate(data, context=context or None), []
     except ValidationError as error:
         return None, explain(error, Scenario)
 

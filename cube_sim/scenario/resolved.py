@@ -12,6 +12,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.representer import RoundTripRepresenter
 
 from cube_sim.scenario.file_names import renamed
+from cube_sim.scenario.fleet import AT_THE_TOP, VEHICLES, FleetScenario
 from cube_sim.scenario.schema import Scenario
 
 
@@ -42,14 +43,24 @@ def seen_from(scenario: Scenario, directory: Path) -> Scenario:
 
 def to_yaml(scenario: Scenario) -> str:
     """YAML text that `load` turns into an equal scenario."""
+    # Most scenarios are of one flight, and a run is of one always.
+    left_out = {"samples"} if scenario.samples is None else set()
+    return _text(scenario.model_dump(mode="python", exclude=left_out))
+
+
+def fleet_to_yaml(fleet: FleetScenario) -> str:
+    """YAML text that `load_any` turns into an equal scenario of several vehicles."""
+    vehicles = {name: one.model_dump(mode="python", exclude={*AT_THE_TOP}) for name, one in fleet.vehicles.items()}
+    return _text({**fleet.world.model_dump(mode="python"), VEHICLES: vehicles})
+
+
+def _text(data: dict[str, Any]) -> str:
     yaml = YAML(typ="rt", pure=True)
     # No folding: a long description stays one line.
     yaml.width = 2**31
     yaml.Representer = _Representer
     stream = io.StringIO()
-    # Most scenarios are of one flight, and a run is of one always.
-    left_out = {"samples"} if scenario.samples is None else set()
-    yaml.dump(_nodes(scenario.model_dump(mode="python", exclude=left_out)), stream)
+    yaml.dump(_nodes(data), stream)
     return stream.getvalue()
 
 

@@ -46,7 +46,7 @@ NEVER_NEGATIVE = "rms", "max_abs", "min_abs", "std", *SHARES, *COUNTS, "settling
 
 SignalName = Annotated[
     str,
-    StringConstraints(pattern=r"^[a-z0-9_]+\.[a-z0-9_]+$"),
+    StringConstraints(pattern=r"^([a-z0-9_]+/)?[a-z0-9_]+\.[a-z0-9_]+$"),
     Field(description="Recorded signal as channel.field, for example path_error.cross_track."),
 ]
 Component = Annotated[

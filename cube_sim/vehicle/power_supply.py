@@ -57,7 +57,7 @@ class PowerSupply:
         self._nominal = float(nominal[0]) if nominal.size == 1 and np.isfinite(nominal[0]) else 0.0
         if battery is not None:
             _require_known(thrusters, self._nominal)
-        starts = np.array([faults.curve_start(model, name) for name in thrusters.names], dtype=np.int64)
+        starts = np.array([faults.curve_start(model, name) for name in thrusters.in_model], dtype=np.int64)
         self._efficiency_at, self._stuck_at = starts + layout.EFFICIENCY, starts + layout.STUCK
         self.supply_at = starts + layout.SUPPLY
         self.power: NDArray[np.float64] = np.zeros(len(thrusters.names))

@@ -21,7 +21,7 @@ class Thrusters:
     """The m thrusters of a hull, in the order of the columns of its actuation matrix and of the model's actuators.
 
     Attributes:
-        names: (m,) actuator names.
+        names: (m,) actuator names, without the prefix.
         actuators: (m,) indices into ctrl and actuator_force.
         activations: (m,) indices into act, of the lagged commands whose force the characteristics give. They follow
             from the commands alone, as MuJoCo integrates them (delay, lag, steps of its integrator): whatever fails in
@@ -31,6 +31,7 @@ class Thrusters:
         power_coefficients: (m,2) k_P-, k_P+ of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 where not known.
         voltage: (m,) the voltage at which each characteristic holds [V]; NaN where not known.
         pulse_ranges: (m,) what stands for the commands on the wire; None where not known.
+        prefix: of their names in the model, where that is joined of several.
     """
 
     names: tuple[str, ...]
@@ -41,6 +42,7 @@ class Thrusters:
     power_coefficients: NDArray[np.float64]
     voltage: NDArray[np.float64]
     pulse_ranges: tuple[PulseRange | None, ...]
+    prefix: str = ""
 
     @staticmethod
     def from_model(model: mujoco.MjModel, body: int) -> Thrusters:
@@ -68,6 +70,11 @@ class Thrusters:
             voltage=np.array([curve[layout.VOLTAGE] for curve in curves]),
             pulse_ranges=tuple(_pulse_range(curve) for curve in curves),
         )
+
+    @property
+    def in_model(self) -> tuple[str, ...]:
+        """(m,) their names in the model."""
+        return tuple(f"{self.prefix}{name}" for name in self.names)
 
     @property
     def limits(self) -> NDArray[np.float64]:

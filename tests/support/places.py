@@ -7,7 +7,9 @@ MODELS = REPO / "models"
 SCENARIOS = REPO / "scenarios"
 
 MODEL_FILES = sorted(MODELS.glob("*.xml"))
-SCENARIO_FILES = sorted(SCENARIOS.glob("*.yaml"))
+FLEET_FILES = [path for path in sorted(SCENARIOS.glob("*.yaml")) if "\nvehicles:\n" in path.read_text()]
+"""Scenarios of several vehicles."""
+SCENARIO_FILES = [path for path in sorted(SCENARIOS.glob("*.yaml")) if path not in FLEET_FILES]
 
 CUBE = MODELS / "cube.xml"
 HELIX = SCENARIOS / "cube_helix.yaml"

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from cube_sim.commands.pages import scenario_examples
+from cube_sim.commands.pages import fleet_section, scenario_examples
 from cube_sim.commands.pages.markdown import block, code, heading, link, table
 from cube_sim.commands.pages.schema_words import Schema, allowed, default, flow, unit_and_meaning, without_null
 from cube_sim.scenario.schema import Scenario
@@ -126,6 +126,7 @@ def scenario_page() -> str:
     for title, shared in keys.shared.items():
         parts += [heading(2, title), _text(shared["description"]), *_example(title), _rows(keys, title, shared)]
     parts += _own(keys, schema)
+    parts += [heading(2, fleet_section.TITLE), fleet_section.TEXT, block(fleet_section.EXAMPLE), fleet_section.CHECKS]
     return "\n\n".join(parts) + "\n"
 
 

@@ -2,14 +2,16 @@
 
 from cube_sim.flight.compiled.binding import begin_ticks, engine_of
 from cube_sim.flight.compiled.first_time import compile_beside, wait_for_loop
-from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, FAILED, JUDGED, UNANSWERED
+from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, FAILED, FORWARDED, JUDGED, TICKED, UNANSWERED
 from cube_sim.flight.compiled.stretch import FlownTicks, Stretch
 
 __all__ = [
     "BEGIN",
     "ESTIMATED",
     "FAILED",
+    "FORWARDED",
     "JUDGED",
+    "TICKED",
     "UNANSWERED",
     "FlownTicks",
     "Stretch",

@@ -17,6 +17,7 @@ from cube_sim.flight.compiled.stretch import FlyArguments, Stretch
 from cube_sim.flight.rows import rows_for
 from cube_sim.guidance.target_record import RunningParts
 from cube_sim.mission import Mission
+from cube_sim.mission.disturbance import pushes_of
 from cube_sim.mission.surface_watch import Boxes
 from cube_sim.native.compiled import prepare
 from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters
@@ -26,7 +27,7 @@ from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.laws.push import COLUMNS
 from cube_sim.vehicle.plugin import structs
 from cube_sim.vehicle.plugin.guard import TEXT_BYTES, guards
-from cube_sim.vehicle.pushes import hull_number, push_table
+from cube_sim.vehicle.pushes import hull_number
 
 NO_PUSHES = np.zeros((0, COLUMNS))
 NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
@@ -106,6 +107,7 @@ def _arguments(
     )
     given = FlyArguments(
         NO_CODES,
+        0,
         count,
         tick,
         engine if moving else engine._replace(steps=0),
@@ -185,6 +187,7 @@ def engine_of(mission: Mission) -> Engine:
         steps=mission.scenario.steps_per_tick,
         classical=_is_classical(mission.model),
         period=mission.scenario.control_period_s,
+        shared=False,
     )
 
 
@@ -194,7 +197,7 @@ def _is_classical(model: mujoco.MjModel) -> bool:
 
 
 def _hull(mission: Mission, boxes: Boxes) -> Hull:
-    table, pushes = current_table(mission.model), push_table(mission.model)
+    table, pushes = current_table(mission.model), pushes_of(mission.scenario, mission.model)
     number = 0.0 if pushes is None else float(hull_number(mission.model, mission.vehicle.body))
     from_outside = pushes is not None, NO_PUSHES if pushes is None else pushes, number
     current = NO_TABLE if table is None else table

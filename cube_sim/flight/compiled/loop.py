@@ -39,8 +39,8 @@ BEGIN, FORWARDED, JUDGED, ESTIMATED, UNANSWERED = range(5)
 """How far the tick has come that Python goes on with: not begun; accelerations are up to date; the thrusters are fed
 too, and the evidence of faults is in; the state is estimated; and the wrench is asked for that an allocator of the
 user's own has no forces for."""
-FAILED = -1
-"""MuJoCo cannot go on; its words are in the engine's text."""
+FAILED, TICKED = -1, -2
+"""MuJoCo cannot go on; its words are in the engine's text. And: a tick is flown among others, see `Engine.shared`."""
 FLOWN, STOP = range(2)
 """Places in `Notes.told`."""
 
@@ -73,15 +73,17 @@ def sense(code, sensing, k, state, acceleration, known):
 
 @unlocked
 def fly(
-    codes, count, tick, engine, hull, feed, evidence, sensing, course, law, planar, answering, thrusters, rows, notes
+    codes, first, count, tick, engine, hull, feed, evidence, sensing, course, law, planar, answering, thrusters, rows,
+    notes,
 ):  # fmt: skip
     """Fly up to so many ticks.
 
     Args:
         codes: addresses of code: of `answer` or of `cube_sim.control.planar.steering.steer`, 0 for the other one, and
             of what `answer` calls; `SearchCodes`; and that of `estimate`, where the state is estimated.
+        first: number, among them, of the one to begin with; 0 but for those among others.
         count: how many.
-        tick: number of the first.
+        tick: number of the first of all.
         engine: `Engine`.
         hull: `Hull`.
         feed: `Feed`.
@@ -104,12 +106,12 @@ def fly(
     given, activation, force, current = np.empty(m), np.empty(m), np.empty(m), np.zeros(3)
     secondary, parts, sides = np.zeros(6), np.empty(12), np.empty(len(thrusters.which), np.int8)
     disturbance, water, nobody = np.zeros(6), np.empty(3), np.zeros(m, np.bool_)
-    for k in range(count):
+    for k in range(first, count):
         publish(notes.told, FLOWN, k)
         if published(notes.told, STOP):
             return k, BEGIN
         t = (tick + k) * dt
-        if not forward(e.model, e.data, text):
+        if not e.shared and not forward(e.model, e.data, text):
             return k, FAILED
         top = max(e.xpos[body, 2], top_of(e.geom_xpos, e.geom_xmat, hull.geoms, hull.radii, hull.centres, hull.halves))
         if e.warnings.sum() != warned or not all_below(DIVERGED, e.qpos, e.qvel, e.qacc) or top > EMERGED_M:
@@ -219,10 +221,12 @@ def fly(
         pressed = course.shortage[0].pressed
         if law.settings[0].budgeted:
             watch_shortage(course.shortage, out.enough, law.settings[0].balanced, law.balanced, dt)
-        if not step(e.model, e.data, text, e.steps, e.classical):
+        if not e.shared and not step(e.model, e.data, text, e.steps, e.classical):
             return k + 1, FAILED
         if law.refuge[0].taken != taken or (course.shortage[0].pressed != pressed and not course.steers):
             return k + 1, BEGIN
         if law.settings[0].balanced and law.balanced[0].stale:
             return k + 1, BEGIN
+        if e.shared:
+            return k + 1, TICKED
     return count, BEGIN

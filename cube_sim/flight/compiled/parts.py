@@ -41,6 +41,7 @@ class Engine(NamedTuple):
         steps: of the physics per tick.
         classical: whether they are Runge-Kutta's of fourth order.
         period: of a tick [s].
+        shared: whether others fly in the same data: whoever flies all of them calls `forward` before, and steps.
     """
 
     model: int
@@ -63,6 +64,7 @@ class Engine(NamedTuple):
     steps: int
     classical: bool
     period: float
+    shared: bool
 
 
 class Hull(NamedTuple):

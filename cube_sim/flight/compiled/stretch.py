@@ -22,6 +22,7 @@ class FlyArguments(NamedTuple):
     """Those of `cube_sim.flight.compiled.loop.fly`, which says what they are."""
 
     codes: tuple[int, int, int, SearchCodes, int]
+    first: int
     ticks: int
     tick: int
     engine: Engine
@@ -83,6 +84,17 @@ class Stretch:
         """Fly them, up to one that has something for Python to do."""
         with held_still():
             self.ticks, self.reached = fly(*self._given)
+
+    def fly_tick(self) -> int:
+        """Fly the next tick among others in the same data, and say how far it has come: `TICKED` if it is flown."""
+        flown, self.reached = fly(*self._given._replace(first=self.ticks, ticks=self.ticks + 1))
+        self.ticks = flown
+        return self.reached
+
+    @property
+    def room(self) -> int:
+        """How many ticks it may fly yet."""
+        return self._given.ticks - self.ticks
 
     def stop(self) -> None:
         """Let whoever flies come to an end after the tick that is being flown."""

@@ -16,6 +16,7 @@ import numpy as np
 from cube_sim.errors import ScenarioError
 from cube_sim.mission.own.code import OwnCode, source_file
 from cube_sim.scenario import Loaded, load, load_mapping
+from cube_sim.scenario.fleet_loading import AnyLoaded, LoadedFleet, any_from, load_any
 from cube_sim.scenario.loading import loaded_again
 
 NOT_AGAIN = "cannot be flown again from its record"
@@ -68,6 +69,30 @@ def loaded_with(
     # One flight is flown: the scenario as it stands, whatever samples of it there are.
     alone = loaded.scenario.model_copy(update={"samples": None})
     return replace(loaded, scenario=alone, given={**loaded.given, **given})
+
+
+def any_loaded_with(
+    scenario: AnyScenario | LoadedFleet,
+    overrides: Mapping[str, Any] | None = None,
+    controller: Any = None,
+    allocator: Any = None,
+    path: Any = None,
+) -> AnyLoaded:
+    """`loaded_with`, of one vehicle or of several; for several no code is handed over.
+
+    Raises:
+        ScenarioError: as `loaded_with`.
+    """
+    handed_over = any(thing is not None for thing in (controller, allocator, path))
+    if isinstance(scenario, LoadedFleet):
+        if handed_over:
+            raise ScenarioError([scenario.mistake("vehicles", "the file names code of your own for each vehicle")])
+        before = {override.path: override.value for override in scenario.overrides}
+        return any_from(scenario.path, scenario.text, {**before, **overrides}) if overrides else scenario
+    if handed_over or not isinstance(scenario, str | os.PathLike):
+        return loaded_with(scenario, overrides, controller, allocator, path)
+    loaded = load_any(scenario, overrides)
+    return loaded if isinstance(loaded, LoadedFleet) else loaded_with(loaded)
 
 
 def _below(overrides: Mapping[str, Any], key: str) -> Any:

@@ -22,7 +22,7 @@ SCENARIO, RESOLVED, CODE = "scenario.yaml", "resolved.yaml", "python/"
 MODEL, ASSETS = "model.xml", "assets/"
 MODEL_NAME = "model"
 RUN_METADATA, VERSIONS_METADATA, CODE_METADATA, CODE_DIGESTS = "cube_sim", "versions", "python", "python_sha256"
-END_METADATA = "end"
+END_METADATA, VEHICLES_METADATA = "end", "vehicles"
 CHANNEL_METADATA = "channel"
 
 

@@ -84,7 +84,14 @@ class SceneRows:
         not_drawn: a line for each topic that there is not though the record has what it would show.
     """
 
-    def __init__(self, channels: Sequence[Channel], model: mujoco.MjModel, vehicle: str | None, frame: str) -> None:
+    def __init__(
+        self,
+        channels: Sequence[Channel],
+        model: mujoco.MjModel,
+        vehicle: str | None,
+        frame: str,
+        target: str = TARGET_FRAME,
+    ) -> None:
         """Lay the messages out.
 
         Args:
@@ -92,6 +99,7 @@ class SceneRows:
             model: the compiled model.
             vehicle: the body that swims; None for the first that can.
             frame: name of the vehicle's frame.
+            target: name of the frame of its target.
         """
         self._columns = {
             (channel.name, field.name): columns
@@ -106,7 +114,7 @@ class SceneRows:
         self._begun, self._last, self._trail_due = False, dict[str, float](), 0.0
         self._trail: list[tuple[NDArray[np.float64], bool]] = []
         self._trail_s = 0.0
-        hull = _hull(model, vehicle, frame, self._reach)
+        hull = _hull(model, vehicle, frame, target, self._reach)
         scene = scene_update_schema()
         self.topics = [DrawnTopic(HULL_TOPIC, SCENE_UPDATE, scene, layout_of(hull, ()))]
         if ("path", "points") in widths:
@@ -125,7 +133,7 @@ class SceneRows:
             arrows = _arrows(mounts.positions, frame, self._reach)
             self.topics.append(DrawnTopic(THRUST_TOPIC, SCENE_UPDATE, scene, _counted(arrows)))
         if ("target", "position") in widths:
-            layout, seconds = frame_transform_layout(TARGET_FRAME)
+            layout, seconds = frame_transform_layout(target)
             self.topics.append(DrawnTopic(TARGET_TOPIC, FRAME_TRANSFORM, frame_transform_schema(), layout, seconds))
         declared = {drawn.topic for drawn in self.topics}
         made = (
@@ -249,7 +257,7 @@ def _arrow(
     return message(7, _pose(position, xyzw), *shape, _colour(6, rgba))
 
 
-def _hull(model: mujoco.MjModel, vehicle: str | None, frame: str, reach: float) -> Fragment:
+def _hull(model: mujoco.MjModel, vehicle: str | None, frame: str, target: str, reach: float) -> Fragment:
     """Shapes and thrusters in the vehicle's frame, and an arrow along the path in the target's."""
     shapes = [_shape(model, shape) for shape in vehicle_shapes(model, vehicle)]
     mounts = thruster_mounts(model, vehicle)
@@ -260,7 +268,7 @@ def _hull(model: mujoco.MjModel, vehicle: str | None, frame: str, reach: float) 
     ]
     hull = _entity("hull", frame, *(shape for shape in shapes if shape is not None), *ducts)
     marker = _arrow((0, 0, 0), (0, 0, 0, 1), max(_MARKER_M, 1.7 * reach), reach, _GREEN)
-    return together((hull, _entity("target", TARGET_FRAME, marker)))
+    return together((hull, _entity("target", target, marker)))
 
 
 def _shape(model: mujoco.MjModel, shape: Shape) -> Fragment | None:

@@ -38,13 +38,13 @@ _DELETION = ("SceneEntityDeletion", ("MATCHING_ID", "ALL"))
 
 def channel_schema_name(channel: Channel) -> str:
     """Full protobuf name of a channel's message, e.g. ``cube_sim.PathError``."""
-    return f"{PACKAGE}.{_camel(channel.name)}"
+    return f"{_package(channel)}.{_camel(_own_name(channel))}"
 
 
 def channel_schema(channel: Channel) -> bytes:
     """Serialise the descriptor set of a channel's message."""
-    file = _file(PACKAGE, channel.name)
-    message = file.message_type.add(name=_camel(channel.name))
+    file = _file(_package(channel), _own_name(channel))
+    message = file.message_type.add(name=_camel(_own_name(channel)))
     _scalar(message, 1, "t", FieldDescriptorProto.TYPE_DOUBLE)
     _declare(message, parts_of(channel), 2, f".{channel_schema_name(channel)}")
     return _set(file)
@@ -176,6 +176,16 @@ def log_schema() -> bytes:
     _scalar(message, 5, "file", FieldDescriptorProto.TYPE_STRING)
     _scalar(message, 6, "line", FieldDescriptorProto.TYPE_FIXED32)
     return _set(_timestamp_file(), file)
+
+
+def _package(channel: Channel) -> str:
+    """Of one vehicle among several, a package of its own."""
+    vehicle = channel.name.rpartition("/")[0]
+    return f"{PACKAGE}.{vehicle}" if vehicle else PACKAGE
+
+
+def _own_name(channel: Channel) -> str:
+    return channel.name.rpartition("/")[2]
 
 
 def _camel(name: str) -> str:

@@ -16,6 +16,7 @@ from cube_sim.recording.digests import ChannelDigest, head_digests, log_digest
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.mcap.encoding import INDEX_ENTRY, INDEX_HEAD, STREAM, ReadyMade, Templates, encode
 from cube_sim.recording.mcap.fixed_width import Layout, channel_layout, message_record
+from cube_sim.recording.mcap.fleet_scene import FleetSceneRows
 from cube_sim.recording.mcap.foxglove import frame_transform_layout, log_message
 from cube_sim.recording.mcap.names import (
     CHANNEL_METADATA,
@@ -31,6 +32,7 @@ from cube_sim.recording.mcap.names import (
     RUN_METADATA,
     SCENARIO,
     TRANSFORM_TOPIC,
+    VEHICLES_METADATA,
     VERSIONS_METADATA,
     declaration,
     stamp_ns,
@@ -51,13 +53,19 @@ from cube_sim.run_log import LogLine
 
 _NOTHING_SAID = ReadyMade(np.empty(0, np.uint8), np.empty(0, np.int64))
 _POSE = "pose"
+AnySceneRows = SceneRows | FleetSceneRows
 
 
 class McapSink:
     """Writes a run to an MCAP file: the header first, then one chunk per batch, at last how the run ended."""
 
     def __init__(
-        self, path: Path, header: RunHeader, channels: Sequence[Channel], vehicle: str, scene: SceneRows | None = None
+        self,
+        path: Path,
+        header: RunHeader,
+        channels: Sequence[Channel],
+        vehicle: str,
+        scene: AnySceneRows | None = None,
     ) -> None:
         self._writer = McapWriter(path)
         self._vehicle = vehicle
@@ -80,8 +88,9 @@ class McapSink:
             self._numbers[drawn.topic] = len(layouts)
             layouts.append((drawn.layout, drawn.seconds))
             self._ids.append(self._writer.add_channel(drawn.topic, drawn.schema_name, drawn.schema))
-        layouts.append(frame_transform_layout(vehicle))
-        self._ids.append(self._writer.add_channel(TRANSFORM_TOPIC, FRAME_TRANSFORM, frame_transform_schema()))
+        if not header.vehicles:  # of several each has its own, in its scene
+            layouts.append(frame_transform_layout(vehicle))
+            self._ids.append(self._writer.add_channel(TRANSFORM_TOPIC, FRAME_TRANSFORM, frame_transform_schema()))
         self._log_id = self._writer.add_channel(LOG_TOPIC, LOG, log_schema())
         self._templates, self._streams = _templates(self._ids, layouts)
         self._lengths = self._streams["length"].tolist()
@@ -171,6 +180,8 @@ class McapSink:
         """Write what comes before the rows; returns its digests."""
         run = {"format": FORMAT, "seed": str(header.seed), "vehicle": self._vehicle, MODEL_NAME: header.model}
         tables = {RUN_METADATA: run, VERSIONS_METADATA: dict(sorted(header.versions.items()))}
+        if header.vehicles:
+            tables[VEHICLES_METADATA] = dict(header.vehicles)
         if header.code:
             tables[CODE_METADATA] = {code.key: code.name for code in header.code}
             tables[CODE_DIGESTS] = {code.key: code.digest for code in header.code}

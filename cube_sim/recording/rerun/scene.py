@@ -49,12 +49,14 @@ class Look:
         path: colour of its path.
         name: shown at the vehicle; "" where it is alone.
         surface: whether the sea surface is drawn with it.
+        surroundings: whether what stands still around it is drawn with it.
     """
 
     trail: palette.Rgb = palette.TRAIL
     path: palette.Rgb = palette.PATH
     name: str = ""
     surface: bool = True
+    surroundings: bool = True
 
 
 @dataclass(frozen=True)
@@ -104,7 +106,7 @@ def log_scene(
     """
     reach = measures.reach
     recording.log(places.world, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    for shape in world_shapes(model):
+    for shape in world_shapes(model) if look.surroundings else ():
         solid = rr.components.FillMode.Solid
         parts.draw(shape.name, partial(_log_shape, recording, f"{places.world}/surroundings", model, shape, solid))
     see_through = rr.components.FillMode.TransparentFillMajorWireframe

@@ -49,8 +49,29 @@ def looks(names: Sequence[str]) -> list[tuple[Places, Look]]:
     ]
 
 
-def side_by_side(runs: Sequence[Drawn]) -> rrb.Blueprint:
-    """Lay out several runs."""
+def looks_of_vehicles(names: Sequence[str], surroundings: Sequence[bool]) -> list[tuple[Places, Look]]:
+    """Where each vehicle of one run is and how it looks, by their names.
+
+    Args:
+        names: of the vehicles.
+        surroundings: of each, whether what stands around it is drawn with it.
+    """
+    return [
+        (
+            Places(f"/{name}"),
+            Look(_TRAILS[i % MOST_RUNS], _PATHS[i % MOST_RUNS], name, surface=i == 0, surroundings=around),
+        )
+        for i, (name, around) in enumerate(zip(names, surroundings, strict=True))
+    ]
+
+
+def side_by_side(runs: Sequence[Drawn], distances: Sequence[str] = ()) -> rrb.Blueprint:
+    """Lay out several runs, or the vehicles of one.
+
+    Args:
+        runs: what is drawn of each.
+        distances: entities of distances between vehicles.
+    """
     durations = [drawn.story.duration_s for drawn in runs]
     known = [duration for duration in durations if duration is not None]
     longest = max(known) if len(known) == len(runs) else None
@@ -63,6 +84,7 @@ def side_by_side(runs: Sequence[Drawn]) -> rrb.Blueprint:
             plot.of(f"within {100 * size:.3g} cm", *cross, size=size),
         ),
         rrb.Tabs(*(plot.of(title, *_compared(entity, runs)) for entity, title in _COMPARED), active_tab=0),
+        *([plot.of("Distance between vehicles [m]", distances, {})] if distances else []),
         *(_own_plots(drawn, longest) for drawn in runs),
     ]
     lanes = [_lanes(drawn, longest) for drawn in runs]

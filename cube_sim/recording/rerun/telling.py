@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 from pydantic import ValidationError
 
+from cube_sim.errors import RecordingError
+from cube_sim.recording.among import header_of
 from cube_sim.recording.header import RunHeader
 from cube_sim.recording.rerun.story import Event, Limit, Story
 from cube_sim.scenario import Scenario
@@ -18,7 +20,7 @@ from cube_sim.scenario.windows import window_of
 def story_of(header: RunHeader) -> Story:
     """What the header tells; of a scenario that this version does not know, nothing."""
     try:
-        scenario = Scenario.model_validate(parse(header.resolved).data)
+        scenario = Scenario.model_validate(parse(header.resolved).data, context={"several": True})
     except ValidationError:
         return Story("", "", None, None, (), ())
     events = sorted((Event(event.at_s, event.title) for event in scenario.events), key=lambda event: event.t)
@@ -28,6 +30,14 @@ def story_of(header: RunHeader) -> Story:
     )
     name, speed = scenario.name, scenario.guidance.speed_m_s
     return Story(name, _text(scenario, events, header), scenario.duration_s, speed, tuple(events), tuple(limits))
+
+
+def stories_of(header: RunHeader) -> dict[str, Story]:
+    """Of a record of several vehicles, what it tells of each, by name."""
+    try:
+        return {name: story_of(header_of(name, header)) for name in header.vehicles}
+    except RecordingError:
+        return {name: Story("", "", None, None, (), ()) for name in header.vehicles}
 
 
 def _text(scenario: Scenario, events: Sequence[Event], header: RunHeader) -> str:

@@ -1,0 +1,169 @@
+"""Several vehicles made ready to fly in one water."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import mujoco
+
+from cube_sim.errors import ModelError, ScenarioError
+from cube_sim.mission.disturbance import force_events, set_pushes
+from cube_sim.mission.events import Events
+from cube_sim.mission.hull import CompiledHull, dead_zones, flown_hull, put_initial, set_physics, water_parameters
+from cube_sim.mission.own.code import Codes
+from cube_sim.mission.prepare import Mission, mission_of
+from cube_sim.recording.channels import Channel, Field
+from cube_sim.scenario.distance_block import DISTANCE
+from cube_sim.scenario.event_blocks import CurrentEventBlock
+from cube_sim.scenario.fleet import SEPARATOR, FleetScenario, distance_name, of_vehicle
+from cube_sim.scenario.fleet_loading import LoadedFleet
+from cube_sim.scenario.named_signals import signal_mistakes
+from cube_sim.vehicle.current import current_table
+from cube_sim.vehicle.joining import ModelPart, joined_model, vehicle_in
+
+
+@dataclass(frozen=True)
+class FleetMission:
+    """Everything a run of several vehicles needs, ready at time 0.
+
+    Attributes:
+        scenario: what was asked for.
+        model: the compiled model of all of them, with water.
+        data: its state, at their initial conditions.
+        missions: that of each vehicle, by name; model and data are these.
+        events: what happens to the water on the way.
+        channels: what will be recorded, the channels of a vehicle under its name.
+        alone: each vehicle in the model of its own file, which nobody flies.
+    """
+
+    scenario: FleetScenario
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    missions: Mapping[str, Mission]
+    events: Events
+    channels: tuple[Channel, ...]
+    alone: Mapping[str, CompiledHull]
+
+    @property
+    def codes(self) -> Codes:
+        """Code of the user's own, by the value in whose place it stands."""
+        return {
+            f"vehicles.{name}.{key}": code
+            for name, mission in self.missions.items()
+            for key, code in mission.codes.items()
+        }
+
+
+def prepare_fleet(loaded: LoadedFleet) -> FleetMission:
+    """Build the missions of several vehicles; nothing is written.
+
+    Raises:
+        ScenarioError: a model does not fit its scenario, or the others; with position.
+    """
+    alone, mistakes = dict[str, CompiledHull](), list[str]()
+    for name, one in loaded.vehicles.items():
+        try:
+            alone[name] = flown_hull(one)
+        except ScenarioError as error:
+            mistakes += error.mistakes
+    if mistakes:
+        raise ScenarioError([*dict.fromkeys(mistakes)])
+    model, flown = _joined(loaded, alone)
+    set_physics(model, loaded.scenario.together)
+    data = mujoco.MjData(model)
+    for name, one in loaded.vehicles.items():
+        put_initial(data, flown[name].vehicle, one.scenario)
+    missions = {name: mission_of(one, alone[name], flown[name], data) for name, one in loaded.vehicles.items()}
+    channels = fleet_channels(loaded.scenario, {name: mission.channels for name, mission in missions.items()})
+    _require_signals(loaded, channels)
+    _require_events_in_place(loaded)
+    first = next(iter(missions.values()))
+    events = Events(loaded.scenario.together, model, first.vehicle)
+    return FleetMission(loaded.scenario, model, data, missions, events, channels, alone)
+
+
+def fleet_channels(scenario: FleetScenario, of_each: Mapping[str, Sequence[Channel]]) -> tuple[Channel, ...]:
+    """The channel table of a run of several vehicles: that of each under its name, and their distances.
+
+    Args:
+        scenario: of all of them.
+        of_each: the channel table of each vehicle, by name.
+    """
+    table = [replace(channel, name=of_vehicle(name, channel.name)) for name, own in of_each.items() for channel in own]
+    fields = tuple(
+        Field(distance_name(pair), 1, "m", f"distance between the body origins of {' and '.join(pair)}")
+        for pair in scenario.pairs
+    )
+    return (*table, *((Channel(DISTANCE, fields),) if fields else ()))
+
+
+def _joined(loaded: LoadedFleet, alone: Mapping[str, CompiledHull]) -> tuple[mujoco.MjModel, dict[str, CompiledHull]]:
+    """The model of all vehicles, and each in it.
+
+    Vehicles of one file that has a hull for each of them share it; where they name the same hull there is a copy for
+    each.
+    """
+    copies: list[dict[str, str]] = []  # of one file: hull -> vehicle
+    of_file: list[str] = []
+    for name, (_, vehicle) in alone.items():
+        file = str(Path(loaded.vehicles[name].scenario.model).resolve())
+        there = (copy for copy, its in zip(copies, of_file, strict=True) if its == file and vehicle.name not in copy)
+        copy = next(there, None)
+        if copy is None:
+            copy = {}
+            copies.append(copy)
+            of_file.append(file)
+        copy[vehicle.name] = name
+    water = water_parameters(loaded.scenario.together)
+    profile = loaded.scenario.world.current_profile  # with one, each model has a table of it already
+    if water and profile is None and any(current_table(hull.model) is not None for hull in alone.values()):
+        text = "a model has a current of its own by time and height, water:current: leave one of both out"
+        raise ScenarioError([loaded.mistake("events", text)])
+    single, parts, prefixes = len(copies) == 1, list[ModelPart](), dict[str, str]()
+    for index, (copy, file) in enumerate(zip(copies, of_file, strict=True)):
+        prefix = "" if single else f"{next(iter(copy.values()))}{SEPARATOR}"
+        parameters: dict[str, Sequence[float]] = {} if index else dict(water)
+        for name in copy.values():
+            scenario = loaded.vehicles[name].scenario
+            parameters |= {**scenario.parameters, **dead_zones(scenario, alone[name].vehicle)}
+            prefixes[name] = prefix
+        parts.append(ModelPart(file, prefix, parameters, again=file in of_file[:index]))
+    pushes = {name: len(force_events(one.scenario)) for name, one in loaded.vehicles.items()}
+    try:
+        model = joined_model(parts, pushes=sum(pushes.values()))
+        vehicles = {name: vehicle_in(model, hull.vehicle, prefixes[name]) for name, hull in alone.items()}
+    except ModelError as error:
+        raise ScenarioError([loaded.mistake("vehicles", f"their models do not go together: {error}")]) from None
+    first = 0
+    for name, vehicle in vehicles.items():
+        set_pushes(loaded.vehicles[name], model, vehicle, first)
+        first += pushes[name]
+    return model, {name: CompiledHull(model, vehicle) for name, vehicle in vehicles.items()}
+
+
+def _require_signals(loaded: LoadedFleet, channels: Sequence[Channel]) -> None:
+    """Refuse checks over several vehicles of signals that none of them records."""
+    widths = {f"{channel.name}.{field.name}": field.width for channel in channels for field in channel.fields}
+    mistakes = [loaded.mistake(*found) for found in signal_mistakes(loaded.scenario.checks, widths)]
+    if mistakes:
+        raise ScenarioError(mistakes)
+
+
+def _require_events_in_place(loaded: LoadedFleet) -> None:
+    """Refuse events of the water after the end of the run, or said of one vehicle."""
+    duration = loaded.scenario.duration_s
+    mistakes = [
+        one.mistake(f"events.{i}", "changes the water of all vehicles: say it in the events at the top of the file")
+        for one in loaded.vehicles.values()
+        for i, event in enumerate(one.scenario.events)
+        if isinstance(event, CurrentEventBlock)
+    ]
+    mistakes += [
+        loaded.mistake(f"events.{i}.at_s", f"{event.at_s:g} s is after the end of the run at {duration:g} s")
+        for i, event in enumerate(loaded.scenario.world.events)
+        if event.at_s > duration
+    ]
+    if mistakes:
+        raise ScenarioError(mistakes)

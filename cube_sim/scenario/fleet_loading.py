@@ -1,0 +1,161 @@
+"""A scenario file of one vehicle or of several, read with every mistake in it found at once."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from cube_sim.errors import ScenarioError
+from cube_sim.scenario.document import Document, Location
+from cube_sim.scenario.explain import Refusal, explain
+from cube_sim.scenario.fleet import VEHICLES, FleetScenario, Share, WorldBlock, names_several, shares, together_data
+from cube_sim.scenario.include import merged
+from cube_sim.scenario.loading import Loaded, loaded_from, refused_lines, validated
+from cube_sim.scenario.overrides import Override, apply
+from cube_sim.scenario.python_block import python_blocks
+from cube_sim.scenario.reading import parsed, read_text
+from cube_sim.scenario.resolved import fleet_to_yaml, seen_from
+from cube_sim.scenario.schema import Scenario
+
+
+@dataclass(frozen=True)
+class LoadedFleet:
+    """A valid scenario of several vehicles and where it came from.
+
+    Attributes:
+        scenario: of all of them.
+        vehicles: that of each, by name; mistakes found later are told with places in the one file.
+        text: the file as written.
+        path: the file, as given.
+        overrides: what replaced values of the file.
+        document: the file as parsed, with those it includes.
+        bases: text of each file it includes, as `Loaded.bases`.
+    """
+
+    scenario: FleetScenario
+    vehicles: Mapping[str, Loaded]
+    text: str
+    path: Path
+    overrides: tuple[Override, ...]
+    document: Document
+    bases: Mapping[str, str]
+
+    def resolved_yaml(self, directory: Path | None = None) -> str:
+        """The scenario with every default and override written out, as `Loaded.resolved_yaml`."""
+        if directory is None:
+            return fleet_to_yaml(self.scenario)
+        here = {name: seen_from(scenario, directory) for name, scenario in self.scenario.vehicles.items()}
+        return fleet_to_yaml(replace(self.scenario, vehicles=here))
+
+    def mistake(self, path: str, message: str, because: str = "") -> str:
+        """A mistake in what is said of all, found after loading, as `Loaded.mistake`."""
+        whole = Loaded(self.scenario.first, self.text, self.path, self.overrides, self.document)
+        return whole.mistake(path, message, because)
+
+
+AnyLoaded = Loaded | LoadedFleet
+
+
+def load_any(path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = None) -> AnyLoaded:
+    """Read and validate a scenario file, of one vehicle or of several.
+
+    Args:
+        path: the YAML file.
+        overrides: as for `cube_sim.scenario.load`.
+
+    Raises:
+        ScenarioError: with one ``file:line:column: path: message`` per mistake.
+    """
+    path = Path(path)
+    return any_from(path, read_text(path), overrides)
+
+
+def any_from(path: Path, text: str, overrides: Mapping[str, Any] | None = None) -> AnyLoaded:
+    """The same of the text of a file."""
+    whole = merged(path, parsed(path, text))
+    document, bases = whole
+    data, applied, wrong_paths = apply(document.data, overrides or {})
+    if not names_several(data):
+        return loaded_from(path, text, whole, overrides)
+    found, refusals = shares(data)
+    loaded: dict[str, Loaded] = {}
+    for share in found:
+        scenario, wrong = validated(share.data, path.parent, several=True)
+        refusals += [
+            refusal._replace(
+                location=share.place(refusal.location),
+                because=share.place(refusal.because) if refusal.because else (),
+            )
+            for refusal in wrong
+        ]
+        if scenario is not None:
+            loaded[share.name] = Loaded(scenario, text, path, tuple(applied), document, bases, within=share.place)
+    world, together, wrong = _world(data, found) if found else (None, None, [])
+    lines = refused_lines(path, document, applied, _once([*refusals, *wrong])) + wrong_paths
+    if lines or world is None or together is None:
+        raise ScenarioError(lines)
+    fleet = FleetScenario(world, {name: each.scenario for name, each in loaded.items()}, together)
+    return LoadedFleet(fleet, loaded, text, path, tuple(applied), document, bases)
+
+
+def has_own_code(loaded: AnyLoaded) -> bool:
+    """Whether a scenario names code of the user's own."""
+    each = loaded.vehicles.values() if isinstance(loaded, LoadedFleet) else (loaded,)
+    return any(any(python_blocks(one.scenario)) for one in each)
+
+
+def fleet_of(data: Mapping[str, Any]) -> FleetScenario:
+    """The scenario of several vehicles that a resolved file holds; names of files in it are not looked at.
+
+    Raises:
+        ScenarioError: it holds none that this version knows; with one line.
+    """
+    found, refusals = shares(data)
+    scenarios: dict[str, Scenario] = {}
+    for share in found:
+        scenario, wrong = validated(share.data, None, several=True)
+        refusals += wrong
+        if scenario is not None:
+            scenarios[share.name] = scenario
+    world, together, wrong = _world(data, found)
+    if world is None or together is None or refusals or wrong:
+        first = (*refusals, *wrong)[0]
+        raise ScenarioError([f"{'.'.join(map(str, first.location))}: {first.message}"])
+    return FleetScenario(world, scenarios, together)
+
+
+def _world(data: Mapping[str, Any], found: Sequence[Share]) -> tuple[WorldBlock | None, Scenario | None, list[Refusal]]:
+    """What is said of all and asked of several, and what is wrong with it but for what is wrong with each vehicle."""
+    keys = [key for key in WorldBlock.model_fields if key in data]
+    try:
+        world = WorldBlock.model_validate({key: data[key] for key in keys})
+    except ValidationError as error:
+        return None, None, explain(error, WorldBlock)
+    names = [share.name for share in found]
+    wrong = [
+        Refusal(("checks", i, "between", j), f"no vehicle '{name}'; there are {', '.join(names)}", at_key=False)
+        for i, check in enumerate(world.checks)
+        for j, name in enumerate(getattr(check, "between", ()))
+        if name not in names
+    ]
+    several = any(data_of_checks for share in found if (data_of_checks := share.own.get("checks")))
+    if not world.checks and not several:
+        text = "a run without checks shows nothing: give at least one, here or to a vehicle"
+        wrong.append(Refusal((VEHICLES,), text, at_key=True))
+    if wrong:
+        return world, None, wrong
+    together, refused = validated(together_data(data, world, found), None, several=True)
+    return world, together, [refusal for refusal in refused if refusal.location[:1] in (("checks",), ("events",))]
+
+
+def _once(refusals: Sequence[Refusal]) -> list[Refusal]:
+    """Those of what holds for all vehicles, told of each of them, are told once."""
+    known: dict[tuple[Location, str], Refusal] = {}
+    for refusal in refusals:
+        known.setdefault((refusal.location, refusal.message), refusal)
+    return list(known.values())
