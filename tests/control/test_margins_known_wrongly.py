@@ -33,8 +33,12 @@ FEW = [
 
 
 def misses(rows):
-    """Of the rows within that speed those that are not stable, or have less than they ought to have."""
-    some = [row for row in rows if row.why in ("", "no steady motion") and not row.beyond]
+    """Of the rows within that speed those that are not stable, or have less than they ought to have.
+
+    Where a wrong current is pointed at, a vehicle may have no steady motion to be looked at.
+    """
+    unknown = [row for row in rows if row.why == "no steady motion" and row.authority not in POINTED]
+    some = [row for row in [*unknown, *(row for row in rows if not row.why)] if not row.beyond]
     return [row for row in some if not row.stable or _lacks(row) or _helps(row)]
 
 
