@@ -9,18 +9,23 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import mujoco
+import numpy as np
 
 from cube_sim.errors import FlightError
+from cube_sim.flight.compiled import is_classical
 from cube_sim.flight.fleet_store import FleetStore
 from cube_sim.flight.loop import each_second
 from cube_sim.flight.touching import Touching
 from cube_sim.flight.vehicle_loop import VehicleLoop, VehicleStore
+from cube_sim.mission.copying import integration_state, set_integration_state
 from cube_sim.mission.divergence import divergence
 from cube_sim.mission.fleet import FleetMission
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.uninterrupted import uninterrupted
 from cube_sim.vehicle.plugin.clock import held_still
+from cube_sim.vehicle.plugin.engine import step
+from cube_sim.vehicle.plugin.guard import TEXT_BYTES
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.verdict import EarlyEnd
 
@@ -45,6 +50,9 @@ class FleetLoop:
         self._store = FleetStore(store, self._stores, mission.scenario)
         self._touching = Touching(mission)
         self._period = mission.scenario.control_period_s
+        self._words = np.zeros(TEXT_BYTES, np.uint8)
+        model, data, words = mission.model._address, mission.data._address, self._words.ctypes.data
+        self._physics = model, data, words, mission.scenario.steps_per_tick, is_classical(mission.model)
         self._store.hand_on()
 
     @property
@@ -135,14 +143,20 @@ class FleetLoop:
                 if loop.ended:
                     self.ended = f"{name}: {loop.ended}"
                     return
-            if moving:
-                mujoco.mj_step(mission.model, mission.data, nstep=mission.scenario.steps_per_tick)
+            if moving and not step(*self._physics):
+                self._break_off(bytes(self._words).partition(b"\0")[0].decode(errors="replace"))
         except mujoco.FatalError as error:
-            self.ended = f"MuJoCo cannot go on: {' '.join(str(error).split())}"
-            mujoco.mj_resetData(mission.model, mission.data)  # it was left in the middle of something
-            return
-        if moving:
+            self._break_off(str(error))
+        if moving and not self.ended:
             self.tick += 1
+
+    def _break_off(self, said: str) -> None:
+        """End the flight early, because MuJoCo has said that it cannot go on."""
+        self.ended = f"MuJoCo cannot go on: {' '.join(said.split())}"
+        model, data = self.mission.model, self.mission.data
+        state = integration_state(model, data)
+        mujoco.mj_resetData(model, data)  # it was left in the middle of something
+        set_integration_state(model, data, state)
 
     def finish(self) -> None:
         """Say at the end what there is to say of the whole flight."""

@@ -185,13 +185,14 @@ def engine_of(mission: Mission) -> Engine:
         actuator_force=data.actuator_force,
         hull=np.array([vehicle.qpos_address, vehicle.dof_address, vehicle.body]),
         steps=mission.scenario.steps_per_tick,
-        classical=_is_classical(mission.model),
+        classical=is_classical(mission.model),
         period=mission.scenario.control_period_s,
         shared=False,
     )
 
 
-def _is_classical(model: mujoco.MjModel) -> bool:
+def is_classical(model: mujoco.MjModel) -> bool:
+    """Whether a step is Runge-Kutta's of fourth order, and goes on from what `mj_forward` has found."""
     compared = model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_FWDINV
     return model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 and not compared
 

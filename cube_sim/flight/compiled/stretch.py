@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from cube_sim.allocation.flown import FlownAllocator, SearchCodes
@@ -79,6 +80,7 @@ class Stretch:
         self._mission, self._allocator, self._target, self._given = mission, allocator, target, given
         self._ratio_before = mission.supply.force_ratio
         self.ticks, self.reached = 0, BEGIN
+        self._tick: Callable[..., tuple[int, int]] | None = None
 
     def fly(self) -> None:
         """Fly them, up to one that has something for Python to do."""
@@ -87,8 +89,10 @@ class Stretch:
 
     def fly_tick(self) -> int:
         """Fly the next tick among others in the same data, and say how far it has come: `TICKED` if it is flown."""
-        flown, self.reached = fly(*self._given._replace(first=self.ticks, ticks=self.ticks + 1))
-        self.ticks = flown
+        if self._tick is None:  # what kinds its arguments are is looked at once, not at every tick
+            self._tick = fly.form(*self._given).call
+        codes, _, _, *others = self._given
+        self.ticks, self.reached = self._tick(codes, self.ticks, self.ticks + 1, *others)
         return self.reached
 
     @property
