@@ -14,6 +14,8 @@ from cube_sim.campaign.sample_flight import CHECK, FlownSample
 FIRST = ("sample", "verdict", "reason", "seed")
 """Columns that stand first; then what was drawn, the checks, and the rest."""
 LAST = ("simulated_s", "traceback")
+PARTS = ("value", "margin", "verdict", "at_s", "unit")
+"""What a check has columns of."""
 TIMES = ("flight_s", "wall_s")
 """Columns of the clock, kept apart: they are never the same again."""
 _TYPES = {"sample": pa.int64(), "seed": pa.int64(), "simulated_s": pa.float64(), "flight_s": pa.float64()}
@@ -89,7 +91,7 @@ def _as_text(table: pa.Table, names: set[str]) -> pa.Table:
 
 def _ordered(names: Sequence[str], checks: Sequence[str], statistics: Sequence[str]) -> list[str]:
     """Names of columns in an order that the order of the rows has no part in."""
-    known = [f"{CHECK}.{check}.{part}" for check in checks for part in ("value", "margin", "verdict", "at_s")]
+    known = [f"{CHECK}.{check}.{part}" for check in checks for part in PARTS]
     of_checks = [name for name in known if name in names]
     of_checks += sorted(name for name in names if name.startswith(f"{CHECK}.") and name not in known)
     ends = {*FIRST, *LAST, *TIMES, *of_checks, *statistics}

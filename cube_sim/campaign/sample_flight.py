@@ -184,6 +184,7 @@ def _columns(outcome: FlightOutcome) -> dict[str, Any]:
             f"{name}.margin": check.margin,
             f"{name}.verdict": check.verdict,
             f"{name}.at_s": check.at_s,
+            f"{name}.unit": check.unit,
         }
     return found | dict(outcome.statistics)
 

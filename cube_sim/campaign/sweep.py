@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-import pyarrow as pa
-
 from cube_sim.campaign.cluster import on_cluster
 from cube_sim.campaign.folder import WHOLE, Shard, SweepFolder, opened
 from cube_sim.campaign.identity import identity_of
-from cube_sim.campaign.pass_rate import Interval, RateJudged, interval, judged
 from cube_sim.campaign.processes import in_processes
+from cube_sim.campaign.result import SweepResult
 from cube_sim.campaign.sample_flight import FlownSample, Keep, Task
 from cube_sim.campaign.sampling import SamplePlan
-from cube_sim.campaign.summary import command_of
 from cube_sim.campaign.threads import on_threads
 from cube_sim.errors import SweepInterrupted
 from cube_sim.many_flights import flies_in_python
@@ -41,46 +37,6 @@ class HowFar(NamedTuple):
     flown: int
     wanted: int
     failed: int
-
-
-@dataclass(frozen=True)
-class SweepResult:
-    """What a sweep came to.
-
-    Attributes:
-        folder: where its files are.
-        head: what sweep.json says.
-        rows: all of them, with their times.
-        verdict: of the rate of those that pass; None of a part of a sweep whose whole has to show one.
-    """
-
-    folder: Path
-    head: Mapping[str, Any]
-    rows: pa.Table
-    verdict: RateJudged | None
-
-    @property
-    def name(self) -> str:
-        """Of the scenario."""
-        return self.head["name"]
-
-    @property
-    def limits(self) -> dict[str, float]:
-        """The limit of each check, by its name, as the scenario has it."""
-        return {check["name"]: check["limit"] for check in self.head["checks"]}
-
-    @property
-    def interval(self) -> Interval:
-        """Where the pass rate lies."""
-        return interval(self.count("PASS"), self.rows.num_rows)
-
-    def count(self, verdict: str) -> int:
-        """How many samples have a verdict."""
-        return self.rows["verdict"].to_pylist().count(verdict)
-
-    def command(self, k: int) -> str:
-        """What a shell takes to fly a sample again."""
-        return command_of(self.head["scenario"], self.head["settings"], k)
 
 
 def sweep(
@@ -131,7 +87,7 @@ def sweep(
         finally:
             rows.flush()
         whole = rows.finish()
-    return SweepResult(folder, head, whole, _judged(whole, plan, shard))
+    return SweepResult(folder, head, whole, part=shard.of > 1)
 
 
 def _take(
@@ -187,15 +143,6 @@ def head_of(loaded: Loaded, plan: SamplePlan) -> dict[str, Any]:
         "thrusters": list(plan.thrusters),
         "identity": identity_of(loaded).to_dict(),
     }
-
-
-def _judged(rows: pa.Table, plan: SamplePlan, shard: Shard) -> RateJudged | None:
-    """What the samples show; of a part of them alone only whether every one passes."""
-    if shard.of > 1 and plan.block.required is not None:
-        return None
-    verdicts = rows["verdict"].to_pylist()
-    passed, failed, errors = (verdicts.count(verdict) for verdict in ("PASS", "FAIL", "ERROR"))
-    return judged(passed, failed, errors, plan.block.required)
 
 
 def _new_folder(name: str) -> Path:

@@ -22,7 +22,7 @@ WORST = 5
 _PLAIN: dict[str, Any] = {"soft_wrap": True, "markup": False, "highlight": False}
 
 if TYPE_CHECKING:
-    from cube_sim.campaign.sweep import SweepResult
+    from cube_sim.campaign.result import SweepResult
 
 EPILOG = (
     "Exit code: 0 PASS, the samples show the pass rate that the scenario requires, or all pass where it requires none; "

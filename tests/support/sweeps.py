@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
-from cube_sim.campaign.sweep import SweepResult, sweep
+from cube_sim.campaign.result import SweepResult
+from cube_sim.campaign.sweep import sweep
 from cube_sim.scenario import load
 from support.scenario_files import FLIGHT, write
 

@@ -1,0 +1,89 @@
+"""What a sweep came to, as it is flown or read back from its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from cube_sim.campaign.folder import SweepHead, differences, rows_in
+from cube_sim.campaign.pass_rate import Interval, RateJudged, interval, judged
+from cube_sim.campaign.rows import joined
+from cube_sim.campaign.summary import command_of
+from cube_sim.errors import DirectoryError
+from cube_sim.flight_statistics import STATISTICS
+from cube_sim.scenario.samples_block import RequiredBlock
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """What a sweep came to.
+
+    Attributes:
+        folder: where its files are.
+        head: what sweep.json says.
+        rows: all of them, with their times.
+        part: whether it is a part of a sweep alone.
+    """
+
+    folder: Path
+    head: Mapping[str, Any]
+    rows: pa.Table
+    part: bool = False
+
+    @property
+    def name(self) -> str:
+        """Of the scenario."""
+        return self.head["name"]
+
+    @property
+    def limits(self) -> dict[str, float]:
+        """The limit of each check, by its name, as the scenario has it."""
+        return {check["name"]: check["limit"] for check in self.head["checks"]}
+
+    @property
+    def interval(self) -> Interval:
+        """Where the pass rate lies."""
+        return interval(self.count("PASS"), self.rows.num_rows)
+
+    @property
+    def required(self) -> RequiredBlock | None:
+        """The rate that the samples must show; None where every one must pass."""
+        given = self.head["required"]
+        return None if given is None else RequiredBlock(**given)
+
+    @property
+    def verdict(self) -> RateJudged | None:
+        """Of the rate of those that pass; None of a part of a sweep whose whole has to show one."""
+        if self.part and self.required is not None:
+            return None
+        return judged(self.count("PASS"), self.count("FAIL"), self.count("ERROR"), self.required)
+
+    def count(self, verdict: str) -> int:
+        """How many samples have a verdict."""
+        return self.rows["verdict"].to_pylist().count(verdict)
+
+    def command(self, k: int) -> str:
+        """What a shell takes to fly a sample again."""
+        return command_of(self.head["scenario"], self.head["settings"], k)
+
+
+def load_sweep(folders: Sequence[Path]) -> SweepResult:
+    """Read a sweep back, also one that is not at its end.
+
+    Args:
+        folders: one, or several that hold parts of the same sweep.
+
+    Raises:
+        DirectoryError: they hold none, or not the same.
+    """
+    heads = [SweepHead.read(folder).content for folder in folders]
+    for folder, head in zip(folders, heads, strict=True):
+        if differing := differences(heads[0], head):
+            raise DirectoryError(f"{folder}: holds another sweep than {folders[0]}: {'; '.join(differing)} differ")
+    checks = [check["name"] for check in heads[0]["checks"]]
+    rows = joined([rows_in(folder, checks) for folder in folders], checks, STATISTICS)
+    return SweepResult(folders[0], heads[0], rows)
