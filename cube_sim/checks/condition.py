@@ -10,7 +10,7 @@ from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.judging import Largest, judged
 from cube_sim.checks.measured import CLOCK, require_in_run, series_of
 from cube_sim.checks.reasons import NotJudgedError, Reasons
-from cube_sim.checks.samples import Array, Samples, Signals
+from cube_sim.checks.samples import Array, Samples, Signals, taken_away
 from cube_sim.scenario.check_blocks import AlwaysCheckBlock, ComparisonBlock, EventuallyCheckBlock
 from cube_sim.scenario.check_windows import condition_window
 from cube_sim.verdict import CheckResult
@@ -36,7 +36,7 @@ class ConditionHolds:
         self._clock = Samples(CLOCK)
         self._decisive, self._instants, self._began = Largest(), 0, False
         self._first = self._last = self._turned_s = np.nan
-        named = tuple(dict.fromkeys(each.signal for each in check.comparisons))
+        named = tuple(dict.fromkeys(each.signal for each in check.named_signals))
         self.needs = (*named, CLOCK) if self._on_change and CLOCK not in named else named
 
     def take(self, block: Signals) -> None:
@@ -44,7 +44,10 @@ class ConditionHolds:
         if self._on_change and CLOCK in block:
             self._clock.take(block[CLOCK])
         none = np.empty((0, 2))
-        known = [each.take(block.get(each.asked.signal, none)) for each in self._signals]
+        known = [
+            each.take(block.get(each.asked.signal, none), self._other(block, each), self._reasons)
+            for each in self._signals
+        ]
         times = np.unique(np.concatenate(known))
         times = times[np.isfinite(times)]
         if self._on_change and not self._began and self._clock_or(times) >= self._start:
@@ -53,6 +56,10 @@ class ConditionHolds:
         self._look_at(times)
         for each in self._signals:
             each.forget()
+
+    def _other(self, block: Signals, each: _Followed) -> Array | None:
+        """Rows of what is taken away from a signal; None where nothing is."""
+        return None if each.asked.minus is None else block.get(each.asked.minus, np.empty((0, 2)))
 
     def _clock_or(self, times: Array) -> float:
         """How far the run has come [s]."""
@@ -103,6 +110,10 @@ class ConditionHolds:
             if each.asked.signal in self._on_change and each.samples.start > start:
                 text = f"{each.asked.signal} starts at {each.samples.start:g} s, the window at {start:g} s"
                 raise NotJudgedError(text)
+        for named in self._check.named_signals:
+            if named.signal not in recorded:
+                raise NotJudgedError(f"no signal {named.signal}")
+        self._reasons.require_none("minus")
         for each in self._signals:
             self._reasons.require_none(each.asked.signal)
         if not self._instants:
@@ -126,10 +137,15 @@ class _Followed:
         self._rows = np.empty((0, 2))
         self.begins = np.inf
 
-    def take(self, rows: Array) -> Array:
-        """Take in more rows; their times."""
+    def take(self, rows: Array, other: Array | None, reasons: Reasons) -> Array:
+        """Take in more rows, and those that are taken away from them; their times."""
         if not self.samples.take(rows):
             return np.zeros(0)
+        if other is not None:
+            less = taken_away(rows, other, (self.asked.signal, str(self.asked.minus)), reasons)
+            if less is None:
+                return np.zeros(0)
+            rows = less
         self.begins = min(self.begins, self.samples.start)
         self._rows = np.concatenate([self._rows, rows]) if len(self._rows) else rows
         return rows[:, 0]

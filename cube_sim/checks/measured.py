@@ -10,7 +10,7 @@ import numpy as np
 from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.held_rows import HeldRows
 from cube_sim.checks.reasons import NotJudgedError, Reasons
-from cube_sim.checks.samples import Array, Samples, Signals, note_not_finite
+from cube_sim.checks.samples import Array, Samples, Signals, note_not_finite, taken_away
 from cube_sim.checks.statistics import MeasuredValue, accumulator
 from cube_sim.scenario.statistic_keys import AsksStatistic
 from cube_sim.scenario.windows import TimeWindow
@@ -43,7 +43,9 @@ class Measured:
         self._held = HeldRows(window) if asked.signal in beforehand.held else None
         self._found = accumulator(asked, at_most, limit)
         self._inside, self._first, self._last = 0, np.nan, np.nan
-        self.needs = (asked.signal,) if self._held is None else (asked.signal, CLOCK)
+        self._minus = None if asked.minus is None else Samples(asked.minus)
+        named = (asked.signal,) if asked.minus is None else (asked.signal, asked.minus)
+        self.needs = named if self._held is None else (*named, CLOCK)
 
     def take(self, block: Signals) -> None:
         """See `Judge`."""
@@ -52,6 +54,13 @@ class Measured:
             self._clock.take(block[CLOCK])
         if rows is None or not self._samples.take(rows):
             return
+        if self._asked.minus is not None and self._minus is not None:
+            other = block.get(self._asked.minus, np.empty((0, 2)))
+            self._minus.take(other)
+            less = taken_away(rows, other, (self._asked.signal, self._asked.minus), self._reasons)
+            if less is None:
+                return
+            rows = less
         if self._held is not None:
             spans = self._held.take(rows)
             self._take_in(spans.rows, spans.lasting)
@@ -87,6 +96,10 @@ class Measured:
         Raises:
             NotJudgedError: it cannot be told.
         """
+        if self._minus is not None:
+            self._samples.require(recorded)
+            self._minus.require(recorded)
+            self._reasons.require_none("minus")
         if self._held is None:
             self._samples.require_every_tick(recorded, duration_s)
             start, end = self._samples.start, self._samples.end
@@ -137,7 +150,8 @@ class Measured:
     @property
     def detail(self) -> str:
         """What was looked at, for readers."""
-        what = f"{self._inside} samples of {self._asked.signal}"
+        less = "" if self._asked.minus is None else f" - {self._asked.minus}"
+        what = f"{self._inside} samples of {self._asked.signal}{less}"
         if self._held is not None:
             what = f"{self._inside} values of {self._asked.signal}, each held until the next"
         return f"{what}, {self._first:g} s to {self._last:g} s"

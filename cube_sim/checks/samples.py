@@ -158,6 +158,28 @@ def note_not_finite(reasons: Reasons, name: str, rows: Array) -> bool:
     return not bad.any()
 
 
+def taken_away(rows: Array, other: Array, names: tuple[str, str], reasons: Reasons) -> Array | None:
+    """One signal less another, at the times of both: (n, 1 + width); None, and a reason "minus", where they do not fit.
+
+    Args:
+        rows: of the one.
+        other: of the other, in the same span of time.
+        names: of both.
+        reasons: gets it.
+    """
+    if rows.shape != other.shape:
+        if rows.ndim == other.ndim == 2 and rows.shape[1] == other.shape[1]:
+            reasons.note("minus", f"{names[0]} and {names[1]} are not sampled at the same times")
+        else:
+            reasons.note("minus", f"{names[0]} and {names[1]} do not have the same columns")
+        return None
+    if not np.array_equal(rows[:, 0], other[:, 0]):
+        reasons.note("minus", f"{names[0]} and {names[1]} are not sampled at the same times")
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):  # what is no number is seen to be none
+        return np.column_stack([rows[:, 0], rows[:, 1:] - other[:, 1:]])
+
+
 def note_other_times(reasons: Reasons, **signals: Array) -> None:
     """Note, as a reason of the kind "times", that signals are not sampled at the same times."""
     (first_name, first), *others = signals.items()

@@ -36,7 +36,11 @@ def require_signals(loaded: Loaded, vehicle: Vehicle, channels: tuple[Channel, .
         *signal_mistakes(loaded.scenario.checks, widths, why_absent),
         *unit_mistakes(loaded.scenario.checks, units_of(channels)),
     ]
-    found = unknown or [*_too_few_rows(loaded.scenario, channels), *_no_baselines(loaded.scenario, channels)]
+    found = unknown or [
+        *_other_times(loaded.scenario, channels),
+        *_too_few_rows(loaded.scenario, channels),
+        *_no_baselines(loaded.scenario, channels),
+    ]
     mistakes = [loaded.mistake(*each) for each in found]
     if mistakes:
         raise ScenarioError(mistakes)
@@ -63,6 +67,19 @@ def _too_few_rows(scenario: Scenario, channels: tuple[Channel, ...]) -> Iterator
                 text = f"the window {start:g} s to {end:g} s holds {holds} of {signal}, which has one every {apart:g} s"
                 where = f"checks.{i}.{place}.{key}" if place else f"checks.{i}.{key}"
                 yield where, f"{text}; {asked.statistic} needs {needed}"
+
+
+def _other_times(scenario: Scenario, channels: tuple[Channel, ...]) -> Iterator[tuple[str, str]]:
+    """Signals that are to be taken away from others, and have no rows at the same times."""
+    channel_of = {f"{channel.name}.{field.name}": channel for channel in channels for field in channel.fields}
+    for i, check in enumerate(scenario.checks):
+        for signal, _, place, key, beside in check.named_signals:
+            if not beside:
+                continue
+            one, other = channel_of[signal], channel_of[beside]
+            if one.name != other.name and not (one.every_tick and other.every_tick):
+                where = f"checks.{i}.{place}.{key}" if place else f"checks.{i}.{key}"
+                yield where, f"{signal} and {beside} have no rows at the same times: one of them is not of every tick"
 
 
 def _no_baselines(scenario: Scenario, channels: tuple[Channel, ...]) -> Iterator[tuple[str, str]]:

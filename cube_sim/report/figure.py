@@ -236,7 +236,7 @@ def _limits(subject: Subject, panel: Plot) -> Iterator[SignalCheckBlock]:
     """Checks whose limit is one on what is drawn: on a number, not on the norm of several that are drawn apart."""
     name, _, part = panel.signal.rpartition(".")
     for check in subject.scenario.checks:
-        if not isinstance(check, SignalCheckBlock) or check.statistic not in AMONG_SAMPLES:
+        if not isinstance(check, SignalCheckBlock) or check.statistic not in AMONG_SAMPLES or check.minus:
             continue
         if check.signal == panel.signal:
             field = subject.run.fields[panel.signal]

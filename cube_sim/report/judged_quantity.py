@@ -125,6 +125,12 @@ def beyond_from(quantity: JudgedQuantity, relation: str, limit: float) -> float 
 def _series(subject: Subject, asked: AsksStatistic | ComparisonBlock) -> tuple[str, Rows]:
     """What a signal, or the part of it that is asked for, is called, and its rows (n, 2)."""
     rows, name, columns = subject.rows(asked.signal), asked.signal, subject.columns(asked.signal)
+    if asked.minus is not None:
+        other, name = subject.rows(asked.minus), f"{name} − {asked.minus}"
+        if rows.shape == other.shape:
+            rows = np.column_stack([rows[:, 0], rows[:, 1:] - other[:, 1:]])
+        else:
+            rows = np.empty((0, rows.shape[1]))
     if asked.component is not None:
         known = asked.component < len(columns)
         name += f".{columns[asked.component]}" if known else f"[{asked.component}]"

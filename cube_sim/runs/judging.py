@@ -125,7 +125,7 @@ def nameable(run: RecordedRun) -> dict[str, int]:
 
 def _with_reason(check: AnyCheck, result: CheckResult, run: RecordedRun) -> CheckResult:
     """Of a signal that this run did not record: why not."""
-    for signal, _, _ in check.named_signals:
+    for signal in (named.signal for named in check.named_signals):
         if signal not in run.fields and (why := why_absent(signal)):
             return replace(result, detail=f"{signal} is not recorded: {why}")
     return result

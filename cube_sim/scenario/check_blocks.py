@@ -5,6 +5,7 @@ These blocks only say what is asked; `cube_sim.checks` answers it from the recor
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
@@ -19,15 +20,18 @@ from cube_sim.scenario.statistic_keys import (
     Combine,
     Component,
     Level,
+    Minus,
     NamedSignal,
     Percent,
     SignalName,
     SparingBlock,
     StatisticName,
     bound_of,
+    named_signals_of,
     require_one_limit,
     require_possible_limit,
     require_statistic,
+    signal_in_words,
     statistic_in_words,
 )
 from cube_sim.scenario.values import Title, refuse
@@ -55,10 +59,13 @@ class SignalCheckBlock(CheckBlock):
     `component`. What is recorded on change is judged as held until the next change. Formulas: docs/checks.md.
     """
 
-    sparing: ClassVar[frozenset[str]] = frozenset(("combine", "level", "band", "percent", "from_event", "to_event"))
+    sparing: ClassVar[frozenset[str]] = frozenset(
+        ("minus", "combine", "level", "band", "percent", "from_event", "to_event")
+    )
 
     kind: Literal["signal"]
     signal: SignalName
+    minus: Minus = None
     component: Component = None
     combine: Combine = "norm"
     statistic: StatisticName
@@ -93,15 +100,16 @@ class SignalCheckBlock(CheckBlock):
     @property
     def named_signals(self) -> tuple[NamedSignal, ...]:
         """See `CheckBlock.named_signals`."""
-        return (NamedSignal(self.signal, self.component),)
+        return named_signals_of(self)
 
 
 class ComparisonBlock(SparingBlock):
     """A signal against a limit, at each instant."""
 
-    sparing: ClassVar[frozenset[str]] = frozenset(("combine", "scale"))
+    sparing: ClassVar[frozenset[str]] = frozenset(("minus", "combine", "scale"))
 
     signal: SignalName
+    minus: Minus = None
     component: Component = None
     combine: Combine = "norm"
     at_most: AtMost = None
@@ -128,9 +136,8 @@ class ComparisonBlock(SparingBlock):
     @property
     def words(self) -> str:
         """For readers: "pose.position[2] <= -1"."""
-        column = "" if self.component is None else f"[{self.component}]"
         relation, limit = self.bound
-        return f"{'sum of ' if self.combine == 'sum' else ''}{self.signal}{column} {relation} {limit:g}"
+        return f"{signal_in_words(self)} {relation} {limit:g}"
 
 
 Comparisons = Annotated[tuple[ComparisonBlock, ...], Strict(False)]
@@ -173,9 +180,8 @@ class ConditionCheckBlock(CheckBlock):
     def named_signals(self) -> tuple[NamedSignal, ...]:
         """See `CheckBlock.named_signals`."""
         key = "all" if self.all else "any"
-        return tuple(
-            NamedSignal(each.signal, each.component, f"{key}.{index}") for index, each in enumerate(self.comparisons)
-        )
+        each = (named_signals_of(one, f"{key}.{index}") for index, one in enumerate(self.comparisons))
+        return tuple(chain.from_iterable(each))
 
     @model_validator(mode="after")
     def _one_list_and_a_window(self) -> ConditionCheckBlock:
@@ -238,6 +244,7 @@ class StatisticBlock(SparingBlock):
     sparing: ClassVar[frozenset[str]] = SignalCheckBlock.sparing
 
     signal: SignalName
+    minus: Minus = None
     component: Component = None
     combine: Combine = "norm"
     statistic: StatisticName
@@ -283,11 +290,7 @@ class RatioCheckBlock(CheckBlock):
     @property
     def named_signals(self) -> tuple[NamedSignal, ...]:
         """See `CheckBlock.named_signals`."""
-        above, below = self.numerator, self.denominator
-        return (
-            NamedSignal(above.signal, above.component, "numerator"),
-            NamedSignal(below.signal, below.component, "denominator"),
-        )
+        return named_signals_of(self.numerator, "numerator") + named_signals_of(self.denominator, "denominator")
 
 
 class BeforeAfterCheckBlock(CheckBlock):
@@ -296,11 +299,12 @@ class BeforeAfterCheckBlock(CheckBlock):
     The value is the one after less the one before, or the one after over the one before.
     """
 
-    sparing: ClassVar[frozenset[str]] = frozenset(("combine", "level", "band", "percent"))
+    sparing: ClassVar[frozenset[str]] = frozenset(("minus", "combine", "level", "band", "percent"))
 
     kind: Literal["before_after"]
     event: EventName = Field(description="The event, by its name or by its number in the list of events, from 0.")
     signal: SignalName
+    minus: Minus = None
     component: Component = None
     combine: Combine = "norm"
     statistic: StatisticName
@@ -336,7 +340,7 @@ class BeforeAfterCheckBlock(CheckBlock):
     @property
     def named_signals(self) -> tuple[NamedSignal, ...]:
         """See `CheckBlock.named_signals`."""
-        return (NamedSignal(self.signal, self.component),)
+        return named_signals_of(self)
 
 
 class BaselineCheckBlock(CheckBlock):
@@ -346,7 +350,7 @@ class BaselineCheckBlock(CheckBlock):
     norm over all columns of a vector.
     """
 
-    sparing: ClassVar[frozenset[str]] = SignalCheckBlock.sparing | {"statistic"}
+    sparing: ClassVar[frozenset[str]] = (SignalCheckBlock.sparing - {"minus"}) | {"statistic"}
 
     kind: Literal["baseline"]
     record: RecordFile = Field(

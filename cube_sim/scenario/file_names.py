@@ -57,9 +57,9 @@ def _existing_model(file: str, info: ValidationInfo) -> str:
 
 def _existing_record(file: str, info: ValidationInfo) -> str:
     """The absolute name of a run's folder, or of a file in its place."""
-    absolute = _beside_the_scenario(file, info)
-    if info.context is not None and not Path(absolute).exists():
-        refuse(f"no such file: {Path(info.context['directory'], file)}")
+    absolute, directory = _beside_the_scenario(file, info), _seen_from(info)
+    if directory is not None and not Path(absolute).exists():
+        refuse(f"no such file: {Path(directory, file)}")
     return absolute
 
 

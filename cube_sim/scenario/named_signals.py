@@ -30,23 +30,26 @@ def signal_mistakes(
         Dotted path of the value at fault, and what is wrong with it.
     """
     for i, check in enumerate(checks):
-        for signal, component, place in check.named_signals:
+        for signal, component, place, key, beside in check.named_signals:
             where = f"checks.{i}.{place}." if place else f"checks.{i}."
             if signal not in widths:
                 if why := why_absent(signal):
-                    yield f"{where}signal", f"'{signal}' is not recorded: {why}"
+                    yield f"{where}{key}", f"'{signal}' is not recorded: {why}"
                     continue
                 known = widths if recorded is None else recorded
                 near = get_close_matches(signal, known, n=1)
                 nearest = ", ".join(get_close_matches(signal, known, n=_NEAREST, cutoff=0.0)) or "none"
                 hint = f"did you mean {near[0]}?" if near else f"the nearest of {len(known)} are {nearest}"
-                yield f"{where}signal", f"no signal '{signal}' is recorded, {hint}"
+                yield f"{where}{key}", f"no signal '{signal}' is recorded, {hint}"
             elif component is not None and component >= widths[signal]:
                 yield f"{where}component", f"{signal} has columns 0 to {widths[signal] - 1}"
+            elif widths.get(beside, widths[signal]) != widths[signal]:
+                text = f"{signal} has {widths[signal]} columns and cannot be taken away from {beside}"
+                yield f"{where}{key}", f"{text}, which has {widths[beside]}"
 
 
 def unit_mistakes(checks: Sequence[AnyCheck], units: Mapping[str, Sequence[str]]) -> Iterator[tuple[str, str]]:
-    """Conditions that weigh margins of different units against one another.
+    """Numbers of different units that are weighed against one another, or taken away from one another.
 
     Args:
         checks: of a scenario.
@@ -56,15 +59,23 @@ def unit_mistakes(checks: Sequence[AnyCheck], units: Mapping[str, Sequence[str]]
         Dotted path of the value at fault, and what is wrong with it.
     """
     for i, check in enumerate(checks):
+        for each in check.named_signals:
+            if each.beside and units.get(each.signal) != units.get(each.beside):
+                text = f"{_with_unit(each.signal, units)} cannot be taken away from {_with_unit(each.beside, units)}"
+                yield f"checks.{i}.{each.place}.{each.key}" if each.place else f"checks.{i}.{each.key}", text
         if not isinstance(check, ConditionCheckBlock) or check.scaled:
             continue
-        first, *others = check.named_signals
+        first, *others = (each for each in check.named_signals if not each.beside)
         unit = _units(first, units)
         for other in others:
             if _units(other, units) != unit:
                 text = f"{_units(other, units)} beside {unit}: give every comparison a scale, by which margins compare"
                 yield f"checks.{i}.{other.place}", text
                 break
+
+
+def _with_unit(signal: str, units: Mapping[str, Sequence[str]]) -> str:
+    return f"{signal} in {', '.join(dict.fromkeys(units.get(signal, ()))) or 'no known unit'}"
 
 
 def _units(named: NamedSignal, units: Mapping[str, Sequence[str]]) -> str:

@@ -44,10 +44,18 @@ AMONG_SAMPLES = "rms", "mean", "max", "min", "max_abs", "min_abs", "final", "per
 """Those whose value can be drawn beside the samples they are of."""
 NEVER_NEGATIVE = "rms", "max_abs", "min_abs", "std", *SHARES, *COUNTS, "settling"
 
+SIGNAL = r"^([a-z0-9_]+/)?[a-z0-9_]+\.[a-z0-9_]+$"
+"""What a signal is called: channel.field, among several vehicles vehicle/channel.field."""
+
 SignalName = Annotated[
     str,
-    StringConstraints(pattern=r"^([a-z0-9_]+/)?[a-z0-9_]+\.[a-z0-9_]+$"),
+    StringConstraints(pattern=SIGNAL),
     Field(description="Recorded signal as channel.field, for example path_error.cross_track."),
+]
+Minus = Annotated[
+    str | None,
+    StringConstraints(pattern=SIGNAL),
+    Field(description="Signal that is taken away from it at each instant, of the same columns, unit and times."),
 ]
 Component = Annotated[
     int | None,
@@ -81,11 +89,15 @@ class NamedSignal(NamedTuple):
         signal: channel.field.
         component: the column; None for all.
         place: dotted path, within the check, of the block that names it; "" for the check itself.
+        key: of the signal, in that block.
+        beside: the signal from which it is taken away; "" for none.
     """
 
     signal: str
     component: int | None = None
     place: str = ""
+    key: str = "signal"
+    beside: str = ""
 
 
 class Bound(NamedTuple):
@@ -100,15 +112,22 @@ class Bound(NamedTuple):
     limit: float
 
 
-class AsksStatistic(Protocol):
-    """What says which statistic of which signal is meant."""
+class NamesSignal(Protocol):
+    """What says which number of which signal is meant."""
 
     @property
     def signal(self) -> str: ...  # noqa: D102
     @property
+    def minus(self) -> str | None: ...  # noqa: D102
+    @property
     def component(self) -> int | None: ...  # noqa: D102
     @property
     def combine(self) -> Literal["norm", "sum"]: ...  # noqa: D102
+
+
+class AsksStatistic(NamesSignal, Protocol):
+    """What says which statistic of which signal is meant."""
+
     @property
     def statistic(self) -> Statistic: ...  # noqa: D102
     @property
@@ -145,9 +164,28 @@ class SparingBlock(Block):
 
 def statistic_in_words(asked: AsksStatistic) -> str:
     """The statistic with what it needs, and the signal: "percentile 95 of path_error.cross_track"."""
-    column = "" if asked.component is None else f"[{asked.component}]"
-    signal = f"{asked.signal}{column}" if asked.combine == "norm" else f"the sum of {asked.signal}"
-    return f"{statistic_alone(asked)} of {signal}"
+    return f"{statistic_alone(asked)} of {signal_in_words(asked)}"
+
+
+def signal_in_words(asked: NamesSignal) -> str:
+    """The signal, what is taken away from it, and which part of that is meant: "pose.position[2]"."""
+    name = asked.signal if asked.minus is None else f"{asked.signal} - {asked.minus}"
+    if asked.component is not None:
+        return f"{name}[{asked.component}]" if asked.minus is None else f"({name})[{asked.component}]"
+    return f"the sum of {name}" if asked.combine == "sum" else name
+
+
+def named_signals_of(asked: NamesSignal, place: str = "") -> tuple[NamedSignal, ...]:
+    """The signals that a block names.
+
+    Args:
+        asked: the block.
+        place: dotted path of it, within its check.
+    """
+    named = NamedSignal(asked.signal, asked.component, place)
+    if asked.minus is None:
+        return (named,)
+    return named, NamedSignal(asked.minus, None, place, "minus", asked.signal)
 
 
 def statistic_alone(asked: AsksStatistic) -> str:

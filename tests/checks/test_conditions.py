@@ -116,6 +116,34 @@ def test_what_is_no_number_in_the_window_is_an_error(bad):
     assert judge(signals, **asked, from_s=6.0).verdict == "PASS"
 
 
+def test_a_signal_minus_another_is_judged_instant_by_instant():
+    rng = np.random.default_rng(8)
+    signals = random_signals(rng)
+    other = signals[SAMPLED] + np.where(
+        np.arange(signals[SAMPLED].shape[1]), rng.normal(size=signals[SAMPLED].shape), 0
+    )
+    signals["other.values"] = other
+    apart = signals[SAMPLED][:, 1:] - other[:, 1:]
+    distance = np.abs(apart[:, 0]) if apart.shape[1] == 1 else np.linalg.norm(apart, axis=1)
+    of = {"signal": SAMPLED, "minus": "other.values"}
+    for result in (
+        judge(signals, rng, kind="signal", statistic="max_abs", at_most=1.0, **of),
+        judge(signals, rng, kind="always", all=[{**of, "at_most": 1.0}]),
+    ):
+        assert result.value == pytest.approx(distance.max() if result.name[0] == "m" or apart.shape[1] > 1 else
+                                             apart.max(), rel=1e-12)  # fmt: skip
+    component = judge(signals, rng, kind="signal", statistic="mean", component=0, at_most=1.0, **of)
+    assert component.value == pytest.approx(apart[:, 0].mean(), abs=1e-12)
+    signals["other.values"] = other[::2]
+    for asked in ({"kind": "signal", "statistic": "max", "at_most": 9.0, **of},
+                  {"kind": "always", "all": [{**of, "at_most": 9.0}]}):  # fmt: skip
+        result = judge(signals, rng, **asked)
+        assert (result.verdict, "are not sampled at the same times" in result.detail) == ("ERROR", True)
+    del signals["other.values"]
+    assert "no signal other.values" in judge(signals, kind="signal", statistic="max", at_most=9.0, **of).detail
+    assert "no signal other.values" in judge(signals, kind="always", all=[{**of, "at_most": 9.0}]).detail
+
+
 def test_a_ratio_is_of_two_statistics():
     rng = np.random.default_rng(2)
     signals = random_signals(rng)

@@ -58,6 +58,23 @@ def test_a_window_without_its_samples_is_refused(check, said):
             "any.1: m/s beside m: give every comparison a scale, by which margins compare",
         ),
         (
+            {"kind": "signal", "signal": "pose.position", "minus": "velocity.linear", "statistic": "max", "at_most": 1},
+            "minus: velocity.linear in m/s cannot be taken away from pose.position in m",
+        ),
+        (
+            {"kind": "signal",
+             "signal": "pose.position", "minus": "path_error.along", "statistic": "rms", "at_most": 1},
+            "minus: path_error.along has 1 columns and cannot be taken away from pose.position, which has 3",
+        ),
+        (
+            {"kind": "always", "all": [{"signal": "velocity.linear", "minus": "sensor_dvl.velocity", "at_most": 1}]},
+            "all.0.minus: sensor_dvl.velocity and velocity.linear have no rows at the same times: one",
+        ),
+        (
+            {"kind": "signal", "signal": "pose.position", "minus": "target.positin", "statistic": "max", "at_most": 1},
+            "minus: no signal 'target.positin' is recorded, did you mean target.position?",
+        ),
+        (
             {"kind": "ratio", "numerator": {"signal": "power.charge", "statistic": "max"}, "denominator": {
                 "signal": "pose.position", "statistic": "max", "component": 3}, "at_most": 1},
             "numerator.signal: 'power.charge' is not recorded: the scenario has no battery\n"

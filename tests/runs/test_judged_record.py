@@ -66,6 +66,7 @@ def of(signal, statistic, **rest):
 
 DEEP = ComparisonBlock(signal="pose.position", component=2, at_most=-1.0, scale=1.0)
 SLOW = ComparisonBlock(signal="velocity.linear", at_most=0.4, scale=0.1)
+BESIDE = ComparisonBlock(signal="pose.position", minus="target.position", at_most=3.0)
 LIMIT = ComparisonBlock(signal="actuation.limits", component=3, at_least=20.0, scale=10.0)
 ENERGY = StatisticBlock(signal="power.energy", statistic="increase", from_s=1.0)
 WAY = StatisticBlock(signal="target.arc_length", statistic="increase", from_s=1.0)
@@ -85,6 +86,9 @@ CHECKS = [
     of("thrusters.force", "crossings", level=0.0, component=0),
     of("path_error.attitude", "settling", band=(0.0, 0.2)),
     of("power.motor", "integral", combine="sum"),
+    of("pose.position", "percentile", percent=50.0, minus="target.position"),
+    of("thrusters.force", "rms", minus="thrusters.force_demanded", component=2),
+    AlwaysCheckBlock(kind="always", all=(BESIDE,)),
     *(of("actuation.matrix", statistic, component=3, from_s=3.1) for statistic in ("mean", "std", "max", "changes")),
     of("actuation.limits", "percentile", percent=40.0, combine="sum"),
     AlwaysCheckBlock(kind="always", all=(DEEP, SLOW)),

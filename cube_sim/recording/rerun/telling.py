@@ -25,9 +25,7 @@ def story_of(header: RunHeader) -> Story:
         return Story("", "", None, None, (), ())
     events = sorted((Event(event.at_s, event.title) for event in scenario.events), key=lambda event: event.t)
     checks = (check for check in scenario.checks if isinstance(check, SignalCheckBlock))
-    limits = (
-        _limit(check, scenario) for check in checks if check.statistic in AMONG_SAMPLES and check.combine == "norm"
-    )
+    limits = (_limit(check, scenario) for check in checks if _is_of_samples(check))
     name, speed = scenario.name, scenario.guidance.speed_m_s
     return Story(name, _text(scenario, events, header), scenario.duration_s, speed, tuple(events), tuple(limits))
 
@@ -59,6 +57,11 @@ def _asked(check: AnyCheck) -> str:
 def _bound(check: AnyCheck) -> str:
     relation = {"<=": "≤", ">=": "≥"}[check.bound.relation]
     return f"{relation} {check.bound.limit:g}"
+
+
+def _is_of_samples(check: SignalCheckBlock) -> bool:
+    """Whether its limit is one on a number that is recorded."""
+    return check.statistic in AMONG_SAMPLES and check.combine == "norm" and check.minus is None
 
 
 def _limit(check: SignalCheckBlock, scenario: Scenario) -> Limit:
