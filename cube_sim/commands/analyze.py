@@ -9,7 +9,7 @@ import typer
 
 from cube_sim.commands.ending import BAD_INPUT, stop
 from cube_sim.commands.leaving import SIGNALLED, raise_on_interrupt
-from cube_sim.commands.output import open_no_windows, print_json
+from cube_sim.commands.output import give_matplotlib_a_folder, open_no_windows, print_json
 from cube_sim.commands.progress import loss_progress
 from cube_sim.errors import CubeSimError
 from cube_sim.uninterrupted import interrupted_by, signal_of
@@ -54,6 +54,7 @@ def analyze(
 ) -> None:
     """Say what a vehicle's thrusters can do, what it loses with some of them, and whether it still follows a path."""
     open_no_windows()
+    give_matplotlib_a_folder()
     from cube_sim.commands import analysis_report, analysis_tables
 
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import logging
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,18 @@ def open_no_windows() -> None:
     Not where code of the user's own is flown: that may draw.
     """
     os.environ.setdefault("MUJOCO_GL", "disable")
+
+
+def give_matplotlib_a_folder() -> None:
+    """Let matplotlib, which is imported later, keep its list of fonts where the user says that all is kept.
+
+    A user without a home would be told at every picture that the list is made once more.
+    """
+    named = os.environ.get("CUBE_SIM_CACHE_DIR")
+    if named and os.access(named, os.W_OK | os.X_OK):
+        os.environ.setdefault("MPLCONFIGDIR", os.path.join(named, "matplotlib"))
+    elif not os.path.isabs(os.path.expanduser("~")):
+        logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 
 def print_json(content: Any) -> None:

@@ -9,6 +9,7 @@ import typer
 
 from cube_sim.commands.beside import beside
 from cube_sim.commands.ending import BAD_INPUT, NOT_JUDGED, stop
+from cube_sim.commands.output import give_matplotlib_a_folder
 from cube_sim.commands.replay import RunArgument
 from cube_sim.errors import RecordingError
 from cube_sim.whole_file import written_whole
@@ -55,6 +56,7 @@ def plot(
     """Draw signals of a run, with units, limits of checks and events, as PNG, SVG or PDF."""
     file = beside(run, ".png") if out is None else out
     try:
+        give_matplotlib_a_folder()
         from cube_sim.report.figure import FORMATS, save_figure
 
         if file.suffix.lower() not in FORMATS:

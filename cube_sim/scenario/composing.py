@@ -24,7 +24,7 @@ DEEPEST = 60
 _OPENED = {"while parsing a flow sequence": "[", "while parsing a flow mapping": "{"}
 _OUTSIDE = ("got ':'", "got '-'", "got '<stream end>'", "got '<document start>'", "got '<document end>'")
 """What is found in a list or block in brackets, on a later line, when its bracket is missing."""
-_A_KEY = re.compile(r"""\s*(?:- +)?["']?[\w.]+["']?:(?:\s|$)""")
+_A_KEY = re.compile(r"""\s*(?:- |["']?[\w.]+["']?:(?:\s|$))""")
 _QUOTES = {'"': "double quote", "'": "quote"}
 
 
@@ -110,7 +110,8 @@ def _located(text: str, error: Exception) -> NotYAMLError:
         return NotYAMLError(_of(quote.start_mark), f"not valid YAML: {text}")
     if context in _OPENED and error.context_mark is not None and at is not None:
         bracket = _OPENED[context]
-        outside = problem.endswith(_OUTSIDE) or _A_KEY.match(text.splitlines()[at.line]) is not None
+        found = "".join(text.splitlines()[at.line : at.line + 1])
+        outside = problem.endswith(_OUTSIDE) or _A_KEY.match(found) is not None
         if at.line > error.context_mark.line and outside:
             return NotYAMLError(opened, f"not valid YAML: a {bracket!r} that opens here is not closed")
         return NotYAMLError(_of(at), f"not valid YAML: {problem}, for the {bracket!r} in column {opened.column}")
