@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.judging import Largest, judged
-from cube_sim.checks.measured import CLOCK, Measured, require_in_run, series_of
+from cube_sim.checks.measured import Measured, clock_of, require_in_run, series_of
 from cube_sim.checks.reasons import NotJudgedError, Reasons
 from cube_sim.checks.samples import Array, Samples, Signals, note_not_finite
 from cube_sim.scenario.check_blocks import BaselineCheckBlock
@@ -58,16 +58,16 @@ class SignalOfBoth:
         self._window = window_of(check, beforehand.events)
         self._start = -np.inf if self._window.start_s is None else self._window.start_s
         self._end = np.inf if self._window.end_s is None else self._window.end_s
-        self._samples, self._clock, self._farthest = Samples(check.signal), Samples(CLOCK), Largest()
+        self._samples, self._clock, self._farthest = Samples(check.signal), Samples(clock_of(check.signal)), Largest()
         self._held = check.signal in beforehand.held
         self._ours: list[Array] = []
         self._instants, self._first, self._last = 0, np.nan, np.nan
-        self.needs = (check.signal, CLOCK) if self._held else (check.signal,)
+        self.needs = (check.signal, self._clock.name) if self._held else (check.signal,)
 
     def take(self, block: Signals) -> None:
         """See `Judge`."""
-        if self._held and CLOCK in block:
-            self._clock.take(block[CLOCK])
+        if self._held and self._clock.name in block:
+            self._clock.take(block[self._clock.name])
         rows = block.get(self._check.signal)
         if rows is None or not self._samples.take(rows):
             return

@@ -8,7 +8,7 @@ import numpy as np
 
 from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.judging import Largest, judged
-from cube_sim.checks.measured import CLOCK, require_in_run, series_of
+from cube_sim.checks.measured import clock_of, require_in_run, series_of
 from cube_sim.checks.reasons import NotJudgedError, Reasons
 from cube_sim.checks.samples import Array, Samples, Signals, taken_away
 from cube_sim.scenario.check_blocks import AlwaysCheckBlock, ComparisonBlock, EventuallyCheckBlock
@@ -31,18 +31,18 @@ class ConditionHolds:
         self._window = condition_window(check, beforehand.events)
         self._start = -np.inf if self._window.start_s is None else self._window.start_s
         self._end = np.inf if self._window.end_s is None else self._window.end_s
+        named = tuple(dict.fromkeys(each.signal for each in check.named_signals))
         self._signals = [_Followed(each) for each in check.comparisons]
         self._on_change = {each.signal for each in check.comparisons if each.signal in beforehand.held}
-        self._clock = Samples(CLOCK)
+        self._clock = Samples(clock_of(min(self._on_change, default=named[0])))
         self._decisive, self._instants, self._began = Largest(), 0, False
         self._first = self._last = self._turned_s = np.nan
-        named = tuple(dict.fromkeys(each.signal for each in check.named_signals))
-        self.needs = (*named, CLOCK) if self._on_change and CLOCK not in named else named
+        self.needs = (*named, self._clock.name) if self._on_change and self._clock.name not in named else named
 
     def take(self, block: Signals) -> None:
         """See `Judge`."""
-        if self._on_change and CLOCK in block:
-            self._clock.take(block[CLOCK])
+        if self._on_change and self._clock.name in block:
+            self._clock.take(block[self._clock.name])
         none = np.empty((0, 2))
         known = [
             each.take(block.get(each.asked.signal, none), self._other(block, each), self._reasons)
@@ -99,7 +99,7 @@ class ConditionHolds:
             if each.asked.component is not None and each.asked.component >= samples.width:
                 text = f"{samples.name} has {samples.width} columns, no component {each.asked.component}"
                 raise NotJudgedError(text)
-        if self._on_change and CLOCK in recorded:
+        if self._on_change and self._clock.name in recorded:
             self._clock.require_every_tick(recorded, duration_s)
             begins, ends = max(begins, self._clock.start), min(ends, self._clock.end)
             slack = max(slack, 1.5 * self._clock.period)

@@ -15,8 +15,7 @@ from cube_sim.checks.statistics import MeasuredValue, accumulator
 from cube_sim.scenario.statistic_keys import AsksStatistic
 from cube_sim.scenario.windows import TimeWindow
 
-CLOCK = "pose.position"
-"""A signal of every tick: it tells how far the run goes where rows of another come with a change only."""
+_CLOCK = "pose.position"
 
 
 class Measured:
@@ -39,19 +38,19 @@ class Measured:
         limit: float | None = None,
     ) -> None:
         self._asked, self._window, self._reasons = asked, window, Reasons()
-        self._samples, self._clock = Samples(asked.signal), Samples(CLOCK)
+        self._samples, self._clock = Samples(asked.signal), Samples(clock_of(asked.signal))
         self._held = HeldRows(window) if asked.signal in beforehand.held else None
         self._found = accumulator(asked, at_most, limit)
         self._inside, self._first, self._last = 0, np.nan, np.nan
         self._minus = None if asked.minus is None else Samples(asked.minus)
         named = (asked.signal,) if asked.minus is None else (asked.signal, asked.minus)
-        self.needs = named if self._held is None else (*named, CLOCK)
+        self.needs = named if self._held is None else (*named, self._clock.name)
 
     def take(self, block: Signals) -> None:
         """See `Judge`."""
         rows = block.get(self._asked.signal)
-        if self._held is not None and CLOCK in block:
-            self._clock.take(block[CLOCK])
+        if self._held is not None and self._clock.name in block:
+            self._clock.take(block[self._clock.name])
         if rows is None or not self._samples.take(rows):
             return
         if self._asked.minus is not None and self._minus is not None:
@@ -122,7 +121,7 @@ class Measured:
         name, samples, clock = self._asked.signal, self._samples, self._clock
         samples.require(recorded)
         begins, ends = samples.start, samples.end
-        if CLOCK in recorded:
+        if clock.name in recorded:
             clock.require_every_tick(recorded, duration_s)
             begins, ends = clock.start, clock.end
             require_in_run(self._window, begins, ends, 1.5 * clock.period)
@@ -155,6 +154,12 @@ class Measured:
         if self._held is not None:
             what = f"{self._inside} values of {self._asked.signal}, each held until the next"
         return f"{what}, {self._first:g} s to {self._last:g} s"
+
+
+def clock_of(signal: str) -> str:
+    """A signal of every tick, of the same vehicle: how far the run goes where rows of one come with a change only."""
+    vehicle, among, _ = signal.rpartition("/")
+    return f"{vehicle}{among}{_CLOCK}"
 
 
 def series_of(values: Array, component: int | None, combine: Literal["norm", "sum"]) -> Array:

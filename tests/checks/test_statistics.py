@@ -162,6 +162,20 @@ def test_an_on_change_signal_is_judged_as_held():
     assert "each held until the next" in result.detail
 
 
+def test_what_one_of_several_vehicles_holds_is_held_as_far_as_its_own_run_goes():
+    rows = np.array([[0.0, 1.0], [6.0, 3.0]])
+    clock = np.column_stack([np.arange(0.0, 8.01, 0.02), np.zeros((401, 3))])
+    asked = {"signal": "leader/x.y", "at_most": 20.0}
+    for check, value in (({"kind": "signal", "statistic": "mean"}, 1.5), ({"kind": "always"}, 3.0)):
+        known = {"all": [asked]} if check["kind"] == "always" else asked
+        (result,) = evaluate(
+            [TypeAdapter(AnyCheck).validate_python(check | known)],
+            {"leader/x.y": rows, "leader/pose.position": clock},
+            beforehand=Beforehand(held={"leader/x.y"}),
+        )
+        assert result.value == pytest.approx(value)
+
+
 def test_what_is_held_from_later_than_its_window_is_an_error():
     signals = {"x.y": np.array([[3.0, 1.0]]), "pose.position": np.column_stack([np.arange(11.0), np.zeros((11, 3))])}
     for from_s, verdict in ((2.0, "ERROR"), (3.0, "PASS"), (4.0, "PASS")):
