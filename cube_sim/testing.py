@@ -266,10 +266,11 @@ class ScenarioItem(pytest.Item):
 
     def _tell(self, run: Run) -> None:
         """Leave what a JUnit report holds of it."""
-        from cube_sim.commands.account import early_end, log_lines
+        from cube_sim.commands.account import early_end, judged_line, log_lines
 
         self.user_properties.append(("verdict", run.verdict))
         self.user_properties += [(check.name, check.value) for check in run.checks]
+        self.user_properties += [(f"{check.name}: judged", judged_line(check)) for check in run.checks]
         self.user_properties += [("ended_early", remark) for remark in early_end(run)]
         self.user_properties += [("log", line) for line in log_lines(run.log)]
 

@@ -8,6 +8,7 @@ from cube_sim.run_log import LogLine, gathered
 
 if TYPE_CHECKING:
     from cube_sim.simulation import Run
+    from cube_sim.verdict import CheckResult
 
 MOST_LINES = 20
 """So many different sentences are shown; the recording holds all of them."""
@@ -24,6 +25,15 @@ def early_end(result: Run) -> list[str]:
     """When and why the run ended before its time, as one line; none if it did not."""
     end = result.ended_early
     return [] if end is None else [f"ended early, at {end.time_s:g} s: {end.reason}"]
+
+
+def judged_line(result: CheckResult) -> str:
+    """Verdict, limit, margin, time and what was looked at, of a check whose value is told beside."""
+    unit = "" if result.unit in ("", "1") else f" {result.unit}"
+    if result.margin is None or result.at_s is None:
+        return f"{result.verdict}: must be {result.relation} {result.limit:g}{unit}; {result.detail}"
+    asked = f"{result.relation} {result.limit:g}{unit}, margin {result.margin:g}{unit} at {result.at_s:g} s"
+    return f"{result.verdict}: {asked}; {result.detail}"
 
 
 def log_lines(log: tuple[LogLine, ...], most: int = MOST_LINES) -> list[str]:

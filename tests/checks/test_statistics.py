@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 from typing import get_args
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from pydantic import TypeAdapter
 from support.random_signals import HELD, RUN_S, SAMPLED, in_random_blocks, random_signals
 
-from cube_sim.checks import Beforehand, evaluate
+from cube_sim.checks import Beforehand, Evaluation, evaluate
 from cube_sim.scenario.check_blocks import AnyCheck
 from cube_sim.scenario.statistic_keys import Statistic
 
@@ -252,3 +253,24 @@ def test_a_value_has_its_unit(asked, unit):
     check = TypeAdapter(AnyCheck).validate_python({"kind": "signal", "at_most": 1.0, **asked})
     (result,) = evaluate([check], {}, units=units_of(channel_table(("T1", "T2"), 2)))
     assert result.unit == unit
+
+
+@pytest.mark.parametrize("statistic", STATISTICS)
+@pytest.mark.parametrize("name", [SAMPLED, HELD])
+def test_a_longer_run_takes_no_more_memory(statistic, name):
+    """But for a percentile, which keeps the numbers of its window, 8 bytes each, 16 where they are held."""
+    asked = {"kind": "signal", "signal": name, "statistic": statistic, "at_most": 1e9} | NEEDED.get(statistic, {})
+    kept = []
+    for minutes in (2, 20):
+        evaluation = Evaluation([TypeAdapter(AnyCheck).validate_python(asked)], BEFOREHAND)
+        tracemalloc.start()
+        for minute in range(minutes):
+            times = 60.0 * minute + np.arange(3000) * 0.02
+            rows = np.column_stack([times, np.sin(times)])
+            evaluation.take({name: rows, "pose.position": rows})
+        del times, rows
+        kept.append(tracemalloc.get_traced_memory()[0])
+        tracemalloc.stop()
+    more = kept[1] - kept[0]
+    numbers = 18 * 3000 * (16 if name == HELD else 8)
+    assert (numbers <= more < 1.1 * numbers) if statistic == "percentile" else more < 20_000

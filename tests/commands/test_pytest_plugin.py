@@ -5,6 +5,7 @@ Its own process, too: pytester forgets the modules an inner pytest has imported,
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ElementTree
 
 import pytest
@@ -202,6 +203,8 @@ def test_outcomes_texts_properties_and_recordings(folder):
     }
     assert properties["short_flight"]["verdict"] == "PASS"
     assert 0.0 <= float(properties["short_flight"]["max of path_error.cross_track"]) < 0.05
+    judged = properties["short_flight"]["max of path_error.cross_track: judged"]
+    assert re.fullmatch(r"PASS: <= 0.05 m, margin \S+ m at \S+ s; 26 samples of path_error.cross_track, .*", judged)
     assert properties["too_strict"]["verdict"] == "FAIL"
     assert properties["wrong"] == {}
     assert properties["too_strict"]["log"] == "0.20 s  WARNING  T1: dead"
