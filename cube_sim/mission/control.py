@@ -26,6 +26,7 @@ from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.own.code import NO_CODES, Codes
 from cube_sim.mission.own.controller import own_controller
 from cube_sim.mission.own.law import LawSetup
+from cube_sim.mission.own.others import NOBODY, Others
 from cube_sim.mission.own.parts import PartSetup, own_attitude, own_motion
 from cube_sim.mission.path import is_level
 from cube_sim.mission.planar import planar_follower
@@ -41,9 +42,22 @@ REST = 3.0
 
 
 def controller_of(
-    loaded: Loaded, believed: CompiledHull, path: Path, ability: Ability, codes: Codes = NO_CODES
+    loaded: Loaded,
+    believed: CompiledHull,
+    path: Path,
+    ability: Ability,
+    codes: Codes = NO_CODES,
+    others: Others = NOBODY,
 ) -> Controller:
     """The law from states to wrenches, for the vehicle the controller believes to fly.
+
+    Args:
+        loaded: the scenario.
+        believed: the vehicle.
+        path: the path.
+        ability: what its thrusters can do.
+        codes: code of the user's own.
+        others: what that sees of other vehicles.
 
     Raises:
         ScenarioError: the law does not fit the path or the vehicle; with position.
@@ -58,7 +72,7 @@ def controller_of(
     pointing = whole.authority in (Authority.PLANE, Authority.LINE)
     times = _times(scenario, believed.vehicle, dynamics, pointing)
     target, approach = guidance_of(scenario, path, times.lateral)
-    part = PartSetup(scenario, path, dynamics, within_limit, times)
+    part = PartSetup(scenario, path, dynamics, within_limit, times, others)
     if (code := codes.get("guidance.law")) is not None:
         approach = own_motion(loaded, code, part)
     block = control.attitude
@@ -81,6 +95,7 @@ def controller_of(
             target=target,
             motion=approach,
             attitude=attitude,
+            others=others,
         )
         return own_controller(loaded, code, setup)
     mistakes = too_slow_period(loaded, _loop_times(scenario, times))

@@ -13,6 +13,7 @@ from cube_sim.mission.disturbance import force_events, set_pushes
 from cube_sim.mission.events import Events
 from cube_sim.mission.hull import CompiledHull, dead_zones, flown_hull, put_initial, set_physics, water_parameters
 from cube_sim.mission.own.code import Codes
+from cube_sim.mission.own.others import Others
 from cube_sim.mission.prepare import Mission, mission_of
 from cube_sim.recording.channels import Channel, Field
 from cube_sim.scenario.distance_block import DISTANCE
@@ -22,6 +23,7 @@ from cube_sim.scenario.fleet_loading import LoadedFleet
 from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.joining import ModelPart, joined_model, vehicle_in
+from cube_sim.vehicle.vehicle import Vehicle
 
 
 @dataclass(frozen=True)
@@ -75,13 +77,21 @@ def prepare_fleet(loaded: LoadedFleet) -> FleetMission:
     data = mujoco.MjData(model)
     for name, one in loaded.vehicles.items():
         put_initial(data, flown[name].vehicle, one.scenario)
-    missions = {name: mission_of(one, alone[name], flown[name], data) for name, one in loaded.vehicles.items()}
+    vehicles = {name: hull.vehicle for name, hull in flown.items()}
+    missions = {
+        name: mission_of(one, alone[name], flown[name], data, _others(data, vehicles, name))
+        for name, one in loaded.vehicles.items()
+    }
     channels = fleet_channels(loaded.scenario, {name: mission.channels for name, mission in missions.items()})
     _require_signals(loaded, channels)
     _require_events_in_place(loaded)
     first = next(iter(missions.values()))
     events = Events(loaded.scenario.together, model, first.vehicle)
     return FleetMission(loaded.scenario, model, data, missions, events, channels, alone)
+
+
+def _others(data: mujoco.MjData, vehicles: Mapping[str, Vehicle], name: str) -> Others:
+    return Others(data, {other: vehicle for other, vehicle in vehicles.items() if other != name})
 
 
 def fleet_channels(scenario: FleetScenario, of_each: Mapping[str, Sequence[Channel]]) -> tuple[Channel, ...]:

@@ -26,6 +26,7 @@ from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.navigation import StateEstimation, read_truth
 from cube_sim.mission.own.code import Codes, codes_of, refused
 from cube_sim.mission.own.compiled_law import CompiledLaw
+from cube_sim.mission.own.others import NOBODY, Others
 from cube_sim.mission.own.sensor import own_sensors
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
@@ -113,7 +114,9 @@ def prepare(loaded: Loaded) -> Mission:
     return mission_of(loaded, flown, flown, initial_state(*flown, loaded.scenario))
 
 
-def mission_of(loaded: Loaded, alone: CompiledHull, flown: CompiledHull, data: mujoco.MjData) -> Mission:
+def mission_of(
+    loaded: Loaded, alone: CompiledHull, flown: CompiledHull, data: mujoco.MjData, others: Others = NOBODY
+) -> Mission:
     """Build a mission of a hull that is compiled.
 
     Args:
@@ -121,6 +124,7 @@ def mission_of(loaded: Loaded, alone: CompiledHull, flown: CompiledHull, data: m
         alone: the hull in the model of its file.
         flown: the same in the model that flies, where others may be beside it.
         data: of that model, every hull at its initial condition.
+        others: what code of the user's own sees of the vehicles beside it.
 
     Raises:
         ScenarioError: the model does not fit the scenario; with position.
@@ -147,7 +151,7 @@ def mission_of(loaded: Loaded, alone: CompiledHull, flown: CompiledHull, data: m
         vehicle=vehicle,
         path=path,
         ability=ability,
-        controller=controller_of(loaded, believed, path, ability, codes),
+        controller=controller_of(loaded, believed, path, ability, codes, others),
         allocator=allocator,
         supply=supply_of(loaded, model, vehicle),
         events=Events(scenario, model, vehicle, faults),

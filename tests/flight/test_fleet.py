@@ -142,6 +142,33 @@ def test_what_ends_the_flight_is_said_with_the_name(tmp_path):
     assert loop.ended_early is not None
 
 
+@pytest.mark.flight
+@pytest.mark.parametrize("first", ["leader", "follower"])
+def test_own_code_sees_the_others_as_they_were_at_the_beginning_of_the_tick(tmp_path, first):
+    (tmp_path / "law.py").write_text(
+        "def make(setup, log):\n"
+        "    def law(aim):\n"
+        "        assert list(setup.others) == ['leader']\n"
+        "        seen = setup.others['leader'].position\n"
+        "        with open(log, 'a') as file:\n"
+        "            print(aim.time, *seen.tolist(), file=file)\n"
+        "        seen[:] = 0.0\n"
+        "        return setup.dynamics.total_mass @ (0.1 * aim.velocity_error)\n"
+        "    return law\n"
+    )
+    log, of_several = tmp_path / "seen.txt", "checks:\n  - {kind: dist"
+    own = f"    control: {{law: {{python: law.py:make, options: {{log: {log}}}}}}}\n"
+    top, _, rest = PAIR.partition("  leader:\n")
+    leader, _, rest = rest.partition("  follower:\n")
+    follower, _, checks = rest.partition(of_several)
+    blocks = {"leader": f"  leader:\n{leader}", "follower": f"  follower:\n{own}{follower}"}
+    second = next(name for name in blocks if name != first)
+    _, store = fly(loaded_fleet(write(tmp_path, f"{top}{blocks[first]}{blocks[second]}{of_several}{checks}")))
+    rows = store.signals["leader/pose.position"]
+    seen = np.loadtxt(log)[-len(rows) :]  # it is asked once before the flight
+    assert np.array_equal(seen[:, 1:], rows[:, 1:])
+
+
 def test_what_one_vehicle_cannot_be_asked_is_said_where_it_stands(tmp_path):
     current = PAIR.replace(
         "  leader:\n", "  leader:\n    events: [{kind: current, at_s: 5, current_m_s: [0, 0.2, 0]}]\n"

@@ -18,6 +18,7 @@ from cube_sim.guidance.law import MotionLaw, Target, TargetView
 from cube_sim.guidance.path import Path
 from cube_sim.mission.own.code import OwnCode, numbers_of
 from cube_sim.mission.own.handed import handed
+from cube_sim.mission.own.others import NOBODY, Others
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Matrix, State, Vector, conjugate, multiply
 from cube_sim.vehicle.dynamics import Dynamics
@@ -42,6 +43,7 @@ class LawSetup:
         target: the target on it.
         motion: which velocity brings a vehicle to that target.
         attitude: which attitude it should take.
+        others: of several vehicles in one water, the states of the others, see `Others`.
     """
 
     scenario: Scenario
@@ -57,6 +59,7 @@ class LawSetup:
     target: Target
     motion: MotionLaw
     attitude: AttitudeMode
+    others: Others = NOBODY
 
 
 class Aim(NamedTuple):

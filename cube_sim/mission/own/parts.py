@@ -15,6 +15,7 @@ from cube_sim.guidance.law import DesiredMotion, TargetView
 from cube_sim.guidance.path import Path
 from cube_sim.mission.own.code import OwnCode, made, numbers_of, refused
 from cube_sim.mission.own.handed import handed
+from cube_sim.mission.own.others import NOBODY, Others
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.dynamics import Dynamics
@@ -30,6 +31,7 @@ class PartSetup:
         dynamics: the hull's equations of motion, as the controller believes them.
         capability: what the thrusters can do.
         times: how fast the loops are that follow it [s].
+        others: of several vehicles in one water, the states of the others, see `Others`.
     """
 
     scenario: Scenario
@@ -37,6 +39,7 @@ class PartSetup:
     dynamics: Dynamics
     capability: Capability
     times: LoopTimes
+    others: Others = NOBODY
 
 
 class OwnAttitude:
