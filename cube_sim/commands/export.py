@@ -102,7 +102,9 @@ def _written(recorded: RecordedRun, to: Path, format_: Format, channels: Sequenc
         from cube_sim.recording.mcap.viewer_layout import viewer_layout
 
         layout = to / "layout.json"
-        layout.write_text(viewer_layout(recorded.recording.channels, recorded.recording.vehicle))
+        layout.write_text(
+            viewer_layout(recorded.recording.channels, recorded.recording.vehicle, tuple(recorded.header.vehicles))
+        )
         return [layout]
     from cube_sim.runs.tables import tables_of, write_csv, write_parquet
 

@@ -25,6 +25,7 @@ from cube_sim.recording.mcap.names import (
     RUN_METADATA,
     SCENARIO,
     TRANSFORM_TOPIC,
+    VEHICLES_METADATA,
     VERSIONS_METADATA,
     topic,
 )
@@ -33,6 +34,18 @@ from cube_sim.recording.navigation_channels import READINGS, navigation_channels
 from cube_sim.recording.run_end import How
 from cube_sim.run_log import ALIKE, LogLine
 from cube_sim.verdict import CheckResult, Flown, to_json
+
+_SEVERAL = f"""\
+A run of several vehicles is one record. A channel of a vehicle stands under its name, `leader/pose`, and so does a
+signal, `leader/pose.position`; each has the table below, whatever others there are. The channel `distance` has a field
+for every two vehicles, `leader_to_follower`: the distance between their body origins [m], at each control period. A
+sentence of the log that is about one vehicle begins with its name, `leader: T1: dead`. The metadata
+`{VEHICLES_METADATA}` names the hull of each vehicle in its own model; the files of each are called
+`vehicles/NAME/KEY/FILE`. What viewers draw of a vehicle is below its name too, `/leader/scene` and
+`/leader{TRANSFORM_TOPIC}`; its frame is called after it.
+
+`load_run(...).vehicles` has the run of each vehicle under the names it would have alone: its scenario, signals, log and
+checks. `whole` is the scenario of all of them, and `together` the run as the checks over several see it."""
 
 WRITTEN_BY = {
     "actuation": "the allocator: the thrusters as the controller believes them, at the start, and again when it "
@@ -215,6 +228,8 @@ def recording_page() -> str:
         heading(2, "Channels"),
         _CHANNELS,
         table(("channel", "a row", "written by"), [_line(channel) for channel in (*usual, *navigation)]),
+        heading(2, "Several vehicles"),
+        _SEVERAL,
         heading(2, "Channels of every run"),
         *(part for channel in usual for part in _section(channel, wider[channel.name])),
         heading(2, "Channels of a run with `navigation`"),

@@ -11,6 +11,8 @@ from cube_sim.recording.mcap.foxglove import WORLD_FRAME
 from cube_sim.recording.mcap.named_fields import Code, Group, Number, Part, identifier, parts_of
 from cube_sim.recording.mcap.names import topic
 from cube_sim.recording.mcap.scene import HULL_TOPIC, PATH_TOPIC, THRUST_TOPIC, TRAIL_TOPIC
+from cube_sim.scenario.distance_block import DISTANCE
+from cube_sim.scenario.fleet import of_vehicle
 
 _PLOTS = (
     ("Path error", ("path_error.cross_track", "path_error.along")),
@@ -19,15 +21,22 @@ _PLOTS = (
 )
 
 
-def viewer_layout(channels: Sequence[Channel], vehicle: str) -> str:
+def viewer_layout(channels: Sequence[Channel], vehicle: str, among: Sequence[str] = ()) -> str:
     """Lay out the scene beside plots, as JSON.
 
     Args:
         channels: the channel table.
         vehicle: name of the vehicle's frame.
+        among: of several vehicles, their names.
     """
-    panels: dict[str, Any] = {"3D!scene": _scene(vehicle)}
-    for title, signals in _PLOTS:
+    panels: dict[str, Any] = {"3D!scene": _scene(among[0] if among else vehicle, among)}
+    of_several = tuple(f"{c.name}.{field.name}" for c in channels if c.name == DISTANCE for field in c.fields)
+    asked = [
+        (f"{name}: {title}", tuple(of_vehicle(name, signal) for signal in signals))
+        for name in among
+        for title, signals in _PLOTS[:2]
+    ]
+    for title, signals in [("Distance between vehicles", of_several), *asked] if among else _PLOTS:
         paths = [path for signal in signals for path in _paths(channels, signal)]
         if paths:
             panels[f"Plot!{title.lower().replace(' ', '_')}"] = _plot(title, paths)
@@ -43,8 +52,9 @@ def viewer_layout(channels: Sequence[Channel], vehicle: str) -> str:
     return json.dumps(content, indent=2) + "\n"
 
 
-def _scene(vehicle: str) -> dict[str, Any]:
-    shown = {name: {"visible": True} for name in (HULL_TOPIC, PATH_TOPIC, TRAIL_TOPIC, THRUST_TOPIC)}
+def _scene(vehicle: str, among: Sequence[str]) -> dict[str, Any]:
+    topics = (HULL_TOPIC, PATH_TOPIC, TRAIL_TOPIC, THRUST_TOPIC)
+    shown = {f"/{name}{topic}" if name else topic: {"visible": True} for name in among or ("",) for topic in topics}
     return {
         "followMode": "follow-position",
         "followTf": vehicle,
