@@ -22,7 +22,7 @@ def new(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="MJCF file of a vehicle: models/cube.xml.")],
     scenario: Annotated[
         Path | None,
-        typer.Argument(metavar="[FILE]", help="Scenario file to write. Default: MODEL_first.yaml in this folder."),
+        typer.Argument(metavar="FILE", help="Scenario file to write. Default: MODEL_first.yaml in this folder."),
     ] = None,
     hull: Annotated[str | None, typer.Option(help="Which hull, when the model has several.")] = None,
 ) -> None:

@@ -44,7 +44,7 @@ def run(
     scenarios: Annotated[
         list[Path],
         typer.Argument(
-            metavar="SCENARIO...",
+            metavar="SCENARIO",
             help="Scenario files, and folders: searched to any depth for YAML files that hold a scenario.",
         ),
     ],

@@ -20,7 +20,7 @@ EPILOG = (
 Places = Annotated[
     list[Path],
     typer.Argument(
-        metavar="FILES...",
+        metavar="FILE",
         help="Scenario files, and folders: searched to any depth for YAML files that hold a scenario.",
     ),
 ]

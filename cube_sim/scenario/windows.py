@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Sequence
 from typing import Annotated, Any, NamedTuple, Protocol
 
@@ -141,7 +142,7 @@ def require_event(event: str | int, events: Sequence[AnyEvent], *below: str | in
     """Refuse the name, or the number, of an event that there is not."""
     if event_index(event, events) is None:
         known = "; ".join(f"{each.name or index}: {each.what}" for index, each in enumerate(events))
-        refuse(f"no event {event!r}; {f'there are {known}' if known else 'the scenario has none'}", *below)
+        refuse(f"no event {reprlib.repr(event)}; {f'there are {known}' if known else 'the scenario has none'}", *below)
     if sum(each.name == event for each in events) > 1:
         refuse(f"several events are called {event!r}: name them differently, or give a number, from 0", *below)
 

@@ -67,7 +67,7 @@ def test_help_imports_nothing_heavy(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["run"], "cube-sim run: missing argument 'SCENARIO...'; "),
+        (["run"], "cube-sim run: missing argument 'SCENARIO'; "),
         (["signals", "a.yaml", "b.yaml"], "cube-sim signals: got unexpected extra argument"),
         (["run", "a.yaml", "--setings"], "cube-sim run: no such option: --setings (Possible options: --set); "),
         (["run", "a.yaml", "--out"], "cube-sim run: option '--out' requires an argument; "),
