@@ -180,13 +180,15 @@ def flown(
     with around or nullcontext():
         flight.fly_to_its_end(told)
         store.settle()
-    results = judge.results(mission.scenario.duration_s)
+    early = flight.ended_early
+    proper = early is None or early.verdict != "ERROR"
+    results = judge.results(mission.scenario.duration_s if early is None or not proper else early.time_s)
     return FlightOutcome(
         variation=variation,
-        verdict=overall(results, complete=not flight.ended),
+        verdict=overall(results, complete=proper, failed=early is not None and early.verdict == "FAIL"),
         checks=results,
         simulated_s=flight.time_s,
-        ended_early=flight.ended_early,
+        ended_early=early,
         log=store.warnings,
         statistics=store.statistics.results(),
         signals=store.signals,

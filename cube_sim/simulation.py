@@ -205,8 +205,10 @@ def _record_and_judge(
                 recorder.settle()
                 begin()
                 early = EarlyEnd(flight.time_s, f"interrupted by {stopped}") if stopped else flight.ended_early
-                results = _results(mission, recorder, judge)
-                verdict = overall(results, complete=early is None)
+                proper = early is None or early.verdict != "ERROR"
+                asked_s = mission.scenario.duration_s if early is None or not proper else early.time_s
+                results = _results(mission, recorder, judge, asked_s)
+                verdict = overall(results, complete=proper, failed=early is not None and early.verdict == "FAIL")
                 recorder.finish(_end(flight, stopped, verdict, results))
                 flown = Flown(flight.time_s, early, recorder.warnings)
                 write_verdict(directory, to_json(verdict, results, factor, versions(), flown))
@@ -229,9 +231,18 @@ def _record_and_judge(
     return Run(verdict, results, recorder.signals, directory, factor, versions(), flight.time_s, early, flown.log)
 
 
-def _results(mission: Undertaking, recorder: SignalStore, judge: AnyJudge | None) -> tuple[CheckResult, ...]:
-    """What the checks say of all that has been flown, which they have seen where there is a judge."""
-    return mission.evaluate(recorder.signals) if judge is None else judge.results(mission.scenario.duration_s)
+def _results(
+    mission: Undertaking, recorder: SignalStore, judge: AnyJudge | None, duration_s: float
+) -> tuple[CheckResult, ...]:
+    """What the checks say of all that has been flown, which they have seen where there is a judge.
+
+    Args:
+        mission: that was flown.
+        recorder: has the rows.
+        judge: has seen them; None for none.
+        duration_s: how long the flight had to be [s].
+    """
+    return mission.evaluate(recorder.signals, duration_s) if judge is None else judge.results(duration_s)
 
 
 def _fly(flight: AnyLoop, tell: Callable[[float], None]) -> int:
@@ -301,5 +312,8 @@ def _teller(
 
 def _end(flight: AnyLoop, stopped: str, verdict: Verdict, results: tuple[CheckResult, ...]) -> RunEnd:
     """What the record says of its end."""
+    told = flight.tick, flight.time_s, flight.given_up, verdict, results
+    if flight.stopped is not None and not (stopped or flight.ended):
+        return RunEnd("stopped", flight.stopped.reason, *told, stop=flight.stopped.verdict)
     how: How = "interrupted" if stopped else "ended early" if flight.ended else "completed"
-    return RunEnd(how, stopped or flight.ended, flight.tick, flight.time_s, flight.given_up, verdict, results)
+    return RunEnd(how, stopped or flight.ended, *told)

@@ -76,8 +76,8 @@ class Undertaking(Protocol):
         """What judges its rows as they come."""
         ...
 
-    def evaluate(self, signals: Signals) -> tuple[CheckResult, ...]:
-        """What its checks say of all that was recorded."""
+    def evaluate(self, signals: Signals, duration_s: float) -> tuple[CheckResult, ...]:
+        """What its checks say of all that was recorded of a flight that had to last so long [s]."""
         ...
 
 
@@ -107,12 +107,12 @@ class _OfOne:
     def judge(self) -> JudgedRows:
         return JudgedRows(self.channels, self.scenario)
 
-    def evaluate(self, signals: Signals) -> tuple[CheckResult, ...]:
+    def evaluate(self, signals: Signals, duration_s: float) -> tuple[CheckResult, ...]:
         scenario = self.scenario
         return evaluate(
             scenario.checks,
             signals,
-            duration_s=scenario.duration_s,
+            duration_s=duration_s,
             units=units_of(self.channels),
             beforehand=beforehand_of(scenario, self.channels),
         )
@@ -137,7 +137,7 @@ class _OfSeveral:
     def judge(self) -> JudgedFleet:
         return JudgedFleet(self.channels, self.scenario)
 
-    def evaluate(self, signals: Signals) -> tuple[CheckResult, ...]:
+    def evaluate(self, signals: Signals, duration_s: float) -> tuple[CheckResult, ...]:
         rows = {
             channel.name: np.hstack(
                 [
@@ -147,4 +147,4 @@ class _OfSeveral:
             )
             for channel in self.channels
         }
-        return evaluate_fleet(self.channels, self.scenario, rows, self.scenario.duration_s)
+        return evaluate_fleet(self.channels, self.scenario, rows, duration_s)

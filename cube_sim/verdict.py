@@ -47,10 +47,13 @@ class EarlyEnd:
     Attributes:
         time_s: simulated time at which it ended [s].
         reason: one line for readers.
+        verdict: what such an end says by itself. ERROR: that the run shows nothing. A condition of the scenario's
+            `stop` says PASS, that this is its proper end, or FAIL.
     """
 
     time_s: float
     reason: str
+    verdict: Verdict = "ERROR"
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ class Flown:
     log: tuple[LogLine, ...]
 
 
-def overall(results: Iterable[CheckResult], *, complete: bool = True) -> Verdict:
+def overall(results: Iterable[CheckResult], *, complete: bool = True, failed: bool = False) -> Verdict:
     """One verdict for a run.
 
     FAIL as soon as one check was shown not to hold, whatever could not be judged beside it; ERROR when none was and
@@ -77,8 +80,11 @@ def overall(results: Iterable[CheckResult], *, complete: bool = True) -> Verdict
     Args:
         results: of the checks; none at all is an ERROR.
         complete: whether the run lasted to its end. One that did not shows nothing: ERROR.
+        failed: whether it ended in a way that is a failure, whatever the checks say.
     """
     verdicts = {result.verdict for result in results}
+    if failed:
+        return "FAIL"
     if not complete or not verdicts:
         return "ERROR"
     return next(verdict for verdict in ("FAIL", "ERROR", "PASS") if verdict in verdicts)

@@ -155,7 +155,8 @@ def test_a_state_that_leaves_the_real_numbers_ends_the_run_as_error_with_the_las
     assert (last.t, last.level) == (result.simulated_s, "ERROR")
     assert last.text == f"{result.ended_early.reason}: the run ends here"
     written = json.loads((tmp_path / "out" / "verdict.json").read_text())
-    assert written["ended_early"] == {"time_s": result.simulated_s, "reason": result.ended_early.reason}
+    reason = result.ended_early.reason
+    assert written["ended_early"] == {"time_s": result.simulated_s, "reason": reason, "verdict": "ERROR"}
     assert written["simulated_s"] == result.simulated_s
 
 

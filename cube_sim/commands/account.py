@@ -24,7 +24,11 @@ def lasted(result: Run, duration_s: float) -> str:
 def early_end(result: Run) -> list[str]:
     """When and why the run ended before its time, as one line; none if it did not."""
     end = result.ended_early
-    return [] if end is None else [f"ended early, at {end.time_s:g} s: {end.reason}"]
+    if end is None:
+        return []
+    how = "ended early" if end.verdict == "ERROR" else "stopped"
+    failed = ", which is a failure" if end.verdict == "FAIL" else ""
+    return [f"{how}, at {end.time_s:g} s: {end.reason}{failed}"]
 
 
 def judged_line(result: CheckResult) -> str:

@@ -7,6 +7,7 @@ allocates; then the physics of all goes on. So no vehicle sees what another does
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -41,10 +42,12 @@ class FleetLoop:
         mission: the same.
         tick: number of the next control period.
         ended: why the flight has ended early; "" while it has not.
+        stopped: when and by which condition of a vehicle it has stopped; None while it has not.
     """
 
     def __init__(self, mission: FleetMission, store: SignalStore) -> None:
         self.mission, self.tick, self.ended = mission, 0, ""
+        self.stopped: EarlyEnd | None = None
         self._stores = {name: VehicleStore(one) for name, one in mission.missions.items()}
         self._loops = {name: VehicleLoop(one, self._stores[name]) for name, one in mission.missions.items()}
         self._store = FleetStore(store, self._stores, mission.scenario)
@@ -63,7 +66,7 @@ class FleetLoop:
     @property
     def over(self) -> bool:
         """Whether nothing can be flown any more."""
-        return bool(self.ended) or self.tick >= self.mission.scenario.ticks
+        return bool(self.ended) or self.stopped is not None or self.tick >= self.mission.scenario.ticks
 
     @property
     def given_up(self) -> str:
@@ -73,7 +76,7 @@ class FleetLoop:
     @property
     def ended_early(self) -> EarlyEnd | None:
         """When and why the flight has ended before its time; None while it has not."""
-        return EarlyEnd(self.time_s, self.ended) if self.ended else None
+        return EarlyEnd(self.time_s, self.ended) if self.ended else self.stopped
 
     def fly_to_its_end(self, told: Callable[[float], None] | None = None) -> None:
         """Fly as long as the scenario says; the last row is the state at its end.
@@ -93,7 +96,7 @@ class FleetLoop:
                 left = self.mission.scenario.ticks - self.tick
                 self._fly(warnings, min(left, self._store.ticks_at_once(self.tick, self._period)))
                 tell(self.time_s)
-            if not self.ended:
+            if not (self.ended or self.stopped):
                 self._fly(warnings, 1, moving=False)
         self.finish()
 
@@ -107,7 +110,7 @@ class FleetLoop:
         """
         with uninterrupted(twice=True):  # all vehicles go on together, with their rows
             end = self.tick + ticks
-            while self.tick < end and not self.ended:
+            while self.tick < end and not (self.ended or self.stopped):
                 self._fly_tick(warnings, end - self.tick, moving)
                 if not moving:
                     break
@@ -143,6 +146,10 @@ class FleetLoop:
                 if loop.ended:
                     self.ended = f"{name}: {loop.ended}"
                     return
+                if loop.stopped is not None and self.stopped is None:
+                    self.stopped = replace(loop.stopped, time_s=t, reason=f"{name}: {loop.stopped.reason}")
+            if self.stopped is not None:
+                return
             if moving and not step(*self._physics):
                 self._break_off(bytes(self._words).partition(b"\0")[0].decode(errors="replace"))
         except mujoco.FatalError as error:
@@ -161,9 +168,12 @@ class FleetLoop:
     def finish(self) -> None:
         """Say at the end what there is to say of the whole flight."""
         for loop in self._loops.values():
-            loop.ended = ""  # it is said once, of all
+            loop.ended, loop.stopped = "", None  # it is said once, of all
             loop.tick = self.tick
             loop.finish()
         if self.ended:
             self._store.log(self.time_s, "ERROR", f"{self.ended}: the run ends here")
+        elif self.stopped is not None:
+            level = "WARNING" if self.stopped.verdict == "PASS" else "ERROR"
+            self._store.log(self.time_s, level, f"{self.stopped.reason}: the run ends here")
         self._store.hand_on()

@@ -32,7 +32,7 @@ from cube_sim.spatial import State
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.vehicle.state import read_state
 
-_CHANGING = "controller", "supply", "events", "fault_finding", "drop_weight", "estimation"
+_CHANGING = "controller", "supply", "events", "fault_finding", "drop_weight", "estimation", "stops"
 """What of a mission changes in a flight, beside MuJoCo's data, its model's numbers and the allocation."""
 
 
@@ -186,7 +186,7 @@ class Flight(Loop):
             force=data.actuator_force[mission.vehicle.thrusters.actuators].copy(),
             wrench=self._applied.copy(),
             given_up=self._given_up,
-            ended=self.ended,
+            ended=self.ended or (self.stopped.reason if self.stopped is not None else ""),
             over=self.over,
         )
 
@@ -212,7 +212,7 @@ class Flight(Loop):
         mission = self.mission
         try:
             changing = (
-                (self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted),
+                (self.tick, self.ended, self.stopped, self._applied, self._given_up, self._known, self._wanted),
                 self._watches,
                 mission.allocator.memory(),
                 integration_state(mission.model, mission.data),
@@ -248,7 +248,7 @@ class Flight(Loop):
         self._python_until = loop[0]
         if forget:
             self._store.clear()  # rows are recorded in the order of time
-        self.tick, self.ended, self._applied, self._given_up, self._known, self._wanted = loop
+        self.tick, self.ended, self.stopped, self._applied, self._given_up, self._known, self._wanted = loop
         self._watches = watches
         mission = self.mission
         mission.model.numeric_data[:], mission.model.opt.wind[:] = numbers

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action
 from cube_sim.flight.beside import FlyingBeside
-from cube_sim.flight.compiled import BEGIN, FAILED, JUDGED, UNANSWERED, Stretch, begin_ticks, engine_of
+from cube_sim.flight.compiled import BEGIN, FAILED, JUDGED, STOPPED, UNANSWERED, Stretch, begin_ticks, engine_of
 from cube_sim.flight.rows import rows_for, write_power
 from cube_sim.flight.start import described
+from cube_sim.flight.stop_law import condition_met
 from cube_sim.flight.taken_over import NOT_BEGUN, Begun, Watches, take_over
 from cube_sim.flight.tick import NotANumberError, tick
 from cube_sim.mission import Mission
@@ -65,6 +66,7 @@ class Loop:
     def _stand(self, mission: Mission, store: SignalStore) -> None:
         """Stand at the beginning."""
         self.mission, self.ended, self.tick = mission, "", 0
+        self.stopped: EarlyEnd | None = None
         self._store = store
         self._applied: NDArray[np.float64] = np.zeros(6)
         self._given_up = ""
@@ -93,12 +95,12 @@ class Loop:
     @property
     def over(self) -> bool:
         """Whether nothing can be stepped any more."""
-        return bool(self.ended) or self.tick >= self.mission.scenario.ticks
+        return bool(self.ended) or self.stopped is not None or self.tick >= self.mission.scenario.ticks
 
     @property
     def ended_early(self) -> EarlyEnd | None:
         """When and why the flight has ended before its time; None while it has not."""
-        return EarlyEnd(self.time_s, self.ended) if self.ended else None
+        return EarlyEnd(self.time_s, self.ended) if self.ended else self.stopped
 
     def go_on(self, ticks: int) -> None:
         """Fly so many control periods, compiled where they can be.
@@ -115,7 +117,7 @@ class Loop:
         self._require_going_on()
         end = min(self.tick + ticks, self.mission.scenario.ticks)
         with flying(), collect_warnings() as warnings:
-            while self.tick < end and not self.ended:
+            while self.tick < end and not self.over:
                 self._fly_on(warnings, end - self.tick)
 
     def fly_to_its_end(self, told: Callable[[float], None] | None = None) -> None:
@@ -136,7 +138,7 @@ class Loop:
                 self._fly_on(warnings, ticks, amid, patient)
                 tell(self.time_s)
                 ticks, amid = self.mission.scenario.ticks - self.tick, tell
-            if not self.ended:
+            if not (self.ended or self.stopped):
                 with self._whole(patient):
                     begun, _ = self._fly_compiled(warnings, 1, moving=False)
                     if begun is not None:
@@ -198,13 +200,16 @@ class Loop:
             if stretch.ticks:
                 self._applied, self._wanted, self._known = stretch.applied, stretch.wanted, stretch.known
                 self.tick += stretch.ticks if moving else 0
+                if stretch.reached == STOPPED:  # the physics has not gone on from its last tick
+                    self.tick -= moving
+                    self.stopped = mission.stops.end(stretch.condition, self.time_s)
             else:
                 self._python_until = tick + PYTHON_TICKS
             if stretch.reached == FAILED:
                 self._break_off(stretch.last_words)
             longer = self._store.writes and stretch.ticks == ticks
             self._at_once = min(2 * self._at_once, MANY_TICKS) if longer else FEW_TICKS
-        if stretch.reached == FAILED or (stretch.reached == BEGIN and stretch.ticks):
+        if stretch.reached in (FAILED, STOPPED) or (stretch.reached == BEGIN and stretch.ticks):
             return None, interrupted
         return begun, interrupted
 
@@ -329,11 +334,16 @@ class Loop:
         self._watches.note(t, self._rows, 0, mission.supply.force_ratio, decision.pace)
         if decision.given_up != self._given_up:
             self._log_given_up(t, decision.given_up)
+            if decision.given_up:
+                self.stopped = mission.stops.given_up(decision.given_up, t)
+        met = condition_met(mission.stops.records, self._rows, 0, t)
+        if met >= 0 and self.stopped is None:
+            self.stopped = mission.stops.end(met, t)
         mission.drop_weight.lift(mission.data)
 
     def advance(self) -> None:
         """The physics up to the next tick."""
-        if self.ended:
+        if self.ended or self.stopped:
             return
         with self._broken_off_on_errors():
             mujoco.mj_step(self.mission.model, self.mission.data, nstep=self.mission.scenario.steps_per_tick)
@@ -360,6 +370,9 @@ class Loop:
         self._watches.finish(self.time_s)
         if self.ended:
             self._store.log(self.time_s, "ERROR", f"{self.ended}: the run ends here")
+        elif self.stopped is not None:
+            level = "WARNING" if self.stopped.verdict == "PASS" else "ERROR"
+            self._store.log(self.time_s, level, f"{self.stopped.reason}: the run ends here")
 
     def _feed_thrusters(self, t: float) -> bool:
         """Update the supply by what the thrusters draw; returns whether its voltage, and so their limits, changed."""

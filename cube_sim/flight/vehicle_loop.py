@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cube_sim.flight.action import OWN
-from cube_sim.flight.compiled import BEGIN, FAILED, FORWARDED, TICKED, Stretch, begin_ticks
+from cube_sim.flight.compiled import BEGIN, FAILED, FORWARDED, STOPPED, TICKED, Stretch, begin_ticks
 from cube_sim.flight.loop import FEW_TICKS, PYTHON_TICKS, Loop
 from cube_sim.flight.taken_over import Begun, take_over
 from cube_sim.mission import Mission
@@ -81,12 +81,15 @@ class VehicleLoop(Loop):
             if reached == FAILED:
                 self._break_off(stretch.last_words)
                 return
+            if reached == STOPPED:
+                self.stopped = self.mission.stops.end(stretch.condition, self.time_s)
+                return
             if flown:
                 self.tick += 1
                 return
             self._python_until = self.tick + PYTHON_TICKS
         self.control([], OWN, begun)
-        if not self.ended:
+        if not (self.ended or self.stopped):
             self.tick += 1
 
     def end_stretch(self) -> Begun:

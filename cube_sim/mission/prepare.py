@@ -31,6 +31,7 @@ from cube_sim.mission.own.sensor import own_sensors
 from cube_sim.mission.path import path_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
 from cube_sim.mission.sensor_faults import sensor_faults
+from cube_sim.mission.stopping import Stops
 from cube_sim.mission.supply import supply_of
 from cube_sim.mission.water import initial_currents
 from cube_sim.recording.channels import Channel
@@ -64,6 +65,7 @@ class Mission:
         estimation: makes the state the controller gets of sensors; None when it gets the true one.
         channels: what will be recorded.
         outline: (n,3) points on the whole path, evenly spaced [m], world axes.
+        stops: what ends the flight before its time.
         codes: code of the user's own, by the value in whose place it stands.
     """
 
@@ -82,6 +84,7 @@ class Mission:
     estimation: StateEstimation | None
     channels: tuple[Channel, ...]
     outline: Matrix
+    stops: Stops
     codes: Codes = field(default_factory=dict)
 
     @property
@@ -160,6 +163,7 @@ def mission_of(
         estimation=StateEstimation.of(scenario, vehicle, path, own_sensors(loaded, codes, start), faults),
         channels=channels,
         outline=outline,
+        stops=Stops(scenario, channels),
         codes=codes,
     )
     if codes.keys() & {"control.law", "control.attitude", "guidance.law"}:

@@ -11,6 +11,7 @@ from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.mission.channels import why_unknown
 from cube_sim.mission.sensor_faults import impossible_faults
+from cube_sim.mission.stopping import impossible_stops
 from cube_sim.recording.channels import ON_CHANGE, SUPPLY, Channel, units_of
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.check_blocks import BaselineCheckBlock
@@ -35,6 +36,7 @@ def require_signals(loaded: Loaded, vehicle: Vehicle, channels: tuple[Channel, .
     unknown = [
         *signal_mistakes(loaded.scenario.checks, widths, why_absent),
         *unit_mistakes(loaded.scenario.checks, units_of(channels)),
+        *impossible_stops(loaded.scenario, channels),
     ]
     found = unknown or [
         *_other_times(loaded.scenario, channels),

@@ -133,5 +133,7 @@ def _recording_of(name: str, recording: Recording, names: Sequence[str]) -> Reco
 def _end_of(name: str, end: RunEnd, start: str) -> RunEnd:
     lost = {key.removeprefix(start): rows for key, rows in end.missing_rows.items() if key.startswith(start)}
     checks = checks_of(name, end.checks)
-    verdict = overall(checks, complete=end.how == "completed") if checks and end.verdict is not None else None
+    verdict = (
+        overall(checks, complete=end.how in ("completed", "stopped")) if checks and end.verdict is not None else None
+    )
     return replace(end, checks=checks, verdict=verdict, missing_rows=lost)

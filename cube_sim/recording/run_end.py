@@ -11,9 +11,9 @@ from typing import Any, Literal, get_args
 from cube_sim.errors import RecordingError
 from cube_sim.verdict import CheckResult, Verdict
 
-How = Literal["completed", "ended early", "interrupted", "failed", "recovered"]
-"""All of its time was flown; it came to an end of its own before; somebody stopped it; an error did; its record was
-damaged, and this is what could be saved."""
+How = Literal["completed", "stopped", "ended early", "interrupted", "failed", "recovered"]
+"""All of its time was flown; a condition of the scenario's `stop` was met; it came to an end of its own before;
+somebody stopped it; an error did; its record was damaged, and this is what could be saved."""
 
 OWN_SHA256 = "sha256"
 
@@ -31,6 +31,7 @@ class RunEnd:
         verdict: of the run; None where it was not judged.
         checks: one result per check of the scenario.
         missing_s: from when to when rows are missing [s], of a recovered record.
+        stop: what the condition that stopped it says, PASS or FAIL; None, and not written, where none did.
         missing_rows: how many, by channel, as far as it is known; written where there are any.
     """
 
@@ -43,11 +44,12 @@ class RunEnd:
     checks: tuple[CheckResult, ...] = ()
     missing_s: tuple[tuple[float, float], ...] = ()
     missing_rows: Mapping[str, int] = field(default_factory=dict)
+    stop: Verdict | None = None
 
     @property
     def of_itself(self) -> bool:
         """Whether the flight came to its end, and nobody and nothing outside it stopped it."""
-        return self.how in ("completed", "ended early")
+        return self.how in ("completed", "stopped", "ended early")
 
 
 def to_texts(end: RunEnd, digests: dict[str, Any]) -> dict[str, str]:
@@ -63,6 +65,8 @@ def to_texts(end: RunEnd, digests: dict[str, Any]) -> dict[str, str]:
     plain = {**asdict(end), "digests": digests}
     if not end.missing_rows:
         del plain["missing_rows"]
+    if end.stop is None:
+        del plain["stop"]
     texts = {name: dumps(value, sort_keys=True, ensure_ascii=False) for name, value in plain.items()}
     return {**texts, OWN_SHA256: _sha256(texts)}
 
@@ -79,7 +83,7 @@ def from_texts(texts: dict[str, str]) -> tuple[RunEnd, dict[str, Any]]:
     plain = {name: loads(text) for name, text in rest.items()}
     digests = plain.pop("digests")
     known = {each.name for each in fields(RunEnd)}
-    if not known - {"missing_rows"} <= plain.keys() or plain["how"] not in get_args(How):
+    if not known - {"missing_rows", "stop"} <= plain.keys() or plain["how"] not in get_args(How):
         raise RecordingError("how the run ended is told in words that this version does not know")
     plain["checks"] = tuple(CheckResult(**check) for check in plain["checks"])
     plain["missing_s"] = tuple((start, end) for start, end in plain["missing_s"])

@@ -126,7 +126,7 @@ class Subject:
             f"{who} says {word}; judged from the record now, it is {found}" for who, word in self._said if word != found
         ]
         early = self._told.get("ended_early")
-        if isinstance(early, Mapping) and not any("ended early" in line for line in lines):
+        if isinstance(early, Mapping) and not any("ended early" in line or "stopped, at" in line for line in lines):
             lines.append(f"ended early, at {early.get('time_s')} s: {early.get('reason')}")
         return tuple(lines)
 

@@ -67,12 +67,16 @@ def _of_several(
     _, results, remarks = judged(run.together, checks)
     found += results
     shown = any(result.verdict == "FAIL" for result in found)
-    return overall(found, complete=shown or not remarks), tuple(found), remarks
+    stopped = run.end is not None and run.end.how == "stopped" and not run.flaw
+    failed = stopped and run.end is not None and run.end.stop == "FAIL"
+    return overall(found, complete=shown or stopped or not remarks, failed=failed), tuple(found), remarks
 
 
 def asked_duration_s(run: RecordedRun) -> float | None:
     """How long a run has to be for its checks to be judged [s]; None where any part of it may show something."""
     # A flight that ended itself has shown nothing; of any other, what there is of it may show that a check fails.
+    if run.end is not None and run.end.how == "stopped" and not run.flaw:
+        return run.end.simulated_s
     return run.whole.duration_s if _ended_itself(run) else None
 
 
@@ -96,6 +100,11 @@ def concluded(
     if run.end is None:
         ends = [line for line in run.log if line.level == "ERROR"]
         remarks += [f"ended early, at {line.t:g} s: {line.text}" for line in ends[-1:] if line.t < scenario.duration_s]
+    elif run.end.how == "stopped":
+        stopped = f"stopped, at {run.end.simulated_s:g} s: {run.end.reason}"
+        failed = run.end.stop == "FAIL" and not run.flaw
+        complete = not remarks
+        return overall(results, complete=complete, failed=failed), results, (*remarks, stopped)
     elif run.end.how == "ended early":
         remarks.append(f"ended early, at {run.end.simulated_s:g} s: {run.end.reason}")
     shown = any(result.verdict == "FAIL" for result in results)

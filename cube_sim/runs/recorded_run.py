@@ -155,6 +155,8 @@ class RecordedRun:
         match self.end.how:
             case "completed":
                 return None
+            case "stopped":
+                return EarlyEnd(self.simulated_s, self.end.reason, self.end.stop or "ERROR")
             case "interrupted":
                 return EarlyEnd(self.simulated_s, f"interrupted by {self.end.reason}")
             case "recovered" if self._reaches_its_end:

@@ -25,6 +25,7 @@ from cube_sim.scenario.navigation_blocks import NavigationBlock, require_slower_
 from cube_sim.scenario.path_blocks import AnyPath, PythonPathBlock
 from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
 from cube_sim.scenario.samples_block import SamplesBlock
+from cube_sim.scenario.stop_blocks import AnyStop
 from cube_sim.scenario.telemetry_block import TelemetryBlock
 from cube_sim.scenario.values import (
     ZERO,
@@ -298,6 +299,9 @@ class Scenario(Block):
     allocation: AllocationBlock = AllocationBlock()
     events: Annotated[tuple[AnyEvent, ...], Strict(False)] = Field(
         default=(), description="What happens during the run."
+    )
+    stop: Annotated[tuple[AnyStop, ...], Strict(False)] = Field(
+        default=(), description="What ends the run before its time; the first that is met does."
     )
     checks: Annotated[tuple[AnyCheck, ...], Strict(False)] = Field(
         description="What the run must show; at least one.", json_schema_extra={"minItems": 1}

@@ -17,6 +17,8 @@ UNITS = (
 )  # fmt: skip
 # Pure numbers, and limits whose unit is that of the signal they judge.
 WITHOUT_UNIT = {
+    "above",
+    "below",
     "offset",
     "size",
     "share",

@@ -192,9 +192,10 @@ limit, positive on the side that passes. `unit` is that of all three, "1" for a 
 null. Verdict and checks stand at the end of the record too, and in the view: `load_run(...).verdict` and `.checks` are
 those of `cube_sim.run(...)`.
 
-`simulated_s` is the time really flown. `ended_early` is null, or has `time_s` and `reason` of a run that ended before
-its time: its state left all bounds, the controller had no answer, somebody stopped it, or its files could not be
-written. Its verdict is ERROR.
+`simulated_s` is the time really flown. `ended_early` is null, or has `time_s`, `reason` and `verdict` of a run that
+ended before its time. With the verdict ERROR its state left all bounds, the controller had no answer, somebody stopped
+it, or its files could not be written: that is the run's verdict too. With PASS or FAIL a condition of the scenario's
+`stop` was met: a proper end, whose checks judge what was flown, or a failure.
 
 `log` holds what was said at the levels WARNING, ERROR and FATAL: faults, a path given up, a wrench out of reach, a hull
 that comes out of the water, MuJoCo's warnings. What was said again is one entry: how often (`count`), first and last

@@ -117,6 +117,12 @@ events:
   - {kind: current, name: the tide turns, at_s: 14, current_m_s: [0, -0.2, 0], over_s: 5}
   - {kind: force, name: the tether snags, at_s: 16, for_s: 2, over_s: 0.5, force_N: [-20, 0, 5], point_m: [-0.25, 0, 0]}
 """,
+    "stop": """\
+stop:
+  - {kind: path_end, reach_m: 0.3, for_s: 2}
+  - {kind: given_up}
+  - {kind: signal, name: at the surface, signal: pose.position, component: 2, above: -0.3, for_s: 1, verdict: fail}
+""",
     "checks": """\
 checks:
   - kind: signal

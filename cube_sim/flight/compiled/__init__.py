@@ -2,7 +2,7 @@
 
 from cube_sim.flight.compiled.binding import begin_ticks, engine_of, is_classical
 from cube_sim.flight.compiled.first_time import compile_beside, wait_for_loop
-from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, FAILED, FORWARDED, JUDGED, TICKED, UNANSWERED
+from cube_sim.flight.compiled.loop import BEGIN, ESTIMATED, FAILED, FORWARDED, JUDGED, STOPPED, TICKED, UNANSWERED
 from cube_sim.flight.compiled.stretch import FlownTicks, Stretch
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "FAILED",
     "FORWARDED",
     "JUDGED",
+    "STOPPED",
     "TICKED",
     "UNANSWERED",
     "FlownTicks",

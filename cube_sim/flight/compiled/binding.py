@@ -103,7 +103,7 @@ def _arguments(
         pace=np.zeros(count),
         force_ratio=np.zeros(count),
         effort=np.zeros(2, np.int64),
-        told=np.zeros(2, np.int64),
+        told=np.zeros(3, np.int64),
     )
     given = FlyArguments(
         NO_CODES,
@@ -122,6 +122,7 @@ def _arguments(
         thrusters,
         rows_for(mission.channels, count),
         notes,
+        mission.stops.records,
     )
     return given, by, allocator
 

@@ -16,6 +16,7 @@ from cube_sim.control.safe_mode import loses_target
 from cube_sim.control.shortage import watch_shortage
 from cube_sim.flight.compiled.callees import ANSWERING, ESTIMATING, STEERING
 from cube_sim.flight.rows import write_actuation, write_disturbance, write_motion, write_power
+from cube_sim.flight.stop_law import condition_met
 from cube_sim.guidance.path_record import path_row
 from cube_sim.guidance.speed import speed_at
 from cube_sim.guidance.target_record import advanced, see_from_target
@@ -41,7 +42,9 @@ too, and the evidence of faults is in; the state is estimated; and the wrench is
 user's own has no forces for."""
 FAILED, TICKED = -1, -2
 """MuJoCo cannot go on; its words are in the engine's text. And: a tick is flown among others, see `Engine.shared`."""
-FLOWN, STOP = range(2)
+STOPPED = -3
+"""A condition of the scenario's `stop` is met at the last tick, and the physics has not gone on from there."""
+FLOWN, STOP, MET = range(3)
 """Places in `Notes.told`."""
 
 
@@ -74,7 +77,7 @@ def sense(code, sensing, k, state, acceleration, known):
 @unlocked
 def fly(
     codes, first, count, tick, engine, hull, feed, evidence, sensing, course, law, planar, answering, thrusters, rows,
-    notes,
+    notes, stops,
 ):  # fmt: skip
     """Fly up to so many ticks.
 
@@ -96,6 +99,7 @@ def fly(
         thrusters: `cube_sim.allocation.responsive.ResponsiveThrusters`.
         rows: `cube_sim.flight.rows.TickRows`, so many; filled.
         notes: `Notes`, so many; filled.
+        stops: (n,) of `cube_sim.mission.stopping.STOP`, moved on.
 
     Returns:
         How many were flown, and how far the next one has come.
@@ -221,6 +225,11 @@ def fly(
         pressed = course.shortage[0].pressed
         if law.settings[0].budgeted:
             watch_shortage(course.shortage, out.enough, law.settings[0].balanced, law.balanced, dt)
+        if len(stops) > 0:
+            met = condition_met(stops, rows, k, t)
+            if met >= 0:
+                notes.told[MET] = met
+                return k + 1, STOPPED
         if not e.shared and not step(e.model, e.data, text, e.steps, e.classical):
             return k + 1, FAILED
         if law.refuge[0].taken != taken or (course.shortage[0].pressed != pressed and not course.steers):

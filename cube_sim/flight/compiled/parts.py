@@ -228,8 +228,8 @@ class Notes(NamedTuple):
         pace: (n,) share of the speed along the path.
         force_ratio: (n,) share of their force that the thrusters gave.
         effort: (2,) nodes looked at and answers not proven, counted on.
-        told: (2,) of `cube_sim.native.published`: how many ticks are flown, for whoever looks meanwhile; and whether
-            to fly no more, for whoever flies.
+        told: (3,) of `cube_sim.native.published`: how many ticks are flown, for whoever looks meanwhile; whether
+            to fly no more, for whoever flies; and which condition has stopped the flight.
     """
 
     answers: Matrix

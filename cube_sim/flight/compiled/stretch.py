@@ -10,12 +10,12 @@ from cube_sim.allocation.responsive import ResponsiveThrusters
 from cube_sim.control.answering import LawParts
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.planar.steering import PlanarParts
-from cube_sim.flight.compiled.loop import BEGIN, FLOWN, JUDGED, STOP, fly
+from cube_sim.flight.compiled.loop import BEGIN, FLOWN, JUDGED, MET, STOP, fly
 from cube_sim.flight.compiled.parts import Answering, Course, Engine, FaultWatch, Feed, Hull, Notes, Sensing
 from cube_sim.flight.rows import TickRows
 from cube_sim.guidance.law import Target
 from cube_sim.mission import Mission
-from cube_sim.spatial import State, Vector
+from cube_sim.spatial import Record, State, Vector
 from cube_sim.vehicle.plugin.clock import held_still
 
 
@@ -38,6 +38,7 @@ class FlyArguments(NamedTuple):
     thrusters: ResponsiveThrusters
     rows: TickRows
     notes: Notes
+    stops: Record
 
 
 class FlownTicks(NamedTuple):
@@ -155,6 +156,11 @@ class Stretch:
                 counts=sensing.counts[estimated],
             ),
         )
+
+    @property
+    def condition(self) -> int:
+        """Number of the condition that has stopped the flight, where one has."""
+        return int(self._given.notes.told[MET])
 
     @property
     def last_words(self) -> str:

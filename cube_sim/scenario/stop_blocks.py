@@ -1,0 +1,98 @@
+"""The `stop` list: what ends a run before its time, told apart by `kind`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from cube_sim.scenario.statistic_keys import SignalName
+from cube_sim.scenario.values import Block, Extent, Number, Title, refuse
+
+Stopping = Literal["pass", "fail"]
+_MEANING = "pass: such an end is a proper one, the checks judge what was flown until then. fail: the run has failed."
+
+
+class StopBlock(Block):
+    """What every condition has; each also has a `what`: the condition in words."""
+
+    name: Title | None = Field(default=None, description="Shown where the end is told. Default: the condition.")
+
+    @property
+    def what(self) -> str:
+        """The condition, for readers."""
+        raise NotImplementedError
+
+    @property
+    def title(self) -> str:
+        """The condition, for readers, after the name that the scenario gives it."""
+        return self.what if self.name is None else f"{self.name}: {self.what}"
+
+
+class HeldStopBlock(StopBlock):
+    """A condition that has to hold for a time."""
+
+    for_s: float = Field(default=0.0, ge=0, le=86400, description="How long it has to hold without a break [s].")
+    from_s: float = Field(default=0.0, ge=0, le=86400, description="Before this time it is not looked at [s].")
+
+    @property
+    def lasting(self) -> str:
+        """How long it has to hold, in words."""
+        return f" for {self.for_s:g} s" if self.for_s else ""
+
+
+class SignalStopBlock(HeldStopBlock):
+    """A recorded signal is above or below a limit. One of several columns counts by its norm, or by one `component`."""
+
+    kind: Literal["signal"]
+    signal: SignalName = Field(
+        description="Recorded signal as channel.field, for example pose.position; one that has a row at every tick, and"
+        " is not made by `navigation`."
+    )
+    component: int | None = Field(
+        default=None, ge=0, description="Column of a vector signal, from 0. Default: the norm of all its columns."
+    )
+    above: Number | None = Field(default=None, description="It is larger than this, in the signal's unit.")
+    below: Number | None = Field(default=None, description="It is smaller than this, in the signal's unit.")
+    verdict: Stopping = Field(description=_MEANING)
+
+    @model_validator(mode="after")
+    def _one_limit(self) -> SignalStopBlock:
+        if (self.above is None) == (self.below is None):
+            refuse("give exactly one limit: above or below")
+        return self
+
+    @property
+    def what(self) -> str:
+        """See `StopBlock.what`."""
+        column = "" if self.component is None else f"[{self.component}]"
+        limit = f"above {self.above:g}" if self.above is not None else f"below {self.below or 0.0:g}"
+        return f"{self.signal}{column} {limit}{self.lasting}"
+
+
+class PathEndStopBlock(HeldStopBlock):
+    """The vehicle is at the end of the path: |vehicle - target| + remaining arc length is small."""
+
+    kind: Literal["path_end"]
+    reach_m: Extent = Field(description="Largest distance to the end of the path [m].")
+    verdict: Stopping = Field(default="pass", description=_MEANING)
+
+    @property
+    def what(self) -> str:
+        """See `StopBlock.what`."""
+        return f"end of the path reached within {self.reach_m:g} m{self.lasting}"
+
+
+class GivenUpStopBlock(StopBlock):
+    """The path is given up, for whatever reason."""
+
+    kind: Literal["given_up"]
+    verdict: Stopping = Field(default="fail", description=_MEANING)
+
+    @property
+    def what(self) -> str:
+        """See `StopBlock.what`."""
+        return "the path is given up"
+
+
+AnyStop = Annotated[SignalStopBlock | PathEndStopBlock | GivenUpStopBlock, Field(discriminator="kind")]
