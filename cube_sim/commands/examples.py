@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
@@ -11,6 +10,7 @@ from typing import Annotated
 import typer
 
 from cube_sim.commands.ending import BAD_INPUT, stop
+from cube_sim.commands.output import to_paste
 from cube_sim.errors import DirectoryError
 from cube_sim.shipped import shipped_root
 
@@ -41,7 +41,7 @@ def examples(
         typer.echo(path)
     typer.echo()
     first = next(path for path in written if path.name == f"{SCENARIOS[0]}.yaml")
-    typer.echo(f"fly one:  cube-sim run {shlex.quote(str(first))}")
+    typer.echo(f"fly one:  {to_paste('run', first)}")
 
 
 def example_files(package: Path = _PACKAGE) -> dict[str, Path]:

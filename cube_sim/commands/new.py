@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from cube_sim.commands.ending import BAD_INPUT, stop
-from cube_sim.commands.output import open_no_windows
+from cube_sim.commands.output import open_no_windows, to_paste
 from cube_sim.commands.progress import begin_compiling
 from cube_sim.errors import CubeSimError
 
@@ -53,4 +52,4 @@ def new(
     except OSError as error:
         stop(BAD_INPUT, f"{file}: cannot be written: {error.strerror}")
     typer.echo(f"{file}: {chosen.candidate.what}")
-    typer.echo(f"fly it:  cube-sim run {shlex.quote(str(file))}")
+    typer.echo(f"fly it:  {to_paste('run', file)}")

@@ -6,6 +6,10 @@ import errno
 import json
 import logging
 import os
+import shlex
+import shutil
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -13,6 +17,7 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
+NAME = "cube-sim"
 FILE_WIDTH = 160
 """Columns a table may take where nobody folds lines: in a file or a pipe."""
 
@@ -28,6 +33,25 @@ def open_no_windows() -> None:
     Not where code of the user's own is flown: that may draw.
     """
     os.environ.setdefault("MUJOCO_GL", "disable")
+
+
+def to_paste(*arguments: object) -> str:
+    """A command of this program as a line that works when it is pasted into the shell that called this one.
+
+    `.venv/bin/cube-sim` and `python -m cube_sim` are called as they were, unless what is meant is on the PATH.
+
+    Args:
+        arguments: behind the program's name.
+    """
+    called = Path(sys.argv[0])
+    found = shutil.which(NAME)
+    if called.name == "__main__.py":
+        program = [sys.executable, "-m", "cube_sim"]
+    elif called.name == NAME and called.is_file() and (found is None or not Path(found).samefile(called)):
+        program = [sys.argv[0]]
+    else:
+        program = [NAME]
+    return shlex.join([*program, *map(str, arguments)])
 
 
 def give_matplotlib_a_folder() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,7 +11,7 @@ import typer
 from cube_sim.commands.account import early_end, lasted, log_lines, section
 from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, read_or_not, stop
 from cube_sim.commands.leaving import SIGNALLED
-from cube_sim.commands.output import console_for_tables, console_of_stdout, open_no_windows, print_json
+from cube_sim.commands.output import console_for_tables, console_of_stdout, open_no_windows, print_json, to_paste
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides
 from cube_sim.errors import CubeSimError, DirectoryError, ModelError, RunInterrupted, ScenarioError
@@ -240,6 +239,6 @@ def _print_table(name: str, duration_s: float, result: Run, record: Recorded) ->
     kept = "verdict" if record is Recorded.NONE else "recording"
     lines = [*section("log:", log_lines(result.log)), "", f"{kept}: {result.directory}"]
     if record is Recorded.FULL and not any(line.text.startswith(RRD_FILE) for line in result.log):
-        lines.append(f"look at it: cube-sim view {shlex.quote(str(result.directory))}")
+        lines.append(f"look at it: {to_paste('view', result.directory)}")
     for line in lines:
         console.print(line, soft_wrap=True, markup=False, highlight=False)
