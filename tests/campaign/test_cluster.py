@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import signal
-import subprocess
-import sys
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 
 import pytest
 from distributed import Client
 from support.command_line import cube_sim
+from support.dask_cluster import FIRST_DEATH, cluster_of, process
 from support.own_code import PID
 from support.scenario_files import FLIGHT
 from support.sweeps import rows_of, swept, written
@@ -29,35 +27,11 @@ samples:
 """
 
 
-FIRST_DEATH = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
-"""A scheduler gives a task up when one worker has died of it, not four."""
-
-
-@contextmanager
-def process(*arguments, **environment):
-    """A program of Dask's."""
-    command, quiet = [sys.executable, "-m", *map(str, arguments)], {"stdout": subprocess.DEVNULL}
-    with subprocess.Popen(command, env=os.environ | environment, stderr=subprocess.DEVNULL, **quiet) as started:
-        try:
-            yield started
-        finally:
-            started.kill()
-
-
 @pytest.fixture
 def dask(tmp_path):
-    """Address of a scheduler with two workers, and their processes; nobody starts them again."""
-    address = tmp_path / "scheduler.json"
-    common = ("--no-dashboard", "--scheduler-file", address)
-    with ExitStack() as stack:
-        stack.enter_context(process("distributed.cli.dask_scheduler", "--port", "0", *common))
-        workers = [
-            stack.enter_context(process("distributed.cli.dask_worker", *common, "--no-nanny", "--nthreads", "1"))
-            for _ in range(2)
-        ]
-        client = stack.enter_context(Client(scheduler_file=str(address), timeout="60s", set_as_default=False))
-        client.wait_for_workers(2, timeout=60)
-        yield client.scheduler.address, workers
+    """A scheduler with two workers."""
+    with cluster_of(tmp_path, 2) as found:
+        yield found
 
 
 def test_one_worker_killed_on_the_way_changes_no_byte(dask, tmp_path, monkeypatch):
