@@ -216,7 +216,7 @@ class CsvBlock(ClosablePathBlock):
 
         if (self.shape == "polyline") != (self.corner_radius_m is not None):
             refuse("a polyline needs corner_radius_m, a spline has no corners", "corner_radius_m")
-        if info.context is None:  # files go by their names in a record, and are not looked at
+        if "directory" not in (info.context or {}):  # files go by their names in a record, and are not looked at
             return self
         try:
             points, rows = read_waypoints(FilePath(self.file))
