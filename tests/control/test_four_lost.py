@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from survival import JUDGED_FROM_S, SCENARIO
+from support.places import SCENARIOS
 
 import cube_sim
 
@@ -13,9 +13,9 @@ pytestmark = pytest.mark.flight
 def test_a_vehicle_that_points_its_thrust_comes_to_rest_at_the_end_of_its_path():
     """To brake harder than the water does it would have to turn half round."""
     lost = ["T1", "T2", "T3", "T8"]
-    rms = {"kind": "signal", "signal": "path_error.cross_track", "statistic": "rms", "from_s": JUDGED_FROM_S}
+    rms = {"kind": "signal", "signal": "path_error.cross_track", "statistic": "rms", "from_s": 45.0}
     run = cube_sim.run(
-        SCENARIO,
+        SCENARIOS / "cube_survival.yaml",
         {
             "model": "../models/cube_as_built.xml",
             "events": [{"kind": "thrusters", "at_s": 20.0, "thrusters": lost, "state": "dead"}],
