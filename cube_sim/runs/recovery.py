@@ -8,8 +8,9 @@ from pathlib import Path
 
 from cube_sim.errors import RecordingError
 from cube_sim.recording.batch import split_into_batches
+from cube_sim.recording.mcap.fleet_scene import FleetSceneRows
 from cube_sim.recording.mcap.scene import SceneRows
-from cube_sim.recording.mcap.sink import McapSink
+from cube_sim.recording.mcap.sink import AnySceneRows, McapSink
 from cube_sim.recording.reading import CANNOT_KNOW, Recording, read_recording
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.recording.salvage import salvage
@@ -80,7 +81,7 @@ def recover(record: Path, directory: Path) -> Recovered | str:
         missing_s=run.missing_s,
         missing_rows={loss.channel: loss.rows for loss in run.losses},
     )
-    with claim(directory, run.scenario.name) as place:
+    with claim(directory, run.whole.name) as place:
         _write(place, found.recording, end)
         said = tuple(lost), changed, found.dropped, refused
         return Recovered(place.directory, run.recorded_s, *said, _view(place.directory))
@@ -118,7 +119,8 @@ def _told(dropped: Sequence[str]) -> str:
 def _write(place: Claim, recording: Recording, end: RunEnd) -> None:
     """Write the record, whole or not at all; an earlier run goes once there is another."""
     with written_whole(place.directory / MCAP_FILE) as part:
-        sink = McapSink(part, recording.header, recording.channels, recording.vehicle, _scene(recording))
+        scene = _scene(recording, place.directory / MCAP_FILE)
+        sink = McapSink(part, recording.header, recording.channels, recording.vehicle, scene)
         try:
             for batch in split_into_batches(recording.rows, recording.log):
                 sink.write(batch)
@@ -128,13 +130,16 @@ def _write(place: Claim, recording: Recording, end: RunEnd) -> None:
         place.begin(but=(MCAP_FILE,))
 
 
-def _scene(recording: Recording) -> SceneRows | None:
-    """What other programs' viewers draw; None where the model does not compile."""
+def _scene(recording: Recording, record: Path) -> AnySceneRows | None:
+    """What other programs' viewers draw; None where a model does not compile."""
+    from cube_sim.recording.export import vehicles_among
     from cube_sim.recording.recorded_model import body_of, recorded_model
 
     try:
+        if recording.header.vehicles:
+            return FleetSceneRows(recording.channels, vehicles_among(recording, record))
         model = recorded_model(recording.header)
-    except ValueError:
+    except (ValueError, RecordingError):
         return None
     return SceneRows(recording.channels, model, body_of(model, recording.vehicle), recording.vehicle)
 

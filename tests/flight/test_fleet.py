@@ -143,6 +143,18 @@ def test_what_ends_the_flight_is_said_with_the_name(tmp_path):
 
 
 @pytest.mark.flight
+def test_a_condition_of_one_vehicle_stops_all_and_is_said_with_its_name(tmp_path):
+    stop = "    stop: [{kind: signal, signal: target.arc_length, above: 1.0, verdict: pass}]\n"
+    loop, store = fly(loaded_fleet(write(tmp_path, PAIR.replace("  follower:\n", f"  follower:\n{stop}"))))
+    assert loop.stopped is not None
+    assert loop.stopped.reason.startswith("follower: ")
+    assert store.lines[-1].text.startswith("follower: ")
+    ends = {name: rows[-1, 0] for name, rows in store.signals.items() if name.endswith("pose.position")}
+    assert set(ends.values()) == {loop.time_s}
+    assert loop.time_s < 12.0
+
+
+@pytest.mark.flight
 @pytest.mark.parametrize("first", ["leader", "follower"])
 def test_own_code_sees_the_others_as_they_were_at_the_beginning_of_the_tick(tmp_path, first):
     (tmp_path / "law.py").write_text(
@@ -187,6 +199,7 @@ def test_what_one_vehicle_cannot_be_asked_is_said_where_it_stands(tmp_path):
         prepared_fleet(loaded_fleet(write(tmp_path, signal)))
 
 
+@pytest.mark.filterwarnings("ignore:Attach conflict")
 def test_vehicles_of_one_model_with_several_hulls_share_it(tmp_path):
     import mujoco
     from support.places import MODELS

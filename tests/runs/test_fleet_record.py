@@ -14,6 +14,7 @@ from cube_sim.report.page import report
 from cube_sim.runs.judged_record import judged_record
 from cube_sim.runs.judging import judged
 from cube_sim.runs.recorded_run import load_run
+from cube_sim.runs.recovery import recover
 from cube_sim.runs.replay import replay
 
 pytestmark = pytest.mark.flight
@@ -107,6 +108,21 @@ def test_its_view_is_made_of_the_record_with_every_hull(flown, tmp_path):
         content = view.read_bytes()
         for entity in (b"/leader/world/vehicle", b"/follower/world/trail", b"/plot/distance/leader_to_follower"):
             assert entity in content
+
+
+def test_what_is_left_of_a_cut_record_is_saved(flown, tmp_path):
+    content = (flown.directory / "run.mcap").read_bytes()
+    (tmp_path / "run.mcap").write_bytes(content[: len(content) * 2 // 3])
+    cut = load_run(tmp_path)
+    assert not cut.complete
+    assert judged(cut)[0] == "ERROR"
+    saved = recover(tmp_path / "run.mcap", tmp_path / "saved")
+    assert not isinstance(saved, str)
+    again = load_run(tmp_path / "saved")
+    assert list(again.vehicles) == ["leader", "follower"]
+    for name, rows in again.vehicles["leader"].signals.items():
+        assert rows.tobytes() == flown.signals[f"leader/{name}"][: len(rows)].tobytes(), name
+    assert (tmp_path / "saved" / "run.rrd").stat().st_size > 0
 
 
 def test_tables_and_figures_are_made_of_it(flown, tmp_path):

@@ -11,13 +11,13 @@ an ordinary scenario, and every rule of this page holds for it.
 |---|---|---|
 | `schema_version`, `name`, `description`, `duration_s`, `physics`, `control_period_s`, `current_m_s`, \
 `current_profile`; `events` of the water; `checks` over several vehicles | `model`, `vehicle`, `initial`, `thrusters`, \
-`parameters`, `battery`, `path`, `guidance`, `control`, `navigation`, `knowledge`, `telemetry`, `allocation` | \
+`parameters`, `battery`, `path`, `guidance`, `control`, `navigation`, `knowledge`, `telemetry`, `allocation`, `stop` | \
 `events` of its thrusters, `checks` of its own, `seed` |
 
 Vehicles of one model each get a copy of it; a model with several hulls is shared by vehicles that name different ones
 (`vehicle`). The random streams of a vehicle come of the seed at the top and of its name, not of its place in the list;
 with `seed` in its block they are those of that seed alone. A vehicle that touches no other flies as it flies alone, to
-the bit."""
+the bit. What ends the flight of one, or a condition of its `stop`, ends that of all, and is said with its name."""
 EXAMPLE = """\
 model: ../models/cube.xml
 guidance: {speed_m_s: 0.3}
