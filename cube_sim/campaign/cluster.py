@@ -15,8 +15,10 @@ MISSING = "a cluster takes Dask: pip install 'cube-sim[cluster]'"
 AHEAD = 2
 """So many pieces of work wait for each thread of the cluster."""
 PIECE_S = 1.0
-"""About so long a piece of work takes [s]: the scheduler needs a millisecond for each."""
-MOST_IN_PIECE = 200
+"""About so long a piece of work takes at least [s]."""
+PIECES_PER_S = 100.0
+"""So many pieces are handed out in a second at most: the scheduler needs about a millisecond for each."""
+MOST_IN_PIECE = 1000
 DIED = "its process died, on each worker that flew it"
 
 
@@ -60,9 +62,12 @@ def on_cluster(task: Task, samples: Iterable[int], address: str) -> Iterator[Flo
                 pieces[future] = piece
                 landing.add(future)
 
+            def threads() -> int:
+                return sum(each["nthreads"] for each in client.scheduler_info(-1)["workers"].values()) or 1
+
             def ask_more() -> None:
-                threads = sum(each["nthreads"] for each in client.scheduler_info(-1)["workers"].values()) or 1
-                while len(pieces) < AHEAD * threads and (piece := tuple(islice(waiting, size))):
+                wanted = AHEAD * threads()
+                while len(pieces) < wanted and (piece := tuple(islice(waiting, size))):
                     ask(piece)
 
             suspects: list[int] = []
@@ -82,7 +87,8 @@ def on_cluster(task: Task, samples: Iterable[int], address: str) -> Iterator[Flo
                 else:
                     yield from flown
                     spent = sum(each.wall_s for each in flown) / len(flown)
-                    size = max(1, min(MOST_IN_PIECE, round(PIECE_S / max(spent, 1e-3))))
+                    wanted_s = max(PIECE_S, threads() / PIECES_PER_S)
+                    size = max(1, min(MOST_IN_PIECE, round(wanted_s / max(spent, 1e-3))))
                     ask_more()
                 if not pieces and suspects:
                     tried_alone.add(suspects[0])

@@ -98,7 +98,8 @@ def naming_files(block=Scenario):
                     yield f"{name}.{path}", {f"{name}.{key}": value for key, value in values.items()}
 
 
-KEYS = dict(naming_files())
+# A run is of one flight: the samples of its scenario, and what draws them, do not go with it.
+KEYS = {path: values for path, values in naming_files() if not path.startswith("samples.")}
 
 
 def checkout(folder: Path) -> Path:
