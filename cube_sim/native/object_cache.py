@@ -77,7 +77,8 @@ def cache_folders() -> list[Path]:
     """Where object files may lie, best first: a folder the user names, beside the code, the user's cache, scratch."""
     named = os.environ.get("CUBE_SIM_CACHE_DIR")
     if named:
-        return [Path(named)]
+        # That of an image may be its maker's alone: what is missing there is kept elsewhere.
+        return [Path(named)] if _writable(Path(named)) else [Path(named), _scratch()]
     own = _users_cache()
     beside = Path(__file__).parent / "__pycache__"
     return [beside, *([] if own is None else [own / "cube_sim"]), _scratch()]
@@ -91,7 +92,7 @@ def numba_folder() -> str:
     if os.environ.get("NUMBA_CACHE_DIR"):
         return ""
     named = os.environ.get("CUBE_SIM_CACHE_DIR")
-    if named:
+    if named and _writable(Path(named)):
         return str(Path(named) / "numba")
     own = _users_cache()
     if _writable(Path(__file__).parents[1]) or (own is not None and _writable(own)):

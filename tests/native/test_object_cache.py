@@ -57,6 +57,7 @@ def test_nowhere_to_write_is_no_obstacle(tmp_path, monkeypatch):
     occupied = tmp_path / "file"
     occupied.write_text("not a folder")
     monkeypatch.setenv("CUBE_SIM_CACHE_DIR", str(occupied / "below"))
+    monkeypatch.setattr(object_cache.tempfile, "gettempdir", lambda: str(occupied))
     assert line(object_cache.addresses("key", Builder(3.0), ("line",))["line"], 1.0) == 4.0
 
 
@@ -65,6 +66,7 @@ def test_a_read_only_installation_uses_the_users_cache(tmp_path, monkeypatch):
     occupied.write_text("not a folder")
     monkeypatch.delenv("CUBE_SIM_CACHE_DIR", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr(object_cache.tempfile, "gettempdir", lambda: str(occupied))
     monkeypatch.setattr(object_cache, "__file__", str(occupied / "object_cache.py"))
     object_cache.addresses("key", Builder(3.0), ("line",))
     assert list((tmp_path / "cache" / "cube_sim").glob("line-*.o"))
@@ -152,3 +154,9 @@ def test_without_a_home_a_scratch_folder_of_ones_own_is_taken(installation, tmp_
 def test_a_user_without_a_home_has_folders_for_object_files(installation, tmp_path):
     installation(writable=False, home=None)
     assert all(folder.is_absolute() for folder in object_cache.cache_folders())
+
+
+def test_a_named_folder_that_cannot_be_written_is_read_and_scratch_takes_the_rest(installation, tmp_path):
+    named, scratch = tmp_path / "file" / "named", tmp_path / f"cube_sim-{os.getuid()}"
+    assert installation(writable=False, home=None, CUBE_SIM_CACHE_DIR=str(named)) == str(scratch / "numba")
+    assert object_cache.cache_folders() == [named, scratch]
