@@ -56,6 +56,7 @@ class FleetLoop:
         self._words = np.zeros(TEXT_BYTES, np.uint8)
         model, data, words = mission.model._address, mission.data._address, self._words.ctypes.data
         self._physics = model, data, words, mission.scenario.steps_per_tick, is_classical(mission.model)
+        self._step = step.form(*self._physics).call  # what kinds its arguments are is looked at once
         self._store.hand_on()
 
     @property
@@ -138,7 +139,7 @@ class FleetLoop:
             self.ended = divergence(mission.model, mission.data) or ""
             if self.ended:
                 return
-            for message in self._touching.changes(mission.data):
+            for message in self._touching.changes(t, mission.data):
                 self._store.log(t, "WARNING", message)
             for name, loop in self._loops.items():
                 loop.begin_stretch(most)
@@ -150,7 +151,7 @@ class FleetLoop:
                     self.stopped = replace(loop.stopped, time_s=t, reason=f"{name}: {loop.stopped.reason}")
             if self.stopped is not None:
                 return
-            if moving and not step(*self._physics):
+            if moving and not self._step(*self._physics):
                 self._break_off(bytes(self._words).partition(b"\0")[0].decode(errors="replace"))
         except mujoco.FatalError as error:
             self._break_off(str(error))
