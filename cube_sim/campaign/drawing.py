@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from cube_sim.scenario.samples_block import (
+from cube_sim.scenario.distribution_blocks import (
     AnyDistribution,
     BellBlock,
     ChoiceBlock,

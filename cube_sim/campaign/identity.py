@@ -15,9 +15,9 @@ from cube_sim.mission.own.code import codes_of, own_code
 from cube_sim.mission.run_header import KERNEL, versions
 from cube_sim.recording.header import COMMIT
 from cube_sim.scenario import Loaded
+from cube_sim.scenario.distribution_blocks import ChoiceBlock, GridBlock
 from cube_sim.scenario.python_block import PythonBlock
 from cube_sim.scenario.resolved import to_yaml
-from cube_sim.scenario.samples_block import ChoiceBlock, GridBlock
 
 _OF_MACHINES = (KERNEL, COMMIT, "processor", "libc")
 """What may differ between those who fly one sweep; of a number the last digits may."""

@@ -22,10 +22,11 @@ from cube_sim.mission.hull import CompiledHull, flown_hull
 from cube_sim.mission.own.code import OwnCode, own_code, refused, require_taken
 from cube_sim.mission.parameter_values import factors_on, parameter_values
 from cube_sim.scenario import Loaded
+from cube_sim.scenario.distribution_blocks import AnyDistribution, GridBlock, SobolBlock
 from cube_sim.scenario.loading import loaded_again
 from cube_sim.scenario.overrides import apply
 from cube_sim.scenario.python_block import PythonBlock
-from cube_sim.scenario.samples_block import LOST_THRUSTERS, AnyDistribution, GridBlock, SamplesBlock, SobolBlock
+from cube_sim.scenario.samples_block import LOST_THRUSTERS, SamplesBlock
 from cube_sim.scenario.varied_values import PARAMETERS, combined, overrides_of, value_at
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.mjcf.elements import LAG, lags_of

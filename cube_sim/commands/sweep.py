@@ -119,9 +119,11 @@ def _flown(
         stop(BAD_INPUT, "--workers and --workers-as are of this machine: they do not go with --cluster")
     try:
         from cube_sim.scenario import load
+        from cube_sim.scenario.python_block import python_blocks
 
         loaded = load(scenario, overrides(settings))
-        open_no_windows()
+        if not any(python_blocks(loaded.scenario)):
+            open_no_windows()
         from cube_sim.campaign import sweep as campaign
 
         begin_compiling(hidden=hidden)

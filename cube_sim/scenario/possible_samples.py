@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from cube_sim.scenario.distribution_blocks import AnyDistribution
 from cube_sim.scenario.explain import Refusal
 from cube_sim.scenario.overrides import apply
-from cube_sim.scenario.samples_block import AnyDistribution
 from cube_sim.scenario.schema import Scenario
 from cube_sim.scenario.varied_values import PARAMETERS, combined, overrides_of, value_at
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cube_sim.scenario.samples_block import Gives
+from cube_sim.scenario.distribution_blocks import Gives
 
 PARAMETERS = "parameters."
 """Before the name of a parameter of the model, in the path of one."""

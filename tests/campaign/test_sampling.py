@@ -15,7 +15,7 @@ from cube_sim.campaign.sampling import SamplePlan, count, sample, variation
 from cube_sim.errors import ScenarioError
 from cube_sim.mission.hull import flown_hull
 from cube_sim.scenario import load
-from cube_sim.scenario.samples_block import (
+from cube_sim.scenario.distribution_blocks import (
     ChoiceBlock,
     DirectionBlock,
     IntegersBlock,
@@ -272,7 +272,7 @@ def test_a_generator_whose_scenario_cannot_be_flown(tmp_path):
     (tmp_path / "draw.py").write_text("def drawn(k, rng):\n    return {'guidance.speed_m_s': -1.0}\n")
     loaded = sampled(tmp_path, "", more="  generator: {python: 'draw.py:drawn'}\n")
     with pytest.raises(
-        ScenarioError, match=r"override guidance.speed_m_s: must be greater than 0, got -1.0 \(sample 2\)"
+        ScenarioError, match=r"override guidance.speed_m_s: must be at least 0.0001, got -1.0 \(sample 2\)"
     ):
         sample(loaded, 2)
 
@@ -283,7 +283,7 @@ def test_a_generator_whose_scenario_cannot_be_flown(tmp_path):
         ("guidance.sped_m_s: {distribution: uniform, low: 0.3, high: 0.5}",
          "mission.yaml:14:24: samples.vary.guidance.sped_m_s: guidance.sped_m_s: unknown key; did you mean speed_m_s?"),
         ("guidance.speed_m_s: {distribution: uniform, low: -0.1, high: 0.5}",
-         "mission.yaml:14:25: samples.vary.guidance.speed_m_s: may be -0.1: must be greater than 0, got -0.1"),
+         "mission.yaml:14:25: samples.vary.guidance.speed_m_s: may be -0.1: must be at least 0.0001, got -0.1"),
         ("guidance.speed_m_s: {distribution: normal, mean: 0.3, std: 0.1}",
          "mission.yaml:14:25: samples.vary.guidance.speed_m_s: may be -0.3"),
         ("control_period_s: {distribution: uniform, low: 0.01, high: 0.02}",
@@ -350,7 +350,7 @@ def test_a_block_that_makes_no_samples_is_refused(tmp_path, more, said):
 def test_mistakes_of_samples_given_from_outside(tmp_path):
     wrong = {"samples": {"count": 3, "vary": {"guidance.speed_m_s": {"distribution": "uniform", "low": 0, "high": 1}}}}
     (line,) = mistakes(write(tmp_path, FLIGHT), wrong)
-    assert line.startswith("override samples: samples.vary.guidance.speed_m_s: may be 0.0: must be greater than 0")
+    assert line.startswith("override samples: samples.vary.guidance.speed_m_s: may be 0.0: must be at least 0.0001")
 
 
 def test_a_scenario_with_samples_flies_as_it_stands(tmp_path):
