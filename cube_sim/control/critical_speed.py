@@ -99,12 +99,14 @@ def surely_uncritical_speed(left: Capability, hull: Dynamics, delay_s: float, kn
     return (1.0 - known_to) * min(critical_speed(left, corner, delay_s).speed_m_s for corner in corners)
 
 
-def too_fast(left: Capability, hull: Dynamics, delay_s: float, speed_m_s: float) -> str | None:
+def too_fast(
+    left: Capability, hull: Dynamics, delay_s: float, speed_m_s: float, limit: CriticalSpeed | None = None
+) -> str | None:
     """Words for a speed through the water [m/s] that is beyond the critical one; None for one that is not.
 
-    See `critical_speed` for the other arguments.
+    See `critical_speed` for the other arguments, and for `limit` where it is known already.
     """
-    limit = critical_speed(left, hull, delay_s, speed_m_s)
+    limit = limit or critical_speed(left, hull, delay_s, speed_m_s)
     if left.authority is Authority.SAFE or speed_m_s <= limit.speed_m_s:
         return None
     return (

@@ -8,7 +8,7 @@ import numpy as np
 
 from cube_sim.allocation import FaultTolerant
 from cube_sim.control.authority import Capability, remaining_capability
-from cube_sim.control.critical_speed import too_fast
+from cube_sim.control.critical_speed import CriticalSpeed, critical_speed, too_fast
 from cube_sim.control.loop_times import mean_delay
 from cube_sim.control.turning_limit import too_tight
 from cube_sim.control.yielding import WaterHold
@@ -40,6 +40,7 @@ class Ability:
         cost_limit: `control.cost_limit` [N/N].
         whole: what it can do at any cost that is not `DEAR`.
         within_limit: what it can do within `cost_limit`; `whole` where there is none.
+        critical: the critical speed of `within_limit`, where many flights look at it; None where it is not known yet.
     """
 
     A: Matrix
@@ -53,6 +54,7 @@ class Ability:
     cost_limit: float | None
     whole: Capability
     within_limit: Capability
+    critical: CriticalSpeed | None = None
 
     @classmethod
     def of(cls, allocator: FaultTolerant, dynamics: Dynamics, scenario: Scenario, path: Path, lag_s: Vector) -> Ability:
@@ -92,7 +94,14 @@ class Ability:
         """Words for a speed of the path that is beyond the critical one of what is left; None for one that is not."""
         if self.hold.hull is None:
             return None
-        return too_fast(left, self.hold.hull, self.delay_s, self.fastest_m_s)
+        known = self.critical if left is self.within_limit else None
+        return too_fast(left, self.hold.hull, self.delay_s, self.fastest_m_s, known)
+
+    def of_many_flights(self) -> Ability:
+        """The same, with what each of them would look for again."""
+        if self.hold.hull is None:
+            return self
+        return replace(self, critical=critical_speed(self.within_limit, self.hold.hull, self.delay_s))
 
 
 def courses_of(path: Path) -> Matrix:

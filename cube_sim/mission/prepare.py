@@ -192,7 +192,7 @@ def _ability(loaded: Loaded, allocator: FaultTolerant, dynamics: Dynamics, path:
     arrays = allocator.A, allocator.limits, lag_s, *(getattr(dynamics, each.name) for each in fields(dynamics))
     asked = scenario.guidance.speed_m_s, scenario.control_period_s, scenario.control.cost_limit
     key = "ability", scenario.path.model_dump_json(), asked, tuple(np.asarray(each).tobytes() for each in arrays)
-    ability = loaded.shared.get(key, lambda: Ability.of(allocator, dynamics, scenario, path, lag_s))
+    ability = loaded.shared.get(key, lambda: Ability.of(allocator, dynamics, scenario, path, lag_s).of_many_flights())
     return ability.in_currents(initial_currents(scenario))
 
 
