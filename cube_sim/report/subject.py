@@ -120,7 +120,7 @@ class Subject:
         """Why the headline is not simply that of the checks, a line each."""
         found, _, remarks = self.judged
         lines = list(remarks)
-        if not self._said:
+        if not self._said and self.scenario.checks:
             lines.append(f"nothing says what it was judged; judged from the record now, it is {found}")
         lines += [
             f"{who} says {word}; judged from the record now, it is {found}" for who, word in self._said if word != found
