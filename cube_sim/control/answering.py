@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cube_sim.control.attitude_mode import DESIRED
-from cube_sim.control.current import observe_current
+from cube_sim.control.current import observe_current, told_of_water
 from cube_sim.control.disturbance import observe_disturbance
 from cube_sim.control.following import follow
 from cube_sim.control.force_first import ForceFirst, serve_force_first
@@ -27,7 +27,7 @@ from cube_sim.guidance.view_record import VIEW, see_level
 from cube_sim.native.callee import Callee, call_at
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Record, Vector
-from cube_sim.tuples import put
+from cube_sim.tuples import put, triple
 
 SETTINGS = np.dtype(
     [
@@ -41,6 +41,7 @@ SETTINGS = np.dtype(
         ("force_first", np.bool_),
         ("disturbance_time", np.float64),
         ("current_time", np.float64),
+        ("smeared_time", np.float64),
         ("current_damping", np.float64),
         ("levelling_time", np.float64),
         ("least_closing", np.float64),
@@ -52,8 +53,9 @@ SETTINGS = np.dtype(
 
 It pursues its target, or approaches the path; which attitude it asks for; the attitude is balanced; turning drags the
 hull along; the thrusters' budget is known; the target waits; it moves in a level plane only; the force is served before
-the torque. Then the times of the observers [s], 0 for none, the damping of the current's, the levelling time [s], the
-share of its closing speed that the path's own speed is, the force that is asked for again [N],
+the torque. Then the times of the observers [s], 0 for none, the time over which what the current is read off is smeared
+[s], 0 where the hull does not spin, the damping of that observer, the levelling time [s], the share of its closing
+speed that the path's own speed is, the force that is asked for again [N],
 the attitude that is held.
 """
 
@@ -194,7 +196,8 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio,
         observe_disturbance(hull, s.disturbance_time, p.disturbance, R, v, w, applied, current, dt)
         put(unknown, p.disturbance[0].estimate)
         if s.current_time > 0.0:
-            observe_current(hull, s.current_damping, dt / s.current_time, current, R, v, w, unknown)
+            share = dt * told_of_water(triple(w), s.smeared_time) / s.current_time
+            observe_current(hull, s.current_damping, share, current, R, v, w, unknown)
     call_at(WANTING, wanting, (p, desired, view, R, q, dt, force_ratio))
     if p.refuge[0].taken:
         stay_in_refuge(p, desired, force_ratio)

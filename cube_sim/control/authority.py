@@ -33,6 +33,7 @@ from cube_sim.control.effort import effort_matrix
 from cube_sim.control.left_alone import carried_m
 from cube_sim.control.levelling import UP
 from cube_sim.control.pace import ForceBudget
+from cube_sim.control.resting import rests_amply
 from cube_sim.control.turned_round import LOOKED_AHEAD_S, NEAR_M, TurnedRound, turned_round
 from cube_sim.control.yielding import FORCES_YIELD, MAX_TILT_SINE, WaterHold, held_or_pointed
 from cube_sim.spatial import Matrix, Record, Vector
@@ -250,6 +251,8 @@ def _perhaps_turned(left: Capability, budget: ForceBudget, hull: Dynamics) -> Ca
     if left.authority in (Authority.HOLONOMIC, Authority.TRIM) or (left.authority is Authority.LEVEL and not lifted):
         return left
     level, water, farthest = np.eye(3), np.zeros(3), NEAR_M
+    if left.lost.shape[1] == 1 and not left.level and rests_amply(hull.record, budget, level):
+        return left  # the attitude it has points the thrust
     if left.level and lifted:  # nothing else would make up for the lift
         carried = carried_m(hull.record, left.held, level, np.zeros(6), water, round(LOOKED_AHEAD_S))
         farthest = max(farthest, LIFTED * float(carried[-1]))

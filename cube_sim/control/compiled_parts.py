@@ -144,6 +144,7 @@ def compiled_parts(
     settings["force_first"] = first is not None
     if observer is not None:
         settings["disturbance_time"] = observer.time
+        settings["smeared_time"] = follower.smeared_time
         if flow is not None:
             settings["current_time"], settings["current_damping"] = flow.time, flow.damping
     return CompiledParts(

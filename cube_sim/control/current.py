@@ -6,7 +6,7 @@ import numpy as np
 
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import State, Vector
-from cube_sim.tuples import solve_positive, triple
+from cube_sim.tuples import length, solve_positive, triple
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.laws.hull_motion import inverse_dynamics
 
@@ -58,6 +58,21 @@ class CurrentObserver:
             residual,
         )
         return self.estimate.copy()
+
+
+@compiled
+def told_of_water(rates, smeared_time):
+    """Share of what a turning hull does not explain that the water may be the cause of.
+
+    The residual is smeared over a time T, in axes that turn at w: of what stands still in the world 1 / (1 + (w T)^2)
+    is left there in phase. The rest, and the lag of thrusters whose forces turn with the hull, is not of the water.
+
+    Args:
+        rates: 3-tuple [rad/s].
+        smeared_time: T [s]; at 0 everything counts.
+    """
+    angle = smeared_time * length(rates)
+    return 1.0 / (1.0 + angle * angle)
 
 
 @compiled

@@ -32,7 +32,7 @@ class ForceFirst(NamedTuple):
         matrix: A (6,k) of the thrusters that respond.
         limits: (2,k) their least and largest forces [N].
         held: (6,) [N, N m] of those that are stuck.
-        scale: (6,) [1, 1/m] what a missing component counts.
+        weight: (6,6) [1, 1/m] what is missing, as it counts: the force that moves the hull, then the torque.
         off_range: whether a wrench may be out of the range of A, of which no facet tells.
     """
 
@@ -40,19 +40,27 @@ class ForceFirst(NamedTuple):
     matrix: Matrix
     limits: Matrix
     held: Vector
-    scale: Vector
+    weight: Matrix
     off_range: bool
 
     @classmethod
-    def of(cls, budget: ForceBudget, off_range: bool = False, torque: float = TORQUE) -> ForceFirst:
-        """What it reads of a budget, for wrenches in the range of A or off it, and what a torque counts."""
-        scale = SPATIAL.scale(lever_arm(budget.matrix, SPATIAL)) * np.array([1.0] * 3 + [torque] * 3)
-        arrays = budget.attainable.offsets, budget.matrix, budget.limits, budget.held, scale
-        offsets, matrix, limits, held, scale = (np.ascontiguousarray(array, dtype=np.float64) for array in arrays)
-        return cls(offsets, matrix, limits, held, scale, off_range)
+    def of(cls, budget: ForceBudget, coupling: Matrix, off_range: bool = False, torque: float = TORQUE) -> ForceFirst:
+        """What it reads of a budget.
+
+        Args:
+            budget: what the thrusters can make, and what is stuck.
+            coupling: (3,3) [1/m], of `cube_sim.control.priority.force_with_torque`.
+            off_range: whether wrenches may be out of the range of A.
+            torque: what a missing one counts.
+        """
+        weight = np.diag(SPATIAL.scale(lever_arm(budget.matrix, SPATIAL)) * np.array([1.0] * 3 + [torque] * 3))
+        weight[:3, 3:] = -coupling
+        arrays = budget.attainable.offsets, budget.matrix, budget.limits, budget.held, weight
+        offsets, matrix, limits, held, weight = (np.ascontiguousarray(array, dtype=np.float64) for array in arrays)
+        return cls(offsets, matrix, limits, held, weight, off_range)
 
 
-NOT_FORCE_FIRST = ForceFirst(np.zeros(0), np.zeros((6, 0)), np.zeros((2, 0)), np.zeros(6), np.zeros(6), False)
+NOT_FORCE_FIRST = ForceFirst(np.zeros(0), np.zeros((6, 0)), np.zeros((2, 0)), np.zeros(6), np.zeros((6, 6)), False)
 """Where the torque is served as well as the force."""
 
 
@@ -74,12 +82,14 @@ def serve_force_first(parts, normals, held_shares, force_ratio, wrench):
     if not beyond:
         return
     A, count = parts.matrix, parts.matrix.shape[1]
-    scaled, residual = np.empty((6, count)), np.empty(6)
+    scaled, residual = np.zeros((6, count)), np.zeros(6)
     gram, forces, least, most = np.zeros(count), np.zeros(count), np.empty(count), np.empty(count)
     for i in range(6):
-        residual[i] = parts.scale[i] * (wrench[i] - parts.held[i])
+        for j in range(6):
+            residual[i] += parts.weight[i, j] * (wrench[j] - parts.held[j])
+            for k in range(count):
+                scaled[i, k] += parts.weight[i, j] * A[j, k]
         for k in range(count):
-            scaled[i, k] = parts.scale[i] * A[i, k]
             gram[k] += scaled[i, k] ** 2
     for k in range(count):
         least[k], most[k] = force_ratio * parts.limits[0, k], force_ratio * parts.limits[1, k]

@@ -16,10 +16,10 @@ from cube_sim.control.closing import closing_speed
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
 from cube_sim.control.course_trim import CourseTrims
-from cube_sim.control.current import CurrentObserver
+from cube_sim.control.current import CurrentObserver, told_of_water
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
-from cube_sim.control.force_first import ForceFirst, serve_force_first
+from cube_sim.control.force_first import TORQUE, ForceFirst, serve_force_first
 from cube_sim.control.holding import Holding, Stuck
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
@@ -117,7 +117,8 @@ class PathFollower:
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
         self._first = None
         if self.force_first and budget is not None:
-            self._first = ForceFirst.of(budget) if turned is None else ForceFirst.of(budget, True, turned.torque)
+            counts = (False, TORQUE) if turned is None else (True, turned.torque)
+            self._first = ForceFirst.of(budget, self.coupling, *counts)
         if left.authority is Authority.HOLONOMIC and left.held.any():
             # A thruster has stuck: whether the others have enough beside it is seen at once.
             wished = rotation_from_quaternion(self.desired)
@@ -452,6 +453,11 @@ class PathFollower:
         return self.capability.budget is not None and self.capability.authority is not Authority.TURNED
 
     @property
+    def smeared_time(self) -> float:
+        """The time over which what the current is read off is smeared where the hull is turned round [s], else 0."""
+        return 0.0 if self.observer is None or self.capability.turned is None else self.observer.time
+
+    @property
     def pressed(self) -> bool:
         """Whether the thrusters have been short for so long that the vehicle turns to where they have more."""
         return bool(self.shortage["pressed"][0]) and self.budgeted
@@ -483,4 +489,6 @@ class PathFollower:
         if observer is None:
             return np.zeros(6), current
         disturbance = observer.update(state, applied, current, dt)
-        return disturbance, current if flow is None else flow.update(state, disturbance, dt)
+        if flow is None:
+            return disturbance, current
+        return disturbance, flow.update(state, disturbance, dt * told_of_water(tuple(state.rates), self.smeared_time))

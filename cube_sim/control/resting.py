@@ -28,6 +28,8 @@ STARTS = 12
 """How many of the attitudes spread over all are made better so."""
 SHARES = (0.9, 1.0)
 """Of their force that thrusters may use in an attitude to rest in: with something to brake with if there is one."""
+AMPLE = 0.8
+"""The same where there is enough to spare for all that moving asks for (a choice)."""
 AT_REST = 0.02
 """Share of what is stuck, or of `LITTLE` of the largest force, below which a missing wrench counts as none."""
 LITTLE = 0.1
@@ -68,16 +70,11 @@ def nearest_rest(hull: Record, budget: ForceBudget, force_ratio: float, flow_W: 
         flow_W: velocity through the water at rest (3,) [m/s], world axes.
         near: R_WB (3,3).
     """
-    scale = SPATIAL.scale(lever_arm(budget.matrix, SPATIAL)) * np.array([1.0] * 3 + [TORQUE_FIRST] * 3)
-    matrix, stuck = np.ascontiguousarray(scale[:, None] * budget.matrix), scale * budget.held
-    gram = np.sum(matrix**2, axis=0)
-    found: list[Rest] = []
-    largest = float(np.max(np.abs(budget.limits), initial=0.0))
-    good = (AT_REST * max(float(np.linalg.norm(stuck)), LITTLE * largest)) ** 2
+    found, scale = [], _reckoned(budget, force_ratio).scale
     attitudes = np.concatenate([near[None], _headed_like(near), spread_attitudes()])
     for share in SHARES:
-        least, most = share * force_ratio * budget.limits
-        reckoned = _Reckoned(matrix, gram, least, most, stuck, scale)
+        reckoned = _reckoned(budget, share * force_ratio)
+        good = _little(budget, reckoned)
         sizes = np.empty(len(attitudes))
         look_round(hull, *reckoned, flow_W, attitudes, sizes)
         starts = [0, *(int(i) for i in np.argsort(sizes, kind="stable")[:STARTS])]
@@ -86,6 +83,33 @@ def nearest_rest(hull: Record, budget: ForceBudget, force_ratio: float, flow_W: 
         if at_rest:
             return max(at_rest, key=lambda rest: float(np.sum(rest.attitude * near)))
     return min(found, key=lambda rest: float(np.linalg.norm(scale * rest.missing)))
+
+
+def rests_amply(hull: Record, budget: ForceBudget, attitude: Matrix) -> bool:
+    """Whether the thrusters hold a hull at rest in an attitude (3,3), in still water, with `AMPLE` of their force.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        budget: what the thrusters can make, and what is stuck.
+        attitude: R_WB (3,3).
+    """
+    reckoned = _reckoned(budget, AMPLE)
+    size = what_is_missing(hull, *reckoned, (0.0, 0.0, 0.0), attitude, np.empty(6))
+    return bool(size <= _little(budget, reckoned))
+
+
+def _reckoned(budget: ForceBudget, share: float) -> _Reckoned:
+    """With thrusters that may use a share of their force."""
+    scale = SPATIAL.scale(lever_arm(budget.matrix, SPATIAL)) * np.array([1.0] * 3 + [TORQUE_FIRST] * 3)
+    matrix = np.ascontiguousarray(scale[:, None] * budget.matrix)
+    least, most = share * budget.limits
+    return _Reckoned(matrix, np.sum(matrix**2, axis=0), least, most, scale * budget.held, scale)
+
+
+def _little(budget: ForceBudget, reckoned: _Reckoned) -> float:
+    """Squared, what is missing where next to nothing is [N^2]."""
+    largest = float(np.max(np.abs(budget.limits), initial=0.0))
+    return (AT_REST * max(float(np.linalg.norm(reckoned.stuck)), LITTLE * largest)) ** 2
 
 
 def _headed_like(near: Matrix) -> Matrix:

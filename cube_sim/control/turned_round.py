@@ -15,6 +15,7 @@ from cube_sim.control.force_first import TORQUE, ForceFirst, serve_force_first
 from cube_sim.control.loop_times import LoopTimes
 from cube_sim.control.loops import MotionLoops, loop_wrench
 from cube_sim.control.pace import ForceBudget
+from cube_sim.control.priority import force_with_torque
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import rotation_about
 from cube_sim.tuples import (
@@ -85,7 +86,8 @@ def wanders_m(hull: Dynamics, budget: ForceBudget, torque: float) -> float:
     """
     loop = LoopTimes.behind(DELAY_S)
     loops = MotionLoops(hull, loop.velocity, loop.attitude, loop.rate).record
-    parts, mobility = ForceFirst.of(budget, True, torque), np.linalg.inv(hull.total_mass)
+    coupling, mobility = force_with_torque(hull.total_mass), np.linalg.inv(hull.total_mass)
+    parts = ForceFirst.of(budget, coupling, True, torque)
     facets, off = (budget.normals, budget.held_shares), np.full(round(LOOKED_AHEAD_S / STEP_S), np.inf)
     _turn(hull.record, loops, parts, *facets, mobility, loop.lateral, np.array(START), np.zeros(3), off)
     return float(np.max(off[round(STEADIED * len(off)) :]))

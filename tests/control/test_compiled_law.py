@@ -124,7 +124,7 @@ def test_the_law(rng, hull, room, flags):
 def test_the_force_before_the_torque(rng):
     normals, bounds, held_shares = facets(rng, 0.1)
     limits = np.outer([-1.0, 1.2], rng.uniform(5.0, 50.0, size=7))
-    first = force_first.ForceFirst(bounds, rng.normal(size=(6, 7)), limits, rng.normal(size=6), np.ones(6), False)
+    first = force_first.ForceFirst(bounds, rng.normal(size=(6, 7)), limits, rng.normal(size=6), np.eye(6), False)
 
     def arguments(wrench):
         return first, normals, held_shares, 0.9, wrench

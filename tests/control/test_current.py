@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from support.vehicles import vehicle
 
-from cube_sim.control.current import CurrentObserver
+from cube_sim.control.current import CurrentObserver, told_of_water
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.spatial import State, quaternion_from_rotation, rotation_about
 
@@ -91,3 +91,10 @@ def test_what_no_drag_shows_is_left_alone(dynamics, along, coefficient):
     assert np.linalg.norm(estimate) < 5.0
     seen = R @ np.diag([float(0 in along and coefficient == 1.0), 0.0, 0.0]) @ R.T
     np.testing.assert_allclose(estimate, seen @ estimate, atol=1e-6)
+
+
+def test_of_what_is_smeared_over_a_turn_and_more_the_water_is_told_little():
+    assert told_of_water((3.0, 0.0, 4.0), 0.0) == 1.0
+    assert told_of_water((0.0, 0.0, 0.0), 2.0) == 1.0
+    assert told_of_water((0.0, 0.3, 0.4), 2.0) == pytest.approx(0.5)  # w T = 1
+    assert told_of_water((0.0, 0.0, 3.0), 1.0) == pytest.approx(0.1)

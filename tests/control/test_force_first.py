@@ -12,9 +12,13 @@ from support.vehicles import vehicle
 import cube_sim
 from cube_sim.control.authority import remaining_capability
 from cube_sim.control.force_first import TORQUE, ForceFirst, serve_force_first
+from cube_sim.control.priority import force_with_torque
 from cube_sim.wrench.axes import SPATIAL
 from cube_sim.wrench.health import Health
 from cube_sim.wrench.matrix import lever_arm
+
+UNCOUPLED = np.zeros((3, 3))
+"""A mass whose turning asks for no force."""
 
 
 def budget_beside(name, thruster, force):
@@ -23,10 +27,10 @@ def budget_beside(name, thruster, force):
     return remaining_capability(hull.actuation_matrix, hull.thrusters.limits, health).budget
 
 
-def made_of(budget, ratio, wrench):
+def made_of(budget, ratio, wrench, coupling=UNCOUPLED):
     """What is made of a wrench with the force first."""
     made = wrench.copy()
-    serve_force_first(ForceFirst.of(budget), budget.normals, budget.held_shares, ratio, made)
+    serve_force_first(ForceFirst.of(budget, coupling), budget.normals, budget.held_shares, ratio, made)
     return made
 
 
@@ -49,6 +53,21 @@ def test_any_other_comes_as_near_as_can_be_by_forces_that_there_are(ratio):
             scale[:, None] * budget.matrix, scale * (wrench - budget.held), bounds=tuple(ratio * budget.limits)
         )
         assert np.linalg.norm(scale * (wrench - made)) <= np.sqrt(2.0 * best.cost) * 1.02 + 1e-3
+
+
+def test_the_force_that_was_to_come_with_a_turning_is_not_made_without_it():
+    """A mass that couples both: the origin of the body goes as it is to, though the hull does not turn as it is to."""
+    budget, rng = budget_beside("bluerov2_heavy", 0, 51.4), np.random.default_rng(5)
+    mass = vehicle("bluerov2_heavy").dynamics.total_mass.copy()
+    arm = mass[0, 0] * np.array([[0.0, 0.05, 0.0], [-0.05, 0.0, 0.02], [0.0, -0.02, 0.0]])
+    mass[:3, 3:], mass[3:, :3] = arm, arm.T
+    off = {True: [], False: []}
+    for _ in range(20):
+        wrench = rng.normal(size=6) * np.array([5.0] * 3 + [25.0] * 3)
+        for known in off:
+            made = made_of(budget, 1.0, wrench, force_with_torque(mass) if known else UNCOUPLED)
+            off[known].append(float(np.linalg.norm(np.linalg.solve(mass, wrench - made)[:3])))
+    assert np.median(off[True]) < 0.2 * np.median(off[False])
 
 
 @pytest.mark.flight
