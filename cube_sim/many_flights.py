@@ -210,7 +210,9 @@ def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
     Raises:
         ValueError: with the names there are.
     """
-    channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed=any(force_events(one.scenario) for one in loaded))
+    pushed = any(force_events(one.scenario) for one in loaded)
+    phased = ("1",) * any(one.scenario.phases for one in loaded)
+    channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed=pushed, phases=phased)
     known = dict.fromkeys(f"{channel.name}.{field.name}" for channel in channels for field in channel.fields)
     for one in loaded:
         sensed = channels_of(one.scenario.navigation)

@@ -148,6 +148,25 @@ class PathFollower:
             self, self._approach, self._loops.record, self._left, self._budget, self._first, self.dragged
         )
 
+    def take_up(self, other: PathFollower) -> None:
+        """Fly the course of another from here on, with what is known of the vehicle and its water.
+
+        Args:
+            other: a follower of the same vehicle on another path, which has not flown.
+        """
+        self.target, self.approach, self.attitude = other.target, other.approach, other.attitude
+        self.pointing_time, self.speed, self.radius, self.waits = (
+            other.pointing_time,
+            other.speed,
+            other.radius,
+            other.waits,
+        )
+        self.path_first, self._goal = other.path_first, None
+        self.monitor = LossOfTargetMonitor(self.safe_mode)
+        self.shortage = np.zeros(1, SHORTAGE)
+        self.centre = np.zeros(1, CENTRE)
+        self.reconfigure(self.capability)
+
     def view(self, state: State) -> TargetView:
         """See `Controller.view`."""
         return self.target.view(state.position, turned_to_world(state.rotation, state.velocity))

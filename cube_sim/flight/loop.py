@@ -14,12 +14,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action
 from cube_sim.flight.beside import FlyingBeside
 from cube_sim.flight.compiled import BEGIN, FAILED, JUDGED, STOPPED, UNANSWERED, Stretch, begin_ticks, engine_of
 from cube_sim.flight.rows import rows_for, write_power
-from cube_sim.flight.start import described
+from cube_sim.flight.start import described, tell_phase
 from cube_sim.flight.stop_law import condition_met
 from cube_sim.flight.taken_over import NOT_BEGUN, Begun, Watches, take_over
 from cube_sim.flight.tick import NotANumberError, tick
@@ -202,7 +203,9 @@ class Loop:
                 self.tick += stretch.ticks if moving else 0
                 if stretch.reached == STOPPED:  # the physics has not gone on from its last tick
                     self.tick -= moving
-                    self.stopped = mission.stops.end(stretch.condition, self.time_s)
+                    self._meet(stretch.condition, self.time_s)
+                    if moving:
+                        self.advance()
             else:
                 self._python_until = tick + PYTHON_TICKS
             if stretch.reached == FAILED:
@@ -338,8 +341,20 @@ class Loop:
                 self.stopped = mission.stops.given_up(decision.given_up, t)
         met = condition_met(mission.stops.records, self._rows, 0, t)
         if met >= 0 and self.stopped is None:
-            self.stopped = mission.stops.end(met, t)
+            self._meet(met, t)
         mission.drop_weight.lift(mission.data)
+
+    def _meet(self, condition: int, t: float) -> None:
+        """Stop because a condition is met at t [s], or go on with the next phase, whose beginning it is."""
+        mission, controller = self.mission, self.mission.controller
+        if not mission.stops.ends_phase(condition):
+            self.stopped = mission.stops.end(condition, t)
+        elif isinstance(controller, PathFollower) and mission.phases.go_on(controller, mission.stops, t):
+            tell_phase(mission, self._store, t)
+        else:
+            self.stopped = mission.stops.after_phases(t)
+            if self.stopped is None:
+                self._store.log(t, "INFO", "all phases are flown; the last goes on")
 
     def advance(self) -> None:
         """The physics up to the next tick."""

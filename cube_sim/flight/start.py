@@ -62,6 +62,15 @@ def described(mission: Mission, store: SignalStore) -> None:
         if reason := why_not_again(code):
             store.log(0.0, "WARNING", f"{key}: {code.name} {NOT_AGAIN}: {reason}")
     store.log(0.0, "INFO", way_of_flying(mission.ability))
+    tell_phase(mission, store, 0.0)
+
+
+def tell_phase(mission: Mission, store: SignalStore, t: float) -> None:
+    """Record which phase begins at t [s], and say so, where the mission has phases."""
+    if mission.phases:
+        phase, count = mission.phases.index, len(mission.phases)
+        store.append("phase", t, float(phase))
+        store.log(t, "INFO", f"phase {phase + 1} of {count}: {mission.phases.flown.block.name}")
 
 
 def checked_seed(seed: Any) -> int:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from math import sqrt
 
-from cube_sim.mission.stopping import PATH_END
+from cube_sim.mission.stopping import PATH_END, RESTING, TIMED
 from cube_sim.native.compiled import compiled
+
+SAME_S = 1e-9
+"""Times that differ by less are the same: those of ticks are rounded [s]."""
 
 
 @compiled
@@ -67,8 +70,14 @@ def condition_met(stops, rows, k, t):
     met = -1
     for i in range(len(stops)):
         stop = stops[i]
-        value = stop_value(stop, rows, k)
-        holds = t >= stop.from_s and (value > stop.limit if stop.above else value < stop.limit)
+        if stop.kind == RESTING:
+            continue
+        if stop.kind == TIMED:
+            holds = t >= stop.limit - SAME_S
+        else:
+            value = stop_value(stop, rows, k)
+            holds = t >= stop.from_s and (value > stop.limit if stop.above else value < stop.limit)
+            holds = holds and rows.path_error[k, 5] <= stop.turned
         stop.held = stop.held + 1 if holds else 0
         if met < 0 and stop.held > stop.ticks:
             met = i

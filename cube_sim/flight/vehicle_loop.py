@@ -82,7 +82,9 @@ class VehicleLoop(Loop):
                 self._break_off(stretch.last_words)
                 return
             if reached == STOPPED:
-                self.stopped = self.mission.stops.end(stretch.condition, self.time_s)
+                self._meet(stretch.condition, self.time_s)
+                if not self.stopped:
+                    self.tick += 1
                 return
             if flown:
                 self.tick += 1

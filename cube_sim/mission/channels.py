@@ -27,6 +27,7 @@ def recorded_channels(scenario: Scenario, vehicle: Vehicle) -> tuple[Channel, ..
         tuple(authority.name for authority in Authority),
         tuple(name for name in SUPPLY if not why_unknown(name, scenario, vehicle)),
         bool(force_events(scenario)),
+        tuple(phase.name for phase in scenario.phases),
     ) + channels_of(scenario.navigation)
 
 

@@ -15,7 +15,7 @@ from cube_sim.control.path_follower import PathFollower
 from cube_sim.guidance.path import Path
 from cube_sim.mission.ability import Ability
 from cube_sim.mission.allocation import allocator_of
-from cube_sim.mission.channels import polyline, recorded_channels
+from cube_sim.mission.channels import PATH_POINTS, polyline, recorded_channels
 from cube_sim.mission.control import controller_of
 from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.drop_weight import DropWeight
@@ -29,6 +29,7 @@ from cube_sim.mission.own.compiled_law import CompiledLaw
 from cube_sim.mission.own.others import NOBODY, Others
 from cube_sim.mission.own.sensor import own_sensors
 from cube_sim.mission.path import path_of
+from cube_sim.mission.phases import Phases, phases_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
 from cube_sim.mission.sensor_faults import sensor_faults
 from cube_sim.mission.stopping import Stops
@@ -66,6 +67,7 @@ class Mission:
         channels: what will be recorded.
         outline: (n,3) points on the whole path, evenly spaced [m], world axes.
         stops: what ends the flight before its time.
+        phases: the legs of the mission; none where it has one path.
         codes: code of the user's own, by the value in whose place it stands.
     """
 
@@ -85,6 +87,7 @@ class Mission:
     channels: tuple[Channel, ...]
     outline: Matrix
     stops: Stops
+    phases: Phases
     codes: Codes = field(default_factory=dict)
 
     @property
@@ -144,6 +147,9 @@ def mission_of(
     allocator = allocator_of(loaded, believed.vehicle, codes)
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
     ability = _ability(loaded, allocator, dynamics, path, believed.vehicle.thrusters.lag_s)
+    phases = phases_of(loaded, believed, allocator, codes)
+    if phases:
+        outline = phases.outline(PATH_POINTS)
     mujoco.mj_kinematics(model, data)
     start = read_truth(read_state(vehicle, data), data, vehicle).motion
     faults = sensor_faults(scenario)
@@ -164,8 +170,11 @@ def mission_of(
         channels=channels,
         outline=outline,
         stops=Stops(scenario, channels),
+        phases=phases,
         codes=codes,
     )
+    if mission.phases:
+        mission.phases.begin(mission.stops, 0.0)
     if codes.keys() & {"control.law", "control.attitude", "guidance.law"}:
         tried(loaded, mission)
     return mission

@@ -9,7 +9,13 @@ import numpy as np
 
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Scenario
-from cube_sim.scenario.stop_blocks import AnyStop, GivenUpStopBlock, PathEndStopBlock, SignalStopBlock
+from cube_sim.scenario.stop_blocks import (
+    AnyStop,
+    GivenUpStopBlock,
+    PathEndStopBlock,
+    PhasesEndStopBlock,
+    SignalStopBlock,
+)
 from cube_sim.spatial import Record
 from cube_sim.verdict import EarlyEnd
 
@@ -28,7 +34,7 @@ WATCHED = (
     "disturbance",
 )
 """Channels with a row at every tick that the loop itself writes, in the order of their tables."""
-SIGNAL, PATH_END = range(2)
+SIGNAL, PATH_END, TIMED, RESTING = range(4)
 """Kinds of conditions."""
 STOP = np.dtype(
     [
@@ -38,14 +44,15 @@ STOP = np.dtype(
         ("count", np.int64),
         ("above", np.bool_),
         ("limit", np.float64),
+        ("turned", np.float64),
         ("from_s", np.float64),
         ("ticks", np.int64),
         ("held", np.int64),
     ]
 )
 """One condition: its kind; of a signal the table, its first column and how many there are; whether it is to be above
-the limit, else below; from when it is looked at [s]; for how many ticks after the first it has to hold, and at how many
-it has in a row by now."""
+the limit, else below; the largest attitude error beside the distance to a path's end [rad]; from when it is looked at
+[s]; for how many ticks after the first it has to hold, and at how many it has in a row by now."""
 _SAME = 1e-9  # of a tick
 
 
@@ -57,14 +64,19 @@ class Stops:
         channels: what is recorded.
 
     Attributes:
-        records: (n,) of `STOP`, those that are seen from the rows of a tick.
+        records: (n,) of `STOP`, those that are seen from the rows of a tick; the last is the end of a phase, where the
+            mission has phases.
     """
 
     def __init__(self, scenario: Scenario, channels: tuple[Channel, ...]) -> None:
-        self._seen = tuple(stop for stop in scenario.stop if not isinstance(stop, GivenUpStopBlock))
+        self._seen = tuple(stop for stop in scenario.stop if isinstance(stop, SignalStopBlock | PathEndStopBlock))
+        self._after_phases = next((stop for stop in scenario.stop if isinstance(stop, PhasesEndStopBlock)), None)
         self._given_up = next((stop for stop in scenario.stop if isinstance(stop, GivenUpStopBlock)), None)
-        self.records: Record = np.zeros(len(self._seen), STOP)
-        for record, stop in zip(self.records, self._seen, strict=True):
+        self._phased = bool(scenario.phases)
+        self.records: Record = np.zeros(len(self._seen) + self._phased, STOP)
+        self.records["turned"] = np.inf
+        self.records["kind"] = RESTING
+        for record, stop in zip(self.records, self._seen, strict=False):
             record["ticks"] = ceil(stop.for_s / scenario.control_period_s - _SAME)
             record["from_s"] = stop.from_s
             match stop:
@@ -75,6 +87,19 @@ class Stops:
                     record["limit"] = stop.below if stop.above is None else stop.above
                 case PathEndStopBlock():
                     record["kind"], record["limit"] = PATH_END, stop.reach_m
+
+    @property
+    def phase(self) -> np.void:
+        """The element of `records` that sees the end of a phase, of a mission that has them."""
+        return self.records[-1]
+
+    def ends_phase(self, index: int) -> bool:
+        """Whether the condition of this number is the end of a phase, not of the run."""
+        return self._phased and index == len(self._seen)
+
+    def after_phases(self, t: float) -> EarlyEnd | None:
+        """That the last phase is over at t [s]; None where that does not end a run."""
+        return None if self._after_phases is None else _end(self._after_phases, t)
 
     def end(self, index: int, t: float) -> EarlyEnd:
         """That the condition of this number is met at t [s]."""
@@ -105,6 +130,10 @@ def impossible_stops(scenario: Scenario, channels: tuple[Channel, ...]) -> Itera
     widths = {f"{c.name}.{field.name}": field.width for c in channels if c.name in WATCHED for field in c.fields}
     recorded = {f"{c.name}.{field.name}" for c in channels for field in c.fields}
     for i, stop in enumerate(scenario.stop):
+        if isinstance(stop, PhasesEndStopBlock) and not scenario.phases:
+            yield f"stop.{i}.kind", "the scenario has no phases"
+        if isinstance(stop, PathEndStopBlock) and scenario.phases:
+            yield f"stop.{i}.kind", "the mission has a path for each phase; use phases_end"
         if not isinstance(stop, SignalStopBlock):
             continue
         if stop.signal in recorded - widths.keys():

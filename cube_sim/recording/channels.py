@@ -132,6 +132,8 @@ def why_absent(signal: str) -> str:
         return WHY_NOT_SUPPLIED[quantity]
     if channel == DISTURBANCE.name:
         return "the scenario has no event of kind force"
+    if channel == "phase":
+        return "the scenario has no phases"
     if channel in ("navigation", "navigation_error"):
         return "the scenario has no navigation block"
     sensor = channel.removeprefix("sensor_")
@@ -150,6 +152,11 @@ def _power(thrusters: tuple[str, ...], known: tuple[str, ...]) -> tuple[Channel,
 
 
 @lru_cache(maxsize=16)  # of many flights it is the same
+def _phase(names: tuple[str, ...]) -> tuple[Channel, ...]:
+    field = Field("index", 1, "1", "which phase is flown, a code", (), names)
+    return (Channel("phase", (field,), ON_CHANGE),) if names else ()
+
+
 def channel_table(
     thrusters: tuple[str, ...],
     path_points: int,
@@ -157,6 +164,7 @@ def channel_table(
     authority: tuple[str, ...] = (),
     supply: tuple[str, ...] = SUPPLY,
     pushed: bool = False,
+    phases: tuple[str, ...] = (),
 ) -> tuple[Channel, ...]:
     """Declare what a run of a vehicle with these thrusters records.
 
@@ -167,6 +175,7 @@ def channel_table(
         authority: what the codes of the vehicle's authority mean.
         supply: which of `SUPPLY` are known; the others are not recorded.
         pushed: whether something pushes the vehicle.
+        phases: names of the phases, if there are any.
 
     Returns:
         The channels in the order in which they are written.
@@ -278,4 +287,8 @@ def channel_table(
             ),
         ),
         *((DISTURBANCE,) if pushed else ()),
+        *(
+            (Channel("phase", (Field("index", 1, "1", "which phase is flown, a code", (), phases),), ON_CHANGE),)
+            * bool(phases)
+        ),
     )

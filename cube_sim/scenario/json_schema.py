@@ -19,7 +19,10 @@ def json_schema() -> str:
     schema["$defs"] |= {name: block for name, block in world["$defs"].items() if name not in schema["$defs"]}
     # What a file leaves out may stand in the one that it includes.
     required = schema.pop("required")
-    schema["anyOf"] = [{"required": ["include"]}, {"required": required}, {"required": [*world["required"], VEHICLES]}]
+    legs = [name for name in required if name != "path"]
+    phased = [name for name in legs if name != "guidance"]
+    ways = ["include"], required, [*legs, "waypoints"], [*phased, "phases"], [*world["required"], VEHICLES]
+    schema["anyOf"] = [{"required": way} for way in ways]
     own = {name: _partly(value, schema) for name, value in schema["properties"].items() if name not in AT_THE_TOP}
     schema["$defs"]["VehicleAmong"] = {
         "title": "Vehicle",

@@ -20,6 +20,7 @@ from cube_sim.scenario.file_names import renamed
 from cube_sim.scenario.include import Merged, merged
 from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.scenario.overrides import Override, apply
+from cube_sim.scenario.phase_blocks import as_written, with_first_leg
 from cube_sim.scenario.possible_samples import sample_refusals
 from cube_sim.scenario.reading import CHECKS, dotted, line, parsed, read_text
 from cube_sim.scenario.resolved import seen_from, to_yaml
@@ -245,9 +246,12 @@ def validated(
     if directory is not None:
         context["directory"] = directory
     try:
-        return Scenario.model_validate(data, context=context or None), []
+        return Scenario.model_validate(with_first_leg(data), context=context or None), []
     except ValidationError as error:
-        return None, explain(error, Scenario)
+        found = [each._replace(location=as_written(each.location, data)) for each in explain(error, Scenario)]
+        # What is wrong with the legs that waypoints stand for is wrong with something else in the file.
+        others = [each for each in found if each.location != ("waypoints",)]
+        return None, list(dict.fromkeys(others or found))
 
 
 def _place(refusal: Refusal, document: Document, overrides: Sequence[Override]) -> Mistake:

@@ -20,16 +20,17 @@ from cube_sim.scenario.check_windows import require_windows_inside
 from cube_sim.scenario.current_block import CurrentProfileBlock
 from cube_sim.scenario.event_blocks import AnyEvent
 from cube_sim.scenario.file_names import ModelFile
+from cube_sim.scenario.guidance_block import GuidanceBlock
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
 from cube_sim.scenario.navigation_blocks import NavigationBlock, require_slower_than
 from cube_sim.scenario.path_blocks import AnyPath, PythonPathBlock
+from cube_sim.scenario.phase_blocks import PhaseBlock, WaypointBlock
 from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
 from cube_sim.scenario.samples_block import SamplesBlock
 from cube_sim.scenario.stop_blocks import AnyStop
 from cube_sim.scenario.telemetry_block import TelemetryBlock
 from cube_sim.scenario.values import (
     ZERO,
-    Acceleration,
     Angles3,
     Block,
     Coordinate,
@@ -84,70 +85,6 @@ class ThrustersBlock(Block):
         if dead_zone_N is not None and not dead_zone_N[0] <= 0.0 <= dead_zone_N[1]:
             refuse(f"must be [F_DZ-, F_DZ+] with F_DZ- <= 0 <= F_DZ+, got {list(dead_zone_N)}")
         return dead_zone_N
-
-
-GuidanceName = Literal["path_following", "trajectory_tracking"]
-AnyGuidance = Annotated[Annotated[GuidanceName, NAME] | OwnPython, NAMED_OR_OWN]
-
-
-class GuidanceBlock(Block):
-    """How the target moves along the path and how the vehicle closes in on it."""
-
-    law: AnyGuidance = Field(
-        default="path_following",
-        description="path_following: the target waits for the vehicle. trajectory_tracking: it runs by the clock from"
-        " time 0, at the speed along the path. A path of type point is held under either law. Code of your own says"
-        " with which velocity a vehicle comes to a target that waits for it.",
-    )
-    speed_m_s: Speed = Field(description="Speed along the path [m/s].")
-    lateral_acceleration_m_s2: Acceleration | None = Field(
-        default=None,
-        description="Slow down in curves so that speed^2 / radius stays below this [m/s^2]. Default: one speed.",
-    )
-    along_acceleration_m_s2: Acceleration = Field(
-        default=0.05, description="How fast the speed may change before and after a curve [m/s^2]."
-    )
-    tracking_time_s: Seconds = Field(
-        default=2.0, description="Tracking, or at a point: time that removes 63 % of a small position error [s]."
-    )
-    closing_speed_m_s: Speed | None = Field(
-        default=None,
-        description="How fast a large position error is run down at most [m/s]. Tracking, or at a point: beside the"
-        " target's own speed, default: speed_m_s. Path following by the law for all axes: across the path, where the"
-        " thrusters afford more than speed_m_s; default: what they afford, or with approach_gain_per_m no more than"
-        " the speed along the path.",
-    )
-    approach_angle_deg: float = Field(
-        default=60.0,
-        gt=0,
-        lt=90,
-        description="Angle to the path at which the vehicle approaches from far away [deg].",
-    )
-    approach_gain_per_m: Rate | None = Field(
-        default=None,
-        description="k_delta in theta = approach angle * tanh(k_delta * cross-track error) [1/m]. Default: 0.5 for the"
-        " planar law; for all axes, what removes a small error in four times control.velocity_time_s.",
-    )
-    target_gain_per_s: Rate = Field(
-        default=0.5,
-        description="k_2 in s' = v_T + k_2 s_1: how fast the target closes its along-track gap [1/s].",
-    )
-    target_speed_limit_m_s: Speed | None = Field(
-        default=None, description="Bound on |s'|, the virtual target's speed [m/s]. Default: none."
-    )
-    wait_for_thrusters: bool = Field(
-        default=True,
-        description="Whether the speed along the path falls to what the thrusters can keep where they cannot make all"
-        " that is asked (path_following; the planar law: while it is short of torque). false: the path is cut instead.",
-    )
-    stop_at_end: bool = Field(
-        default=True, description="Whether to come to rest at the end, or run on along the last tangent."
-    )
-    stop_time_s: Seconds = Field(
-        default=2.0,
-        description="The speed falls as remaining path / stop_time_s before the end of the path [s]; in a longer time "
-        "where the attitude has to point the thrust.",
-    )
 
 
 class PlanarGainsBlock(Block):
@@ -291,6 +228,17 @@ class Scenario(Block):
     path: AnyPath = Field(description="The curve to follow, or the point to hold.")
     guidance: GuidanceBlock
     control: ControlBlock = ControlBlock()
+    phases: Annotated[tuple[PhaseBlock, ...], Strict(False)] = Field(
+        default=(),
+        description="Legs with paths of their own, flown one after the other, in place of `path`. The last goes on to"
+        " the end of the run. The law for all axes flies them.",
+    )
+    waypoints: Annotated[tuple[WaypointBlock, ...], Strict(False)] = Field(
+        default=(),
+        exclude=True,
+        description="Points to go to, in place of `phases`: each is a straight leg, and a point that is held then where"
+        " it asks for that.",
+    )
     navigation: NavigationBlock | None = Field(
         default=None, description="Sensors and an estimate for the controller. Default: it sees the true state."
     )
@@ -366,6 +314,18 @@ class Scenario(Block):
         if profile is not None and any(info.data.get("current_m_s", ())):
             refuse("give either current_m_s or current_profile", because=("current_m_s",))
         return profile
+
+    @field_validator("waypoints")
+    @classmethod
+    def _written_out_as_phases(cls, waypoints: tuple[WaypointBlock, ...]) -> tuple[WaypointBlock, ...]:
+        return waypoints[:0]
+
+    @field_validator("phases")
+    @classmethod
+    def _from_the_first(cls, phases: tuple[PhaseBlock, ...], info: ValidationInfo) -> tuple[PhaseBlock, ...]:
+        if phases and "path" in info.data and info.data["path"] != phases[0].path:
+            refuse("the path is that of the first phase: leave `path` out", because=("path",))
+        return phases
 
     @field_validator("navigation")
     @classmethod

@@ -50,7 +50,10 @@ class SignalStopBlock(HeldStopBlock):
         " is not made by `navigation`."
     )
     component: int | None = Field(
-        default=None, ge=0, description="Column of a vector signal, from 0. Default: the norm of all its columns."
+        default=None,
+        ge=0,
+        le=10**6,
+        description="Column of a vector signal, from 0. Default: the norm of all its columns.",
     )
     above: Number | None = Field(default=None, description="It is larger than this, in the signal's unit.")
     below: Number | None = Field(default=None, description="It is smaller than this, in the signal's unit.")
@@ -95,4 +98,18 @@ class GivenUpStopBlock(StopBlock):
         return "the path is given up"
 
 
-AnyStop = Annotated[SignalStopBlock | PathEndStopBlock | GivenUpStopBlock, Field(discriminator="kind")]
+class PhasesEndStopBlock(StopBlock):
+    """The last of the phases, or of the waypoints, is over."""
+
+    kind: Literal["phases_end"]
+    verdict: Stopping = Field(default="pass", description=_MEANING)
+
+    @property
+    def what(self) -> str:
+        """See `StopBlock.what`."""
+        return "all phases are flown"
+
+
+AnyStop = Annotated[
+    SignalStopBlock | PathEndStopBlock | GivenUpStopBlock | PhasesEndStopBlock, Field(discriminator="kind")
+]

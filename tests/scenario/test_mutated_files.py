@@ -28,7 +28,8 @@ def texts() -> dict[str, str]:
     found = {path.stem: path.read_text() for path in SCENARIO_FILES}
     for name, block in scenario_examples.BLOCKS.items():
         key = re.split(r"[.:]", name)[0]
-        whole = re.sub(rf"^{key}:.*\n(?:[ \t-].*\n)*", "", scenario_examples.WHOLE, flags=re.MULTILINE)
+        gone = rf"(?:{key}|path)" if key in ("phases", "waypoints") else key
+        whole = re.sub(rf"^{gone}:.*\n(?:[ \t-].*\n)*", "", scenario_examples.WHOLE, flags=re.MULTILINE)
         found[f"docs {name}"] = whole + block
     return found
 

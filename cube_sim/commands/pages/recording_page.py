@@ -63,6 +63,7 @@ WRITTEN_BY = {
     "health": "the scenario's events (the truth), the fault diagnosis and control (the belief)",
     "water": "the water (the truth) and the current observer (the estimate)",
     "disturbance": "the scenario's events of kind `force`",
+    "phase": "the scenario's phases, at the tick at which one begins",
     "navigation": "the estimator",
     "navigation_error": "the estimator against MuJoCo",
     "sensor_imu": "the inertial unit",
@@ -249,6 +250,7 @@ def _tables(m: int) -> tuple[Channel, ...]:
         tuple(status.name for status in Status),
         tuple(authority.name for authority in Authority),
         pushed=True,
+        phases=("the names of the phases",),
     )
 
 

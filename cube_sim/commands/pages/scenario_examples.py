@@ -69,6 +69,20 @@ path:
     "path:csv": """\
 path: {type: csv, file: survey.csv, shape: polyline, corner_radius_m: 1.0}
 """,
+    "waypoints": """\
+waypoints:
+  - {to_m: [4, 0, -5]}
+  - {to_m: [4, 3, -5], speed_m_s: 0.2, hold_s: 5, heading_deg: 90}
+  - {to_m: [0, 3, -5]}
+""",
+    "phases": """\
+phases:
+  - {name: there, path: {type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}}
+  - {name: look around, path: {type: point, position_m: [4, 0, -5], heading_deg: 180}, within_deg: 5, hold_s: 2}
+  - {name: rest, path: {type: point, position_m: [4, 0, -5], heading_deg: 180}, for_s: 5}
+  - {name: down, path: {type: line, start_m: [4, 0, -5], end_m: [4, 0, -7]}, guidance: {speed_m_s: 0.2},
+     attitude: {mode: fixed, attitude_deg: [0, 0, 180]}}
+""",
     "guidance": """\
 guidance:
   speed_m_s: 0.4

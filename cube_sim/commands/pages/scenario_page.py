@@ -72,7 +72,7 @@ class _Keys:
 
     def kinds(self, value: Schema) -> tuple[str, list[_Kind]] | None:
         """The key by which the kinds of a block, or of a list's entries, are told apart, and the kinds; or None."""
-        value = _entry(value)
+        value, _ = without_null(_entry(value))
         if "discriminator" not in value:
             return None
         tag = value["discriminator"]["propertyName"]
@@ -159,6 +159,10 @@ def _children(keys: _Keys, path: str, parent: Schema, level: int, skip: str = ""
             yield from _children(keys, where, below, level + 1)
         elif (kinds := keys.kinds(value)) is not None:
             yield heading(level, _title(where))
+            told = [keys.shown.setdefault(kind.block["title"], where) for kind in kinds[1]]
+            if where not in told:
+                yield f"{_text(value['description'])} Its keys are those of {link(code(told[0]), _title(told[0]))}."
+                continue
             yield from _union(keys, where, value, *kinds, level=level)
 
 
