@@ -27,7 +27,7 @@ COMPILED = {
     "cube_lose_one",
     "cube_navigated",
     "cube_sensor_faults",
-    "cube_survey",
+    "cube_waypoints",
     "cube_survival",
     "cube_track",
     "infante_circle",

@@ -16,7 +16,7 @@ from cube_sim.runs.recorded_run import load_run
 from cube_sim.runs.replay import replay
 from cube_sim.scenario import load
 
-SURVEY = SCENARIOS / "cube_survey.yaml"
+SURVEY = SCENARIOS / "cube_waypoints.yaml"
 HERE = [0.0, 0.0, -5.0]
 TEXT = f"""\
 schema_version: 1
