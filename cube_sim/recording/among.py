@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-
-import mujoco
+from typing import TYPE_CHECKING
 
 from cube_sim.errors import RecordingError, ScenarioError
 from cube_sim.recording.batch import Batch, Rows
@@ -19,6 +18,9 @@ from cube_sim.scenario.fleet import SEPARATOR, FleetScenario
 from cube_sim.scenario.fleet_loading import fleet_of
 from cube_sim.scenario.resolved import to_yaml
 from cube_sim.verdict import CheckResult, overall
+
+if TYPE_CHECKING:
+    import mujoco
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from support.places import SCENARIO_FILES, SCENARIOS
+from support.places import FLEET_FILES, SCENARIO_FILES, SCENARIOS
 from support.scenario_files import FLIGHT, MINIMAL
 
 from cube_sim.errors import ScenarioError
@@ -107,4 +107,4 @@ def test_a_folder_without_one_says_so(tmp_path):
 
 
 def test_the_repository_holds_its_scenarios_and_no_others():
-    assert set(find([SCENARIOS]).scenarios) == set(SCENARIO_FILES)
+    assert set(find([SCENARIOS]).scenarios) == {*SCENARIO_FILES, *FLEET_FILES}
