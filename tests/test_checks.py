@@ -428,7 +428,7 @@ def test_verdict_json_says_how_long_a_run_lasted_and_what_it_warned_of():
     text = to_json("ERROR", [], 1.0, {}, Flown(2.5, EarlyEnd(2.5, "over"), lines))
     content = json.loads(text)
     assert content["simulated_s"] == 2.5
-    assert content["ended_early"] == {"time_s": 2.5, "reason": "over"}
+    assert content["ended_early"] == {"time_s": 2.5, "reason": "over", "verdict": "ERROR"}
     assert content["log"] == [
         {"time_s": 1.0, "level": "WARNING", "text": "lost", "count": 2, "last_s": 2.5},
         {"time_s": 2.0, "level": "ERROR", "text": "over", "count": 1, "last_s": 2.0},

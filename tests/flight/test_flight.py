@@ -166,10 +166,10 @@ def test_nothing_is_stepped_past_the_end_and_no_snapshot_of_another_scenario_is_
 
 
 def test_a_vehicle_that_leaves_the_numbers_ends_its_flight_with_the_reason():
-    flight = Flight(HELIX, {**SHORT, "initial.velocity_m_s": [1e3, 0.0, 0.0]})
+    flight = Flight(HELIX, {**SHORT, "initial.velocity_m_s": [1e5, 0.0, 0.0]})
     seen = flight.step()
     assert seen.over
-    assert "velocity" in seen.ended
+    assert "acceleration" in seen.ended
 
 
 def test_a_scenario_need_not_be_a_file():
