@@ -39,7 +39,7 @@ LOOPS = np.dtype(
     + [("righted", np.float64, 3)]
 )
 """Numbers of `MotionLoops`, whose names these are."""
-STIFF = 10.0
+STIFF = 4.0
 """A hull rights itself stiffly about an axis where its righting moment turns it back this many times as hard as the
 loops do (a choice)."""
 
