@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 20
 """Of a scenario's samples, so many are tests unless more are asked for; a sweep flies all of them."""
 _KEEP = ("all", "failures", "none")
+_FIRST = re.compile(r"first:(\d+)")
 _RANGE = re.compile(r"(\d+)(?:-(\d+))?")
 _NAMED_SAMPLE = re.compile(r"\[s(\d+)")
 _others: pytest.StashKey[set[str]] = pytest.StashKey()
@@ -66,10 +67,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     group.addoption(
         "--scenario-samples",
-        default=str(MOST_SAMPLES),
+        default=f"first:{MOST_SAMPLES}",
         metavar="WHICH",
-        help="Which samples are tests: all, a number of them, or some, for example 0-9,17. Default: the first "
-        f"{MOST_SAMPLES}; those that the command line names are tests too.",
+        help="Which samples are tests: all, first:9 for nine of them, or those of these numbers, counted from 0, for "
+        f"example 0-9,17. Default: first:{MOST_SAMPLES}; those that the command line names are tests too.",
     )
     group.addoption(
         "--scenario-out",
@@ -176,11 +177,11 @@ def _wanted(which: str, count: int) -> list[int]:
     """
     if which == "all":
         return list(range(count))
-    if which.isdecimal():
-        return list(range(min(int(which), count)))
+    if first := _FIRST.fullmatch(which):
+        return list(range(min(int(first[1]), count)))
     parts = [_RANGE.fullmatch(part.strip()) for part in which.split(",")]
     if not all(parts):
-        raise ValueError(f"--scenario-samples {which}: all, a number, or some, for example 0-9,17")
+        raise ValueError(f"--scenario-samples {which}: all, first:N, or numbers from 0, for example 0-9,17")
     chosen = {k for part in parts if part for k in range(int(part[1]), int(part[2] or part[1]) + 1)}
     return [k for k in range(count) if k in chosen]
 

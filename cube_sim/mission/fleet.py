@@ -23,6 +23,7 @@ from cube_sim.scenario.fleet_loading import LoadedFleet
 from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.joining import ModelPart, joined_model, vehicle_in
+from cube_sim.vehicle.mjcf.numeric_names import DENSITY
 from cube_sim.vehicle.vehicle import Vehicle
 
 
@@ -72,6 +73,7 @@ def prepare_fleet(loaded: LoadedFleet) -> FleetMission:
             mistakes += error.mistakes
     if mistakes:
         raise ScenarioError([*dict.fromkeys(mistakes)])
+    _require_one_density(loaded, alone)
     model, flown = _joined(loaded, alone)
     set_physics(model, loaded.scenario.together)
     data = mujoco.MjData(model)
@@ -153,6 +155,30 @@ def _joined(loaded: LoadedFleet, alone: Mapping[str, CompiledHull]) -> tuple[muj
     return model, {name: CompiledHull(model, vehicle) for name, vehicle in vehicles.items()}
 
 
+def _require_one_density(loaded: LoadedFleet, alone: Mapping[str, CompiledHull]) -> None:
+    """Refuse models in waters of different densities."""
+    known: dict[str, float] = {}
+    mistakes = list[str]()
+    for name, hull in alone.items():
+        own = loaded.vehicles[name]
+        said = own.scenario.parameters.get(DENSITY)
+        numerics = (hull.model.numeric(i) for i in range(hull.model.nnumeric))
+        of_model = next(float(each.data.item(0)) for each in numerics if each.name.endswith(DENSITY))
+        known[name] = of_model if said is None else said[0]
+        first = next(iter(known))
+        if known[name] != known[first]:
+            own_file, other_file = (Path(loaded.vehicles[each].scenario.model).name for each in (name, first))
+            text = (
+                f"{DENSITY} is {known[name]:g} kg/m^3 in {own_file} of {name}, {known[first]:g} kg/m^3 in {other_file}"
+                f" of {first}: there is one water; say which at the top of the file,"
+                f' parameters: {{"{DENSITY}": [{known[first]:g}]}}'
+            )
+            place = ("parameters", DENSITY) if DENSITY in own.scenario.parameters else ("model",)
+            mistakes.append(own.mistake(place, text))
+    if mistakes:
+        raise ScenarioError(mistakes)
+
+
 def _require_signals(loaded: LoadedFleet, channels: Sequence[Channel]) -> None:
     """Refuse checks over several vehicles of signals that none of them records."""
     widths = {f"{channel.name}.{field.name}": field.width for channel in channels for field in channel.fields}
@@ -171,9 +197,9 @@ def _require_events_in_place(loaded: LoadedFleet) -> None:
         if isinstance(event, CurrentEventBlock)
     ]
     mistakes += [
-        loaded.mistake(f"events.{i}.at_s", f"{event.at_s:g} s is after the end of the run at {duration:g} s")
+        loaded.mistake(f"events.{i}.at_s", f"{event.at_s:g} s is not before the end of the run at {duration:g} s")
         for i, event in enumerate(loaded.scenario.world.events)
-        if event.at_s > duration
+        if event.at_s >= duration
     ]
     if mistakes:
         raise ScenarioError(mistakes)

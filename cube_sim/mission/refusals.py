@@ -163,8 +163,8 @@ def require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
     thrusters, duration = vehicle.thrusters, loaded.scenario.duration_s
     mistakes = [loaded.mistake(*each) for each in impossible_faults(loaded.scenario)]
     for i, event in enumerate(loaded.scenario.events):
-        if event.at_s > duration:
-            text = f"{event.at_s:g} s is after the end of the run at {duration:g} s"
+        if event.at_s >= duration:
+            text = f"{event.at_s:g} s is not before the end of the run at {duration:g} s"
             mistakes.append(loaded.mistake(f"events.{i}.at_s", text, because="duration_s"))
         if not isinstance(event, ThrusterEventBlock):
             continue

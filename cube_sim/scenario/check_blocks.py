@@ -28,6 +28,7 @@ from cube_sim.scenario.statistic_keys import (
     StatisticName,
     bound_of,
     named_signals_of,
+    require_number,
     require_one_limit,
     require_possible_limit,
     require_statistic,
@@ -124,8 +125,7 @@ class ComparisonBlock(SparingBlock):
     @model_validator(mode="after")
     def _one_limit(self) -> ComparisonBlock:
         require_one_limit(self)
-        if self.component is not None and self.combine != "norm":
-            refuse("one component has nothing to combine: leave out one of the two", "combine")
+        require_number(self)
         return self
 
     @property
@@ -186,7 +186,7 @@ class ConditionCheckBlock(CheckBlock):
     @model_validator(mode="after")
     def _one_list_and_a_window(self) -> ConditionCheckBlock:
         if bool(self.all) == bool(self.any):
-            refuse("give exactly one list of comparisons: all or any")
+            refuse("give exactly one list of comparisons: all or any", *(("any",) if self.any else ()))
         key = "all" if self.all else "any"
         for index, each in enumerate(self.comparisons):
             if (each.scale is None) == self.scaled:

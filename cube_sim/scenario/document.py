@@ -15,13 +15,14 @@ from cube_sim.scenario.composing import NotYAMLError, Position, compose
 Location = tuple[str | int, ...]
 """Keys and list indices from the top of the document to a value."""
 
-_EMPTY = "the file is empty"
+EMPTY = "the file is empty"
 # Far above any scenario; a tower of aliases passes it within a second. What is written out may be longer.
 _MOST_COPIES = 20_000
 _MERGE = "tag:yaml.org,2002:merge"
 NO_MERGE = (
     "merge keys are not part of YAML 1.2; write the keys out, or let the file include one that holds what is shared"
 )
+_NUMBERS = {"tag:yaml.org,2002:int", "tag:yaml.org,2002:float"}
 _PLAIN_TAGS = {"tag:yaml.org,2002:map", "tag:yaml.org,2002:seq"}
 
 
@@ -73,7 +74,7 @@ def parse(text: str) -> Document:
     except NotYAMLError as error:
         return Document(None, (Mistake(error.position, (), error.reason),))
     if root is None or root.tag == "tag:yaml.org,2002:null":
-        return Document(None, (Mistake(Position(1, 1), (), _EMPTY),))
+        return Document(None, (Mistake(Position(1, 1), (), EMPTY),))
     builder = _Builder(yaml)
     try:
         data = builder.build(root, ())
@@ -89,7 +90,7 @@ def parse_value(text: str) -> Any:
         ValueError: the text is not one YAML value; the message says why.
     """
     document = parse(text)
-    if document.mistakes and document.mistakes[0].message != _EMPTY:
+    if document.mistakes and document.mistakes[0].message != EMPTY:
         raise ValueError(document.mistakes[0].message)
     return document.data
 
@@ -173,6 +174,8 @@ class _Builder:
         return items
 
     def _scalar(self, node: ScalarNode, location: Location) -> Any:
+        if node.tag in _NUMBERS and "_" in node.value:
+            return node.value  # a number of YAML 1.1; here it is text
         try:
             return self._yaml.constructor.construct_object(node)
         except (YAMLError, ValueError, OverflowError) as error:

@@ -42,10 +42,13 @@ class ThrusterEventBlock(EventBlock):
     def _what_the_state_needs(self) -> ThrusterEventBlock:
         if not self.thrusters:
             refuse("name at least one thruster", "thrusters")
+        for index, name in enumerate(self.thrusters):
+            if name in self.thrusters[:index]:
+                refuse(f"{name} is named twice", "thrusters", index)
         for key, state in (("efficiency", "weak"), ("force_N", "stuck")):
             given = getattr(self, key) is not None
             if given != (self.state == state):
-                refuse(f"{key} and state {state} go together: give both or neither", "state")
+                refuse(f"{key} and state {state} go together: give both or neither", key if given else "state")
         return self
 
     @property

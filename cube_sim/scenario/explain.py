@@ -44,6 +44,12 @@ def explain(error: ValidationError, model: type[BaseModel]) -> list[Refusal]:
         context = item.get("ctx", {})
         location += tuple(context.get("below", ()))
         kind = item["type"]
+        if (
+            kind == "union_tag_invalid"
+            and isinstance(item["input"], dict)
+            and (told := _discriminator(block)) in item["input"]
+        ):
+            location += (told,)
         message = _message(kind, location, item["input"], context, block) or item["msg"]
         because = tuple(context.get("because", ()))
         refusals.append(Refusal(location, message, at_key=kind == "extra_forbidden", because=because))

@@ -14,12 +14,12 @@ from typing import Any, NamedTuple, get_args
 from cube_sim.errors import ScenarioError
 from cube_sim.scenario.document import Document, Location, Mistake, Position
 from cube_sim.scenario.file_names import FileKind, code_place, file_kind
-from cube_sim.scenario.reading import line, parsed, read_text
+from cube_sim.scenario.reading import NoScenarioError, line, parsed, read_text
 from cube_sim.scenario.schema import Scenario
 from cube_sim.scenario.values import Block
 
 INCLUDE = "include"
-_TELLING = "type", "mode", "kind", "python"
+TELLING = "type", "mode", "kind", "python"
 """Keys that say which kind of block theirs is; others belong to that kind."""
 
 
@@ -48,22 +48,36 @@ def merged(path: Path, document: Document) -> Merged:
     bases: dict[str, str] = {}
     seen = [path.resolve()]
     here, whole = path, document
-    while isinstance(whole.data, dict) and INCLUDE in whole.data:
+    while isinstance(whole.data, dict) and whole.data.get(INCLUDE) is not None:
         # What includes, for mistakes; the name is seen from the folder of the file that holds it.
         position, name = whole.position((INCLUDE,)), whole.data[INCLUDE]
         base = _base(path, position, name, here, seen)
-        text = read_text(base)
+        text, below = _read(path, position, base)
         bases[f"{INCLUDE}/{len(bases) + 1}/{base.name}"] = text
-        below = _at(parsed(base, text), base)
+        below = _at(below, base)
         whole = _merge(_without_include(whole), replace(below, data=_seen_from(below.data, base.parent)))
         seen.append(base.resolve())
         here = base
     return Merged(whole, bases)
 
 
+def _read(path: Path, position: Position, base: Path) -> tuple[str, Document]:
+    """Text and document of a base; where it is no scenario at all, the mistake is that it is named."""
+    try:
+        text = read_text(base)
+        document = parsed(base, text)
+    except NoScenarioError as error:
+        raise _refused(path, position, str(error)) from None
+    return text, document
+
+
+def _refused(path: Path, position: Position, message: str) -> ScenarioError:
+    return ScenarioError([line(path, Mistake(position, (INCLUDE,), message))])
+
+
 def _base(path: Path, position: Position, name: Any, here: Path, seen: list[Path]) -> Path:
     def refused(message: str) -> ScenarioError:
-        return ScenarioError([line(path, Mistake(position, (INCLUDE,), message))])
+        return _refused(path, position, message)
 
     if not isinstance(name, str) or not name or "\0" in name:
         raise refused("must be the name of a scenario file, for example base.yaml")
@@ -116,7 +130,7 @@ def _merge(above: Document, base: Document) -> Document:
 def merged_data(above: Any, base: Any, location: Location = ()) -> tuple[Any, set[Location]]:
     """The data, and where the base's is replaced as a whole."""
     same_kind = isinstance(above, dict) and isinstance(base, dict)
-    if not same_kind or any(key in above and above[key] != base.get(key) for key in _TELLING):
+    if not same_kind or any(key in above and above[key] != base.get(key) for key in TELLING):
         return above, {location}
     data, replaced = dict(base), set()
     for key, value in above.items():

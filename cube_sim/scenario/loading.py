@@ -17,7 +17,7 @@ from cube_sim.scenario.check_blocks import AnyCheck
 from cube_sim.scenario.document import Document, Location, Mistake, Position
 from cube_sim.scenario.explain import Refusal, explain
 from cube_sim.scenario.file_names import renamed
-from cube_sim.scenario.include import Merged, merged
+from cube_sim.scenario.include import TELLING, Merged, merged
 from cube_sim.scenario.named_signals import signal_mistakes
 from cube_sim.scenario.overrides import Override, apply
 from cube_sim.scenario.phase_blocks import as_written, with_first_leg
@@ -264,6 +264,13 @@ def _place(refusal: Refusal, document: Document, overrides: Sequence[Override]) 
         if below or above:
             inside = "" if location == override.location else f"{dotted(location)}: "
             return Mistake(None, location, f"override {override.path}: {inside}{refusal.message}")
+    other_kind = next((override for override in overrides if _makes_another_kind(override, refusal, document)), None)
+    if other_kind is not None:
+        block = dotted(other_kind.location[:-1])
+        told = (
+            f"{dotted(location)}: {refusal.message}; another {other_kind.location[-1]} takes the whole block: {block}="
+        )
+        return Mistake(None, location, f"override {other_kind.path}: {told}{{...}}")
     if refusal.because and location not in document.values:
         # A default that does not fit what is written: there is nothing to show but that.
         where, message = refusal.because, f"{dotted(location)}: {refusal.message}"
@@ -274,6 +281,14 @@ def _place(refusal: Refusal, document: Document, overrides: Sequence[Override]) 
             return Mistake(document.position(where), where, message)
     blame = [f" (override {override.path})" for override in overrides if override.location == refusal.because]
     return Mistake(document.position(location, key=refusal.at_key), location, refusal.message + "".join(blame))
+
+
+def _makes_another_kind(override: Override, refusal: Refusal, document: Document) -> bool:
+    """Whether a key is unknown, or missing, because an override turned its block into one of another kind."""
+    *block, key = override.location
+    if not block or key not in TELLING or list(refusal.location[: len(block)]) != block:
+        return False
+    return refusal.at_key or (refusal.location not in document.values and not refusal.because)
 
 
 def _location(path: str) -> Location:

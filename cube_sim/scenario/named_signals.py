@@ -60,7 +60,8 @@ def unit_mistakes(checks: Sequence[AnyCheck], units: Mapping[str, Sequence[str]]
     """
     for i, check in enumerate(checks):
         for each in check.named_signals:
-            if each.beside and units.get(each.signal) != units.get(each.beside):
+            alike = len(units.get(each.signal, ())) == len(units.get(each.beside, ()))  # else that is said of it
+            if each.beside and alike and units.get(each.signal) != units.get(each.beside):
                 text = f"{_with_unit(each.signal, units)} cannot be taken away from {_with_unit(each.beside, units)}"
                 yield f"checks.{i}.{each.place}.{each.key}" if each.place else f"checks.{i}.{each.key}", text
         if not isinstance(check, ConditionCheckBlock) or check.scaled:

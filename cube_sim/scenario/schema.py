@@ -6,6 +6,7 @@ keys anew with `cube-sim schema > scenarios/scenario.schema.json` and `cube-sim 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
@@ -27,7 +28,7 @@ from cube_sim.scenario.path_blocks import AnyPath, PythonPathBlock
 from cube_sim.scenario.phase_blocks import PhaseBlock, WaypointBlock
 from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
 from cube_sim.scenario.samples_block import SamplesBlock
-from cube_sim.scenario.stop_blocks import AnyStop
+from cube_sim.scenario.stop_blocks import AnyStop, require_time_to_stop
 from cube_sim.scenario.telemetry_block import TelemetryBlock
 from cube_sim.scenario.values import (
     ZERO,
@@ -337,6 +338,19 @@ class Scenario(Block):
             require_slower_than(navigation, control_period_s)
         return navigation
 
+    @field_validator("events")
+    @classmethod
+    def _distinct_events(cls, events: tuple[AnyEvent, ...]) -> tuple[AnyEvent, ...]:
+        _require_distinct_names("events", [event.name for event in events])
+        return events
+
+    @field_validator("stop")
+    @classmethod
+    def _distinct_within_the_run(cls, stop: tuple[AnyStop, ...], info: ValidationInfo) -> tuple[AnyStop, ...]:
+        _require_distinct_names("stop", [each.name for each in stop])
+        require_time_to_stop(stop, info.data.get("duration_s"))
+        return stop
+
     @field_validator("checks")
     @classmethod
     def _distinct_and_complete(cls, checks: tuple[AnyCheck, ...], info: ValidationInfo) -> tuple[AnyCheck, ...]:
@@ -366,3 +380,9 @@ class Scenario(Block):
             else check
             for check in checks
         )
+
+
+def _require_distinct_names(what: str, names: Sequence[str | None]) -> None:
+    for index, name in enumerate(names):
+        if name is not None and name in names[:index]:
+            refuse(f"{what} {names.index(name)} and {index} are both called '{name}'", index, "name")

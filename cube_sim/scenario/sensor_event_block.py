@@ -38,7 +38,8 @@ class SensorEventBlock(EventBlock):
         default=None,
         gt=0,
         lt=180,
-        description="Lost only while the vehicle's z axis is further from the vertical than this [deg].",
+        description="Lost only while the vehicle's z axis is further from the vertical than this [deg]. Of several"
+        " such conditions one is enough.",
     )
     deeper_than_m: Coordinate | None = Field(
         default=None, description="Lost only while the vehicle is deeper than this below z = 0 [m]."
@@ -69,11 +70,16 @@ class SensorEventBlock(EventBlock):
     def _what_the_state_needs(self) -> SensorEventBlock:
         for state, keys in _NEEDS.items():
             for key in keys:
-                if (getattr(self, key) is not None) != (self.state == state):
-                    refuse(f"{key} and state {state} go together: give both or neither", "state")
+                given = getattr(self, key) is not None
+                if given != (self.state == state):
+                    refuse(f"{key} and state {state} go together: give both or neither", key if given else "state")
         for key in _WHILE:
             if getattr(self, key) is not None and self.state != "lost":
                 refuse(f"says while what a sensor is lost; its state is {self.state}", key)
+        deeper, shallower = self.deeper_than_m, self.shallower_than_m
+        if deeper is not None and shallower is not None and deeper < shallower:
+            text = f"deeper than {deeper:g} m or less deep than {shallower:g} m is every depth: leave both out"
+            refuse(text, "shallower_than_m")
         if self.for_s is not None and self.state == "recovered":
             refuse("a sensor that is recovered stays so: leave it out", "for_s")
         return self

@@ -215,14 +215,22 @@ def require_statistic(asked: AsksStatistic) -> None:
             refuse(f"{asked.statistic} needs the key {key}", "statistic")
     if asked.band is not None and not asked.band[0] < asked.band[1]:
         refuse(f"must be [lowest, highest], got {list(asked.band)}", "band")
+    require_number(asked)
+
+
+def require_number(asked: NamesSignal) -> None:
+    """Refuse keys of a signal that do not go together."""
     if asked.component is not None and asked.combine != "norm":
         refuse("one component has nothing to combine: leave out one of the two", "combine")
+    if asked.minus == asked.signal:
+        refuse("a signal less itself is 0 at every instant: name another", "minus")
 
 
 def require_one_limit(asked: HasLimit) -> None:
     """Refuse two limits, and none."""
     if (asked.at_most is None) == (asked.at_least is None):
-        refuse("give exactly one limit: at_most or at_least")
+        both = () if asked.at_most is None else ("at_least",)
+        refuse("give exactly one limit: at_most or at_least", *both)
 
 
 def bound_of(asked: HasLimit) -> Bound:
@@ -235,8 +243,12 @@ def bound_of(asked: HasLimit) -> Bound:
 
 
 def require_possible_limit(statistic: Statistic, asked: HasLimit) -> None:
-    """Refuse a limit that no value of the statistic can meet."""
+    """Refuse a limit that no value of the statistic can meet, and one that every share of the time meets."""
     if statistic in NEVER_NEGATIVE and asked.at_most is not None and asked.at_most < 0:
         refuse(f"{statistic} is never negative: must be at least 0, got {asked.at_most:g}", "at_most")
     if statistic in SHARES and asked.at_least is not None and asked.at_least > 1:
         refuse(f"{statistic} is 1 at most, all of the time; got {asked.at_least:g}", "at_least")
+    if statistic in SHARES and asked.at_most is not None and asked.at_most >= 1:
+        refuse(f"{statistic} is 1 at most, all of the time: {asked.at_most:g} lets every run pass", "at_most")
+    if statistic in SHARES and asked.at_least is not None and asked.at_least <= 0:
+        refuse(f"{statistic} is never negative: {asked.at_least:g} lets every run pass", "at_least")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -62,7 +63,8 @@ class SignalStopBlock(HeldStopBlock):
     @model_validator(mode="after")
     def _one_limit(self) -> SignalStopBlock:
         if (self.above is None) == (self.below is None):
-            refuse("give exactly one limit: above or below")
+            both = () if self.above is None else ("below",)
+            refuse("give exactly one limit: above or below", *both)
         return self
 
     @property
@@ -113,3 +115,21 @@ class PhasesEndStopBlock(StopBlock):
 AnyStop = Annotated[
     SignalStopBlock | PathEndStopBlock | GivenUpStopBlock | PhasesEndStopBlock, Field(discriminator="kind")
 ]
+
+
+def require_time_to_stop(stop: Sequence[AnyStop], duration_s: float | None) -> None:
+    """Refuse conditions that nothing in the run can meet.
+
+    Args:
+        stop: of a scenario.
+        duration_s: of the run; None where it is wrong itself.
+    """
+    for index, each in enumerate(stop):
+        if duration_s is None or not isinstance(each, HeldStopBlock):
+            continue
+        if each.from_s >= duration_s:
+            text = f"{each.from_s:g} s is not before the end of the run at {duration_s:g} s"
+            refuse(text, index, "from_s", because=("duration_s",))
+        if each.from_s + each.for_s > duration_s * (1 + 1e-12):
+            text = f"from {each.from_s:g} s on it can hold for {duration_s - each.from_s:g} s, to the end of the run"
+            refuse(text, index, "for_s", because=("duration_s",))

@@ -143,8 +143,6 @@ def require_event(event: str | int, events: Sequence[AnyEvent], *below: str | in
     if event_index(event, events) is None:
         known = "; ".join(f"{each.name or index}: {each.what}" for index, each in enumerate(events))
         refuse(f"no event {reprlib.repr(event)}; {f'there are {known}' if known else 'the scenario has none'}", *below)
-    if sum(each.name == event for each in events) > 1:
-        refuse(f"several events are called {event!r}: name them differently, or give a number, from 0", *below)
 
 
 def _require_not_empty(window: TimeWindow, *below: str | int) -> None:

@@ -132,7 +132,8 @@ def test_a_statistic_is_its_formula_and_the_same_to_the_bit_in_any_blocks(statis
         window = (start, end) if rng.random() < 0.7 else (0.0, RUN_S)
         asked = {"kind": "signal", "signal": name, "statistic": statistic, "component": component, "combine": combine}
         keys = {} if window == (0.0, RUN_S) else {"from_s": start, "to_s": end}
-        check = TypeAdapter(AnyCheck).validate_python(asked | NEEDED.get(statistic, {}) | keys | {"at_most": 1.5})
+        limit = 0.99 if statistic.startswith("share_") else 1.5
+        check = TypeAdapter(AnyCheck).validate_python(asked | NEEDED.get(statistic, {}) | keys | {"at_most": limit})
         (result,) = evaluate([check], signals, duration_s=RUN_S, beforehand=BEFOREHAND)
         for _ in range(3):
             blocks = in_random_blocks(signals, rng)
@@ -142,8 +143,8 @@ def test_a_statistic_is_its_formula_and_the_same_to_the_bit_in_any_blocks(statis
             assert result.verdict == ("FAIL" if window[1] - window[0] > 1.5 else "ERROR")
             continue
         assert result.value == pytest.approx(expected, rel=1e-11, abs=1e-11), (seed, result)
-        assert result.verdict == ("PASS" if result.value <= 1.5 else "FAIL")
-        assert result.margin == 1.5 - result.value
+        assert result.verdict == ("PASS" if result.value <= limit else "FAIL")
+        assert result.margin == limit - result.value
         assert window[0] <= result.at_s <= window[1]
         told += 1
     assert told > 10
@@ -198,7 +199,8 @@ def test_a_number_that_is_none_is_an_error_in_the_window_alone(statistic, name, 
     at = float(signals[name][index, 0])
     after = float(signals[name][index + 1, 0])
     for window, verdict in (({"to_s": at + 1e-6}, "ERROR"), ({"from_s": after}, None)):
-        asked = {"kind": "signal", "signal": name, "statistic": statistic, "at_most": 1e300}
+        asked = {"kind": "signal", "signal": name, "statistic": statistic}
+        asked["at_most"] = 0.99 if statistic.startswith("share_") else 1e300
         check = TypeAdapter(AnyCheck).validate_python(asked | NEEDED.get(statistic, {}) | window)
         results = [
             evaluate([check], how, duration_s=RUN_S, beforehand=BEFOREHAND)[0]
@@ -250,7 +252,7 @@ def test_a_percentile_is_one_of_the_samples(percent, value):
 def test_a_value_has_its_unit(asked, unit):
     from cube_sim.recording.channels import channel_table, units_of
 
-    check = TypeAdapter(AnyCheck).validate_python({"kind": "signal", "at_most": 1.0, **asked})
+    check = TypeAdapter(AnyCheck).validate_python({"kind": "signal", "at_most": 0.9, **asked})
     (result,) = evaluate([check], {}, units=units_of(channel_table(("T1", "T2"), 2)))
     assert result.unit == unit
 
@@ -259,7 +261,8 @@ def test_a_value_has_its_unit(asked, unit):
 @pytest.mark.parametrize("name", [SAMPLED, HELD])
 def test_a_longer_run_takes_no_more_memory(statistic, name):
     """But for a percentile, which keeps the numbers of its window, 8 bytes each, 16 where they are held."""
-    asked = {"kind": "signal", "signal": name, "statistic": statistic, "at_most": 1e9} | NEEDED.get(statistic, {})
+    limit = 0.99 if statistic.startswith("share_") else 1e9
+    asked = {"kind": "signal", "signal": name, "statistic": statistic, "at_most": limit} | NEEDED.get(statistic, {})
     kept = []
     for minutes in (2, 20):
         evaluation = Evaluation([TypeAdapter(AnyCheck).validate_python(asked)], BEFOREHAND)

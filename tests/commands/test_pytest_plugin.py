@@ -96,12 +96,13 @@ def test_where_there_are_no_scenarios_nothing_is_said(pytester):
     ("arguments", "names"),
     [
         ((), ["s0", "s1", "s2", "s3"]),
-        (("--scenario-samples", "2"), ["s0", "s1"]),
+        (("--scenario-samples", "first:2"), ["s0", "s1"]),
+        (("--scenario-samples", "2"), ["s2"]),
         (("--scenario-samples", "all"), ["s0", "s1", "s2", "s3"]),
         (("--scenario-samples", "1-2,7"), ["s1", "s2"]),
-        (("--scenario-samples", "1", "-k", "s0 or s3"), ["s0"]),
-        (("--scenario-samples", "0", "sampled.yaml::sampled[s3]"), ["s3"]),
-        (("--scenario-samples", "1", "--scenario-seed", "7", "--scenario-seed", "8"), ["s0-seed7", "s0-seed8"]),
+        (("--scenario-samples", "first:1", "-k", "s0 or s3"), ["s0"]),
+        (("--scenario-samples", "first:0", "sampled.yaml::sampled[s3]"), ["s3"]),
+        (("--scenario-samples", "first:1", "--scenario-seed", "7", "--scenario-seed", "8"), ["s0-seed7", "s0-seed8"]),
     ],
 )
 def test_samples_and_seeds_are_tests_of_their_own(pytester, arguments, names):
@@ -115,7 +116,11 @@ def test_samples_and_seeds_are_tests_of_their_own(pytester, arguments, names):
 def test_options_that_mean_nothing_are_told_at_once(folder):
     for arguments, told in (
         (("--scenario-set", "duration_s"), "--set duration_s: write PATH=VALUE"),
-        (("--scenario-samples", "some"), "--scenario-samples some: all, a number, or some, for example 0-9,17"),
+        (
+            ("--scenario-samples", "some"),
+            "--scenario-samples some: all, first:N, or numbers from 0, for example 0-9,17",
+        ),
+        (("--scenario-samples", "first:"), "--scenario-samples first:: all, first:N"),
     ):
         result = folder.runpytest_subprocess("-p", "cube_sim.testing", *arguments)
         assert result.ret == pytest.ExitCode.USAGE_ERROR
@@ -181,7 +186,7 @@ def test_outcomes_texts_properties_and_recordings(folder):
     path = folder.path / "scenarios" / "wrong.yaml"
     assert failures["wrong"].splitlines() == [
         f"{path}:4:1: durtion_s: unknown key; did you mean duration_s?",
-        f"{path}:10:5: checks.1: unknown kind 'allowed_force'; did you mean allowed_forces?",
+        f"{path}:10:12: checks.1.kind: unknown kind 'allowed_force'; did you mean allowed_forces?",
     ]
     assert failures["too_strict"].startswith("FAIL  too_strict.yaml")
     assert "thruster forces inside their allowed sets" in failures["too_strict"]

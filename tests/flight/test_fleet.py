@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from support.fleets import PAIR, fly, loaded_fleet, write
+from support.places import MODELS
 
 from cube_sim.errors import ScenarioError
 from cube_sim.flight import FleetLoop, Loop, prepared, prepared_fleet, vehicle_loop
@@ -219,3 +220,15 @@ def test_vehicles_of_one_model_with_several_hulls_share_it(tmp_path):
     assert [one.vehicle.name for one in mission.missions.values()] == ["a_hull", "b_hull"]
     assert mission.missions["follower"].vehicle.thrusters.names[0] == "b_T1"
     assert isinstance(FleetLoop(mission, SignalStore(mission.channels)), FleetLoop)
+
+
+def test_models_in_waters_of_different_density_are_told_which_and_what_to_write(tmp_path):
+    text = PAIR.replace("  follower:\n", f"  follower:\n    model: {MODELS / 'rov6.xml'}\n")
+    line = text.splitlines().index(f"    model: {MODELS / 'rov6.xml'}") + 1
+    with pytest.raises(ScenarioError) as refused:
+        prepared_fleet(loaded_fleet(write(tmp_path, text)))
+    (found,) = refused.value.mistakes
+    said = "water:density is 1025 kg/m^3 in rov6.xml of follower, 1000 kg/m^3 in cube.xml of leader: there is one water"
+    assert found.startswith(f"{tmp_path}/pair.yaml:{line}:12: vehicles.follower.model: {said}")
+    way_out = found.partition("at the top of the file, ")[2]
+    prepared_fleet(loaded_fleet(write(tmp_path, f"{way_out}\n{text}")))

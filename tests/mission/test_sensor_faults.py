@@ -236,7 +236,8 @@ def test_without_navigation_there_is_nothing_to_fail(tmp_path):
     ("fault", "expected"),
     [
         ("state: outliers, share: 0.1", "events.0.state: size and state outliers go together"),
-        ("state: lost, offset: [1]", "events.0.state: offset and state biased go together"),
+        ("state: lost, offset: [1]", "events.0.offset: offset and state biased go together"),
+        ("state: lost, deeper_than_m: 3, shallower_than_m: 5", "events.0.shallower_than_m: deeper than 3 m or less"),
         ("state: zeros, tilt_above_deg: 3", "events.0.tilt_above_deg: says while what a sensor is lost"),
         ("state: recovered, for_s: 3", "events.0.for_s: a sensor that is recovered stays so"),
     ],

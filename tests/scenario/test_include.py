@@ -139,3 +139,27 @@ def test_a_record_needs_none_of_the_files(tmp_path):
     assert run.header.inputs["include/1/base.yaml"] == FLIGHT.encode()
     assert load(result.directory / "resolved.yaml").scenario.duration_s == 0.3
     assert not replay(run).differences
+
+
+def test_null_includes_nothing(tmp_path):
+    assert load(write(tmp_path, MINIMAL + "include: null\n")).scenario == load(write(tmp_path, MINIMAL)).scenario
+    write(tmp_path, MINIMAL + "include:\n", "base.yaml")
+    assert load(write(tmp_path, "include: base.yaml\nname: other\n")).scenario.name == "other"
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "base.yaml: is a folder, not a scenario file"),
+        (b"", "base.yaml:1:1: the file is empty"),
+        (b"- 1\n", "base.yaml:1:1: a scenario is a block of keys, this file holds a list"),
+        (b"\x89MCAP0\r\n", "base.yaml:1:1: not UTF-8 text (byte 0x89)"),
+    ],
+)
+def test_a_base_that_is_no_scenario_is_the_mistake_of_who_names_it(content, said, tmp_path):
+    base = tmp_path / "base.yaml"
+    base.mkdir() if content is None else base.write_bytes(content)
+    path = write(tmp_path, "name: other\ninclude: base.yaml\n")
+    with pytest.raises(ScenarioError) as refused:
+        load(path)
+    assert refused.value.mistakes == [f"{path}:2:10: include: {tmp_path / said}"]

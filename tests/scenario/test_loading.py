@@ -136,12 +136,13 @@ checks:
         ("schema_version: 1", "schema_version: true", "1:17: schema_version: must be 1, got true"),
         ("schema_version: 1", "schema_version: 1.0", "1:17: schema_version: must be 1, got 1.0"),
         ("duration_s: 10", "duration_s: .inf", "4:13: duration_s: must be finite, got inf"),
+        ("duration_s: 10", "duration_s: 1_0", "4:13: duration_s: must be a number, got the text '1_0'"),
         ("duration_s: 10", "duration_s: true", "4:13: duration_s: must be a number, got true"),
         ("duration_s: 10", "duration_s:", "4:1: duration_s: must be a number, got nothing"),
         ("duration_s: 10", "duration_s: 2020-01-01", "4:13: duration_s: must be a number, got date"),
         ("duration_s: 10", "duration_s: !secret 3", "4:13: duration_s: cannot be read: "),
         ("hull.xml", ".", "3:8: model: . is a folder, not an MJCF file"),
-        ("type: line", "type: lien", "5:7: path: unknown type 'lien'; did you mean line?"),
+        ("type: line", "type: lien", "5:14: path.type: unknown type 'lien'; did you mean line?"),
         (
             "type: line, ",
             "",
@@ -338,9 +339,7 @@ def test_every_value_is_checked_and_found_by_position(tmp_path):
         changed = broken(lines, {line: change[:3] for line, change in changes.items()})
         found = mistakes(write(tmp_path, changed))
         for line, (column, _, _, location) in changes.items():
-            owner = location[:-1] if location[-1] in {"type", "kind", "mode"} else location
-            place = document.position(owner) if owner != location else (line, column)
-            start = f"mission.yaml:{place[0]}:{place[1]}: {'.'.join(map(str, owner))}: "
+            start = f"mission.yaml:{line}:{column}: {'.'.join(map(str, location))}: "
             assert any(item.startswith(start) for item in found), (location, found)
 
 
@@ -479,3 +478,53 @@ def test_the_example_of_a_mistake_in_the_readme_is_what_the_program_prints(tmp_p
     text = HELIX.read_text().replace("../models", str(MODELS))
     (line,) = mistakes(write(folder, text.replace("  speed_m_s", "  sped_m_s"), "x.yaml"))
     assert f"```\nscenarios/{line}\n```" in (REPO / "README.md").read_text()
+
+
+STOP = "kind: signal, signal: pose.position, component: 0"
+SHARE = "kind: signal, signal: pose.position, statistic: share_above, level: 1"
+
+
+@pytest.mark.parametrize(
+    ("key", "item", "expected"),
+    [
+        (
+            "events",
+            "kind: thrusters, at_s: 1, thrusters: [T1, T1], state: dead",
+            "events.0.thrusters.1: T1 is",
+        ),
+        ("events", "kind: thrusters, at_s: 1, thrusters: [T1], state: dead, efficiency: 0.5", "events.0.efficiency: "),
+        ("stop", f"{STOP}, above: 1, below: 2, verdict: pass", "stop.0.below: give exactly one limit"),
+        ("stop", f"{STOP}, above: 1, from_s: 10, verdict: pass", "stop.0.from_s: 10 s is not before the end of the"),
+        (
+            "stop",
+            f"{STOP}, above: 1, from_s: 6, for_s: 5, verdict: pass",
+            "stop.0.for_s: from 6 s on it can hold for 4",
+        ),
+        ("checks", f"{SHARE}, at_most: 1", "checks.0.at_most: share_above is 1 at most"),
+        ("checks", f"{SHARE}, at_least: 0", "checks.0.at_least: share_above is never negative"),
+        ("checks", f"{SHARE}, at_least: 0.1, at_most: 0.2", "checks.0.at_least: give exactly one limit"),
+        ("checks", f"{SHARE}, at_most: 0.2, minus: pose.position", "checks.0.minus: a signal less itself"),
+        (
+            "checks",
+            "kind: always, all: [{signal: pose.position, minus: pose.position, at_most: 1}]",
+            "checks.0.all.0.minus: a signal less itself",
+        ),
+    ],
+)
+def test_what_can_only_be_meant_otherwise_is_refused_in_place(key, item, expected, tmp_path):
+    text = MINIMAL.partition("checks:")[0] if key == "checks" else MINIMAL
+    (found,) = mistakes(write(tmp_path, f"{text}{key}:\n  - {{{item}}}\n"))
+    assert expected in found
+    word = expected.partition(":")[0].split(".")[-1]
+    line, column = (int(number) for number in found.split(":")[1:3])
+    if not word.isdigit():
+        written = (text + f"{key}:\n  - {{{item}}}\n").splitlines()[line - 1][: column - 1]
+        assert written.endswith(f"{word}: ")
+
+
+def test_two_events_or_two_stops_of_one_name_are_refused(tmp_path):
+    event = "{kind: current, name: tide, at_s: 1, current_m_s: [0, 0.1, 0]}"
+    stop = f"{{{STOP}, name: far, above: 1, verdict: pass}}"
+    for key, item, name in (("events", event, "tide"), ("stop", stop, "far")):
+        (found,) = mistakes(write(tmp_path, f"{MINIMAL}{key}: [{item}, {item}]\n"))
+        assert f"{key}.1.name: {key} 0 and 1 are both called '{name}'" in found

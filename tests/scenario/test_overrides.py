@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.places import CUBE, SCENARIO_FILES
-from support.scenario_files import mistakes, write
+from support.scenario_files import MINIMAL, mistakes, write
 
 from cube_sim.scenario import Scenario, load
 from cube_sim.scenario.document import parse, parse_value
@@ -122,3 +122,15 @@ def test_command_line_values_are_yaml(text, value):
 def test_command_line_values_that_are_not_yaml():
     with pytest.raises(ValueError, match="not valid YAML"):
         parse_value("[1, 2")
+
+
+def test_an_override_that_makes_a_block_another_kind_is_blamed_for_its_keys(tmp_path):
+    write(tmp_path, MINIMAL, "base.yaml")
+    for path in (tmp_path / "base.yaml", write(tmp_path, "include: base.yaml\nname: above\n")):
+        found = mistakes(path, {"path.type": "point"})
+        assert [line.split(";")[0] for line in found] == [
+            "override path.type: path.position_m: this key is required",
+            "override path.type: path.start_m: unknown key",
+            "override path.type: path.end_m: unknown key",
+        ]
+        assert all(line.endswith("another type takes the whole block: path={...}") for line in found)

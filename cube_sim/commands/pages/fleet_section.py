@@ -10,14 +10,16 @@ an ordinary scenario, and every rule of this page holds for it.
 | at the top, for all | in a vehicle's block, or at the top as its default | in a vehicle's block alone |
 |---|---|---|
 | `schema_version`, `name`, `description`, `duration_s`, `physics`, `control_period_s`, `current_m_s`, \
-`current_profile`; `events` of the water; `checks` over several vehicles | `model`, `vehicle`, `initial`, `thrusters`, \
+`current_profile`; `events` of the water; `checks` over several vehicles; no `samples` | \
+`model`, `vehicle`, `initial`, `thrusters`, \
 `parameters`, `battery`, `path`, `guidance`, `control`, `navigation`, `knowledge`, `telemetry`, `allocation`, `stop` | \
 `events` of its thrusters, `checks` of its own, `seed` |
 
 Vehicles of one model each get a copy of it; a model with several hulls is shared by vehicles that name different ones
 (`vehicle`). The random streams of a vehicle come of the seed at the top and of its name, not of its place in the list;
 with `seed` in its block they are those of that seed alone. A vehicle that touches no other flies as it flies alone, to
-the bit. What ends the flight of one, or a condition of its `stop`, ends that of all, and is said with its name."""
+the bit. What ends the flight of one, or a condition of its `stop`, ends that of all, and is said with its name.
+`samples` are drawn of one vehicle alone, as yet."""
 EXAMPLE = """\
 model: ../models/cube.xml
 guidance: {speed_m_s: 0.3}
@@ -36,9 +38,11 @@ checks:
 CHECKS = """\
 All of them are recorded in one record: a channel of a vehicle stands under its name, and so does a signal that a check
 at the top names, `follower/path_error.cross_track`. The distance between the body origins of two vehicles is recorded
-as `distance.leader_to_follower` [m]. A check at the top is of the kind `signal`, or of the kind `distance`: it takes
-`between`, the names of two vehicles, `statistic`, `at_most` or `at_least` [m], and `from_s`, `to_s` and `name` as one
-of the kind `signal`. The log says which vehicle each sentence is about, and when two begin to touch.
+as `distance.leader_to_follower` [m]. A check at the top is of the kind `signal`, `always`, `eventually`, `ratio` or
+`before_after`, of signals of one vehicle or of several, its events those at the top; or of the kind `distance`: it
+takes `between`, the names of two vehicles, `at_most` or `at_least` [m], and all else that one of the kind `signal`
+takes but `signal`, `minus`, `component` and `combine`. The log says which vehicle each
+sentence is about, and when two begin to touch.
 
 `--set vehicles.leader.guidance.speed_m_s=0.2` changes a value of one vehicle, `--set guidance.speed_m_s=0.2` the one
 that all have by default."""
