@@ -52,10 +52,12 @@ class Filter:
             x=np.array(x, dtype=float),
             P=np.array(P, dtype=float),
             rejections=np.zeros(k, np.int64),
+            rejected=np.zeros((k, 3)),
             inertials=np.zeros((ticks, 6)),
             states=np.zeros((ticks, size + 1)),
             covariances=np.zeros((ticks, size, size)),
             rejections_before=np.zeros((ticks, k), np.int64),
+            rejected_before=np.zeros((ticks, k, 3)),
             readings=np.zeros((ticks, k), READING),
         )
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.native.compiled import compiled, inlined
+from cube_sim.navigation.aid import DEPTH, DVL, HEADING, POSITION
 from cube_sim.navigation.correction import corrected
 from cube_sim.navigation.expectation import difference, expect
-from cube_sim.navigation.gate import MAX_REJECTIONS
+from cube_sim.navigation.gate import AGREEMENT, DOUBTED_SPEED, DOUBTED_TILT, FASTEST, MAX_REJECTIONS, MOST_DOUBTS
 from cube_sim.navigation.reading import ACCEPTED_AFTER_REJECTIONS, ARRIVED, FUSED, NONE, REJECTED
 from cube_sim.navigation.strapdown import predict, rotation
 from cube_sim.spatial import Matrix, Record, Vector
@@ -30,11 +31,13 @@ class FilterMemory(NamedTuple):
         tick: the present one (1,), -1 before the first.
         x: (16 + c,) state, laid out as in `cube_sim.navigation.strapdown`.
         P: (15 + c, 15 + c) covariance of its error.
-        rejections: readings of each sensor rejected in a row (k,).
+        rejections: readings of each sensor rejected in a row that agree (k,).
+        rejected: innovation of the last of them (k, 3).
         inertials: (N, 6) readings of the inertial unit.
         states: (N, 16 + c) of each tick before its readings.
         covariances: (N, 15 + c, 15 + c) likewise.
         rejections_before: (N, k) likewise.
+        rejected_before: (N, k, 3) likewise.
         readings: (N, k) of `cube_sim.navigation.reading.READING`, in the row of the tick at which they were taken.
     """
 
@@ -42,10 +45,12 @@ class FilterMemory(NamedTuple):
     x: Vector
     P: Matrix
     rejections: NDArray[np.int64]
+    rejected: Matrix
     inertials: Matrix
     states: Matrix
     covariances: NDArray[np.float64]
     rejections_before: NDArray[np.int64]
+    rejected_before: NDArray[np.float64]
     readings: Record
 
 
@@ -65,6 +70,8 @@ def remember(memory, at):
     set_estimate(memory.states[at], memory.covariances[at], memory.x, memory.P)
     for i in range(len(memory.rejections)):
         memory.rejections_before[at, i] = memory.rejections[i]
+        for j in range(3):
+            memory.rejected_before[at, i, j] = memory.rejected[i, j]
 
 
 @inlined
@@ -73,6 +80,8 @@ def recall(memory, at):
     set_estimate(memory.x, memory.P, memory.states[at], memory.covariances[at])
     for i in range(len(memory.rejections)):
         memory.rejections[i] = memory.rejections_before[at, i]
+        for j in range(3):
+            memory.rejected[i, j] = memory.rejected_before[at, i, j]
 
 
 @inlined
@@ -88,16 +97,61 @@ def estimated_constants(aid, x):
 
 
 @inlined
-def inflated(P, factor):
-    """The covariance with the variances of position, velocity and attitude raised by a factor, a new array.
+def doubted(kind, i):
+    """The standard deviation to which a sensor that contradicts the estimate lets component i of its error rise.
 
-    Those of the sensors' own errors stay: a filter that is lost would otherwise explain its being lost by them.
+    Infinite for what the sensor reads: there the reading itself says how far. 0 for what it cannot see, and for the
+    sensors' own errors: a filter that is lost would otherwise explain its being lost by them. In between for what the
+    quantity read grows out of: it may be the cause, but a jump in one is no measurement of the other.
     """
-    raised, scale = P.copy(), sqrt(factor)
-    for i in range(len(P)):
-        for j in range(len(P)):
-            raised[i, j] *= (scale if i < 9 else 1.0) * (scale if j < 9 else 1.0)
+    if kind == DEPTH:
+        return inf if i == 2 else 0.0
+    if kind == HEADING:
+        return inf if i == 8 else DOUBTED_TILT if i > 5 else 0.0
+    if i < 3:
+        return 0.0 if kind == DVL else inf
+    if i < 6:
+        return DOUBTED_SPEED if kind == POSITION else inf
+    if i < 9:
+        return DOUBTED_TILT if kind in (DVL, POSITION) else 1.0
+    return 0.0
+
+
+@inlined
+def inflated(kind, P, factor):
+    """The covariance of an estimate doubted for a sensor, a new array: D P D, which keeps it one.
+
+    D raises the variances by a factor, none beyond `doubted`. How motion and the sensors' own errors go together was
+    learnt from what is now in doubt, and is forgotten: a jump of the motion would else be shared with those errors.
+    """
+    size, scale = len(P), sqrt(factor)
+    raised, scales = P.copy(), np.ones(size)
+    for i in range(9):
+        scales[i] = max(1.0, min(scale, doubted(kind, i) / sqrt(P[i, i]))) if P[i, i] > 0.0 else 1.0
+    for i in range(size):
+        for j in range(size):
+            raised[i, j] *= scales[i] * scales[j] if (i < 9) == (j < 9) else 0.0
     return raised
+
+
+@inlined
+def agrees(aid, y, last):
+    """Whether two innovations of a sensor, (n,) and (n,) or more, say the same."""
+    apart, this, other = 0.0, 0.0, 0.0
+    for i in range(aid.components):
+        apart += difference(aid, y[i], last[i]) ** 2
+        this += y[i] ** 2
+        other += last[i] ** 2
+    return apart <= AGREEMENT**2 * max(this, other)
+
+
+@inlined
+def hold_speed(x):
+    """Shorten a velocity faster than any vehicle's."""
+    fast = sqrt(x[3] ** 2 + x[4] ** 2 + x[5] ** 2)
+    if fast > FASTEST:
+        for i in range(3, 6):
+            x[i] *= FASTEST / fast
 
 
 @compiled
@@ -128,14 +182,26 @@ def fuse(aid, memory, reading, inertial):
         for j in range(aid.constants):
             H[i, aid.place + j] = H_constants[i, j]
     later, covariance, nis = corrected(x, memory.P, H, y, variance)
-    outcome, in_a_row = FUSED, memory.rejections[reading.aid]
+    outcome, last = FUSED, memory.rejected[reading.aid]
+    in_a_row = memory.rejections[reading.aid]
     if nis > aid.gate:
-        outcome = ACCEPTED_AFTER_REJECTIONS if in_a_row >= MAX_REJECTIONS else REJECTED
+        if in_a_row > 0 and not agrees(aid, y, last):
+            in_a_row = 0  # outliers that contradict each other say nothing of the estimate
+        outcome = REJECTED
+        if in_a_row >= MAX_REJECTIONS:
+            factor = nis / aid.gate
+            for _ in range(MOST_DOUBTS):
+                later, covariance, left = corrected(x, inflated(aid.kind, memory.P, factor), H, y, variance)
+                if left <= aid.gate:
+                    outcome = ACCEPTED_AFTER_REJECTIONS
+                    break
+                factor *= 2.0 * left / aid.gate  # the variances raised are not all of the innovation's
+        for i in range(n):
+            last[i] = y[i]
     memory.rejections[reading.aid] = in_a_row + 1 if nis > aid.gate else 0
-    if outcome == ACCEPTED_AFTER_REJECTIONS:
-        later, covariance, _ = corrected(x, inflated(memory.P, nis / aid.gate), H, y, variance)
     if outcome != REJECTED:
         set_estimate(x, memory.P, later, covariance)
+        hold_speed(x)
     reading.nis, reading.outcome = nis, outcome
 
 
@@ -175,6 +241,7 @@ def run_since(settings, aids, memory, first):
                 last, this = memory.inertials[(tick - 1) % ticks], memory.inertials[at]
                 x, P = predict(memory.x, memory.P, last, this, s.gravity, s.period_s, s.noise, s.walk)
                 set_estimate(memory.x, memory.P, x, P)
+                hold_speed(memory.x)
             remember(memory, at)
         for i in range(len(aids)):
             if memory.readings[at, i].whereabouts == ARRIVED:

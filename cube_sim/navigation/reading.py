@@ -36,7 +36,7 @@ class ReadingOutcome(IntEnum):
     FUSED = FUSED
     REJECTED = REJECTED
     ACCEPTED_AFTER_REJECTIONS = ACCEPTED_AFTER_REJECTIONS
-    """Fused after its predecessors were rejected; the covariance of position, velocity and attitude was inflated."""
+    """Fused after its predecessors, which agree, were rejected; the covariance of what it reads was inflated."""
 
 
 class Reading(NamedTuple):
