@@ -98,8 +98,18 @@ def naming_files(block=Scenario):
                     yield f"{name}.{path}", {f"{name}.{key}": value for key, value in values.items()}
 
 
-# A run is of one flight: the samples of its scenario, and what draws them, do not go with it.
-KEYS = {path: values for path, values in naming_files() if not path.startswith("samples.")}
+# A run is of one flight: the samples of its scenario, and what draws them, do not go with it. Phases take the place of
+# the path, and have a test of their own.
+KEYS = {path: values for path, values in naming_files() if not path.startswith(("samples.", "phases."))}
+
+PHASED = """\
+phases:
+  - name: surveyed
+    path: {type: csv, file: files/points.csv}
+    guidance: {law: {python: files/own.py:make}}
+  - name: drawn
+    path: {type: line, start_m: [6, 0, -4], end_m: [8, 0, -4]}
+"""
 
 
 def checkout(folder: Path) -> Path:
@@ -163,6 +173,21 @@ def test_what_a_key_names_is_found_again_after_a_move(key, values, tmp_path):
     here.rename(there)
     found = load(there / "logs" / "a" / "resolved.yaml").scenario
     assert Path(value_at(found, key)) == there / Path(value_at(written.scenario, key)).relative_to(here)
+    assert str(tmp_path) not in (there / "logs" / "a" / "resolved.yaml").read_text()
+
+
+def test_what_a_phase_names_is_found_again_after_a_move(tmp_path):
+    here, there = tmp_path / "here", tmp_path / "there"
+    path = checkout(here)
+    lines = [line for line in SCENARIO.splitlines() if not line.startswith("path:")]
+    path.write_text("\n".join([*lines, PHASED]))
+    written, logs = load(path), here / "logs" / "a"
+    logs.mkdir(parents=True)
+    (logs / "resolved.yaml").write_text(written.resolved_yaml(logs))
+    here.rename(there)
+    found, files = load(there / "logs" / "a" / "resolved.yaml").scenario, there / "scenarios" / "files"
+    assert Path(value_at(found, "phases.path.file")) == files / "points.csv"
+    assert Path(value_at(found, "phases.guidance.law.python")) == files / "own.py:make"
     assert str(tmp_path) not in (there / "logs" / "a" / "resolved.yaml").read_text()
 
 
