@@ -284,7 +284,7 @@ CALLS = [
 def test_an_event_after_the_end_names_the_override_that_put_the_end_there(tmp_path):
     path = SCENARIOS / "cube_lose_one.yaml"
     overrides = {"duration_s": 20, "checks": FORCES_ONLY}
-    with pytest.raises(ScenarioError, match=r"events\.0\.at_s: 40 s is after the end .* \(override duration_s\)$"):
+    with pytest.raises(ScenarioError, match=r"events\.0\.at_s: 40 s is not before the end .* \(override duration_s\)$"):
         cube_sim.run(path, overrides, tmp_path / "out")
 
 

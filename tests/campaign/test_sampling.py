@@ -304,7 +304,8 @@ def test_a_generator_whose_scenario_cannot_be_flown(tmp_path):
          "mission.yaml:14:25: samples.vary.initial.position_m: takes 1 number, or one for each of the 3 that stand"
          " there; not 2"),
         ("guidance.speed_m_s: {distribution: unifrom, low: 0.1, high: 0.5}",
-         "mission.yaml:14:25: samples.vary.guidance.speed_m_s: unknown distribution 'unifrom'; did you mean uniform?"),
+         "mission.yaml:14:40: samples.vary.guidance.speed_m_s.distribution: unknown distribution 'unifrom';"
+         " did you mean uniform?"),
         ("guidance.speed_m_s: {distribution: uniform, low: 0.5, high: 0.1}",
          "mission.yaml:14:65: samples.vary.guidance.speed_m_s.high: must not be below low: 0.1 against 0.5"),
         ("guidance.speed_m_s: {distribution: normal, mean: 0.5, std: 0.1, at_least: 2}",
