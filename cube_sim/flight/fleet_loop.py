@@ -18,8 +18,7 @@ from cube_sim.flight.fleet_store import FleetStore
 from cube_sim.flight.loop import each_second
 from cube_sim.flight.touching import Touching
 from cube_sim.flight.vehicle_loop import VehicleLoop, VehicleStore
-from cube_sim.mission.copying import integration_state, set_integration_state
-from cube_sim.mission.divergence import divergence
+from cube_sim.mission.divergence import divergence, why_broken_off
 from cube_sim.mission.fleet import FleetMission
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
@@ -160,11 +159,7 @@ class FleetLoop:
 
     def _break_off(self, said: str) -> None:
         """End the flight early, because MuJoCo has said that it cannot go on."""
-        self.ended = f"MuJoCo cannot go on: {' '.join(said.split())}"
-        model, data = self.mission.model, self.mission.data
-        state = integration_state(model, data)
-        mujoco.mj_resetData(model, data)  # it was left in the middle of something
-        set_integration_state(model, data, state)
+        self.ended = why_broken_off(self.mission.model, self.mission.data, said)
 
     def finish(self) -> None:
         """Say at the end what there is to say of the whole flight."""

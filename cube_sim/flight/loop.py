@@ -25,8 +25,7 @@ from cube_sim.flight.stop_law import condition_met
 from cube_sim.flight.taken_over import NOT_BEGUN, Begun, Watches, take_over
 from cube_sim.flight.tick import NotANumberError, tick
 from cube_sim.mission import Mission
-from cube_sim.mission.copying import integration_state, set_integration_state
-from cube_sim.mission.divergence import divergence
+from cube_sim.mission.divergence import divergence, why_broken_off
 from cube_sim.mission.fault_response import record_actuation, respond_to_faults
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
@@ -373,11 +372,7 @@ class Loop:
 
     def _break_off(self, said: str) -> None:
         """End the flight early, because MuJoCo has said that it cannot go on."""
-        self.ended = f"MuJoCo cannot go on: {' '.join(said.split())}"
-        model, data = self.mission.model, self.mission.data
-        state = integration_state(model, data)
-        mujoco.mj_resetData(model, data)  # it was left in the middle of something
-        set_integration_state(model, data, state)
+        self.ended = why_broken_off(self.mission.model, self.mission.data, said)
 
     def finish(self) -> None:
         """Say at the end what there is to say of the whole flight, and let no answer go unconfirmed."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from cube_sim.mission.copying import integration_state, set_integration_state
 from cube_sim.native.compiled import compiled
 
 DIVERGED = 1e6
@@ -36,6 +37,20 @@ def divergence(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
     how = f"{values[worst]:.3g} in SI units, beyond {DIVERGED:g}" if finite else "not a number"
     at_start = " before anything has moved (see to the current, the initial state and the model)"
     return f"the {quantity} of '{body}' is {how}{at_start if data.time == 0.0 else ''}"
+
+
+def why_broken_off(model: mujoco.MjModel, data: mujoco.MjData, said: str) -> str:
+    """Why a flight ends because MuJoCo cannot go on; the state stays the last one, the rest of the data is made whole.
+
+    Args:
+        model: the compiled model.
+        data: which MuJoCo has left in the middle of something.
+        said: its words.
+    """
+    state = integration_state(model, data)
+    mujoco.mj_resetData(model, data)
+    set_integration_state(model, data, state)
+    return f"MuJoCo cannot go on: {' '.join(said.split())}"
 
 
 @compiled
