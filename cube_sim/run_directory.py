@@ -9,12 +9,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from cube_sim.errors import DirectoryError, RecordingError
+from cube_sim.locked_folder import FolderHeldError, held
 from cube_sim.whole_file import part_of, undone_if_left, written_whole
-
-try:
-    import fcntl
-except ImportError:  # no such locks on Windows
-    fcntl = None
 
 MCAP_FILE, RRD_FILE, RESOLVED_FILE, VERDICT_FILE = "run.mcap", "run.rrd", "resolved.yaml", "verdict.json"
 FILES = (MCAP_FILE, RRD_FILE, RESOLVED_FILE, VERDICT_FILE)
@@ -167,15 +163,15 @@ def claim(directory: Path | None, name: str) -> Iterator[Claim]:
     with _locked(directory):
         # Only now is it certain that nobody else writes here.
         require_writable(directory)
-        held = Claim(directory, made)
+        own = Claim(directory, made)
         with _as_directory_error(directory):
-            held.remove(PARTS)  # of a process that was killed
-        _claims.append(held)
+            own.remove(PARTS)  # of a process that was killed
+        _claims.append(own)
         try:
-            with undone_if_left(held.leave):
-                yield held
+            with undone_if_left(own.leave):
+                yield own
         finally:
-            _claims.remove(held)
+            _claims.remove(own)
 
 
 def _make_new(name: str) -> Path:
@@ -194,21 +190,13 @@ def _make_new(name: str) -> Path:
 
 @contextlib.contextmanager
 def _locked(directory: Path) -> Iterator[None]:
-    if fcntl is None:
-        yield
-        return
-    with _as_directory_error(directory):
-        folder = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
-    try:
+    with contextlib.ExitStack() as locks:
         try:
-            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+            with _as_directory_error(directory):
+                locks.enter_context(held(directory))
+        except FolderHeldError:
             raise DirectoryError(f"{directory}: another run is writing there") from None
-        except OSError:
-            pass  # a file system without locks
         yield
-    finally:
-        os.close(folder)
 
 
 @contextlib.contextmanager

@@ -26,15 +26,13 @@ from cube_sim.campaign.rows import joined, samples_in, table_of, times_alone, wi
 from cube_sim.campaign.sample_flight import RUNS, FlownSample
 from cube_sim.errors import DirectoryError
 from cube_sim.flight_statistics import STATISTICS
+from cube_sim.locked_folder import FolderHeldError, held
 from cube_sim.uninterrupted import uninterrupted
 from cube_sim.whole_file import written_whole
 
-try:
-    import fcntl
-except ImportError:  # no such locks on Windows
-    fcntl = None
-
-SWEEP_FILE, ROWS, TIMES, PARTS = "sweep.json", "rows", "times", "parts"
+SWEEP_FILE, ROWS, TIMES, PARTS, LOCK = "sweep.json", "rows", "times", "parts", ".lock"
+UNREADY = ".sweep"
+"""The first of them while it is written."""
 EVERY_S = 1.0
 """Rows are written at least so often [s], where any come."""
 MANY = 32
@@ -194,7 +192,7 @@ class SweepFolder:
             for name in (ROWS, TIMES):
                 for file in self.path.glob(f"{name}-*-of-*.parquet"):
                     file.unlink()
-            for file in (self.path / PARTS).glob("part*.parquet"):
+            for file in (*(self.path / PARTS).glob("part*.parquet"), *self.path.glob(f"{LOCK}-*")):
                 file.unlink()
         with contextlib.suppress(OSError):
             (self.path / PARTS).rmdir()
@@ -239,14 +237,15 @@ def opened(
     Raises:
         DirectoryError: it holds something else, or somebody else writes there.
     """
-    try:
+    with _as_directory_error(folder):
         _require_possible(folder, shard, head, resume=resume)
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise DirectoryError(f"{folder}: cannot hold a sweep: {error.strerror}") from None
     with _locked(folder, shard):
-        with written_whole(folder / SWEEP_FILE) as part:
-            part.write_text(json.dumps(head, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        _require_possible(folder, shard, head, resume=resume)  # only now is it certain that nobody else writes there
+        own = folder / f"{UNREADY}{shard.label}"  # of a hundred parts that begin at once, each writes its own
+        with _as_directory_error(folder):
+            own.write_text(json.dumps(head, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+            own.replace(folder / SWEEP_FILE)
         yield SweepFolder(folder, shard, checks, rows_in(folder, checks))
 
 
@@ -255,13 +254,15 @@ def _require_possible(folder: Path, shard: Shard, head: dict[str, Any], *, resum
         return
     if not folder.is_dir():
         raise DirectoryError(f"{folder}: is not a folder")
-    if not any(folder.iterdir()):
+    entries = [entry.name for entry in folder.iterdir() if not entry.name.startswith((LOCK, UNREADY))]
+    if not entries:
         return
     if not (folder / SWEEP_FILE).is_file():
-        raise DirectoryError(f"{folder}: holds {min(folder.iterdir()).name}, not from a sweep: give a new folder")
+        raise DirectoryError(f"{folder}: holds {min(entries)}, not from a sweep: give a new folder")
     before = SweepHead.read(folder).content
     if differing := differences(before, head):
-        raise DirectoryError(f"{folder}: holds another sweep: {'; '.join(differing)} differ; give a new folder")
+        what = "; ".join(differing)
+        raise DirectoryError(f"{folder}: holds another sweep; what differs: {what}; give a new folder")
     if not resume and (_has_rows(folder, shard)):
         raise DirectoryError(f"{folder}: holds rows of this sweep: go on with --resume, or give a new folder")
 
@@ -283,21 +284,29 @@ def differences(before: dict[str, Any], now: dict[str, Any]) -> list[str]:
 
 @contextlib.contextmanager
 def _locked(folder: Path, shard: Shard) -> Iterator[None]:
-    if fcntl is None:
-        yield
-        return
-    lock = folder / f".lock{shard.label}"
-    with lock.open("w") as file:
+    """Hold a folder for the whole sweep, or beside others for a part, which has a file of its own for that.
+
+    Such a file is removed by who holds the whole folder: whoever opens it finds the one that others have locked.
+    """
+    with contextlib.ExitStack() as locks:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+            with _as_directory_error(folder):
+                locks.enter_context(held(folder, with_others=shard.of > 1))
+                if shard.of > 1:
+                    lock = folder / f"{LOCK}{shard.label}"
+                    lock.touch()
+                    locks.enter_context(held(lock))
+        except FolderHeldError:
             raise DirectoryError(f"{folder}: another sweep is writing there") from None
-        except OSError:
-            pass  # a file system without locks
-        try:
-            yield
-        finally:
-            lock.unlink(missing_ok=True)
+        yield
+
+
+@contextlib.contextmanager
+def _as_directory_error(folder: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise DirectoryError(f"{folder}: cannot hold a sweep: {error.strerror}") from None
 
 
 def recording_of(folder: Path, k: int) -> Path:

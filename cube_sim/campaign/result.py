@@ -83,7 +83,8 @@ def load_sweep(folders: Sequence[Path]) -> SweepResult:
     heads = [SweepHead.read(folder).content for folder in folders]
     for folder, head in zip(folders, heads, strict=True):
         if differing := differences(heads[0], head):
-            raise DirectoryError(f"{folder}: holds another sweep than {folders[0]}: {'; '.join(differing)} differ")
+            what = "; ".join(differing)
+            raise DirectoryError(f"{folder}: holds another sweep than {folders[0]}; what differs: {what}")
     checks = [check["name"] for check in heads[0]["checks"]]
     rows = joined([rows_in(folder, checks) for folder in folders], checks, STATISTICS)
     return SweepResult(folders[0], heads[0], rows)

@@ -108,7 +108,7 @@ def test_another_sweep_is_not_gone_on_with(tmp_path):
         pass
     before = (tmp_path / "sweep.json").read_text()
     other = {"scenario": "c", "files": {"model/cube.xml": "d"}, "versions": {"numpy": "3"}}
-    said = "OUT: holds another sweep: scenario; file model/cube.xml; version of numpy differ; give a new folder"
+    said = "OUT: holds another sweep; what differs: scenario; file model/cube.xml; version of numpy; give a new folder"
     assert refused(tmp_path, {**HEAD, "identity": other}, resume=True) == said
     assert (tmp_path / "sweep.json").read_text() == before
     (tmp_path / "sweep.json").write_text(json.dumps({"format": 7}))
@@ -117,9 +117,23 @@ def test_another_sweep_is_not_gone_on_with(tmp_path):
 
 def test_two_do_not_write_at_once(tmp_path):
     with opened(tmp_path, WHOLE, HEAD, resume=False, checks=[]):
-        assert refused(tmp_path, resume=True) == "OUT: another sweep is writing there"
-        with opened(tmp_path, Shard(1, 2), HEAD, resume=False, checks=[]):
+        for shard in (WHOLE, Shard(1, 2)):
+            assert refused(tmp_path, resume=True, shard=shard) == "OUT: another sweep is writing there"
+    with opened(tmp_path, Shard(1, 2), HEAD, resume=False, checks=[]):
+        with opened(tmp_path, Shard(2, 2), HEAD, resume=False, checks=[]):
             pass
+        for shard in (WHOLE, Shard(1, 2)):  # who has all of the folder would remove what a part is writing
+            assert refused(tmp_path, resume=True, shard=shard) == "OUT: another sweep is writing there"
+
+
+def test_no_lock_is_left_and_none_is_taken_away_from_those_who_wait(tmp_path):
+    with opened(tmp_path, Shard(1, 2), HEAD, resume=False, checks=[]):
+        lock = (tmp_path / ".lock-1-of-2").stat().st_ino
+    with opened(tmp_path, Shard(1, 2), HEAD, resume=True, checks=[]):
+        assert (tmp_path / ".lock-1-of-2").stat().st_ino == lock
+    with opened(tmp_path, WHOLE, HEAD, resume=True, checks=[]) as store:
+        store.finish()
+    assert {file.name for file in tmp_path.iterdir()} == {"sweep.json", "rows.parquet", "times.parquet"}
 
 
 def test_a_damaged_file_is_named(tmp_path):

@@ -112,13 +112,13 @@ def test_another_scenario_or_other_code_is_not_gone_on_with(tmp_path):
     file = written(tmp_path)
     campaign.sweep(load(file, {"samples.count": 2}), tmp_path / "out")
     written(tmp_path, before=FLIGHT.replace("0.05", "0.06"))
-    with pytest.raises(DirectoryError, match="holds another sweep: scenario differ"):
+    with pytest.raises(DirectoryError, match="holds another sweep; what differs: scenario; give a new folder"):
         swept(file, tmp_path / "out", resume=True)
     (tmp_path / "draw.py").write_text("def draw(k, rng):\n    return {}\n")
     file = written(tmp_path, "samples: {count: 2, generator: {python: 'draw.py:draw'}}\n", name="own.yaml")
     swept(file, tmp_path / "own", workers_as="threads")
     (tmp_path / "draw.py").write_text("def draw(k, rng):\n    return {'guidance.speed_m_s': 0.3}\n")
-    with pytest.raises(DirectoryError, match=r"holds another sweep: file samples.generator: draw.py:draw differ"):
+    with pytest.raises(DirectoryError, match=r"holds another sweep; what differs: file samples.generator: draw.py:draw"):
         swept(file, tmp_path / "own", resume=True)
 
 

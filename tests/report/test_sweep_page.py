@@ -99,7 +99,7 @@ def test_parts_of_a_sweep_are_one_page(tmp_path, monkeypatch, capsys):
     swept(other, tmp_path / "3", shard=Shard(3, 3))
     code, _, err = call(monkeypatch, capsys, "report", tmp_path / "1", tmp_path / "3", "--out", tmp_path / "no.html")
     assert code == 2
-    assert err == f"{tmp_path}/3: holds another sweep than {tmp_path}/1: scenario differ\n"
+    assert err == f"{tmp_path}/3: holds another sweep than {tmp_path}/1; what differs: scenario\n"
 
 
 def test_a_sweep_in_which_nothing_could_be_judged_has_a_page(tmp_path):
