@@ -12,8 +12,10 @@ from cube_sim.checks.baseline_difference import SignalOfBoth, StatisticOfBoth
 from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.condition import ConditionHolds
 from cube_sim.checks.exact_wrench import ExactWrench
+from cube_sim.checks.false_alarms import FalseAlarms
 from cube_sim.checks.judging import Judge
 from cube_sim.checks.path_end import PathEnd
+from cube_sim.checks.progress import Progress
 from cube_sim.checks.quotient import ChangeAtEvent, RatioOfStatistics
 from cube_sim.checks.reasons import NotJudgedError
 from cube_sim.checks.samples import Signals
@@ -27,7 +29,9 @@ from cube_sim.scenario.check_blocks import (
     BeforeAfterCheckBlock,
     EventuallyCheckBlock,
     ExactWrenchCheckBlock,
+    FalseAlarmsCheckBlock,
     PathEndCheckBlock,
+    ProgressCheckBlock,
     RatioCheckBlock,
     SignalCheckBlock,
 )
@@ -134,6 +138,10 @@ def _judge(check: AnyCheck, beforehand: Beforehand) -> Judge:
             return ExactWrench(check)
         case PathEndCheckBlock():
             return PathEnd(check)
+        case ProgressCheckBlock():
+            return Progress(check, beforehand)
+        case FalseAlarmsCheckBlock():
+            return FalseAlarms(check, beforehand)
         case _:
             assert_never(check)
 

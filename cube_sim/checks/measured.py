@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Literal
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from cube_sim.checks.held_rows import HeldRows
 from cube_sim.checks.reasons import NotJudgedError, Reasons
 from cube_sim.checks.samples import Array, Samples, Signals, note_not_finite, taken_away
 from cube_sim.checks.statistics import MeasuredValue, accumulator
-from cube_sim.scenario.statistic_keys import AsksStatistic
+from cube_sim.scenario.statistic_keys import AsksStatistic, Combining
 from cube_sim.scenario.windows import TimeWindow
 
 _CLOCK = "pose.position"
@@ -162,15 +161,15 @@ def clock_of(signal: str) -> str:
     return f"{vehicle}{among}{_CLOCK}"
 
 
-def series_of(values: Array, component: int | None, combine: Literal["norm", "sum"]) -> Array:
-    """One number (n,) of each sample (n, width): a component, the only column, the norm of all, or their sum."""
+def series_of(values: Array, component: int | None, combine: Combining) -> Array:
+    """One number (n,) of each sample (n, width): a component, the only column, or what is combined of several."""
     if component is not None:
         return values[:, component]
     if values.shape[1] == 1:
         return values[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is seen to be no number
-        if combine == "norm":
-            return np.linalg.norm(values, axis=1)
+        if combine != "sum":
+            return np.linalg.norm(values if combine == "norm" else values[:, :2], axis=1)
         total = np.zeros(len(values))
         for column in range(values.shape[1]):  # in one order on every machine
             total += values[:, column]

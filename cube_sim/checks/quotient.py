@@ -34,8 +34,11 @@ class RatioOfStatistics:
     def result(self, recorded: Collection[str], duration_s: float | None) -> CheckResult:
         """See `Judge`."""
         above, below = self._above.found(recorded, duration_s), self._below.found(recorded, duration_s)
-        detail = f"{above.value:g} over {below.value:g}: {self._above.detail}; {self._below.detail}"
-        return judged(self._check, over(above.value, below.value), above.at_s, detail)
+        least = self._check.least_denominator
+        divisor = below.value if least is None or abs(below.value) >= least else least
+        counted = "" if divisor == below.value else f", counted as {divisor:g}"
+        detail = f"{above.value:g} over {below.value:g}{counted}: {self._above.detail}; {self._below.detail}"
+        return judged(self._check, over(above.value, divisor), above.at_s, detail)
 
 
 class ChangeAtEvent:

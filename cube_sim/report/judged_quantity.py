@@ -138,7 +138,7 @@ def _series(subject: Subject, asked: AsksStatistic | ComparisonBlock) -> tuple[s
     else:
         values = series_of(rows[:, 1:], None, asked.combine)
         if rows.shape[1] != 2:
-            name = f"sum of {name}" if asked.combine == "sum" else f"|{name}|"
+            name = {"norm": f"|{name}|", "sum": f"sum of {name}", "horizontal": f"|{name}| in x and y"}[asked.combine]
     return name, np.column_stack([rows[:, 0], values])
 
 

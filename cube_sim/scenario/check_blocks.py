@@ -266,9 +266,16 @@ class StatisticBlock(SparingBlock):
 class RatioCheckBlock(CheckBlock):
     """One statistic divided by another, against one limit: energy by distance, one error by another."""
 
+    sparing: ClassVar[frozenset[str]] = frozenset(("least_denominator",))
+
     kind: Literal["ratio"]
     numerator: StatisticBlock
     denominator: StatisticBlock
+    least_denominator: float | None = Field(
+        default=None,
+        gt=0,
+        description="A denominator that is smaller counts as so much, in its unit: below it only the numerator counts.",
+    )
     at_most: AtMost = None
     at_least: AtLeast = None
 
@@ -494,6 +501,68 @@ class PathEndCheckBlock(CheckBlock):
         return Bound("<=", self.reach_m)
 
 
+class ProgressCheckBlock(CheckBlock):
+    """The virtual target, which waits for a vehicle that does not come, moves on along the path.
+
+    Judged by its mean speed in the window: what it has gone along the path, laps of a closed one counted, over the time
+    until it is at the end.
+    """
+
+    sparing: ClassVar[frozenset[str]] = frozenset(("from_event", "to_event"))
+
+    kind: Literal["progress"]
+    at_least_m_s: float = Field(gt=0, description="Smallest mean speed of the target that passes [m/s].")
+    from_s: FromS = None
+    to_s: ToS = None
+    from_event: FromEvent = None
+    to_event: ToEvent = None
+
+    @model_validator(mode="after")
+    def _a_window(self) -> ProgressCheckBlock:
+        require_window(self)
+        return self
+
+    @property
+    def title(self) -> str:
+        """Name shown in results."""
+        return self.name or "progress along the path"
+
+    @property
+    def unit(self) -> str:
+        """Of the limit."""
+        return "m/s"
+
+    @property
+    def bound(self) -> Bound:
+        """The smallest speed [m/s]."""
+        return Bound(">=", self.at_least_m_s)
+
+
+class FalseAlarmsCheckBlock(CheckBlock):
+    """No thruster is doubted that is whole: judged by how many ever are."""
+
+    kind: Literal["false_alarms"]
+    at_most: int = Field(default=0, ge=0, description="So many thrusters may be.")
+    recovery_s: float = Field(
+        default=6.0, ge=0, description="So long after thrusters have recovered nothing counts as a false alarm [s]."
+    )
+
+    @property
+    def title(self) -> str:
+        """Name shown in results."""
+        return self.name or "thrusters doubted without cause"
+
+    @property
+    def unit(self) -> str:
+        """Of the limit."""
+        return "1"
+
+    @property
+    def bound(self) -> Bound:
+        """The largest number."""
+        return Bound("<=", float(self.at_most))
+
+
 AnyCheck = Annotated[
     SignalCheckBlock
     | AlwaysCheckBlock
@@ -503,6 +572,8 @@ AnyCheck = Annotated[
     | BaselineCheckBlock
     | AllowedForcesCheckBlock
     | ExactWrenchCheckBlock
-    | PathEndCheckBlock,
+    | PathEndCheckBlock
+    | ProgressCheckBlock
+    | FalseAlarmsCheckBlock,
     Field(discriminator="kind"),
 ]

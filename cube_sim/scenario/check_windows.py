@@ -12,6 +12,7 @@ from cube_sim.scenario.check_blocks import (
     BeforeAfterCheckBlock,
     ConditionCheckBlock,
     EventuallyCheckBlock,
+    ProgressCheckBlock,
     RatioCheckBlock,
     SignalCheckBlock,
 )
@@ -43,7 +44,7 @@ def condition_window(check: ConditionCheckBlock, events: Sequence[AnyEvent] = ()
 def windows_of(check: AnyCheck, events: Sequence[AnyEvent] = ()) -> tuple[TimeWindow, ...]:
     """All windows at which a check looks; the whole run where it has no keys for one."""
     match check:
-        case SignalCheckBlock() | BaselineCheckBlock():
+        case SignalCheckBlock() | BaselineCheckBlock() | ProgressCheckBlock():
             return (window_of(check, events),)
         case ConditionCheckBlock():
             return (condition_window(check, events),)
@@ -110,7 +111,7 @@ def require_windows_inside(
     """
     for index, check in enumerate(checks):
         match check:
-            case SignalCheckBlock() | ConditionCheckBlock() | BaselineCheckBlock():
+            case SignalCheckBlock() | ConditionCheckBlock() | BaselineCheckBlock() | ProgressCheckBlock():
                 require_window_inside(check, events, duration_s, index)
             case RatioCheckBlock():
                 require_window_inside(check.numerator, events, duration_s, index, "numerator")

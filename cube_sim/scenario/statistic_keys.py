@@ -61,9 +61,13 @@ Component = Annotated[
     int | None,
     Field(ge=0, description="Column of a vector signal, from 0. Default: all its columns, as `combine` says."),
 ]
+Combining = Literal["norm", "sum", "horizontal"]
 Combine = Annotated[
-    Literal["norm", "sum"],
-    Field(description="How the columns of a vector signal become one number: their Euclidean norm, or their sum."),
+    Combining,
+    Field(
+        description="How the columns of a vector signal become one number: their Euclidean norm, their sum, or the norm"
+        " of the first two, x and y."
+    ),
 ]
 StatisticName = Annotated[Statistic, Field(description="What is compared with the limit, over the window.")]
 Level = Annotated[
@@ -122,7 +126,7 @@ class NamesSignal(Protocol):
     @property
     def component(self) -> int | None: ...  # noqa: D102
     @property
-    def combine(self) -> Literal["norm", "sum"]: ...  # noqa: D102
+    def combine(self) -> Combining: ...  # noqa: D102
 
 
 class AsksStatistic(NamesSignal, Protocol):
@@ -172,7 +176,7 @@ def signal_in_words(asked: NamesSignal) -> str:
     name = asked.signal if asked.minus is None else f"{asked.signal} - {asked.minus}"
     if asked.component is not None:
         return f"{name}[{asked.component}]" if asked.minus is None else f"({name})[{asked.component}]"
-    return f"the sum of {name}" if asked.combine == "sum" else name
+    return {"norm": name, "sum": f"the sum of {name}", "horizontal": f"the horizontal part of {name}"}[asked.combine]
 
 
 def named_signals_of(asked: NamesSignal, place: str = "") -> tuple[NamedSignal, ...]:

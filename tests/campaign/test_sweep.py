@@ -118,7 +118,7 @@ def test_another_scenario_or_other_code_is_not_gone_on_with(tmp_path):
     file = written(tmp_path, "samples: {count: 2, generator: {python: 'draw.py:draw'}}\n", name="own.yaml")
     swept(file, tmp_path / "own", workers_as="threads")
     (tmp_path / "draw.py").write_text("def draw(k, rng):\n    return {'guidance.speed_m_s': 0.3}\n")
-    with pytest.raises(DirectoryError, match=r"holds another sweep; what differs: file samples.generator: draw.py:draw"):
+    with pytest.raises(DirectoryError, match=r"holds another sweep; what differs: file samples.generator: draw.py"):
         swept(file, tmp_path / "own", resume=True)
 
 

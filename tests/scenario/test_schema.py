@@ -43,6 +43,7 @@ WITHOUT_UNIT = {
     "thruster_weights",
     "dead_zone_margin",
     "at_most",
+    "least_denominator",
     "at_least",
     "component",
     "level",  # numbers in the unit of the signal they judge
