@@ -39,7 +39,8 @@ def beforehand_of(
         except RecordingError as error:
             raise NotJudgedError(str(error)) from None
 
-    return Beforehand(scenario.events, held_signals(channels), baseline)
+    phases = tuple(phase.name for phase in scenario.phases)
+    return Beforehand(scenario.events, held_signals(channels), baseline, phases)
 
 
 class JudgedRows:

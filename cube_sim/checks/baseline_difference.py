@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.checks.beforehand import Beforehand
+from cube_sim.checks.judged_window import JudgedWindow
 from cube_sim.checks.judging import Largest, judged
 from cube_sim.checks.measured import Measured, clock_of, require_in_run, series_of
 from cube_sim.checks.reasons import NotJudgedError, Reasons
 from cube_sim.checks.samples import Array, Samples, Signals, note_not_finite
 from cube_sim.scenario.check_blocks import BaselineCheckBlock
 from cube_sim.scenario.statistic_keys import AsksStatistic
-from cube_sim.scenario.windows import TimeWindow, window_of
+from cube_sim.scenario.windows import window_of
 from cube_sim.verdict import CheckResult
 
 SAME_INSTANT_S = 1e-6
@@ -26,8 +27,9 @@ class StatisticOfBoth:
 
     def __init__(self, check: BaselineCheckBlock, asked: AsksStatistic, beforehand: Beforehand) -> None:
         self._check, self._asked, self._beforehand = check, asked, beforehand
-        self._window = window_of(check, beforehand.events)
-        self._ours = Measured(asked, self._window, beforehand, at_most=True)
+        self._ours = Measured(
+            asked, JudgedWindow(window_of(check, beforehand.events), beforehand), beforehand, at_most=True
+        )
         self.needs = self._ours.needs
 
     def take(self, block: Signals) -> None:
@@ -38,12 +40,11 @@ class StatisticOfBoth:
         """See `Judge`."""
         ours = self._ours.found(recorded, duration_s)
         name, rows = self._asked.signal, self._beforehand.baseline(self._check)
-        end_s = self._ours.end_s if self._window.end_s is None else self._window.end_s
-        # A baseline that lasts longer is looked at as long as this run.
-        theirs = Measured(self._asked, TimeWindow(self._window.start_s, end_s), self._beforehand, at_most=True)
+        window = self._ours.window_of_other()
+        theirs = Measured(self._asked, window, self._beforehand, at_most=True)
         theirs.take({name: rows})
         try:
-            other = theirs.found((name,), end_s)
+            other = theirs.found((name,), window.end_s)
         except NotJudgedError as reason:
             raise NotJudgedError(f"in the baseline: {reason}") from None
         detail = f"{ours.value:g}, {other.value:g} in the baseline: {self._ours.detail}"
@@ -55,17 +56,17 @@ class SignalOfBoth:
 
     def __init__(self, check: BaselineCheckBlock, beforehand: Beforehand) -> None:
         self._check, self._beforehand, self._reasons = check, beforehand, Reasons()
-        self._window = window_of(check, beforehand.events)
-        self._start = -np.inf if self._window.start_s is None else self._window.start_s
-        self._end = np.inf if self._window.end_s is None else self._window.end_s
+        self._window = JudgedWindow(window_of(check, beforehand.events), beforehand)
         self._samples, self._clock, self._farthest = Samples(check.signal), Samples(clock_of(check.signal)), Largest()
         self._held = check.signal in beforehand.held
         self._ours: list[Array] = []
         self._instants, self._first, self._last = 0, np.nan, np.nan
-        self.needs = (check.signal, self._clock.name) if self._held else (check.signal,)
+        named = (check.signal, self._clock.name) if self._held else (check.signal,)
+        self.needs = (*named, *self._window.needs)
 
     def take(self, block: Signals) -> None:
         """See `Judge`."""
+        self._window.take(block)
         if self._held and self._clock.name in block:
             self._clock.take(block[self._clock.name])
         rows = block.get(self._check.signal)
@@ -74,7 +75,7 @@ class SignalOfBoth:
         if self._held:
             self._ours.append(rows)
             return
-        rows = rows[(rows[:, 0] >= self._start) & (rows[:, 0] <= self._end)]
+        rows = rows[self._window.inside(rows[:, 0])]
         if len(rows) and note_not_finite(self._reasons, self._check.signal, rows):
             theirs = self._theirs()
             if theirs is not None:
@@ -117,9 +118,9 @@ class SignalOfBoth:
         if self._held:
             self._samples.require(recorded)
         clock.require_every_tick(recorded, duration_s)
-        require_in_run(self._window, clock.start, clock.end, 1.5 * clock.period)
+        require_in_run(self._window.shown(clock.end), clock.start, clock.end, 1.5 * clock.period)
         if self._held and not self._instants:
-            self._compare_held(max(self._start, clock.start), min(self._end, clock.end))
+            self._compare_held(max(self._window.start_s, clock.start), min(self._window.end_s, clock.end))
         for kind in ("baseline", name, "width", "times"):
             self._reasons.require_none(kind)
         if not self._instants:

@@ -29,8 +29,10 @@ class Beforehand:
         held: names of the signals of which a row holds until the next.
         baseline: rows (n, 1 + width) of a check's signal in the run it compares with; a NotJudgedError where there are
             none.
+        phases: names of the phases of its scenario, in the order of their list.
     """
 
     events: Sequence[AnyEvent] = ()
     held: Collection[str] = frozenset()
     baseline: Callable[[BaselineCheckBlock], Array] = no_baseline
+    phases: Sequence[str] = ()

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cube_sim.checks.beforehand import Beforehand
+from cube_sim.checks.judged_window import JudgedWindow
 from cube_sim.checks.judging import Largest, judged
 from cube_sim.checks.measured import clock_of, require_in_run, series_of
 from cube_sim.checks.reasons import NotJudgedError, Reasons
@@ -28,19 +30,19 @@ class ConditionHolds:
         self._check, self._reasons = check, Reasons()
         self._always = isinstance(check, AlwaysCheckBlock)
         self._alone = len(check.comparisons) == 1 and not check.scaled
-        self._window = condition_window(check, beforehand.events)
-        self._start = -np.inf if self._window.start_s is None else self._window.start_s
-        self._end = np.inf if self._window.end_s is None else self._window.end_s
+        self._window = JudgedWindow(condition_window(check, beforehand.events), beforehand)
         named = tuple(dict.fromkeys(each.signal for each in check.named_signals))
         self._signals = [_Followed(each) for each in check.comparisons]
         self._on_change = {each.signal for each in check.comparisons if each.signal in beforehand.held}
         self._clock = Samples(clock_of(min(self._on_change, default=named[0])))
         self._decisive, self._instants, self._began = Largest(), 0, False
         self._first = self._last = self._turned_s = np.nan
-        self.needs = (*named, self._clock.name) if self._on_change and self._clock.name not in named else named
+        clock = (self._clock.name,) if self._on_change else ()
+        self.needs = tuple(dict.fromkeys((*named, *clock, *self._window.needs)))
 
     def take(self, block: Signals) -> None:
         """See `Judge`."""
+        self._window.take(block)
         if self._on_change and self._clock.name in block:
             self._clock.take(block[self._clock.name])
         none = np.empty((0, 2))
@@ -50,8 +52,9 @@ class ConditionHolds:
         ]
         times = np.unique(np.concatenate(known))
         times = times[np.isfinite(times)]
-        if self._on_change and not self._began and self._clock_or(times) >= self._start:
-            times = np.union1d(times, [self._start]) if np.isfinite(self._start) else times
+        start = self._window.start_s
+        if self._on_change and not self._began and self._clock_or(times) >= start:
+            times = np.union1d(times, [start]) if np.isfinite(start) else times
             self._began = True
         self._look_at(times)
         for each in self._signals:
@@ -68,7 +71,7 @@ class ConditionHolds:
 
     def _look_at(self, times: Array) -> None:
         """Take in instants (n,) [s], those of them in the window, once each signal has a value."""
-        times = times[(times >= self._start) & (times <= self._end)]
+        times = times[self._inside(times)]
         times = times[times >= max(each.begins for each in self._signals)] if len(times) else times
         if not len(times):
             return
@@ -84,6 +87,12 @@ class ConditionHolds:
         if self._alone:
             margin = series[0] if self._check.bound.relation == ">=" else -series[0]
         self._decisive.take(-margin if self._always else margin, times)
+
+    def _inside(self, times: Array) -> NDArray[np.bool_]:
+        """Which of some instants (n,) [s] are in the window; what is held alone has its start as well."""
+        if self._on_change and len(self._on_change) == len({each.asked.signal for each in self._signals}):
+            return (times >= self._window.start_s) & (times <= self._window.end_s)
+        return self._window.inside(times)
 
     def result(self, recorded: Collection[str], duration_s: float | None) -> CheckResult:
         """See `Judge`."""
@@ -103,10 +112,11 @@ class ConditionHolds:
             self._clock.require_every_tick(recorded, duration_s)
             begins, ends = max(begins, self._clock.start), min(ends, self._clock.end)
             slack = max(slack, 1.5 * self._clock.period)
+        window = self._window.shown(ends)
         if np.isfinite(begins) and np.isfinite(ends):
-            require_in_run(self._window, begins, ends, slack)
+            require_in_run(window, begins, ends, slack)
         for each in self._signals:
-            start = begins if self._window.start_s is None else self._start
+            start = begins if window.start_s is None else window.start_s
             if each.asked.signal in self._on_change and each.samples.start > start:
                 text = f"{each.asked.signal} starts at {each.samples.start:g} s, the window at {start:g} s"
                 raise NotJudgedError(text)

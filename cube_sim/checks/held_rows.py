@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cube_sim.checks.judged_window import JudgedWindow
 from cube_sim.checks.samples import Array
-from cube_sim.scenario.windows import TimeWindow
 
 
 class Spans(NamedTuple):
@@ -29,9 +29,8 @@ class HeldRows:
         window: of the spans.
     """
 
-    def __init__(self, window: TimeWindow) -> None:
-        self._start = -np.inf if window.start_s is None else window.start_s
-        self._end = np.inf if window.end_s is None else window.end_s
+    def __init__(self, window: JudgedWindow) -> None:
+        self._window = window
         self._last: Array | None = None
 
     def take(self, rows: Array) -> Spans:
@@ -50,8 +49,8 @@ class HeldRows:
         return self._cut(last, np.array([np.inf]), end_s)
 
     def _cut(self, rows: Array, until: Array, end_s: float = np.inf) -> Spans:
-        end = min(self._end, end_s)
-        chosen = (rows[:, 0] <= end) & (until > self._start)
+        start, end = self._window.start_s, min(self._window.end_s, end_s)
+        chosen = (rows[:, 0] <= end) & (until > start)
         rows, until = rows[chosen].copy(), np.minimum(until[chosen], end)
-        rows[:, 0] = np.maximum(rows[:, 0], self._start)
+        rows[:, 0] = np.maximum(rows[:, 0], start)
         return Spans(rows, np.maximum(until - rows[:, 0], 0.0))

@@ -8,6 +8,7 @@ import numpy as np
 
 from cube_sim.checks.beforehand import Beforehand
 from cube_sim.checks.held_rows import HeldRows
+from cube_sim.checks.judged_window import JudgedWindow
 from cube_sim.checks.reasons import NotJudgedError, Reasons
 from cube_sim.checks.samples import Array, Samples, Signals, note_not_finite, taken_away
 from cube_sim.checks.statistics import MeasuredValue, accumulator
@@ -31,7 +32,7 @@ class Measured:
     def __init__(
         self,
         asked: AsksStatistic,
-        window: TimeWindow,
+        window: JudgedWindow,
         beforehand: Beforehand,
         at_most: bool,
         limit: float | None = None,
@@ -42,11 +43,12 @@ class Measured:
         self._found = accumulator(asked, at_most, limit)
         self._inside, self._first, self._last = 0, np.nan, np.nan
         self._minus = None if asked.minus is None else Samples(asked.minus)
-        named = (asked.signal,) if asked.minus is None else (asked.signal, asked.minus)
+        named = *((asked.signal,) if asked.minus is None else (asked.signal, asked.minus)), *self._window.needs
         self.needs = named if self._held is None else (*named, self._clock.name)
 
     def take(self, block: Signals) -> None:
         """See `Judge`."""
+        self._window.take(block)
         rows = block.get(self._asked.signal)
         if self._held is not None and self._clock.name in block:
             self._clock.take(block[self._clock.name])
@@ -63,9 +65,7 @@ class Measured:
             spans = self._held.take(rows)
             self._take_in(spans.rows, spans.lasting)
             return
-        times, (start, end) = rows[:, 0], self._window
-        inside = times >= (-np.inf if start is None else start)
-        self._take_in(rows[inside & (times <= (np.inf if end is None else end))])
+        self._take_in(rows[self._window.inside(rows[:, 0])])
 
     def _take_in(self, rows: Array, lasting: Array | None = None) -> None:
         """Take in rows of the window (n, 1 + width), and how long they last where they are held."""
@@ -101,49 +101,54 @@ class Measured:
         if self._held is None:
             self._samples.require_every_tick(recorded, duration_s)
             start, end = self._samples.start, self._samples.end
-            require_in_run(self._window, start, end, 1.5 * self._samples.period)
-            self._require_samples(1 if self._asked.statistic == "final" else 2)
+            window = self._window.shown(end)
+            require_in_run(window, start, end, 1.5 * self._samples.period)
+            self._require_samples(1 if self._asked.statistic == "final" else 2, window)
             start, end = self._first, self._last
         else:
-            start, end = self._held_window(recorded, duration_s, self._held)
+            start, end, window = self._held_window(recorded, duration_s, self._held)
         self._reasons.require_none(self._asked.signal)
         component, width = self._asked.component, self._samples.width
         if component is not None and component >= width:
             raise NotJudgedError(f"{self._asked.signal} has {width} columns, no component {component}")
-        if self._asked.statistic == "settling" and self._window.start_s is not None:
-            start = self._window.start_s
+        if self._asked.statistic == "settling" and window.start_s is not None:
+            start = window.start_s
         with np.errstate(over="ignore", invalid="ignore"):
             return self._found.found(start, end)
 
-    def _held_window(self, recorded: Collection[str], duration_s: float | None, held: HeldRows) -> tuple[float, float]:
-        """Take in what holds at the end; from when to when the window really is [s]."""
+    def _held_window(
+        self, recorded: Collection[str], duration_s: float | None, held: HeldRows
+    ) -> tuple[float, float, TimeWindow]:
+        """Take in what holds at the end; from when to when the window really is [s], and the window."""
         name, samples, clock = self._asked.signal, self._samples, self._clock
         samples.require(recorded)
         begins, ends = samples.start, samples.end
         if clock.name in recorded:
             clock.require_every_tick(recorded, duration_s)
             begins, ends = clock.start, clock.end
-            require_in_run(self._window, begins, ends, 1.5 * clock.period)
         elif duration_s is not None:
             ends = duration_s
+        window = self._window.shown(ends)
+        if clock.name in recorded:
+            require_in_run(window, begins, ends, 1.5 * clock.period)
         spans = held.rest(ends)
         self._take_in(spans.rows, spans.lasting)
-        start = begins if self._window.start_s is None else max(self._window.start_s, begins)
-        end = ends if self._window.end_s is None else min(self._window.end_s, ends)
+        start = begins if window.start_s is None else max(window.start_s, begins)
+        end = ends if window.end_s is None else min(window.end_s, ends)
         if samples.start > start:
             raise NotJudgedError(f"{name} starts at {samples.start:g} s, the window at {start:g} s")
         self._first, self._last = start, end
-        return start, end
+        return start, end, window
 
-    def _require_samples(self, needed: int) -> None:
+    def _require_samples(self, needed: int, window: TimeWindow) -> None:
         if self._inside < needed:
-            window = _words(self._window, self._samples.start)
-            raise NotJudgedError(f"{window} holds {self._inside} samples, needs {needed}")
+            words = _words(window, self._samples.start)
+            raise NotJudgedError(f"{words} holds {self._inside} samples, needs {needed}")
 
-    @property
-    def end_s(self) -> float:
-        """The last instant looked at [s]."""
-        return float(self._last)
+    def window_of_other(self) -> JudgedWindow:
+        """That of another run, which is to be looked at for as long as this one, once this one is over."""
+        last = float(self._last)
+        return self._window.of_other(last)
 
     @property
     def detail(self) -> str:

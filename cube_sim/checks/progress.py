@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import ClassVar
 
 import numpy as np
 
 from cube_sim.checks.beforehand import Beforehand
+from cube_sim.checks.judged_window import JudgedWindow
 from cube_sim.checks.judging import judged
 from cube_sim.checks.measured import require_in_run
 from cube_sim.checks.reasons import NotJudgedError, Reasons
@@ -24,30 +26,30 @@ AT_THE_END_M = 0.1
 class Progress:
     """Judges a `ProgressCheckBlock`."""
 
-    needs: tuple[str, ...] = "target.arc_length", "target.remaining"
+    _parts: ClassVar[tuple[str, ...]] = "target.arc_length", "target.remaining"
 
     def __init__(self, check: ProgressCheckBlock, beforehand: Beforehand) -> None:
         self._check, self._reasons = check, Reasons()
-        self._window = window_of(check, beforehand.events)
-        self._samples = [Samples(name) for name in self.needs]
+        self._window = JudgedWindow(window_of(check, beforehand.events), beforehand)
+        self._samples = [Samples(name) for name in self._parts]
+        self.needs = (*self._parts, *self._window.needs)
         self._first_s = self._last_s = self._first_m = self._last_m = np.nan
         self._jumps_m, self._arrived = 0.0, False
 
     def take(self, block: Signals) -> None:
         """See `Judge`."""
+        self._window.take(block)
         none = np.empty((0, 2))
-        gone, left = parts = [block.get(name, none) for name in self.needs]
+        gone, left = parts = [block.get(name, none) for name in self._parts]
         taken = [samples.take(rows) for samples, rows in zip(self._samples, parts, strict=True)]
         if any(taken):
             note_other_times(self._reasons, gone=gone, left=left)
         if not all(taken) or not self._reasons.none("times") or any(samples.width != 1 for samples in self._samples):
             return
-        finite = [note_not_finite(self._reasons, name, rows) for name, rows in zip(self.needs, parts, strict=True)]
+        finite = [note_not_finite(self._reasons, name, rows) for name, rows in zip(self._parts, parts, strict=True)]
         if not all(finite) or self._arrived:
             return
-        start, end = self._window.start_s, self._window.end_s
-        inside = gone[:, 0] >= (-np.inf if start is None else start)
-        inside &= gone[:, 0] <= (np.inf if end is None else end)
+        inside = self._window.inside(gone[:, 0])
         there = np.flatnonzero(inside & (left[:, 1] < AT_THE_END_M))
         if len(there):
             self._arrived = True
@@ -71,10 +73,10 @@ class Progress:
         for samples in self._samples:
             samples.require_every_tick(recorded, duration_s, 1)
         self._reasons.require_none("times")
-        for name in self.needs:
+        for name in self._parts:
             self._reasons.require_none(name)
         gone = self._samples[0]
-        require_in_run(self._window, gone.start, gone.end, 1.5 * gone.period)
+        require_in_run(self._window.shown(gone.end), gone.start, gone.end, 1.5 * gone.period)
         if not self._last_s > self._first_s:
             if self._arrived:
                 raise NotJudgedError(f"the target is at the end of its path by {self._first_s:g} s, before it moves")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from cube_sim.checks.beforehand import Beforehand
+from cube_sim.checks.judged_window import JudgedWindow
 from cube_sim.checks.judging import judged
 from cube_sim.checks.measured import Measured
 from cube_sim.checks.reasons import NotJudgedError
@@ -22,8 +23,9 @@ class RatioOfStatistics:
         self._check, events = check, beforehand.events
         at_most = check.bound.relation == "<="
         above, below = check.numerator, check.denominator
-        self._above = Measured(above, window_of(above, events), beforehand, at_most)
-        self._below = Measured(below, window_of(below, events), beforehand, not at_most)
+        windows = [JudgedWindow(window_of(each, events), beforehand) for each in (above, below)]
+        self._above = Measured(above, windows[0], beforehand, at_most)
+        self._below = Measured(below, windows[1], beforehand, not at_most)
         self.needs = tuple(dict.fromkeys((*self._above.needs, *self._below.needs)))
 
     def take(self, block: Signals) -> None:
@@ -46,7 +48,7 @@ class ChangeAtEvent:
 
     def __init__(self, check: BeforeAfterCheckBlock, beforehand: Beforehand) -> None:
         self._check = check
-        before, after = before_and_after(check, beforehand.events)
+        before, after = (JudgedWindow(each, beforehand) for each in before_and_after(check, beforehand.events))
         at_most = check.bound.relation == "<="
         self._before = Measured(check, before, beforehand, not at_most)
         self._after = Measured(check, after, beforehand, at_most)

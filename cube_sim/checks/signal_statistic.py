@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from cube_sim.checks.beforehand import Beforehand
+from cube_sim.checks.judged_window import JudgedWindow
 from cube_sim.checks.judging import judged
 from cube_sim.checks.measured import Measured
 from cube_sim.checks.samples import Signals
@@ -19,7 +20,8 @@ class SignalStatistic:
     def __init__(self, check: SignalCheckBlock, beforehand: Beforehand) -> None:
         self._check = check
         relation, limit = check.bound
-        self._measured = Measured(check, window_of(check, beforehand.events), beforehand, relation == "<=", limit)
+        window = JudgedWindow(window_of(check, beforehand.events), beforehand)
+        self._measured = Measured(check, window, beforehand, relation == "<=", limit)
         self.needs = self._measured.needs
 
     def take(self, block: Signals) -> None:

@@ -11,6 +11,7 @@ MOST_CURVES = len(SERIES) * len(_LINES)
 
 FAINT = "#8a929b"
 LOOKED_AT = "#edf3f9"
+EVERY_SECOND = "#f4f4f1"
 GOOD, BAD, UNKNOWN = "#1a7f37", "#c4231c", "#9a6700"
 OF_VERDICT = {"PASS": GOOD, "FAIL": BAD}
 

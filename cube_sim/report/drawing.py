@@ -11,9 +11,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from cube_sim.report import colours
 from cube_sim.report.decimation import Values, decimated, held, stepped
 from cube_sim.report.guides import LEFT, drawn_levels, limits, points
-from cube_sim.report.legend import draw_legend, legend_lines
+from cube_sim.report.legend import draw_legend, legend_lines, text_width
 from cube_sim.report.markup import element, text
 from cube_sim.report.panel import Curve, Mark, Panel, TimeAxis, Zone
 from cube_sim.report.scale import Scale, scale_for
@@ -35,6 +36,7 @@ def draw(panel: Panel, axis: TimeAxis, width: int = WIDE) -> str:
     parts = [
         *_head(panel, up, _LINE - above),
         *draw_legend(entries, LEFT, _LINE - above, _LINE),
+        *_phases(axis, across, panel.height),
         *_frame(panel, across, up, width),
         *(_zone(zone, across, up) for zone in panel.zones),
         *gaps(axis, across, LEFT, TOP, panel.height),
@@ -205,6 +207,16 @@ def gaps(axis: TimeAxis, across: Scale, left: float, top: float, height: float) 
         start, end = across.at(start_s), across.at(end_s)
         wide = f"{max(end - start, 1.0):.1f}"
         yield element("rect", class_="gap", x=f"{left + start:.1f}", y=top, width=wide, height=height)
+
+
+def _phases(axis: TimeAxis, across: Scale, height: int) -> Iterable[str]:
+    """Every second leg shaded, and the names of those that have room for them."""
+    for number, (start_s, end_s, name) in enumerate(axis.phases):
+        x, end = LEFT + across.at(start_s), LEFT + across.at(end_s)
+        if number % 2:
+            yield element("rect", x=f"{x:.1f}", y=TOP, width=f"{end - x:.1f}", height=height, fill=colours.EVERY_SECOND)
+        shown = name if text_width(name) + 6 <= end - x else ""
+        yield f'<text class="ph" x="{x + 3:.1f}" y="{TOP + 10}">{text(shown)}</text>' if shown else ""
 
 
 def _marks(axis: TimeAxis, across: Scale, height: int) -> Iterable[str]:

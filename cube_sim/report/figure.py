@@ -173,11 +173,15 @@ def _over_time(
     axes.set_xlim(start, max(end, start + 1e-9))
     unit = [panel.unit] if panel.unit not in ("", "1") else []
     for check in _limits(subject, panel):
-        begins, ends = window_of(check, subject.scenario.events).within(subject.scenario.duration_s)
+        begins, ends = subject.span(window_of(check, subject.scenario.events))
         begins, ends = max(start, begins), min(end, ends)
         label = " ".join([statistic_alone(check), _SIGNS[check.bound.relation], f"{check.bound.limit:g}", *unit])
         limit = [check.bound.limit] * 2
         axes.plot([begins, ends], limit, color=colours.BAD, linestyle=(0, (5, 2)), linewidth=0.9, label=label)
+    for begins, ends in [(each.start_s, each.end_s) for each in subject.phases[1::2]]:
+        begins, ends = max(start, begins), min(end, ends)
+        if begins < ends:
+            axes.axvspan(begins, ends, color=colours.EVERY_SECOND, linewidth=0, zorder=0.4)
     for begins, ends in subject.gaps:
         axes.axvspan(begins, ends, color=_NOT_RECORDED, linewidth=0, zorder=0.5)
     happened = [each for each in happenings(subject) if start <= each.t <= end]

@@ -14,12 +14,12 @@ from cube_sim.report.warnings_told import Told, warnings_told
 from cube_sim.run_conditions import BATTERY_EMPTY
 from cube_sim.scenario.event_blocks import CurrentEventBlock
 
-EVENT, BELIEF, AUTHORITY, SUPPLY, WRENCH, WARNING, END = (
-    *("event", "belief", "flies as"),
+EVENT, PHASE, BELIEF, AUTHORITY, SUPPLY, WRENCH, WARNING, END = (
+    *("event", "phase", "belief", "flies as"),
     *("battery", "wrench", "warning", "end"),
 )
-"""Kinds: what the scenario did, what the controller believes, how the vehicle flies, its battery, a wrench that was
-not made for a while, what else the log warns of, an early end."""
+"""Kinds: what the scenario did, which leg of the mission began, what the controller believes, how the vehicle flies,
+its battery, a wrench that was not made for a while, what else the log warns of, an early end."""
 
 _AT_MOST = 12
 """So many of a kind are told; a run that chatters would cover its plots with lines (choice)."""
@@ -69,7 +69,13 @@ def lasting(subject: Subject, t: float) -> list[Happening]:
 def _of_each_kind(subject: Subject) -> tuple[list[Happening], ...]:
     """Everything but the end, each kind by itself and in the order of time."""
     told = warnings_told(subject)
-    kinds = [list(_events(subject)), list(_beliefs(subject, told)), list(_authorities(subject)), list(_supply(subject))]
+    kinds = [
+        list(_events(subject)),
+        list(_phases(subject)),
+        list(_beliefs(subject, told)),
+        list(_authorities(subject)),
+        list(_supply(subject)),
+    ]
     empty = {BATTERY_EMPTY.begins} if kinds[-1] else set()  # the record has the fact
     by_sort: dict[str, list[Happening]] = {}
     for each in told:
@@ -90,6 +96,12 @@ def _events(subject: Subject) -> Iterator[Happening]:
             currents.pop(0)
             until = currents[0] if currents else inf
         yield Happening(event.at_s, EVENT, event.title, until)
+
+
+def _phases(subject: Subject) -> Iterator[Happening]:
+    count = len(subject.scenario.phases)
+    for phase in subject.phases:
+        yield Happening(phase.start_s, PHASE, f"phase {phase.number + 1} of {count}: {phase.name}")
 
 
 def _beliefs(subject: Subject, told_of: list[Told]) -> Iterator[Happening]:

@@ -74,14 +74,14 @@ def judged_quantities(subject: Subject, check: AnyCheck) -> tuple[JudgedQuantity
     if not isinstance(check, RatioCheckBlock):
         return (judged_quantity(subject, check),)
     both = check.numerator, check.denominator
-    windows = [each.within(subject.scenario.duration_s) for each in windows_of(check, subject.scenario.events)]
+    windows = [subject.span(each) for each in windows_of(check, subject.scenario.events)]
     return tuple(_apart(subject, *each) for each in zip(both, windows, strict=True))
 
 
 def judged_quantity(subject: Subject, check: AnyCheck) -> JudgedQuantity:
     """The number that a check judges in a run."""
     end_s = subject.scenario.duration_s
-    windows = [window.within(end_s) for window in windows_of(check, subject.scenario.events)]
+    windows = [subject.span(window) for window in windows_of(check, subject.scenario.events)]
     match check:
         case SignalCheckBlock() if check.statistic not in AMONG_SAMPLES:
             return _apart(subject, check, windows[0])

@@ -11,7 +11,18 @@ from cube_sim.report import colours
 from cube_sim.report.check_panels import check_panels
 from cube_sim.report.drawing import HALF, WIDE, draw
 from cube_sim.report.guides import captions
-from cube_sim.report.happenings import AUTHORITY, BELIEF, END, EVENT, SUPPLY, WARNING, WRENCH, Happening, happenings
+from cube_sim.report.happenings import (
+    AUTHORITY,
+    BELIEF,
+    END,
+    EVENT,
+    PHASE,
+    SUPPLY,
+    WARNING,
+    WRENCH,
+    Happening,
+    happenings,
+)
 from cube_sim.report.html_table import badge, name_of
 from cube_sim.report.lanes import StateLane, draw_lanes
 from cube_sim.report.map_view import plan_view
@@ -37,7 +48,7 @@ from cube_sim.report.thruster_use import STATES
 from cube_sim.runs.recorded_run import RecordedRun
 
 _OF_KIND = {
-    **{EVENT: colours.BAD, BELIEF: colours.ORANGE, AUTHORITY: colours.PURPLE},
+    **{EVENT: colours.BAD, PHASE: colours.FAINT, BELIEF: colours.ORANGE, AUTHORITY: colours.PURPLE},
     **{SUPPLY: colours.BAD, WARNING: colours.ORANGE, WRENCH: colours.FAINT, END: colours.BLACK},
 }
 _OF_STATE = ("", "#8fb8de", "#f0b37a", "#b6bcc4", "#7a1fa2", "#c4231c")
@@ -58,9 +69,10 @@ def report(runs: Sequence[RecordedRun], labels: Sequence[str]) -> str:
     told = _told(subjects)
     last = max(subject.run.recorded_s for subject in subjects)
     end_s = last if last > 0 else max(subject.scenario.duration_s for subject in subjects)
-    # Of several runs each has its own gaps: their curves are broken there.
-    gaps = subjects[0].gaps if len(subjects) == 1 else ()
-    axis = TimeAxis(0.0, end_s, tuple(Mark(each.t, flag, _OF_KIND[each.kind]) for flag, each, _ in told), gaps)
+    # Of several runs each has its own gaps and phases: their curves are broken there.
+    gaps, phases = (subjects[0].gaps, subjects[0].phases) if len(subjects) == 1 else ((), ())
+    marks = tuple(Mark(each.t, flag, _OF_KIND[each.kind]) for flag, each, _ in told)
+    axis = TimeAxis(0.0, end_s, marks, gaps, tuple((each.start_s, each.end_s, each.name) for each in phases))
     sections = [(name, title, content) for name, title, content in _sections(subjects, together, axis, told) if content]
     names = ", ".join(dict.fromkeys(subject.scenario.name for subject in subjects))
     links = "".join(f'<a href="#{name}">{text(title)}</a>' for name, title, _ in sections)

@@ -163,9 +163,11 @@ class TimeAxis:
         end_s: right end [s].
         marks: what happened, in the order of time.
         gaps: from when to when nothing is recorded [s].
+        phases: from when to when which leg of the mission was flown [s], with its name.
     """
 
     start_s: float
     end_s: float
     marks: tuple[Mark, ...] = field(default=())
     gaps: tuple[tuple[float, float], ...] = field(default=())
+    phases: tuple[tuple[float, float, str], ...] = field(default=())

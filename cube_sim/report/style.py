@@ -29,7 +29,7 @@ svg .g{stroke:#e9ecef;fill:none}svg .g.z{stroke:#9aa4ae}
 svg .f{fill:none;stroke:#8c959f}
 svg .n{font-size:10.5px;fill:#424a53}svg .l{font-size:11px;fill:#1b1f24}
 svg .h{font-size:12.5px;font-weight:600;fill:#1b1f24}svg .e{font-weight:400;fill:#57606a}
-svg .q{font-size:10.5px;font-weight:700;text-anchor:middle}
+svg .q{font-size:10.5px;font-weight:700;text-anchor:middle}svg .ph{font-size:10px;fill:#57606a}
 svg .m{stroke-width:1;stroke-dasharray:3 2;fill:none}
 svg .c{fill:none;stroke-width:15;stroke-linejoin:round}svg .c.t{stroke-width:9}svg .c.d{stroke-dasharray:50 30}
 svg .c.r{stroke-width:40;opacity:.55}

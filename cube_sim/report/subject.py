@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from cube_sim.checks.beforehand import Beforehand
+from cube_sim.checks.judged_window import PHASE, JudgedWindow
+from cube_sim.checks.reasons import NotJudgedError
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import held_signals
 from cube_sim.report import colours
@@ -17,9 +20,26 @@ from cube_sim.run_directory import VERDICT_FILE
 from cube_sim.runs.judging import judged
 from cube_sim.runs.recorded_run import RecordedRun, Span
 from cube_sim.scenario import Scenario
+from cube_sim.scenario.windows import TimeWindow
 from cube_sim.verdict import CheckResult, Verdict
 
 NO_VERDICT = "NOT JUDGED"
+
+
+class FlownPhase(NamedTuple):
+    """A phase of the mission, as it was flown.
+
+    Attributes:
+        number: of it, from 0.
+        name: its name.
+        start_s: when it began [s].
+        end_s: when the next one began, or the last row was recorded [s].
+    """
+
+    number: int
+    name: str
+    start_s: float
+    end_s: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +87,30 @@ class Subject:
     @cached_property
     def _every_tick(self) -> frozenset[str]:
         return frozenset(channel.name for channel in self.run.recording.channels if channel.every_tick)
+
+    @cached_property
+    def phases(self) -> tuple[FlownPhase, ...]:
+        """Those that were entered, in their order."""
+        rows, labels = self.run.signals.get(PHASE, np.empty((0, 2))), self.labels(PHASE)
+        starts, ends = rows[:, 0].tolist(), [*rows[1:, 0].tolist(), self.run.recorded_s]
+        numbers = rows[:, 1].astype(int).tolist()
+        return tuple(
+            FlownPhase(number, labels[number], start, end)
+            for number, start, end in zip(numbers, starts, ends, strict=False)
+            if number < len(labels)
+        )
+
+    def span(self, window: TimeWindow) -> Span:
+        """A check's window in seconds of this run; of a phase that was never entered, nothing at its end."""
+        if window.phase is None:
+            return window.within(self.scenario.duration_s)
+        names = [phase.name for phase in self.scenario.phases]
+        judged_window = JudgedWindow(window, Beforehand(phases=names))
+        judged_window.take({PHASE: self.run.signals.get(PHASE, np.empty((0, 2)))})
+        try:
+            return judged_window.shown(self.run.recorded_s).within(self.run.recorded_s)
+        except NotJudgedError:
+            return self.run.recorded_s, self.run.recorded_s
 
     def has(self, signal: str) -> bool:
         """Whether there are rows of it."""

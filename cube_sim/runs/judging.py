@@ -23,6 +23,7 @@ from cube_sim.scenario.check_blocks import (
     SignalCheckBlock,
 )
 from cube_sim.scenario.check_windows import windows_of
+from cube_sim.scenario.windows import WindowKeys
 from cube_sim.verdict import CheckResult, Verdict, overall
 
 _ANY_WIDTH = 1_000
@@ -162,7 +163,7 @@ def _unseen(check: AnyCheck, run: RecordedRun) -> list[Span]:
     if run.end is not None and run.end.simulated_s is not None and run.end.simulated_s < run.scenario.duration_s:
         spans.append((run.end.simulated_s, run.scenario.duration_s))
     windows = [window.within(inf) for window in windows_of(check, run.scenario.events)]
-    if isinstance(check, SignalCheckBlock) and check.statistic == "final":
+    if isinstance(check, SignalCheckBlock) and check.statistic == "final" and check.phase is None:
         end = min(windows[0][1], run.scenario.duration_s)
         windows = [(end - 1.5 * run.scenario.control_period_s, end)]
     return [(a, b) for a, b in spans if any(a <= end and b > start for start, end in windows)]
@@ -172,6 +173,8 @@ def _shown_by_some(check: AnyCheck, result: CheckResult, unseen: Sequence[Span])
     """Which verdict the rows of a part of the time show, whatever the others are; None where they show none."""
     if isinstance(check, PathEndCheckBlock):  # once at the end is at the end
         return "PASS"
+    if isinstance(check, WindowKeys) and check.phase is not None:  # what is lost may have opened or closed the window
+        return None
     match check:
         case AlwaysCheckBlock():
             return "FAIL"

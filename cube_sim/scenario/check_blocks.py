@@ -6,37 +6,35 @@ These blocks only say what is asked; `cube_sim.checks` answers it from the recor
 from __future__ import annotations
 
 from itertools import chain
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.types import Strict
 
 from cube_sim.scenario.file_names import RecordFile
 from cube_sim.scenario.statistic_keys import (
-    AtLeast,
-    AtMost,
     Band,
     Bound,
     Combine,
     Component,
     Level,
-    Minus,
+    LimitKeys,
     NamedSignal,
     Percent,
+    SignalKeys,
     SignalName,
     SparingBlock,
+    StatisticKeys,
     StatisticName,
-    bound_of,
     named_signals_of,
     require_number,
-    require_one_limit,
     require_possible_limit,
     require_statistic,
     signal_in_words,
     statistic_in_words,
 )
 from cube_sim.scenario.values import Title, refuse
-from cube_sim.scenario.windows import EventName, FromEvent, FromS, ToEvent, ToS, require_window
+from cube_sim.scenario.windows import EventName, WindowKeys
 
 
 class CheckBlock(SparingBlock):
@@ -53,50 +51,24 @@ class CheckBlock(SparingBlock):
         return ()
 
 
-class SignalCheckBlock(CheckBlock):
+class SignalCheckBlock(WindowKeys, LimitKeys, StatisticKeys, SignalKeys, CheckBlock):
     """One statistic of one recorded signal against one limit.
 
     A signal with several columns is judged by its Euclidean norm at each sample, by the sum of its columns, or by one
     `component`. What is recorded on change is judged as held until the next change. Formulas: docs/checks.md.
     """
 
-    sparing: ClassVar[frozenset[str]] = frozenset(
-        ("minus", "combine", "level", "band", "percent", "from_event", "to_event")
-    )
-
     kind: Literal["signal"]
-    signal: SignalName
-    minus: Minus = None
-    component: Component = None
-    combine: Combine = "norm"
-    statistic: StatisticName
-    level: Level = None
-    band: Band = None
-    percent: Percent = None
-    at_most: AtMost = None
-    at_least: AtLeast = None
-    from_s: FromS = None
-    to_s: ToS = None
-    from_event: FromEvent = None
-    to_event: ToEvent = None
 
     @model_validator(mode="after")
-    def _one_limit_and_a_window(self) -> SignalCheckBlock:
-        require_one_limit(self)
-        require_statistic(self)
+    def _possible_limit(self) -> Self:
         require_possible_limit(self.statistic, self)
-        require_window(self)
         return self
 
     @property
     def title(self) -> str:
         """Name shown in results."""
-        return self.name or statistic_in_words(self)
-
-    @property
-    def bound(self) -> Bound:
-        """The one limit that is given."""
-        return bound_of(self)
+        return self.name or f"{statistic_in_words(self)}{self.in_phase}"
 
     @property
     def named_signals(self) -> tuple[NamedSignal, ...]:
@@ -104,34 +76,17 @@ class SignalCheckBlock(CheckBlock):
         return named_signals_of(self)
 
 
-class ComparisonBlock(SparingBlock):
+class ComparisonBlock(LimitKeys, SignalKeys):
     """A signal against a limit, at each instant."""
 
-    sparing: ClassVar[frozenset[str]] = frozenset(("minus", "combine", "scale"))
+    sparing: ClassVar[frozenset[str]] = frozenset(("scale",))
 
-    signal: SignalName
-    minus: Minus = None
-    component: Component = None
-    combine: Combine = "norm"
-    at_most: AtMost = None
-    at_least: AtLeast = None
     scale: float | None = Field(
         default=None,
         ge=1e-9,
         le=1e12,
         description="So much of the signal's unit counts as 1 in the margin; needed where the units of several differ.",
     )
-
-    @model_validator(mode="after")
-    def _one_limit(self) -> ComparisonBlock:
-        require_one_limit(self)
-        require_number(self)
-        return self
-
-    @property
-    def bound(self) -> Bound:
-        """The one limit that is given."""
-        return bound_of(self)
 
     @property
     def words(self) -> str:
@@ -143,17 +98,21 @@ class ComparisonBlock(SparingBlock):
 Comparisons = Annotated[tuple[ComparisonBlock, ...], Strict(False)]
 
 
-class ConditionCheckBlock(CheckBlock):
-    """What checks of a condition have: comparisons that hold together, or of which one holds, and a window."""
-
-    sparing: ClassVar[frozenset[str]] = frozenset(("from_event", "to_event"))
+class ComparisonsKeys(SparingBlock):
+    """Comparisons that hold together, or of which one holds."""
 
     all: Comparisons = Field(default=(), description="Comparisons of which every one holds; give all or any.")
     any: Comparisons = Field(default=(), description="Comparisons of which at least one holds.")
-    from_s: FromS = None
-    to_s: ToS = None
-    from_event: FromEvent = None
-    to_event: ToEvent = None
+
+    @model_validator(mode="after")
+    def _one_list(self) -> Self:
+        if bool(self.all) == bool(self.any):
+            refuse("give exactly one list of comparisons: all or any", *(("any",) if self.any else ()))
+        key = "all" if self.all else "any"
+        for index, each in enumerate(self.comparisons):
+            if (each.scale is None) == self.scaled:
+                refuse("give every comparison a scale, or none", key, index)
+        return self
 
     @property
     def comparisons(self) -> tuple[ComparisonBlock, ...]:
@@ -176,23 +135,16 @@ class ConditionCheckBlock(CheckBlock):
         alone = len(self.comparisons) == 1 and not self.scaled
         return self.comparisons[0].bound if alone else Bound(">=", 0.0)
 
+
+class ConditionCheckBlock(WindowKeys, ComparisonsKeys, CheckBlock):
+    """What checks of a condition have: comparisons, and a window."""
+
     @property
     def named_signals(self) -> tuple[NamedSignal, ...]:
         """See `CheckBlock.named_signals`."""
         key = "all" if self.all else "any"
         each = (named_signals_of(one, f"{key}.{index}") for index, one in enumerate(self.comparisons))
         return tuple(chain.from_iterable(each))
-
-    @model_validator(mode="after")
-    def _one_list_and_a_window(self) -> ConditionCheckBlock:
-        if bool(self.all) == bool(self.any):
-            refuse("give exactly one list of comparisons: all or any", *(("any",) if self.any else ()))
-        key = "all" if self.all else "any"
-        for index, each in enumerate(self.comparisons):
-            if (each.scale is None) == self.scaled:
-                refuse("give every comparison a scale, or none", key, index)
-        require_window(self)
-        return self
 
 
 class AlwaysCheckBlock(ConditionCheckBlock):
@@ -206,7 +158,7 @@ class AlwaysCheckBlock(ConditionCheckBlock):
     @property
     def title(self) -> str:
         """Name shown in results."""
-        return self.name or f"always {self.condition}"
+        return self.name or f"always {self.condition}{self.in_phase}"
 
 
 class EventuallyCheckBlock(ConditionCheckBlock):
@@ -215,7 +167,7 @@ class EventuallyCheckBlock(ConditionCheckBlock):
     The value is that of the best instant: the signal's own where there is one comparison, else the largest margin.
     """
 
-    sparing: ClassVar[frozenset[str]] = frozenset((*ConditionCheckBlock.sparing, "within_s"))
+    sparing: ClassVar[frozenset[str]] = frozenset(("within_s",))
 
     kind: Literal["eventually"]
     within_s: float | None = Field(
@@ -235,35 +187,14 @@ class EventuallyCheckBlock(ConditionCheckBlock):
     def title(self) -> str:
         """Name shown in results."""
         within = "" if self.within_s is None else f" within {self.within_s:g} s"
-        return self.name or f"eventually{within} {self.condition}"
+        return self.name or f"eventually{within} {self.condition}{self.in_phase}"
 
 
-class StatisticBlock(SparingBlock):
+class StatisticBlock(WindowKeys, StatisticKeys, SignalKeys):
     """One statistic of one recorded signal, over a window of its own."""
 
-    sparing: ClassVar[frozenset[str]] = SignalCheckBlock.sparing
 
-    signal: SignalName
-    minus: Minus = None
-    component: Component = None
-    combine: Combine = "norm"
-    statistic: StatisticName
-    level: Level = None
-    band: Band = None
-    percent: Percent = None
-    from_s: FromS = None
-    to_s: ToS = None
-    from_event: FromEvent = None
-    to_event: ToEvent = None
-
-    @model_validator(mode="after")
-    def _statistic_and_window(self) -> StatisticBlock:
-        require_statistic(self)
-        require_window(self)
-        return self
-
-
-class RatioCheckBlock(CheckBlock):
+class RatioCheckBlock(LimitKeys, CheckBlock):
     """One statistic divided by another, against one limit: energy by distance, one error by another."""
 
     sparing: ClassVar[frozenset[str]] = frozenset(("least_denominator",))
@@ -276,23 +207,12 @@ class RatioCheckBlock(CheckBlock):
         gt=0,
         description="A denominator that is smaller counts as so much, in its unit: below it only the numerator counts.",
     )
-    at_most: AtMost = None
-    at_least: AtLeast = None
-
-    @model_validator(mode="after")
-    def _one_limit(self) -> RatioCheckBlock:
-        require_one_limit(self)
-        return self
 
     @property
     def title(self) -> str:
         """Name shown in results."""
-        return self.name or f"{statistic_in_words(self.numerator)} / {statistic_in_words(self.denominator)}"
-
-    @property
-    def bound(self) -> Bound:
-        """The one limit that is given."""
-        return bound_of(self)
+        above, below = (f"{statistic_in_words(each)}{each.in_phase}" for each in (self.numerator, self.denominator))
+        return self.name or f"{above} / {below}"
 
     @property
     def named_signals(self) -> tuple[NamedSignal, ...]:
@@ -300,38 +220,20 @@ class RatioCheckBlock(CheckBlock):
         return named_signals_of(self.numerator, "numerator") + named_signals_of(self.denominator, "denominator")
 
 
-class BeforeAfterCheckBlock(CheckBlock):
+class BeforeAfterCheckBlock(LimitKeys, StatisticKeys, SignalKeys, CheckBlock):
     """By how much one statistic of one signal is another after an event than before it.
 
     The value is the one after less the one before, or the one after over the one before.
     """
 
-    sparing: ClassVar[frozenset[str]] = frozenset(("minus", "combine", "level", "band", "percent"))
-
     kind: Literal["before_after"]
     event: EventName = Field(description="The event, by its name or by its number in the list of events, from 0.")
-    signal: SignalName
-    minus: Minus = None
-    component: Component = None
-    combine: Combine = "norm"
-    statistic: StatisticName
-    level: Level = None
-    band: Band = None
-    percent: Percent = None
     before_s: float = Field(gt=0, le=86400, description="Length of the window that ends at the event [s].")
     after_s: float = Field(gt=0, le=86400, description="Length of the window after the event [s].")
     delay_s: float = Field(default=0.0, ge=0, le=86400, description="Time from the event until that window begins [s].")
     compare: Literal["difference", "ratio"] = Field(
         default="difference", description="difference: after less before. ratio: after over before."
     )
-    at_most: AtMost = None
-    at_least: AtLeast = None
-
-    @model_validator(mode="after")
-    def _statistic_and_limit(self) -> BeforeAfterCheckBlock:
-        require_one_limit(self)
-        require_statistic(self)
-        return self
 
     @property
     def title(self) -> str:
@@ -340,24 +242,19 @@ class BeforeAfterCheckBlock(CheckBlock):
         return self.name or f"{statistic_in_words(self)}, after {sign} before event {self.event}"
 
     @property
-    def bound(self) -> Bound:
-        """The one limit that is given."""
-        return bound_of(self)
-
-    @property
     def named_signals(self) -> tuple[NamedSignal, ...]:
         """See `CheckBlock.named_signals`."""
         return named_signals_of(self)
 
 
-class BaselineCheckBlock(CheckBlock):
+class BaselineCheckBlock(WindowKeys, CheckBlock):
     """A run differs little from an earlier one: in one statistic, or in a whole signal, instant by instant.
 
     The value is the size of the difference. Of a whole signal it is the largest over time of |x - x of the baseline|, a
     norm over all columns of a vector.
     """
 
-    sparing: ClassVar[frozenset[str]] = (SignalCheckBlock.sparing - {"minus"}) | {"statistic"}
+    sparing: ClassVar[frozenset[str]] = frozenset(("combine", "statistic", "level", "band", "percent"))
 
     kind: Literal["baseline"]
     record: RecordFile = Field(
@@ -372,19 +269,16 @@ class BaselineCheckBlock(CheckBlock):
     band: Band = None
     percent: Percent = None
     tolerance: float = Field(ge=0, description="Largest difference that passes, in the unit of what is compared.")
-    from_s: FromS = None
-    to_s: ToS = None
-    from_event: FromEvent = None
-    to_event: ToEvent = None
 
     @model_validator(mode="after")
-    def _statistic_and_window(self) -> BaselineCheckBlock:
-        require_window(self)
+    def _statistic_or_whole(self) -> Self:
         if self.asked is None:
             for key in ("level", "band", "percent"):
                 if getattr(self, key) is not None:
                     refuse(f"a whole signal takes no {key}: give a statistic", key)
-        require_statistic(self.asked or self.whole)
+        asked = self.asked or self.whole
+        require_statistic(asked)
+        require_number(asked)
         return self
 
     @property
@@ -405,8 +299,8 @@ class BaselineCheckBlock(CheckBlock):
     def title(self) -> str:
         """Name shown in results."""
         if self.asked is not None:
-            return self.name or f"{statistic_in_words(self.asked)} against the baseline"
-        return self.name or f"{statistic_in_words(self.whole).removeprefix('max of ')} against the baseline"
+            return self.name or f"{statistic_in_words(self.asked)}{self.in_phase} against the baseline"
+        return self.name or f"{signal_in_words(self.whole)}{self.in_phase} against the baseline"
 
     @property
     def bound(self) -> Bound:
@@ -501,31 +395,20 @@ class PathEndCheckBlock(CheckBlock):
         return Bound("<=", self.reach_m)
 
 
-class ProgressCheckBlock(CheckBlock):
+class ProgressCheckBlock(WindowKeys, CheckBlock):
     """The virtual target, which waits for a vehicle that does not come, moves on along the path.
 
     Judged by its mean speed in the window: what it has gone along the path, laps of a closed one counted, over the time
     until it is at the end.
     """
 
-    sparing: ClassVar[frozenset[str]] = frozenset(("from_event", "to_event"))
-
     kind: Literal["progress"]
     at_least_m_s: float = Field(gt=0, description="Smallest mean speed of the target that passes [m/s].")
-    from_s: FromS = None
-    to_s: ToS = None
-    from_event: FromEvent = None
-    to_event: ToEvent = None
-
-    @model_validator(mode="after")
-    def _a_window(self) -> ProgressCheckBlock:
-        require_window(self)
-        return self
 
     @property
     def title(self) -> str:
         """Name shown in results."""
-        return self.name or "progress along the path"
+        return self.name or f"progress along the path{self.in_phase}"
 
     @property
     def unit(self) -> str:

@@ -19,7 +19,15 @@ from cube_sim.scenario.check_blocks import (
 from cube_sim.scenario.event_blocks import AnyEvent
 from cube_sim.scenario.statistic_keys import AsksStatistic
 from cube_sim.scenario.values import refuse
-from cube_sim.scenario.windows import TimeWindow, Windowed, event_index, require_event, require_window_inside, window_of
+from cube_sim.scenario.windows import (
+    Schedule,
+    TimeWindow,
+    WindowKeys,
+    event_index,
+    require_event,
+    require_window_inside,
+    window_of,
+)
 
 
 def before_and_after(check: BeforeAfterCheckBlock, events: Sequence[AnyEvent]) -> tuple[TimeWindow, TimeWindow]:
@@ -37,7 +45,7 @@ def condition_window(check: ConditionCheckBlock, events: Sequence[AnyEvent] = ()
     """The window in which a condition has to hold."""
     window = window_of(check, events)
     if isinstance(check, EventuallyCheckBlock) and check.within_s is not None:
-        return TimeWindow(window.start_s, (window.start_s or 0.0) + check.within_s)
+        return window._replace(end_s=(window.start_s or 0.0) + check.within_s)
     return window
 
 
@@ -92,30 +100,28 @@ def statistics_of(check: AnyCheck, events: Sequence[AnyEvent] = ()) -> tuple[Ask
             return ()
 
 
-def _end_key(asked: Windowed) -> str:
-    for key in ("to_s", "to_event", "from_s", "from_event"):
+def _end_key(asked: WindowKeys) -> str:
+    for key in ("to_s", "to_event", "from_s", "from_event", "phase"):
         if getattr(asked, key) is not None:
             return key
     return "signal"
 
 
-def require_windows_inside(
-    checks: Sequence[AnyCheck], events: Sequence[AnyEvent] | None, duration_s: float | None
-) -> None:
+def require_windows_inside(checks: Sequence[AnyCheck], schedule: Schedule) -> None:
     """Refuse windows that stick out of the run: they could only be found wanting after the flight.
 
     Args:
         checks: of a scenario.
-        events: of it; None where they are wrong themselves.
-        duration_s: of the run; None likewise.
+        schedule: of it.
     """
+    events, _, duration_s = schedule
     for index, check in enumerate(checks):
         match check:
             case SignalCheckBlock() | ConditionCheckBlock() | BaselineCheckBlock() | ProgressCheckBlock():
-                require_window_inside(check, events, duration_s, index)
+                require_window_inside(check, schedule, index)
             case RatioCheckBlock():
-                require_window_inside(check.numerator, events, duration_s, index, "numerator")
-                require_window_inside(check.denominator, events, duration_s, index, "denominator")
+                require_window_inside(check.numerator, schedule, index, "numerator")
+                require_window_inside(check.denominator, schedule, index, "denominator")
             case BeforeAfterCheckBlock() if events is not None:
                 require_event(check.event, events, index, "event")
                 before, after = before_and_after(check, events)

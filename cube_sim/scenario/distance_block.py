@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 from pydantic.types import Strict
@@ -16,63 +16,35 @@ from cube_sim.scenario.check_blocks import (
     RatioCheckBlock,
     SignalCheckBlock,
 )
-from cube_sim.scenario.statistic_keys import (
-    AtLeast,
-    AtMost,
-    Band,
-    Bound,
-    Level,
-    Percent,
-    StatisticName,
-    bound_of,
-    require_one_limit,
-)
+from cube_sim.scenario.statistic_keys import LimitKeys, StatisticKeys, statistic_alone
 from cube_sim.scenario.values import refuse
-from cube_sim.scenario.windows import FromEvent, FromS, ToEvent, ToS
+from cube_sim.scenario.windows import WindowKeys
 
 DISTANCE = "distance"
 """The channel of the distances between vehicles."""
 
 
-class DistanceCheckBlock(CheckBlock):
+class DistanceCheckBlock(WindowKeys, LimitKeys, StatisticKeys, CheckBlock):
     """One statistic of the distance between two vehicles against one limit.
 
     It is that between their body origins, as the signal distance.A_to_B has it.
     """
 
-    sparing: ClassVar[frozenset[str]] = SignalCheckBlock.sparing
-
     kind: Literal["distance"]
     between: Annotated[tuple[str, str], Strict(False)] = Field(
         description="Names of the two vehicles, for example [leader, follower]."
     )
-    statistic: StatisticName
-    level: Level = None
-    band: Band = None
-    percent: Percent = None
-    at_most: AtMost = None
-    at_least: AtLeast = None
-    from_s: FromS = None
-    to_s: ToS = None
-    from_event: FromEvent = None
-    to_event: ToEvent = None
 
     @model_validator(mode="after")
-    def _two_and_one_limit(self) -> DistanceCheckBlock:
+    def _two(self) -> DistanceCheckBlock:
         if self.between[0] == self.between[1]:
             refuse("name two vehicles", "between")
-        require_one_limit(self)
         return self
 
     @property
     def title(self) -> str:
         """Name shown in results."""
-        return self.name or f"{self.statistic.replace('_', ' ')} distance between {' and '.join(self.between)}"
-
-    @property
-    def bound(self) -> Bound:
-        """The one limit that is given."""
-        return bound_of(self)
+        return self.name or f"{statistic_alone(self)} distance between {' and '.join(self.between)}"
 
     def of_signal(self, pairs: Sequence[tuple[str, str]]) -> SignalCheckBlock:
         """The same as a check of the recorded distance.

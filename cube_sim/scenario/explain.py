@@ -188,12 +188,16 @@ def _members(annotation: Any) -> tuple[Any, ...]:
 
 
 def _tag_field(member: Any) -> str | None:
-    """Name of the field that tells the members of a union apart."""
-    if isinstance(member, type) and issubclass(member, BaseModel):
-        for name, info in member.model_fields.items():
-            if get_origin(info.annotation) is Literal and info.is_required():
-                return name
-    return None
+    """Name of the field that tells the members of a union apart: of those with words of their own the pickiest."""
+    if not (isinstance(member, type) and issubclass(member, BaseModel)):
+        return None
+    fields = member.model_fields.items()
+    words = {
+        name: len(get_args(i.annotation))
+        for name, i in fields
+        if get_origin(i.annotation) is Literal and i.is_required()
+    }
+    return min(words, key=lambda name: words[name], default=None)
 
 
 def _tag_values(member: Any) -> tuple[Any, ...]:

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 from zlib import crc32
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, field_validator
 from pydantic.types import Strict
 
 from cube_sim.scenario.check_blocks import AnyCheck
@@ -25,7 +25,8 @@ from cube_sim.scenario.event_blocks import CurrentEventBlock
 from cube_sim.scenario.explain import Refusal
 from cube_sim.scenario.include import merged_data
 from cube_sim.scenario.schema import PhysicsBlock, Scenario
-from cube_sim.scenario.values import Block, Name, Vector3
+from cube_sim.scenario.values import Block, Name, Vector3, refuse
+from cube_sim.scenario.windows import WindowKeys
 
 VEHICLES = "vehicles"
 WORLD = ("schema_version", "description", "duration_s", "physics", "control_period_s", "current_m_s", "current_profile")
@@ -60,6 +61,17 @@ class WorldBlock(Block):
     checks: Annotated[tuple[AnyFleetCheck, ...], Strict(False)] = Field(
         default=(), description="What the run must show of several vehicles."
     )
+
+    @field_validator("checks")
+    @classmethod
+    def _in_no_phase(cls, checks: tuple[AnyFleetCheck, ...]) -> tuple[AnyFleetCheck, ...]:
+        for i, check in enumerate(checks):
+            parts = {"numerator": check.numerator, "denominator": check.denominator} if check.kind == "ratio" else {}
+            for key, asked in {"": check, **parts}.items():
+                if isinstance(asked, WindowKeys) and asked.phase is not None:
+                    text = "phases are of one vehicle: ask it among the checks of that vehicle, or say from_s and to_s"
+                    refuse(text, i, *([key] if key else []), "phase")
+        return checks
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,7 @@ from cube_sim.scenario.values import (
     WaterVelocity,
     refuse,
 )
+from cube_sim.scenario.windows import Schedule
 
 MOST_TICKS = 24 * 3600 * 50
 """Control periods of the longest run: a day at 50 Hz, some 5 GB of rows in memory."""
@@ -364,7 +365,7 @@ class Scenario(Block):
                     f"checks {first} and {index} are both called '{check.title}'; give one another name",
                     index,
                 )
-        require_windows_inside(checks, info.data.get("events"), info.data.get("duration_s"))
+        require_windows_inside(checks, Schedule(*(info.data.get(key) for key in ("events", "phases", "duration_s"))))
         path = info.data.get("path")
         may_be_open = isinstance(path, PythonPathBlock)  # only the path itself says
         if not may_be_open and getattr(path, "laps", 1.0) is None and getattr(path, "closed", True):

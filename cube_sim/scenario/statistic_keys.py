@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, StringConstraints, model_serializer
+from pydantic import Field, SerializerFunctionWrapHandler, StringConstraints, model_serializer, model_validator
 from pydantic.types import Strict
 
 from cube_sim.scenario.values import Block, Number, refuse
@@ -40,6 +40,8 @@ NEEDS: Mapping[str, str] = {
 """The key without which a statistic says nothing."""
 SHARES = "share_above", "share_below", "share_within"
 COUNTS = "crossings", "changes"
+FIRST = "name", "kind"
+"""Keys with which a block begins where it is written out."""
 AMONG_SAMPLES = "rms", "mean", "max", "min", "max_abs", "min_abs", "final", "percentile"
 """Those whose value can be drawn beside the samples they are of."""
 NEVER_NEGATIVE = "rms", "max_abs", "min_abs", "std", *SHARES, *COUNTS, "settling"
@@ -129,8 +131,8 @@ class NamesSignal(Protocol):
     def combine(self) -> Combining: ...  # noqa: D102
 
 
-class AsksStatistic(NamesSignal, Protocol):
-    """What says which statistic of which signal is meant."""
+class NamesStatistic(Protocol):
+    """What says which statistic is meant."""
 
     @property
     def statistic(self) -> Statistic: ...  # noqa: D102
@@ -140,6 +142,10 @@ class AsksStatistic(NamesSignal, Protocol):
     def band(self) -> tuple[float, float] | None: ...  # noqa: D102
     @property
     def percent(self) -> float | None: ...  # noqa: D102
+
+
+class AsksStatistic(NamesSignal, NamesStatistic, Protocol):
+    """What says which statistic of which signal is meant."""
 
 
 class HasLimit(Protocol):
@@ -152,18 +158,79 @@ class HasLimit(Protocol):
 
 
 class SparingBlock(Block):
-    """A block that is written out without some keys that nobody has given a value."""
+    """A block that is written out without some keys that nobody has given a value: `sparing`, of every class it is."""
 
     sparing: ClassVar[frozenset[str]] = frozenset()
 
+    @classmethod
+    def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        super().__pydantic_init_subclass__(**options)
+        cls.sparing = cls.sparing.union(*(vars(base).get("sparing", ()) for base in cls.__mro__))
+
     @model_serializer(mode="wrap")
     def _written(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        fields = type(self).model_fields
-        return {
+        fields, written = type(self).model_fields, write(self)
+        first = {key: written[key] for key in FIRST if key in written}
+        return first | {
             key: value
-            for key, value in write(self).items()
+            for key, value in written.items()
             if key not in self.sparing or getattr(self, key) != fields[key].default
         }
+
+
+class SignalKeys(SparingBlock):
+    """Which number of which signal is meant."""
+
+    sparing: ClassVar[frozenset[str]] = frozenset(("minus", "combine"))
+
+    signal: SignalName
+    minus: Minus = None
+    component: Component = None
+    combine: Combine = "norm"
+
+    @model_validator(mode="after")
+    def _one_number(self) -> Self:
+        require_number(self)
+        return self
+
+
+class StatisticKeys(SparingBlock):
+    """Which statistic is meant, of whatever signal."""
+
+    sparing: ClassVar[frozenset[str]] = frozenset(("level", "band", "percent"))
+
+    statistic: StatisticName
+    level: Level = None
+    band: Band = None
+    percent: Percent = None
+
+    @model_validator(mode="after")
+    def _what_it_needs(self) -> Self:
+        require_statistic(self)
+        return self
+
+
+class LimitKeys(SparingBlock):
+    """What the value is compared with: one of two limits."""
+
+    at_most: AtMost = None
+    at_least: AtLeast = None
+
+    @model_validator(mode="after")
+    def _one_limit(self) -> Self:
+        if (self.at_most is None) == (self.at_least is None):
+            both = () if self.at_most is None else ("at_least",)
+            refuse("give exactly one limit: at_most or at_least", *both)
+        return self
+
+    @property
+    def bound(self) -> Bound:
+        """The one limit that is given."""
+        if self.at_most is not None:
+            return Bound("<=", self.at_most)
+        if self.at_least is not None:
+            return Bound(">=", self.at_least)
+        raise ValueError("a check holds at_most or at_least")
 
 
 def statistic_in_words(asked: AsksStatistic) -> str:
@@ -192,7 +259,7 @@ def named_signals_of(asked: NamesSignal, place: str = "") -> tuple[NamedSignal, 
     return named, NamedSignal(asked.minus, None, place, "minus", asked.signal)
 
 
-def statistic_alone(asked: AsksStatistic) -> str:
+def statistic_alone(asked: NamesStatistic) -> str:
     """The statistic with what it needs: "share above 0.5"."""
     name = asked.statistic.replace("_", " ") if asked.statistic in SHARES else asked.statistic
     if asked.statistic == "percentile":
@@ -207,7 +274,7 @@ def statistic_alone(asked: AsksStatistic) -> str:
     return name
 
 
-def require_statistic(asked: AsksStatistic) -> None:
+def require_statistic(asked: NamesStatistic) -> None:
     """Refuse keys that do not go with the statistic, and a statistic without what it needs."""
     needed = NEEDS.get(asked.statistic)
     for key in dict.fromkeys(NEEDS.values()):
@@ -219,7 +286,6 @@ def require_statistic(asked: AsksStatistic) -> None:
             refuse(f"{asked.statistic} needs the key {key}", "statistic")
     if asked.band is not None and not asked.band[0] < asked.band[1]:
         refuse(f"must be [lowest, highest], got {list(asked.band)}", "band")
-    require_number(asked)
 
 
 def require_number(asked: NamesSignal) -> None:
@@ -228,22 +294,6 @@ def require_number(asked: NamesSignal) -> None:
         refuse("one component has nothing to combine: leave out one of the two", "combine")
     if asked.minus == asked.signal:
         refuse("a signal less itself is 0 at every instant: name another", "minus")
-
-
-def require_one_limit(asked: HasLimit) -> None:
-    """Refuse two limits, and none."""
-    if (asked.at_most is None) == (asked.at_least is None):
-        both = () if asked.at_most is None else ("at_least",)
-        refuse("give exactly one limit: at_most or at_least", *both)
-
-
-def bound_of(asked: HasLimit) -> Bound:
-    """The one limit that is given."""
-    if asked.at_most is not None:
-        return Bound("<=", asked.at_most)
-    if asked.at_least is not None:
-        return Bound(">=", asked.at_least)
-    raise ValueError("a check holds at_most or at_least")
 
 
 def require_possible_limit(statistic: Statistic, asked: HasLimit) -> None:

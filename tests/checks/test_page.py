@@ -21,10 +21,13 @@ from cube_sim.scenario.statistic_keys import NEEDS, Statistic
 PAGE = (REPO / "docs" / "checks.md").read_text(encoding="utf-8")
 EXAMPLES = [parse(text).data for text in re.findall(r"^```yaml\n(.*?)^```", PAGE, re.M | re.S)]
 
+WAYPOINTS = next(example["waypoints"] for example in EXAMPLES if "waypoints" in example)
+
 
 def scenario(example):
     model = str(MODELS / "cube.xml")
-    return {**parse(scenario_examples.WHOLE).data, "model": model, **example}
+    whole = {**parse(scenario_examples.WHOLE).data, "model": model, **example}
+    return {key: value for key, value in whole.items() if key != "path" or "waypoints" not in example}
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +41,7 @@ def place(tmp_path_factory):
 @pytest.mark.flight
 @pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
 def test_every_example_can_be_flown(example, place):
-    assert set(example) <= {"events", "checks"}
+    assert set(example) <= {"events", "waypoints", "checks"}
     (place / "mission.yaml").write_text(json.dumps(scenario(example)))
     assert len(prepare(load(place / "mission.yaml")).scenario.checks) == len(example["checks"])
 
@@ -61,10 +64,10 @@ def test_the_page_shows_every_kind():
 def test_every_check_of_the_page_is_judged_and_passes(place, tmp_path):
     events = [event for example in EXAMPLES for event in example.get("events", ())]
     assert all(event == events[0] for event in events)
-    for name, lost in (("whole", []), ("lost", events[:1])):
-        chosen = [e for e in EXAMPLES if ("events" in e) == bool(lost)]
+    for name, more in (("whole", {}), ("lost", {"events": events[:1]}), ("phases", {"waypoints": WAYPOINTS})):
+        chosen = [e for e in EXAMPLES if set(e) - {"checks"} == set(more)]
         checks = [check for example in chosen for check in example["checks"]]
-        (place / "mission.yaml").write_text(json.dumps(scenario({"events": lost, "checks": checks})))
+        (place / "mission.yaml").write_text(json.dumps(scenario({**more, "checks": checks})))
         mission = load(place / "mission.yaml")
         kept = cube_sim.fly(mission, out=tmp_path / name, record="mcap")
         assert {check.name: check.verdict for check in kept.checks if check.verdict != "PASS"} == {}

@@ -49,6 +49,7 @@ WITHOUT_UNIT = {
     "level",  # numbers in the unit of the signal they judge
     "band",
     "percent",
+    "phase",
     "tolerance",  # of a check; in the unit of what it compares
     "scale",
     "event",  # the number of one in their list

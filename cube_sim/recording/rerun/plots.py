@@ -206,7 +206,8 @@ def headings_deg(quaternions: Values) -> Values:
 def lanes(channels: Sequence[Channel]) -> list[Lane]:
     """List the state lanes of a run.
 
-    They show how the allocation ended, how the vehicle flies and on which side of its dead zone each thruster works.
+    They show which phase of the mission is flown, how the allocation ended, how the vehicle flies and on which side of
+    its dead zone each thruster works.
     Beside them stands the health of each thruster, the true one and the one the controller believes in.
     """
     found = []
@@ -217,6 +218,9 @@ def lanes(channels: Sequence[Channel]) -> list[Lane]:
                     Lane(channel.name, field.name, i, f"{LANES}/{name}", _SIDES, thruster=i)
                     for i, name in enumerate(field.columns)
                 ]
+            elif channel.name == "phase":
+                legs = zip(field.labels, palette.series(len(field.labels)), strict=True)
+                found.append(Lane(channel.name, field.name, 0, f"{LANES}/phase", dict(enumerate(legs))))
             elif field.labels and not channel.name.startswith("sensor_"):  # what became of readings has its plot
                 states = {code: (label, _CODES.get(label, palette.ORANGE)) for code, label in enumerate(field.labels)}
                 name = channel.name if field.name == "status" else field.name

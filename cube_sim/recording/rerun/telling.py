@@ -66,5 +66,5 @@ def _is_of_samples(check: SignalCheckBlock) -> bool:
 
 def _limit(check: SignalCheckBlock, scenario: Scenario) -> Limit:
     start, end = window_of(check, scenario.events).within(scenario.duration_s)
-    text = f"{statistic_alone(check)} {_bound(check)}"
+    text = f"{statistic_alone(check)} {_bound(check)}{check.in_phase}"
     return Limit(check.signal, check.component, text, check.bound.limit, start, end)
