@@ -28,6 +28,10 @@ class ModelError(CubeSimError):
         super().__init__(": ".join(part for part in (model, element, reason) if part))
 
 
+class ShapeError(CubeSimError):
+    """A file of a hull's shape, of its thrusters or the like cannot be used; the text begins with file:line."""
+
+
 class ScenarioError(CubeSimError):
     """A scenario file cannot be run.
 
