@@ -34,6 +34,9 @@ from cube_sim.vehicle.mjcf.damping import require_dissipative, require_pairwise_
 from cube_sim.vehicle.mjcf.numeric_names import CURRENT, DENSITY, HULL_PARAMETERS, hulls_in_water, one_water
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
 
+READING = 0.005
+"""Share of its range by which a measured curve may fall from one pair to the next: readings are rounded (a choice)."""
+
 
 @dataclass(frozen=True)
 class HullParameters:
@@ -232,11 +235,11 @@ def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, 
     commands, forces = pairs[0::2].copy(), pairs[1::2].copy()
     if np.any(np.diff(commands) <= 0.0):
         raise ModelError(curve_name, "its commands do not increase from pair to pair")
-    if np.any(np.diff(forces) < 0.0) or forces[0] > 0.0 or forces[-1] < 0.0:
+    if forces[0] > 0.0 or forces[-1] < 0.0:
         raise ModelError(
-            curve_name,
-            "its forces [N] must never decrease and must run from reverse (<= 0) to forward (>= 0)",
+            curve_name, "its forces [N] must never decrease and must run from reverse (<= 0) to forward (>= 0)"
         )
+    forces = _never_decreasing(curve_name, commands, forces)
     if not np.any(forces == 0.0):
         raise ModelError(curve_name, "no pair has force 0, so there is no command at which the thruster rests")
     zone = _vector(numerics, zone_name, 2)
@@ -255,6 +258,30 @@ def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, 
             "pulse widths as (pulse - rest) / (full - rest), and put the widths in thruster_pwm",
         )
     return curve
+
+
+def _never_decreasing(name: str, commands: NDArray[np.float64], forces: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The forces (n,) themselves; where they fall within rounding, neighbours at their mean (least squares).
+
+    Published tables fall by the last digit they are read to. What falls by more is refused.
+    """
+    allowed = READING * (forces[-1] - forces[0])
+    falls = np.diff(forces)
+    if falls.min(initial=0.0) < -allowed:
+        i = int(np.argmin(falls))
+        raise ModelError(
+            name,
+            f"its forces fall from {forces[i]:g} to {forces[i + 1]:g} N at pair {i + 2} (command {commands[i + 1]:g}); "
+            f"they must never decrease, but for {allowed:.2g} N of rounding ({READING:.1%} of their range)",
+        )
+    level: list[tuple[float, int]] = []  # mean and number of each run of equal forces
+    for force in forces:
+        mean, count = float(force), 1
+        while level and level[-1][0] > mean:
+            before, many = level.pop()
+            mean, count = (before * many + mean * count) / (many + count), many + count
+        level.append((mean, count))
+    return np.repeat([mean for mean, _ in level], [count for _, count in level])
 
 
 def _either(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, parameter: str) -> str | None:

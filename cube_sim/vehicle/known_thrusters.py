@@ -1,0 +1,156 @@
+"""Thrusters known by name: their published curves, at any voltage between those they were published at.
+
+The numbers stand in known_thrusters.csv, with their source. Between two voltages force is interpolated at the same
+share of the way from first thrust to full throttle, and so are the pulse widths of first thrust: thrust depends less on
+voltage than the square of it, and the published tables say how.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from cube_sim.errors import ModelError
+from cube_sim.spatial import Matrix, Vector
+
+_FILE = Path(__file__).with_name("known_thrusters.csv")
+NEWTONS_IN_KGF = 9.80665
+REST_US, FULL_US = 1500.0, 400.0
+"""Pulse width at rest, and from there to full throttle [us]."""
+LAG_S = 0.02
+"""63 % of a T200's response (von Benzon et al. 2022, JMSE 10(12):1898); for others a choice."""
+LIKE = "T200", 16.0
+"""Whose curve gives the shape where only full throttle is published."""
+
+
+@dataclass(frozen=True)
+class KnownThruster:
+    """A thruster at a voltage, as an MJCF describes one.
+
+    Attributes:
+        name: of its type.
+        voltage: [V].
+        commands: (n,) from -1 to 1, (pulse width - 1500 us) / 400 us.
+        forces: (n,) [N], never decreasing; 0 in the dead zone.
+        force_dead_zone: (F_DZ-, F_DZ+), first thrusts [N].
+        power: (k_P-, k_P+) of the electrical power k_P |F|^1.5 [W/N^1.5], least squares.
+        lag_s: time constant of its motor [s].
+        source: of the numbers, and what is an estimate, in words.
+    """
+
+    name: str
+    voltage: float
+    commands: Vector
+    forces: Vector
+    force_dead_zone: tuple[float, float]
+    power: tuple[float, float]
+    lag_s: float
+    source: str
+
+
+def known_thruster(name: str, voltage: float | None = None) -> KnownThruster:
+    """A thruster by the name of its type.
+
+    Args:
+        name: one of `known_names`, in any case.
+        voltage: [V]; None for 16.
+
+    Raises:
+        ModelError: no such thruster, or none at that voltage.
+    """
+    tables = _tables()
+    by_voltage = tables.get(name.upper())
+    if by_voltage is None:
+        raise ModelError(name, f"is no thruster that is known by name; {', '.join(tables)} are")
+    voltages = sorted(by_voltage)
+    volts = 16.0 if voltage is None else voltage
+    if not voltages[0] <= volts <= voltages[-1]:
+        raise ModelError(
+            name, f"is published from {voltages[0]:g} to {voltages[-1]:g} V, not at {volts:g}; give a curve of your own"
+        )
+    below, above = max(v for v in voltages if v <= volts), min(v for v in voltages if v >= volts)
+    share = (volts - below) / (above - below) if above > below else 0.0
+    source = f"{name.upper()} at {volts:g} V, published tables (cube_sim/vehicle/known_thrusters.csv)"
+    if above > below:
+        source += f", interpolated between {below:g} and {above:g} V"
+    sides = []
+    for reverse in (True, False):
+        low, high = (_side(by_voltage[v], reverse) for v in (below, above))
+        sides.append(_between(low, high, share))
+    if len(next(iter(by_voltage.values()))) == 2:  # full throttle alone
+        sides = [_shaped(side, reverse) for side, reverse in zip(sides, (True, False), strict=True)]
+        source += (
+            f"; full throttle is published, the shape of the curve is that of a {LIKE[0]} at {LIKE[1]:g} V (estimate)"
+        )
+    (back, ahead) = sides
+    last, first = back[-1, 0] + _ZERO_AFTER, ahead[0, 0] - _ZERO_AFTER  # where it rests again
+    commands = np.concatenate([back[:, 0], [last, first], ahead[:, 0]])
+    forces = NEWTONS_IN_KGF * np.concatenate([back[:, 1], [0.0, 0.0], ahead[:, 1]])
+    power = (_power(back), _power(ahead))
+    zone = (float(NEWTONS_IN_KGF * back[-1, 1]), float(NEWTONS_IN_KGF * ahead[0, 1]))
+    return KnownThruster(name.upper(), volts, commands, forces, zone, power, LAG_S, source)
+
+
+def known_names() -> tuple[str, ...]:
+    """Types of thrusters that are known."""
+    return tuple(_tables())
+
+
+_ZERO_AFTER = 4.0 / FULL_US
+"""The published rows are 4 us apart: beside the first thrust stands a row of none."""
+
+
+@cache
+def _tables() -> Mapping[str, Mapping[float, Matrix]]:
+    """Name -> voltage [V] -> rows (n,3): command, force [kgf], power [W]; rows without force are left out."""
+    tables: dict[str, dict[float, list[tuple[float, float, float]]]] = {}
+    with _FILE.open(encoding="utf-8") as file:
+        for row in csv.DictReader(line for line in file if not line.startswith("#")):
+            force = float(row["force_kgf"])
+            if force != 0.0:
+                rows = tables.setdefault(row["thruster"], {}).setdefault(float(row["voltage_V"]), [])
+                rows.append(((float(row["pulse_us"]) - REST_US) / FULL_US, force, float(row["power_W"])))
+    return {name: {volts: np.array(rows) for volts, rows in each.items()} for name, each in tables.items()}
+
+
+def _side(table: Matrix, reverse: bool) -> Matrix:
+    """Rows of one direction, by command."""
+    return table[(table[:, 1] < 0.0) == reverse]
+
+
+def _between(low: Matrix, high: Matrix, share: float) -> Matrix:
+    """Rows of a voltage so far between two."""
+    if share == 0.0:
+        return low
+    along = np.unique(np.concatenate([_along(low), _along(high)]).round(9))
+    both = [
+        np.column_stack([np.interp(along, _along(side), side[:, column]) for column in range(3)])
+        for side in (low, high)
+    ]
+    return (1.0 - share) * both[0] + share * both[1]
+
+
+def _along(side: Matrix) -> Vector:
+    """Share (n,) of the way from the first row's command to the last's."""
+    if len(side) == 1:
+        return np.zeros(1)
+    return (side[:, 0] - side[0, 0]) / (side[-1, 0] - side[0, 0])
+
+
+def _shaped(full: Matrix, reverse: bool) -> Matrix:
+    """Rows of a whole direction from that of full throttle."""
+    name, volts = LIKE
+    like = _side(_tables()[name][volts], reverse)
+    of_full = like[0] if reverse else like[-1]
+    return np.column_stack([like[:, 0], like[:, 1:] / of_full[1:] * full[0, 1:]])
+
+
+def _power(side: Matrix) -> float:
+    """k_P of P = k_P |F|^1.5, in W/N^1.5."""
+    raised = np.abs(NEWTONS_IN_KGF * side[:, 1]) ** 1.5
+    return float(raised @ side[:, 2] / (raised @ raised))

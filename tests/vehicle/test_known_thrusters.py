@@ -1,0 +1,100 @@
+"""Thrusters known by name give the published thrust, at published voltages and between them."""
+
+import numpy as np
+import pytest
+from support.places import CUBE
+
+import cube_sim
+from cube_sim.errors import ModelError
+from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.known_thrusters import NEWTONS_IN_KGF, known_names, known_thruster
+
+# Rows of the published tables that are not in the file: thrust [kgf] at these pulse widths [us], by voltage.
+WIDTHS = [1120, 1160, 1200, 1240, 1320, 1640, 1720, 1800, 1880]
+PUBLISHED = {
+    10: [-2.18, -1.84, -1.54, -1.22, -0.67, 0.55, 1.18, 1.91, 2.77],
+    12: [-2.76, -2.34, -1.95, -1.53, -0.87, 0.71, 1.48, 2.46, 3.50],
+    16: [-3.87, -3.31, -2.71, -2.20, -1.20, 1.03, 2.12, 3.42, 5.01],
+    18: [-4.35, -3.71, -2.96, -2.36, -1.33, 1.08, 2.22, 3.72, 5.67],
+    20: [-4.74, -3.96, -3.13, -2.44, -1.32, 1.02, 2.25, 3.96, 6.26],
+}
+
+
+def curve(of):
+    return Characteristic(of.commands, of.forces, of.force_dead_zone)
+
+
+@pytest.mark.parametrize("voltage", PUBLISHED)
+def test_a_t200_makes_the_published_thrust(voltage):
+    """Within 3 % of every row, and of what the table reads to: 0.01 kgf."""
+    of = curve(known_thruster("T200", voltage))
+    for pulse, thrust in zip(WIDTHS, PUBLISHED[voltage], strict=True):
+        made = float(of.force((pulse - 1500) / 400)) / NEWTONS_IN_KGF
+        assert made == pytest.approx(thrust, rel=0.03, abs=0.01), pulse
+
+
+def test_between_two_tables_it_makes_what_the_one_left_out_says():
+    """14 V: 4.52 kgf ahead and 3.52 kgf back are published; the law of the square would be 10 % off from 12 V."""
+    of = known_thruster("t200", 14.0)
+    assert of.forces[-1] / NEWTONS_IN_KGF == pytest.approx(4.52, rel=0.03)
+    assert of.forces[0] / NEWTONS_IN_KGF == pytest.approx(-3.52, rel=0.03)
+    assert "interpolated between 12 and 16 V" in of.source
+
+
+def test_interpolation_meets_the_tables():
+    for voltage in (10.0, 12.0, 16.0, 18.0):
+        there, close = known_thruster("T200", voltage), known_thruster("T200", voltage + 1e-9)
+        for command in np.linspace(-0.997, 0.997, 41):
+            assert curve(close).force(command) == pytest.approx(float(curve(there).force(command)), abs=1e-6)
+
+
+def test_16_volts_are_what_the_shipped_models_have():
+    of, shipped = known_thruster("T200"), cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE)).thrusters
+    np.testing.assert_allclose([of.forces[0], *of.force_dead_zone, of.forces[-1]], shipped.limits[0], atol=0.05)
+    np.testing.assert_allclose(of.power, [1.449, 0.997], rtol=0.08)
+
+
+@pytest.mark.parametrize(("voltage", "back", "ahead"), [(16, -6.2, 9.3), (24, -10.5, 16.1)])
+def test_a_t500_makes_the_published_full_thrust(voltage, back, ahead):
+    of = known_thruster("T500", voltage)
+    np.testing.assert_allclose([of.forces[0], of.forces[-1]], NEWTONS_IN_KGF * np.array([back, ahead]))
+    assert of.source.endswith("(estimate)")
+
+
+@pytest.mark.parametrize("name", known_names())
+@pytest.mark.parametrize("voltage", [16.0, 17.3, 19.0])
+def test_every_one_makes_a_model(name, voltage):
+    of = known_thruster(name, voltage)
+    pairs = np.column_stack([of.commands, of.forces]).ravel()
+    given = {"hull:thruster_characteristic": pairs, "hull:thruster_dead_zone": of.force_dead_zone}
+    thrusters = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE, given)).thrusters
+    np.testing.assert_allclose(thrusters.limits[0, [0, 3]], of.forces[[0, -1]])
+
+
+def test_others_are_refused():
+    with pytest.raises(ModelError, match="T100: is no thruster that is known by name; T200, T500 are"):
+        known_thruster("T100")
+    with pytest.raises(ModelError, match="T200: is published from 10 to 20 V, not at 24"):
+        known_thruster("T200", 24.0)
+
+
+# Published rows of 12 V, kgf as they stand: 1104 us gives more back than 1100, 1892 more ahead than 1896.
+PULSES = [1100, 1104, 1108, 1464, 1536, 1540, 1892, 1896, 1900]
+FORCES = [-2.90, -2.92, -2.89, 0.0, 0.0, 0.04, 3.71, 3.69, 3.71]
+
+
+def test_a_table_that_falls_by_its_last_digits_is_taken_at_their_mean():
+    pairs = np.column_stack([(np.array(PULSES) - 1500) / 400, NEWTONS_IN_KGF * np.array(FORCES)])
+    zone = [pairs[2, 1], pairs[5, 1]]
+    given = {"hull:thruster_characteristic": pairs.ravel(), "hull:thruster_dead_zone": zone}
+    thrusters = cube_sim.Vehicle.from_model(cube_sim.load_model(CUBE, given)).thrusters
+    np.testing.assert_allclose(thrusters.limits[0, [0, 3]], NEWTONS_IN_KGF * np.array([-2.91, 3.71]), rtol=1e-9)
+    assert thrusters.force(np.full(8, (1894 - 1500) / 400))[0] == pytest.approx(3.70 * NEWTONS_IN_KGF)
+
+
+def test_a_table_that_falls_further_is_refused_with_the_row():
+    pairs = np.column_stack([(np.array(PULSES) - 1500) / 400, NEWTONS_IN_KGF * np.array(FORCES)])
+    pairs[7, 1] -= 1.0
+    given = {"hull:thruster_characteristic": pairs.ravel(), "hull:thruster_dead_zone": [-28.0, 0.4]}
+    with pytest.raises(ModelError, match=r"fall from 36.38\d* to 35.18\d* N at pair 8 \(command 0.99\)"):
+        cube_sim.load_model(CUBE, given)
