@@ -1,23 +1,28 @@
-"""What the campaign of missions draws is what it says, and what it judges is judged right."""
+"""What the campaign of missions draws is what it says, and asks what it should."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from flights import tables
+from draw_mission import FILES, named
 from flights.ability import ability_of
+from flights.asked import checks
 from flights.forecast import forecast
-from flights.judging import judged
 from flights.mission import JUDGED_S, RECOVERY_S, written
 from flights.paths import PATHS, drawn_path
 from flights.plan import INGREDIENTS, KINDS, drawn_plan
-from flights.sweep import verdicts
+from flights.trial import trials
 from flights.workers import in_processes
-from scipy.spatial.transform import Rotation
-from support.places import MODELS
+from support.places import MODELS, REPO
 
+from cube_sim.campaign.sampling import SamplePlan, count
+from cube_sim.campaign.sweep import sweep
+from cube_sim.errors import ScenarioError
 from cube_sim.mission.path import path_of
 from cube_sim.scenario import load
+
+MISSIONS, CATALOGUE = (REPO / "benchmarks" / f"{name}.yaml" for name in ("missions", "catalogue"))
+OPTIONS = "samples.generator.options"
 
 
 def test_a_seed_is_a_mission_whatever_is_flown_beside_it(tmp_path):
@@ -27,18 +32,23 @@ def test_a_seed_is_a_mission_whatever_is_flown_beside_it(tmp_path):
     assert {plan.path for plan in some} == set(PATHS)
     assert {name for plan in some for name in plan.ingredients} == set(INGREDIENTS)
     assert len({plan.vehicle for plan in some}) > 60
-    texts = []
+    texts, told = [], []
     for folder in ("a", "b"):
-        (tmp_path / folder).mkdir()
-        written(some[9], tmp_path / folder)
+        mission = written(some[9], tmp_path / folder)
         texts.append({file.name: file.read_text() for file in (tmp_path / folder).iterdir()})
+        told.append(str(mission.scenario).replace(str(tmp_path / folder), ""))
     assert texts[0] == texts[1]
+    assert told[0] == told[1]
 
 
 @pytest.mark.parametrize("seed", range(24))
-def test_a_mission_is_a_scenario_that_may_be_flown(seed, tmp_path):
-    mission = written(drawn_plan(seed), tmp_path)
-    scenario = load(tmp_path / "mission.yaml").scenario
+def test_a_mission_is_a_scenario_that_may_be_flown(seed):
+    plan = SamplePlan(load(MISSIONS, {f"{OPTIONS}.first_seed": seed}))
+    drawn = plan.sample(0)
+    mission = written(drawn_plan(seed), FILES / f"mission_{seed}")
+    scenario = plan.scenario_of(drawn).scenario
+    assert scenario.seed == seed == drawn.notes["seed"]
+    assert (drawn.notes["vehicle"], drawn.notes["kind"]) == (mission.plan.vehicle, mission.plan.kind)
     assert scenario.duration_s >= mission.from_s + JUDGED_S - 1.0
     assert scenario.path.type == mission.plan.path
     for event in scenario.events:
@@ -98,7 +108,7 @@ def test_a_long_hull_that_steers_by_its_heading_is_judged_once_it_can_be_there(t
     """The same mission as if it were judged earlier, but for its end."""
     mission = written(drawn_plan(828), tmp_path)
     assert mission.plan.vehicle == "torpedo_fins"
-    able = ability_of(tmp_path / "model.xml", (), False)
+    able = ability_of(mission.model, (), False)
     assert mission.from_s == able.converges_s > 50.0
     assert mission.scenario["duration_s"] == pytest.approx(mission.from_s + JUDGED_S, abs=0.5)
 
@@ -120,85 +130,81 @@ def test_the_forecast_is_the_analysis_and_knows_weak_and_stuck_thrusters(tmp_pat
     assert not asked(model, stuck={"T1": 51.0, "T2": 51.0})
 
 
-def flight(
-    error_m=0.0,
-    *,
-    to_s=100.0,
-    from_s=60.0,
-    speed=0.5,
-    believed=1.0,
-    authority=0,
-    planar=None,
-    lateral=(0, 0),
-    **scenario,
-):
-    """Signals of a flight of two thrusters whose cross-track error is a function of the time."""
-    t = np.arange(0.0, to_s + 1e-9, 0.1)[:, None]
-    n = len(t)
-    error = np.vectorize(error_m, otypes=[float])(t) if callable(error_m) else np.full((n, 1), float(error_m))
-    columns = {
-        "pose.position": np.zeros((n, 3)),
-        "path_error.cross_track": error,
-        "path_error.along": np.zeros((n, 1)),
-        "path_error.attitude": np.zeros((n, 1)),
-        "target.arc_length": speed * t,
-        "target.remaining": np.full((n, 1), 50.0),
-        "health.believed": np.column_stack([np.ones(n), np.where(t[:, 0] > 30.0, believed, 1.0)]),
-        "health.efficiency": np.ones((n, 2)),
-        "health.authority": np.full((n, 1), authority),
-        "allocation.status": np.zeros((n, 1)),
-    }
-    asked_for = {"duration_s": 100.0, "path": {"type": "line"}, "guidance": {"speed_m_s": 0.5}} | scenario
-    if planar is not None:
-        columns |= {"target.quaternion": np.tile(planar, (n, 1)), "path_error.lateral": np.tile(lateral, (n, 1))}
-    signals = {name: np.hstack([t, rows]) for name, rows in columns.items()}
-    return judged(signals, asked_for, from_s, planar is not None)
+def asked_of(path="line", planar=False, **more):
+    scenario = {"path": {"type": path}, "guidance": {"speed_m_s": 0.5}, **more}
+    return {check.get("name", check["kind"]): check for check in checks(scenario, 60.0, planar)}
 
 
-@pytest.mark.parametrize(
-    ("found", "cause"),
-    [
-        (flight(0.049), ""),
-        (flight(lambda t: 3.0 if t < 60.0 else 0.0), ""),
-        (flight(0.051), "standing error"),
-        (flight(0.3, to_s=50.0), "ended early, at 50 s"),
-        (flight(0.0, to_s=80.0), "ended early, at 80 s"),
-        (flight(0.2, authority=3), "given up"),
-        (flight(0.0, authority=3), ""),
-        (flight(lambda t: 0.2 * t), "runs away"),
-        (flight(lambda t: 2.0 * np.exp(-(t - 60.0) / 8.0)), "slow to converge"),
-        (flight(lambda t: 0.3 * abs(np.sin(t))), "moves about the path"),
-        (flight(0.0, believed=0.5), "false alarm"),
-        (flight(0.0, speed=0.1), "does not advance"),
-        (flight(0.0, believed=0.5, events=[{"state": "recovered", "at_s": 29.0}]), "false alarm"),
-    ],
-)
-def test_a_flight_passes_or_has_a_cause(found, cause):
-    assert found["cause"] == cause
-    assert found["passes"] == (cause == "")
+def test_a_mission_is_asked_to_be_near_its_path_to_advance_and_to_doubt_no_whole_thruster():
+    found = asked_of()
+    assert list(found) == ["error RMS", "progress", "false_alarms"]
+    assert (found["error RMS"]["signal"], found["error RMS"]["at_most"]) == ("path_error.cross_track", 0.05)
+    assert (found["progress"]["at_least_m_s"], found["progress"]["from_s"]) == (0.25, 60.0)
+    assert list(asked_of("point")) == ["error RMS", "false_alarms"]
+    point = asked_of("point")["error RMS"]
+    assert (point["signal"], point["minus"]) == ("pose.position", "target.position")  # `along` comes on top there
 
 
-def test_the_figures_are_those_of_the_window():
-    found = flight(lambda t: 3.0 if t < 60.0 else 0.04)
-    assert found["rms_m"] == pytest.approx(0.04)
-    assert found["worst_m"] == 3.0
-    assert found["worst_late_m"] == pytest.approx(0.04)
-    assert found["advance"] == pytest.approx(1.0)
+def test_a_vehicle_for_the_plane_is_judged_in_it():
+    lateral = asked_of(planar=True)["error RMS"]
+    assert (lateral["signal"], lateral["component"]) == ("path_error.lateral", 0)
+    assert asked_of("point", planar=True)["error RMS"]["combine"] == "horizontal"
 
 
-@pytest.mark.parametrize("turned", [0.0, 0.7, 2.0])
-def test_a_vehicle_for_the_plane_is_judged_in_it(turned):
-    """0.3 m off its depth, or aside; the normals of its path are turned about the tangent, and that by a heading."""
-    frame = Rotation.from_euler("ZX", [0.9, turned])
+@pytest.mark.parametrize("kind", [kind for kind in PATHS if kind != "point"])
+def test_the_first_normal_of_a_level_path_is_level(kind, tmp_path):
+    """So that the part of the error along it is the error in the plane."""
+    (tmp_path / "cube.xml").write_text((MODELS / "cube.xml").read_text())
+    block, _, _, table = drawn_path(np.random.default_rng(3), kind, 60.0, 3.0, 0.0)
+    (tmp_path / "path.csv").write_text(table)
+    scenario = {"schema_version": 1, "name": "x", "model": "cube.xml", "duration_s": 10, "path": block}
+    scenario |= {"guidance": {"speed_m_s": 0.3}, "checks": [{"kind": "allowed_forces"}]}
+    (tmp_path / "x.yaml").write_text(repr(scenario).replace("'", '"'))
+    path = path_of(load(tmp_path / "x.yaml"))
+    assert max(abs(path.at(s).rotation[2, 1]) for s in np.linspace(0.0, path.length, 400)) < 1e-12
 
-    def across(aside, up):
-        level = Rotation.from_euler("z", 0.9).apply([0.0, aside, up])
-        return flight(0.3, planar=frame.as_quat()[[3, 0, 1, 2]], lateral=frame.inv().apply(level)[1:])
 
-    assert across(0.0, 0.3)["rms_m"] == pytest.approx(0.0, abs=1e-12)
-    assert across(0.0, 0.3)["passes"]
-    assert across(-0.3, 0.0)["rms_m"] == pytest.approx(0.3)
-    assert across(0.2, 0.3)["cause"] == "standing error"
+def test_on_sensors_it_is_held_against_its_own_estimate():
+    own = asked_of(navigation={})["error RMS in its own sigmas"]
+    assert own["numerator"]["signal"] == "path_error.cross_track"
+    assert own["denominator"]["signal"] == "navigation.position_sigma"
+    assert (own["at_most"], own["at_most"] * own["least_denominator"]) == (3.0, pytest.approx(0.05))
+
+
+def test_missions_of_some_vehicles_and_kinds():
+    some = {f"{OPTIONS}.vehicles": ["infante", "drawn4*"], f"{OPTIONS}.kinds": ["fault", "plain"]}
+    plan = SamplePlan(load(MISSIONS, some))
+    notes = [plan.sample(k).notes for k in range(4)]
+    assert [each["seed"] for each in notes] == sorted({each["seed"] for each in notes})
+    assert all(each["vehicle"] == "infante" or each["vehicle"].startswith("drawn4") for each in notes)
+    assert {each["kind"] for each in notes} <= {"fault", "plain"}
+    with pytest.raises(ScenarioError, match="ValueError: no vehicle submarine; the catalogue has"):
+        SamplePlan(load(MISSIONS, {f"{OPTIONS}.vehicles": ["submarine"]})).sample(0)
+    with pytest.raises(ScenarioError, match="ValueError: no kind fog; there are plain"):
+        SamplePlan(load(MISSIONS, {f"{OPTIONS}.kinds": ["fog"]})).sample(0)
+
+
+def test_every_vehicle_of_the_catalogue_has_its_trials(tmp_path):
+    every = trials(named(()), tmp_path)
+    assert count(load(CATALOGUE)) == len(every)
+    assert len({vehicle for vehicle, _ in every}) == 86
+    torpedo = {f"{OPTIONS}.vehicles": ["torpedo"], "samples.count": 3}
+    plan = SamplePlan(load(CATALOGUE, torpedo))
+    assert [plan.sample(k).notes["path"] for k in range(2)] == ["line", "helix"]  # it cannot stay at a point
+    with pytest.raises(ScenarioError, match="ValueError: there are 2 trials of these vehicles"):
+        plan.sample(2)
+
+
+@pytest.mark.flight
+def test_missions_come_out_as_they_are_forecast(tmp_path):
+    some = {f"{OPTIONS}.vehicles": ["cube", "jack"], f"{OPTIONS}.kinds": ["plain", "fault"], "samples.count": 4}
+    result = sweep(load(MISSIONS, some), tmp_path / "out")
+    rows = result.rows.to_pylist()
+    assert all(row["verdict"] == "PASS" for row in rows if row["note.forecast"])
+    assert result.counted.count == sum(row["note.forecast"] for row in rows) > 0
+    columns = [name for name in rows[0] if not name.startswith(("note.", "check."))]
+    assert columns[:4] == ["sample", "verdict", "reason", "seed"]
+    assert "path" not in columns
 
 
 def test_a_process_that_hangs_or_dies_costs_its_own_call_only():
@@ -217,21 +223,3 @@ def test_a_call_that_computes_for_ever_ends_by_its_processor_time():
         index: (good, value) for index, good, value in in_processes(eval, endless, jobs=1, cpu_s=1.0, wall_s=600.0)
     }
     assert found == {0: (False, "timeout: it took all its processor time"), 1: (True, 42)}
-
-
-def test_tables_count_what_the_analysis_calls_flyable():
-    rows = [
-        {"kind": "a", "forecast": True, "passes": True},
-        {"kind": "a", "forecast": True, "passes": False, "false_alarms": 2},
-        {"kind": "b", "forecast": False, "passes": True},
-    ]
-    assert tables.counts(rows, lambda row: [row["kind"]]) == [("a", 2, 2, 1, 2), ("b", 1, 0, 0, 0)]
-
-
-def test_a_vehicle_flies_when_all_that_is_asked_of_it_passes():
-    def row(vehicle, path, says, passes, asked_of_it=True):
-        return {"vehicle": vehicle, "path": path, "forecast": says, "passes": passes, "asked": asked_of_it}
-
-    rows = [row("x", "line", True, True), row("x", "helix", True, False), row("x", "point", False, False, False)]
-    rows += [row("y", "line", True, True), row("y", "helix", True, True)]
-    assert [found[:3] for found in verdicts(rows)] == [("x", True, False), ("y", True, True)]

@@ -1,1 +1,1 @@
-"""Missions drawn, forecast, flown, judged and shown: the parts of `benchmarks/missions.py`."""
+"""Missions drawn, forecast and asked, and flights beside foils: the parts of `draw_mission.py` and `stuck.py`."""

@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from support.catalogue import wrong
 
+from flights.files import put
+
 MOST_USED = 0.9
 """Share of their limits that the other thrusters may need to hold against one that is stuck."""
 
@@ -52,9 +54,7 @@ def forecast(
     from cube_sim.commands.analysis_report import report_on
 
     if weak:
-        weakened = model.with_name("weakened.xml")
-        weakened.write_text(wrong.with_efficiency(model.read_text(), weak))
-        model = weakened
+        model = put(model.with_name("weakened.xml"), wrong.with_efficiency(model.read_text(), weak))
     gone = (*lost, *stuck)
     report = report_on(model, lost=",".join(gone), planar=planar, speed_m_s=max(speed_m_s, LEAST_M_S))
     verdict = report.analysis.verdict

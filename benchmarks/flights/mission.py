@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,6 +12,7 @@ from support.catalogue import wrong
 from support.catalogue.vehicles import Entry, catalogue
 
 from flights.ability import Ability, ability_of
+from flights.files import put
 from flights.paths import drawn_path
 from flights.plan import LEAST_FOR_A_LOSS, Plan, stream
 
@@ -32,7 +32,8 @@ class Mission:
 
     Attributes:
         plan: in outline.
-        scenario: of the scenario file.
+        model: its vehicle's file.
+        scenario: what its file would hold, but for checks.
         lost: thrusters that are dead at the end.
         weak: thruster -> the share of its force it gives at the end.
         stuck: thruster -> the force it holds at the end [N].
@@ -43,6 +44,7 @@ class Mission:
     """
 
     plan: Plan
+    model: Path
     scenario: dict[str, Any]
     lost: tuple[str, ...]
     weak: Mapping[str, float]
@@ -72,15 +74,14 @@ class _Draft:
 
 
 def written(plan: Plan, folder: Path) -> Mission:
-    """Draw all of a mission and write mission.yaml, model.xml and what else it takes into a folder that is there.
+    """Draw all of a mission and write model.xml and what else it takes into a folder.
 
     The draw depends on the plan, the catalogue and the model's numbers; the analysis and the controller have no part
     in it, so that a seed stays the same mission whatever becomes of these.
     """
     entry = catalogue()[plan.vehicle]
     nominal = entry.make()
-    (folder / "model.xml").write_text(nominal)
-    able = ability_of(folder / "model.xml", entry.lost, entry.planar)
+    able = ability_of(put(folder / "drawing.xml", nominal), entry.lost, entry.planar)
     draft = _Draft(plan, entry, able, folder, nominal, text=nominal, lost=list(entry.lost))
     path = plan.path if able.stands or plan.path != "point" else "line"
     draft.plan = replace(plan, path=path)
@@ -98,12 +99,11 @@ def written(plan: Plan, folder: Path) -> Mission:
     from_s = max(from_s, able.converges_s)
     draft.scenario["duration_s"] = float(round(from_s + JUDGED_S))
     through_water = (0.05 if path == "point" else speed) + draft.current
-    (folder / "model.xml").write_text(draft.text)
-    (folder / "mission.yaml").write_text(json.dumps(draft.scenario, indent=1))
+    model = put(folder / "model.xml", draft.text)
+    draft.scenario["model"] = str(model)
     weak = {name: share for name, share in draft.weak.items() if name not in draft.lost}
-    return Mission(
-        draft.plan, draft.scenario, tuple(draft.lost), weak, draft.stuck, through_water, from_s, entry.planar, steep
-    )
+    lost, stuck = tuple(draft.lost), draft.stuck
+    return Mission(draft.plan, model, draft.scenario, lost, weak, stuck, through_water, from_s, entry.planar, steep)
 
 
 def _outline(draft: _Draft) -> tuple[float, float, bool]:
@@ -126,7 +126,7 @@ def _outline(draft: _Draft) -> tuple[float, float, bool]:
     length = 1.2 * speed * (from_s + JUDGED_S + 30.0)
     block, start, heading, table = drawn_path(rng, plan.path, length, tightest, slope)
     if table:
-        (draft.folder / "path.csv").write_text(table)
+        block["file"] = str(put(draft.folder / block["file"], table))
     away = rng.normal(size=3) * (1.0, 1.0, 0.0 if planar else 0.7)
     place = start + off * away / np.linalg.norm(away)
     any_attitude = not planar and rng.random() < (0.2 if "navigation" in plan.ingredients else 0.5)
@@ -136,7 +136,6 @@ def _outline(draft: _Draft) -> tuple[float, float, bool]:
         "schema_version": 1,
         "name": f"mission_{plan.seed}",
         "description": f"{plan.vehicle}, {plan.kind}: {', '.join((plan.path, *plan.ingredients))}.",
-        "model": "model.xml",
         "seed": plan.seed,
         "duration_s": 0.0,
         "path": block,
@@ -147,7 +146,6 @@ def _outline(draft: _Draft) -> tuple[float, float, bool]:
         },
         "guidance": {"speed_m_s": speed},
         "control": {},
-        "checks": [{"kind": "allowed_forces"}],
     }
     if infante:
         draft.scenario["guidance"] |= {"approach_angle_deg": 45.0, "stop_at_end": False}
@@ -287,14 +285,13 @@ def _misbuilt(draft: _Draft, speed: float, from_s: float) -> None:
         draft.text = wrong.thrusters_scattered(draft.text, distance, draft.plan.seed)
     elif what == "buoyancy":
         direction = rng.normal(size=3)
-        draft.text = wrong.buoyancy_moved(draft.text, 0.01 * direction / np.linalg.norm(direction))
+        draft.text = wrong.buoyancy_moved(draft.text, (0.01 * direction / np.linalg.norm(direction)).tolist())
     elif what == "lift":
         draft.text = wrong.lift_changed(draft.text, float(rng.choice([-1.0, 1.0]) * rng.uniform(0.005, 0.02)))
     else:
         draft.text = wrong.with_reaction(draft.text, float(rng.choice([-1.0, 1.0]) * rng.uniform(0.005, 0.03)))
     if not known:
-        (draft.folder / "drawing.xml").write_text(draft.nominal)
-        draft.scenario.setdefault("knowledge", {})["model"] = "drawing.xml"
+        draft.scenario.setdefault("knowledge", {})["model"] = str(draft.folder / "drawing.xml")
 
 
 def _tick(draft: _Draft, speed: float, from_s: float) -> None:

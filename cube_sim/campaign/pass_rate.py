@@ -74,24 +74,27 @@ class RateJudged(NamedTuple):
     detail: str
 
 
-def judged(passed: int, failed: int, errors: int, required: RequiredBlock | None) -> RateJudged:
+def judged(
+    passed: int, failed: int, errors: int, required: RequiredBlock | None, words: str = "samples pass"
+) -> RateJudged:
     """Judge a sweep: what could not be judged has not passed.
 
     Args:
         passed: how many samples passed.
         failed: how many failed.
         errors: how many could not be judged.
-        required: the rate they must show; None: every one must pass.
+        required: the rate they must show; None, or none in it: every one must pass.
+        words: what is counted, and what those that passed did.
     """
     count = passed + failed + errors
     if count == 0:
-        return RateJudged("ERROR", "no sample is flown")
-    if required is None:
+        return RateJudged("ERROR", "no sample is flown" if words == "samples pass" else f"0 of 0 {words}")
+    if required is None or required.pass_rate is None:
         verdict = "FAIL" if failed else "ERROR" if errors else "PASS"
-        return RateJudged(verdict, f"{passed} of {count} samples pass, all of them wanted")
+        return RateJudged(verdict, f"{passed} of {count} {words}, all of them wanted")
     rate, confidence = required.pass_rate, required.confidence
     low, high = lower_bound(passed, count, confidence), upper_bound(passed, count, confidence)
-    said = f"{passed} of {count} samples pass"
+    said = f"{passed} of {count} {words}"
     if low >= rate:
         return RateJudged("PASS", f"{said}: a pass rate above {low:.4f} at {confidence:g} confidence, {rate:g} wanted")
     if high < rate:

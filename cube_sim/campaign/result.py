@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 
+from cube_sim.campaign.counting import Counted, counted
 from cube_sim.campaign.folder import SweepHead, differences, rows_in
 from cube_sim.campaign.pass_rate import Interval, RateJudged, interval, judged
 from cube_sim.campaign.rows import joined
-from cube_sim.campaign.summary import command_of
+from cube_sim.campaign.summary import WorstSample, command_of, worst_samples
 from cube_sim.errors import DirectoryError
 from cube_sim.flight_statistics import STATISTICS
 from cube_sim.scenario.samples_block import RequiredBlock
@@ -44,23 +46,36 @@ class SweepResult:
         """The limit of each check, by its name, as the scenario has it."""
         return {check["name"]: check["limit"] for check in self.head["checks"]}
 
+    @cached_property
+    def counted(self) -> Counted:
+        """What of it counts for the rate that is required, and how it came out."""
+        return counted(self.rows, self.required)
+
     @property
     def interval(self) -> Interval:
         """Where the pass rate lies."""
-        return interval(self.count("PASS"), self.rows.num_rows)
+        return interval(self.counted.passed, self.counted.count)
 
     @property
     def required(self) -> RequiredBlock | None:
-        """The rate that the samples must show; None where every one must pass."""
+        """What the samples must show; None where every one must pass."""
         given = self.head["required"]
         return None if given is None else RequiredBlock(**given)
 
     @property
     def verdict(self) -> RateJudged | None:
         """Of the rate of those that pass; None of a part of a sweep whose whole has to show one."""
-        if self.part and self.required is not None:
+        required = self.required
+        if self.part and required is not None and (required.pass_rate is not None or required.each is not None):
             return None
-        return judged(self.count("PASS"), self.count("FAIL"), self.count("ERROR"), self.required)
+        came = self.counted
+        return judged(came.passed, came.failed, came.errors, self.required, came.words)
+
+    def worst(self, most: int) -> list[WorstSample]:
+        """Samples near the end of the list, of those that count."""
+        came = self.counted
+        among = pa.array([k in came.among for k in self.rows["sample"].to_pylist()], pa.bool_())
+        return worst_samples(self.rows.filter(among), self.limits, most, came.against)
 
     def count(self, verdict: str) -> int:
         """How many samples have a verdict."""

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from cube_sim.campaign.sample_flight import CHECK, FlownSample
+from cube_sim.campaign.sample_flight import CHECK, NOTE, FlownSample
 
 FIRST = ("sample", "verdict", "reason", "seed")
-"""Columns that stand first; then what was drawn, the checks, and the rest."""
+"""Columns that stand first; then notes, what was drawn, the checks, and the rest."""
 LAST = ("simulated_s", "traceback")
 PARTS = ("value", "margin", "verdict", "at_s", "unit")
 """What a check has columns of."""
@@ -95,9 +95,14 @@ def _ordered(names: Sequence[str], checks: Sequence[str], statistics: Sequence[s
     of_checks = [name for name in known if name in names]
     of_checks += sorted(name for name in names if name.startswith(f"{CHECK}.") and name not in known)
     ends = {*FIRST, *LAST, *TIMES, *of_checks, *statistics}
-    drawn = sorted(name for name in names if name not in ends)
+    drawn = sorted((name for name in names if name not in ends), key=lambda name: (not is_note(name), name))
     first, last = ([name for name in some if name in names] for some in (FIRST, (*statistics, *LAST, *TIMES)))
     return [*first, *drawn, *of_checks, *last]
+
+
+def is_note(name: str) -> bool:
+    """Whether a column holds a note of a generator."""
+    return name.startswith(f"{NOTE}.")
 
 
 def without_times(table: pa.Table) -> pa.Table:

@@ -26,8 +26,8 @@ Keep = Literal["none", "failures", "all"]
 """Of which samples a recording stays."""
 RUNS = "runs"
 """Folder of the recordings, one for each sample in it, by its number."""
-CHECK = "check"
-"""Before the name of a check, in the name of a column."""
+CHECK, NOTE = "check", "note"
+"""Before the name of a check, and of a note, in the name of a column."""
 
 
 @dataclass(frozen=True)
@@ -148,8 +148,10 @@ class _FlightClock:
 
 
 def drawn_columns(sample: DrawnSample) -> dict[str, Any]:
-    """What was drawn, a column for each number: those of a list by their index, names joined, the rest as JSON."""
+    """Notes and what was drawn, a column for each number: of a list by its index, names joined, the rest JSON."""
     found: dict[str, Any] = {}
+    for name, value in sample.notes.items():
+        found |= dict(_flat(f"{NOTE}.{name}", value))
     for path, value in sample.values.items():
         found |= dict(_flat(path, value))
     found.pop("seed", None)  # a column that every sample has

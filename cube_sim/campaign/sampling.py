@@ -7,7 +7,7 @@ another count, leaves its values as they are. Grids, Sobol points and combinatio
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 from zlib import crc32
@@ -41,13 +41,15 @@ class DrawnSample:
     Attributes:
         index: k, from 0.
         values: what was drawn: dotted path -> value, factor, change in percent or offset, as the block says;
-            ``lost_thrusters`` -> their names; what a generator of the user's own gave.
+            ``lost_thrusters`` -> their names; what a generator of the user's own gave that gave no notes.
         overrides: what that makes of the scenario: dotted path -> value.
+        notes: what a generator of the user's own says of it, by name.
     """
 
     index: int
     values: Mapping[str, Any]
     overrides: Mapping[str, Any]
+    notes: Mapping[str, Any] = field(default_factory=dict)
 
 
 def count(loaded: Loaded) -> int:
@@ -137,8 +139,8 @@ class SamplePlan:
         """
         if not 0 <= k < self.count:
             raise ScenarioError([self._loaded.mistake("samples", f"no sample {k}: there are 0 to {self.count - 1}")])
-        overrides = self._generated(k)
-        values = dict(overrides)
+        overrides, notes = self._generated(k)
+        values = {} if notes else dict(overrides)
         turns = self._turns_of(k)
         for path, distribution in self._block.vary.items():
             number = self._drawn(k, path, distribution, turns)
@@ -154,7 +156,7 @@ class SamplePlan:
                 overrides["events"] = [*before, event_of(names, at_s)]
         if self._block.vary_seed and _SEED not in overrides:
             overrides[_SEED] = int(self._rng(k, _SEED).integers(2**63))
-        return DrawnSample(k, values, overrides)
+        return DrawnSample(k, values, overrides, notes)
 
     def scenario_of(self, sample: DrawnSample) -> Loaded:
         """The scenario of a sample, without samples of its own.
@@ -162,8 +164,10 @@ class SamplePlan:
         Raises:
             ScenarioError: its values are none that can be flown.
         """
+        # A value inside the block that goes would bring a part of it back.
+        others = tuple(each for each in self._loaded.overrides if each.location[0] != "samples")
         try:
-            return loaded_again(self._loaded, {**sample.overrides, "samples": None})
+            return loaded_again(replace(self._loaded, overrides=others), {**sample.overrides, "samples": None})
         except ScenarioError as error:
             raise ScenarioError([f"{line} (sample {sample.index})" for line in error.mistakes]) from None
 
@@ -268,27 +272,33 @@ class SamplePlan:
         at_s = lost.at_s if lost.until_s is None else float(self._rng(k, _MOMENT).uniform(lost.at_s, lost.until_s))
         return combination(self.thrusters, lost.losses, index), at_s
 
-    def _generated(self, k: int) -> dict[str, Any]:
-        """What the user's own code gives.
+    def _generated(self, k: int) -> tuple[dict[str, Any], dict[str, Any]]:
+        """What the user's own code gives: overrides, and notes.
 
         Raises:
             ScenarioError: it raises, or gives something else than a mapping of paths; with position.
         """
         code = self._code
         if code is None:
-            return {}
+            return {}, {}
         with refused(self._loaded):
             answer = code.call(code.make, k, self._rng(k, _GENERATOR), **code.options)
-            if not isinstance(answer, Mapping) or not all(isinstance(path, str) for path in answer):
-                raise code.refuse(f"gives {answer!r:.60}; a mapping of dotted paths to values is right")
-            if any(path.partition(".")[0] == "samples" for path in answer):
+            given, notes = answer if isinstance(answer, tuple) and len(answer) == 2 else (answer, {})
+            if not _is_by_name(given) or not _is_by_name(notes):
+                right = "a mapping of dotted paths to values is right, or a pair: that, and one of names to notes"
+                raise code.refuse(f"gives {answer!r:.60}; {right}")
+            if any(path.partition(".")[0] == "samples" for path in given):
                 raise code.refuse("gives samples; it gives what one of them flies")
-        return dict(answer)
+        return dict(given), dict(notes)
 
     def _rng(self, k: int, name: str) -> np.random.Generator:
         """The stream of a key in a sample."""
         seeds = np.random.SeedSequence(self._block.seed, spawn_key=(k, crc32(name.encode())))
         return np.random.default_rng(seeds)
+
+
+def _is_by_name(answer: Any) -> bool:
+    return isinstance(answer, Mapping) and all(isinstance(name, str) for name in answer)
 
 
 def _generator(loaded: Loaded, block: SamplesBlock) -> OwnCode:

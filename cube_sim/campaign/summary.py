@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,11 +43,13 @@ class WorstSample(NamedTuple):
         sample: its number.
         verdict: PASS, FAIL or ERROR.
         reason: why it did not pass; of one that did, its smallest margin.
+        against: whether it speaks against the sweep.
     """
 
     sample: int
     verdict: str
     reason: str
+    against: bool
 
 
 def check_names(rows: pa.Table) -> list[str]:
@@ -101,19 +103,29 @@ def relative_margins(rows: pa.Table, limits: Mapping[str, float]) -> Vector:
     return least
 
 
-def worst_samples(rows: pa.Table, limits: Mapping[str, float], most: int) -> list[WorstSample]:
-    """Those that did not pass, those that could not be judged first, then by margin; then the closest that did."""
+def worst_samples(
+    rows: pa.Table, limits: Mapping[str, float], most: int, against: Collection[int]
+) -> list[WorstSample]:
+    """Those that speak against the sweep, those not judged first, then by margin; then the closest others.
+
+    Args:
+        rows: of a sweep.
+        limits: of the checks, by name.
+        most: so many at most.
+        against: numbers of the samples that speak against it.
+    """
     if not rows.num_rows:
         return []
     margins = relative_margins(rows, limits)
-    passed = np.array([verdict == "PASS" for verdict in rows["verdict"].to_pylist()])
-    order = np.lexsort((rows["sample"].to_numpy(), margins, passed))[:most]
+    good = np.array([k not in against for k in rows["sample"].to_pylist()])
+    order = np.lexsort((rows["sample"].to_numpy(), margins, good))[:most]
     found = []
     for place in order.tolist():
         verdict, reason = rows["verdict"][place].as_py(), rows["reason"][place].as_py()
         if verdict == "PASS":
             reason = f"smallest margin {100.0 * margins[place]:.3g} % of the limit"
-        found.append(WorstSample(rows["sample"][place].as_py(), verdict, reason))
+            reason = reason if good[place] else f"passes, and should not; {reason}"
+        found.append(WorstSample(rows["sample"][place].as_py(), verdict, reason, not good[place].item()))
     return found
 
 

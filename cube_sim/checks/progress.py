@@ -46,7 +46,10 @@ class Progress:
             note_other_times(self._reasons, gone=gone, left=left)
         if not all(taken) or not self._reasons.none("times") or any(samples.width != 1 for samples in self._samples):
             return
-        finite = [note_not_finite(self._reasons, name, rows) for name, rows in zip(self._parts, parts, strict=True)]
+        # A closed path without end has infinitely much left.
+        known = np.where(np.isposinf(left), 0.0, left)
+        sound = zip(self._parts, (gone, known), strict=True)
+        finite = [note_not_finite(self._reasons, name, rows) for name, rows in sound]
         if not all(finite) or self._arrived:
             return
         inside = self._window.inside(gone[:, 0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from collections.abc import Iterator
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -19,6 +20,8 @@ from cube_sim.errors import CubeSimError, DirectoryError, ModelError, ScenarioEr
 
 WORST = 5
 """So many of the worst samples are shown."""
+NOTE_VALUES = 12
+"""Of notes with more values than this nothing is shown."""
 _PLAIN: dict[str, Any] = {"soft_wrap": True, "markup": False, "highlight": False}
 
 if TYPE_CHECKING:
@@ -166,7 +169,7 @@ def _shard(text: str | None) -> Any:
 
 
 def _as_plain(result: SweepResult) -> dict[str, Any]:
-    from cube_sim.campaign.summary import check_summaries, worst_samples
+    from cube_sim.campaign.summary import check_summaries
 
     judged = result.verdict
     return {
@@ -176,19 +179,36 @@ def _as_plain(result: SweepResult) -> dict[str, Any]:
         **{verdict.lower(): result.count(verdict) for verdict in ("PASS", "FAIL", "ERROR")},
         "interval": None if not result.rows.num_rows else list(result.interval[:2]),
         "checks": [summary._asdict() for summary in check_summaries(result.rows)],
-        "worst": [
-            {**each._asdict(), "command": result.command(each.sample)}
-            for each in worst_samples(result.rows, result.limits, WORST)
-        ],
+        "worst": [{**each._asdict(), "command": result.command(each.sample)} for each in result.worst(WORST)],
         "directory": str(result.folder),
     }
+
+
+def _note_tables(result: SweepResult) -> Iterator[Any]:
+    """What came of the samples with each value of a note, of notes with few."""
+    from rich.table import Table
+    from rich.text import Text
+
+    from cube_sim.campaign.counting import counted_by_note
+
+    forecast = None if result.required is None else result.required.foretelling
+    for name, counts in counted_by_note(result.rows, forecast, NOTE_VALUES).items():
+        table = Table(box=None, pad_edge=False, header_style="bold")
+        table.add_column(Text(name))
+        should = () if forecast is None else ("should pass", "of these do")
+        for heading in ("samples", "pass", "fail", "not judged", *should):
+            table.add_column(heading, justify="right", no_wrap=True)
+        for each in counts:
+            figures = each[1:] if forecast is not None else each[1:5]
+            table.add_row(Text(each.value), *map(str, figures))
+        yield table
 
 
 def _print(result: SweepResult) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from cube_sim.campaign.summary import check_summaries, worst_samples
+    from cube_sim.campaign.summary import check_summaries
     from cube_sim.commands.result_table import STYLES
 
     console = console_for_tables()
@@ -208,7 +228,9 @@ def _print(result: SweepResult) -> None:
         figures = (check.passed, check.failed, check.errors, margin, "-" if check.worst is None else check.worst)
         table.add_row(Text(check.name), *map(str, figures))
     console.print(table)
-    if bad := [each for each in worst_samples(result.rows, result.limits, WORST) if each.verdict != "PASS"]:
+    for each in _note_tables(result):
+        console.print(each)
+    if bad := [each for each in result.worst(WORST) if each.against]:
         console.print("\nworst samples, and how to fly them again:")
         for each in bad:
             console.print(f"  {each.sample}: {each.verdict}  {each.reason}", **_PLAIN)

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
+from cube_sim.campaign.counting import counted_by_note
 from cube_sim.campaign.folder import recording_of
 from cube_sim.campaign.influence import Correlation, Parameter, drawn_columns_of, parameters_of, rank_correlation
 from cube_sim.campaign.result import SweepResult
 from cube_sim.campaign.sample_flight import CHECK
-from cube_sim.campaign.summary import check_names, check_summaries, numbers, relative_margins, worst_samples
+from cube_sim.campaign.summary import check_names, check_summaries, numbers, relative_margins
 from cube_sim.flight_statistics import STATISTICS
 from cube_sim.report.failure_map import Axis, failure_map, lost_map
 from cube_sim.report.histogram import Spread, histogram
@@ -21,8 +22,8 @@ from cube_sim.report.markup import element, number, text
 from cube_sim.report.style import CSS
 from cube_sim.scenario.samples_block import LOST_THRUSTERS
 
-WORST, PARAMETERS, CHECKS = 20, 20, 8
-"""So many samples, parameters and checks are in a table."""
+WORST, PARAMETERS, CHECKS, NOTE_VALUES = 20, 20, 8, 200
+"""So many samples, parameters, checks and values of a note are in a table."""
 CHANCE = 0.01
 """A correlation that chance alone gives more often than this is faint."""
 _MORE_CSS = "code{font:12px ui-monospace,Menlo,Consolas,monospace;overflow-wrap:anywhere}.faint{color:#8c959f}"
@@ -79,6 +80,7 @@ def _sections(sweep: SweepResult) -> Iterator[tuple[str, str, str]]:
     yield "checks", "Checks", _checks(sweep)
     yield "values", "How their values are spread", _spreads(sweep)
     yield "influence", "What matters", _influence(sweep, parameters, margins)
+    yield "notes", "What was noted", _notes(sweep)
     yield "worst", "Worst samples", _worst(sweep)
     yield "map", "Where it fails", _maps(sweep, parameters, margins)
     yield "statistics", "All samples", _statistics(rows)
@@ -86,21 +88,25 @@ def _sections(sweep: SweepResult) -> Iterator[tuple[str, str, str]]:
 
 def _rate(sweep: SweepResult) -> str:
     low, high, confidence = sweep.interval
-    passed, count = sweep.count("PASS"), sweep.rows.num_rows
+    came = sweep.counted
     cells = [
-        f"<b>{100.0 * passed / count:.2f} %</b>",
+        f"<b>{100.0 * came.passed / came.count:.2f} %</b>" if came.count else "–",
         f"{100.0 * low:.2f} % to {100.0 * high:.2f} %",
-        *(str(sweep.count(verdict)) for verdict in ("PASS", "FAIL", "ERROR")),
-        "every sample" if sweep.required is None else _required(sweep),
+        *(str(count) for count in (came.passed, came.failed, came.errors)),
+        _required(sweep),
     ]
     header = ("pass rate", f"{100.0 * confidence:g} % interval", "pass", "fail", "not judged", "required")
     note = "The interval is that of Clopper and Pearson; a sample that could not be judged has not passed."
-    return table(header, [cells], "rrrrrs", narrow=True) + f'<p class="dim">{note}</p>'
+    if came.words != "samples pass":
+        note += f" Counted is how many {came.words}."
+    return table(header, [cells], "rrrrrs", narrow=True) + f'<p class="dim">{text(note)}</p>'
 
 
 def _required(sweep: SweepResult) -> str:
     required = sweep.required
-    return "" if required is None else f"{100.0 * required.pass_rate:g} % at {100.0 * required.confidence:g} %"
+    if required is None or required.pass_rate is None:
+        return "every one"
+    return f"{100.0 * required.pass_rate:g} % at {100.0 * required.confidence:g} %"
 
 
 def _checks(sweep: SweepResult) -> str:
@@ -182,9 +188,27 @@ def _rho(correlation: Correlation) -> str:
     return f'<span class="faint">{said}</span>' if correlation.p > CHANCE else f"<b>{said}</b>"
 
 
+def _notes(sweep: SweepResult) -> str:
+    """Of each note in words, what came of the samples with each of its values."""
+    required = sweep.required
+    forecast = None if required is None else required.foretelling
+    should = () if forecast is None else ("should pass", "of these do")
+    tables = []
+    for name, counts in counted_by_note(sweep.rows, forecast, NOTE_VALUES).items():
+        cells = []
+        for each in counts:
+            figures = [str(count) for count in each[1 : 5 + len(should)]]
+            if each.kept != each.foretold:
+                figures[-1] = f'<span class="hot">{figures[-1]}</span>'
+            cells.append((text(each.value), *figures))
+        header = (name, "samples", "pass", "fail", "not judged", *should)
+        tables.append(table(header, cells, "w" + "r" * (len(header) - 1), narrow=True))
+    return "".join(tables)
+
+
 def _worst(sweep: SweepResult) -> str:
     rows = []
-    for each in worst_samples(sweep.rows, sweep.limits, WORST):
+    for each in sweep.worst(WORST):
         kept = recording_of(sweep.folder, each.sample)
         record = f"<br/>recorded: <code>{text(kept)}</code>" if Path(kept).is_dir() else ""
         rows.append(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from pydantic.types import Strict
@@ -61,7 +61,8 @@ class GeneratorBlock(Block):
     """A function of your own that says what sample k flies: `function(k, rng, **options)`.
 
     It gets the number of the sample and a numpy Generator of that sample's own, and returns a mapping of dotted paths
-    to values, as `--set` takes them. What `vary` and `lost_thrusters` say comes on top.
+    to values, as `--set` takes them, or a pair: that mapping, and one of notes for the row. Without notes each value is
+    a column of the row; with notes these are, `note.NAME`. What `vary` and `lost_thrusters` say comes on top.
     """
 
     python: CodeName = Field(
@@ -71,9 +72,14 @@ class GeneratorBlock(Block):
 
 
 class RequiredBlock(Block):
-    """What share of all possible samples has to pass, and how sure the count of those flown must make one of it."""
+    """What share of all possible samples has to pass, and how sure the count of those flown must make one of it.
 
-    pass_rate: float = Field(gt=0, lt=1, description="Least share of samples that pass.")
+    Notes that a generator gives may say which samples count, and what each is held against.
+    """
+
+    pass_rate: float | None = Field(
+        default=None, gt=0, lt=1, description="Least share of samples that pass. Default: every one flown has to."
+    )
     confidence: float = Field(
         default=0.95,
         gt=0,
@@ -81,6 +87,32 @@ class RequiredBlock(Block):
         description="Of the one-sided Clopper-Pearson bound: 59 samples that all pass show 0.95 at 0.95, 299 show"
         " 0.99.",
     )
+    where: dict[str, Any] = Field(
+        default={}, description="Notes of the samples that count: {forecast: true}. Default: all count."
+    )
+    forecast: str | None = Field(
+        default=None,
+        description="Name of a note that is true or false: whether the sample should pass. What comes out as it says"
+        " has passed, all else has failed. Default: every sample should pass.",
+    )
+    each: str | None = Field(
+        default=None,
+        description="Name of a note: samples with the same value of it count as one, which passes where all of them do,"
+        " and should where all of them should. Default: each counts by itself.",
+    )
+
+    @model_validator(mode="after")
+    def _plain(self) -> RequiredBlock:
+        for name, value in self.where.items():
+            if not isinstance(value, str | bool | int | float):
+                refuse(f"must be a word, a number, true or false; got {value!r:.60}", "where", name)
+        return self
+
+    @property
+    def foretelling(self) -> str | None:
+        """Name of the note that says which samples should pass, whether the others count or not."""
+        alone = list(self.where.values()) == [True]
+        return self.forecast or (next(iter(self.where)) if alone else None)
 
 
 class SamplesBlock(Block):
@@ -122,6 +154,11 @@ class SamplesBlock(Block):
         combined = self.lost_thrusters is not None and self.lost_thrusters.choose == "all"
         if self.count is None and not grids and not combined:
             refuse("say how many samples there are: no grid and no combination does", "count")
+        required = self.required
+        if required is not None and self.generator is None:
+            for key in ("where", "forecast", "each"):
+                if getattr(required, key):
+                    refuse("is about notes, which a generator gives: there is none", "required", key)
         for path in self.vary:
             if path.partition(".")[0] in ("samples", "schema_version"):
                 refuse("is what the samples are made of, and not varied", "vary", path)

@@ -11,6 +11,7 @@ from scipy import stats
 from support.scenario_files import FLIGHT, mistakes, write
 
 from cube_sim.campaign.drawing import drawn
+from cube_sim.campaign.sample_flight import drawn_columns
 from cube_sim.campaign.sampling import SamplePlan, count, sample, variation
 from cube_sim.errors import ScenarioError
 from cube_sim.mission.hull import flown_hull
@@ -266,6 +267,33 @@ def test_a_generator_that_gives_nothing(tmp_path, body, said):
         sample(loaded, 0)
     assert said in str(caught.value)
     assert "mission.yaml:13:" in str(caught.value)
+
+
+def test_a_generator_with_notes_says_itself_what_the_row_has(tmp_path):
+    body = "    return {'guidance.speed_m_s': 0.3 + 0.1 * k}, {'kind': 'calm', 'parts': ['a', 'b'], 'sizes': [1, 2]}\n"
+    (tmp_path / "draw.py").write_text(f"def drawn(k, rng):\n{body}")
+    vary = "current_m_s.0: {distribution: uniform, low: 0, high: 0.1}"
+    loaded = sampled(tmp_path, vary, more="  generator: {python: 'draw.py:drawn'}\n")
+    plan = SamplePlan(loaded)
+    drawn = plan.sample(2)
+    assert plan.scenario_of(drawn).scenario.guidance.speed_m_s == pytest.approx(0.5)
+    assert set(drawn.values) == {"current_m_s.0"}
+    assert drawn_columns(drawn) == {
+        "note.kind": "calm",
+        "note.parts": "a+b",
+        "note.sizes.0": 1,
+        "note.sizes.1": 2,
+        "current_m_s.0": drawn.values["current_m_s.0"],
+    }
+
+
+def test_settings_of_the_samples_go_with_them(tmp_path):
+    (tmp_path / "draw.py").write_text("def drawn(k, rng, speed=0.1):\n    return {'guidance.speed_m_s': speed}\n")
+    more = "  generator: {python: 'draw.py:drawn'}\n"
+    file = sampled(tmp_path, "seed: {distribution: choice, values: [3]}", more=more).path
+    loaded = load(file, {"samples.generator.options.speed": 0.45, "samples.vary.seed.values": [7]})
+    flown = sample(loaded, 1).scenario
+    assert (flown.guidance.speed_m_s, flown.seed, flown.samples) == (0.45, 7, None)
 
 
 def test_a_generator_whose_scenario_cannot_be_flown(tmp_path):

@@ -1,17 +1,16 @@
-"""Every vehicle of the catalogue on a level line, at a point and on a helix, against what the analysis says of it."""
+"""Every vehicle of the catalogue on a level line, at a point and on a helix, in still water."""
 
 from __future__ import annotations
 
-import json
-import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from support.catalogue.vehicles import catalogue
 
-from flights.ability import ability_of
-from flights.flight import Row, fly
+from flights.ability import Ability, ability_of
+from flights.files import put
 from flights.mission import Mission
 from flights.paths import CENTRE_M
 from flights.plan import Plan
@@ -24,33 +23,44 @@ JUDGED_S = 20.0
 HELIX_SLOPE = np.radians(8.0)
 
 
-def swept(vehicle: str, path: str, out: Path, keep: bool) -> Row:
+def trials(vehicles: Sequence[str], files: Path) -> list[tuple[str, str]]:
+    """Each vehicle with each of `FLIGHTS` that it is asked for: at a point only who can stay there.
+
+    Args:
+        vehicles: names of the catalogue.
+        files: folder under which the models go.
+    """
+    found = []
+    for name in vehicles:
+        stands = _able(name, files / f"trial_{name}_line")[1].stands
+        found += [(name, path) for path in FLIGHTS if path != "point" or stands]
+    return found
+
+
+def trial_of(vehicle: str, path: str, folder: Path) -> Mission:
     """One flight of a vehicle in still water, half a metre off at the start, heading along the path."""
     entry = catalogue()[vehicle]
-    folder = out / f"{vehicle}_{path}"
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "model.xml").write_text(entry.make())
-    able = ability_of(folder / "model.xml", entry.lost, entry.planar)
+    model, able = _able(vehicle, folder)
     infante = vehicle.startswith("infante")
     speed = 1.2 if infante else float(np.clip(0.5 * able.top_m_s, 0.1, 0.4))
     plan = Plan(0, vehicle, "catalogue", path, ())
-    if path == "point" and not able.stands:
-        return {"vehicle": vehicle, "path": path, "flown": False, "asked": False}
     from_s = 40.0 if path == "point" else 20.0 + 10.0 / speed
     scenario = _scenario(path, speed, from_s + JUDGED_S, max(3.0, 2.0 * able.length_m, 9.0 * speed), entry.planar)
+    scenario |= {"name": f"trial_{path}", "model": str(model)}
     scenario["initial"]["velocity_m_s"] = [0.5 if infante else 0.0, 0.0, 0.0]
     if infante:
         scenario["guidance"] |= {"approach_angle_deg": 45.0, "stop_at_end": False}
     if entry.lost:
         scenario["events"] = [{"kind": "thrusters", "at_s": 0.0, "thrusters": list(entry.lost), "state": "dead"}]
         scenario["control"] = {"faults": "told"}
-    (folder / "mission.yaml").write_text(json.dumps(scenario, indent=1))
     through = 0.05 if path == "point" else speed
-    mission = Mission(plan, scenario, entry.lost, {}, {}, through, from_s, entry.planar, False)
-    row = fly(mission, folder, flown_anyway=True, keep=keep)
-    if row["passes"] and not keep:
-        shutil.rmtree(folder)
-    return row | {"asked": True}
+    return Mission(plan, model, scenario, entry.lost, {}, {}, through, from_s, entry.planar, False)
+
+
+def _able(vehicle: str, folder: Path) -> tuple[Path, Ability]:
+    entry = catalogue()[vehicle]
+    model = put(folder / "model.xml", entry.make())
+    return model, ability_of(model, entry.lost, entry.planar)
 
 
 def _scenario(path: str, speed: float, duration: float, radius: float, planar: bool) -> dict[str, Any]:
@@ -73,36 +83,8 @@ def _scenario(path: str, speed: float, duration: float, radius: float, planar: b
         }
         start, attitude = [x + radius + 0.5, y, z], [0.0, 0.0, 90.0]
     return {
-        "schema_version": 1,
-        "name": f"catalogue_{path}",
-        "model": "model.xml",
         "duration_s": float(round(duration)),
         "path": block,
         "initial": {"position_m": start, "attitude_deg": attitude},
         "guidance": {"speed_m_s": speed},
-        "checks": [{"kind": "allowed_forces"}],
     }
-
-
-def verdicts(rows: list[Row]) -> list[tuple[str, bool, bool, str, str]]:
-    """What became of each vehicle.
-
-    Returns:
-        Name, whether the analysis says yes at every speed flown, whether all its flights pass, what came of each, and
-        the reason of the analysis.
-    """
-    found = []
-    for vehicle in sorted({row["vehicle"] for row in rows}):
-        own = {row["path"]: row for row in rows if row["vehicle"] == vehicle and row.get("asked", True)}
-        said = all(row.get("forecast", False) for row in own.values())
-        flies = all(row.get("passes", False) for row in own.values())
-        came = ", ".join(f"{path} {_figure(own[path])}" for path in FLIGHTS if path in own)
-        reason = next((row.get("forecast_reason", "") for row in own.values()), "")
-        found.append((vehicle, said, flies, came, reason))
-    return found
-
-
-def _figure(row: Row) -> str:
-    rms = row.get("rms_m")
-    text = "no figure" if rms is None else f"{100.0 * rms:.1f} cm"
-    return text if row.get("passes") else f"{text} ({row.get('cause', '')})"
