@@ -191,8 +191,7 @@ class Capability:
         record = np.zeros(1, CAPABILITY)
         record["projector"], record["shift"] = self.onto_range
         record["dragged"] = np.linalg.solve(total_mass[:3, :3], self.dragged_force @ total_mass[3:, 3:])
-        points = self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
-        record["by_momentum"] = points and not record["dragged"].any()  # else turning itself makes a force
+        record["by_momentum"] = self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
         return record
 
 

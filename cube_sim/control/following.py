@@ -34,7 +34,7 @@ from cube_sim.vehicle.laws.hull_motion import inverse_dynamics, steady_wrench
 MOST_TURN_RAD = 0.3
 """The momentum of the attitude wanted is looked at for turns up to this one (a choice): farther off it says little of
 what comes next."""
-SLOW_M_S = 0.1
+SLOW_M_S = 0.03
 """It counts half at this speed through the water (a choice). Slower, the course turns faster than a hull follows."""
 
 FOLLOWED = np.dtype(

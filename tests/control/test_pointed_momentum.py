@@ -31,22 +31,24 @@ def test_it_is_the_momentum_of_the_water_carried_along_in_the_attitude_wanted_le
         np.testing.assert_array_equal(gained(hull, R, axis, 0.0, flow), 0.0)
 
 
-def test_only_a_vehicle_that_points_its_thrust_and_is_not_pushed_by_turning_has_it():
+def test_only_a_vehicle_that_points_its_thrust_has_it():
     mass = np.diag([10.0, 20.0, 20.0, 1.0, 2.0, 2.0])
     ahead_and_torques = np.eye(6)[:, [0, 2, 3, 4, 5]]
-    left = capability(ahead_and_torques)
-    assert left.authority is Authority.PLANE
-    assert left.record(mass)["by_momentum"][0]
     fins = ahead_and_torques.copy()
     fins[1, 4] = 1.0  # yaw comes with a side force
-    assert capability(fins).authority is Authority.PLANE
-    assert not capability(fins).record(mass)["by_momentum"][0]
+    for pointed in (ahead_and_torques, fins):
+        left = capability(pointed)
+        assert left.authority is Authority.PLANE
+        assert left.record(mass)["by_momentum"][0]
     assert not capability(np.eye(6)).record(mass)["by_momentum"][0]
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("name", ["six_two_astern_four_up", "five_survey-T5"])
-def test_a_hull_that_slips_as_it_turns_keeps_its_phase(name):
-    """With a force against the slip they had 34 and 33 degrees."""
-    (row,) = surveyed(catalogue()[name], THIRDS[2], [NOMINAL])
-    assert row.phase_deg > 40.0
+@pytest.mark.parametrize(
+    ("name", "share"),
+    [("six_two_astern_four_up", 1), ("five_survey-T5", 3), ("drawn3_3", 2), ("bluerov2_vectored-T1T2", 3)],
+)
+def test_a_hull_that_slips_as_it_turns_keeps_its_phase(name, share):
+    """Two of them slowly; two are pushed by turning, too. With a force against the slip they have 39 to 45 degrees."""
+    (row,) = surveyed(catalogue()[name], THIRDS[share], [NOMINAL])
+    assert row.phase_deg > 46.0
