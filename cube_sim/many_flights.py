@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 from cube_sim.asked_store import AskedStore
 from cube_sim.errors import ScenarioError
@@ -116,6 +116,14 @@ def fly_many(
                 each_pool.shutdown(wait=False, cancel_futures=True)
 
 
+class Stop(Protocol):
+    """Says whether a flight is to be left, as a threading.Event does."""
+
+    def is_set(self) -> bool:
+        """Whether it is."""
+        ...
+
+
 class StoppedFlightError(Exception):
     """Another flight has failed, or nobody waits for this one any more."""
 
@@ -149,7 +157,7 @@ def flown(
     loaded: Loaded,
     variation: Mapping[str, Any],
     wanted: Sequence[str] = (),
-    stop: threading.Event | None = None,
+    stop: Stop | None = None,
     around: AbstractContextManager[Any] | None = None,
 ) -> FlightOutcome:
     """Fly one scenario of many, and judge it; nothing is written.

@@ -7,9 +7,11 @@ import os
 import signal
 import sys
 import tempfile
+import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import islice
+from math import inf
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -21,10 +23,16 @@ _POOLS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_N
 ONE_THREAD: dict[str, str] = dict.fromkeys(_POOLS, "1")
 """Of libraries that would each start as many threads as there are processors, in every process."""
 _SPAWN = get_context("spawn")
+LOOK_S, GRACE_S = 0.1, 1.0
+"""How often is looked for those that are late, and how long after its limit one still may land by itself [s]."""
+_IS_UP = "up"
+"""What a process says once it can fly."""
+_SHOW = getattr(signal, "SIGUSR1", None)
+"""At which it writes down where it is; None on Windows."""
 
 
 def in_processes(task: Task, samples: Iterable[int], workers: int) -> Iterator[FlownSample]:
-    """Fly samples, in the order in which they land.
+    """Fly samples, in the order in which they land; one that goes on after its time limit ends with its process.
 
     Args:
         task: what is flown.
@@ -40,12 +48,19 @@ def in_processes(task: Task, samples: Iterable[int], workers: int) -> Iterator[F
         try:
             crew += [_Worker(task, Path(folder)).told(k) for k in islice(waiting, workers)]
             while crew:
-                ready = wait([worker.connection for worker in crew])
+                ready = wait([worker.connection for worker in crew], None if task.limit_s is None else LOOK_S)
                 for place, worker in enumerate(list(crew)):
-                    if worker.connection not in ready:
+                    late = worker.connection not in ready and worker.is_late()
+                    if worker.connection not in ready and not late:
                         continue
-                    landed = worker.answer()
-                    if landed is None:
+                    landed = None if late else worker.answer()
+                    if isinstance(landed, str):  # it is up
+                        continue
+                    if late:
+                        yield flights.died(worker.sample, task.too_long, worker.where_it_is(), worker.flying_s)
+                        worker.kill()
+                        crew[place] = _Worker(task, Path(folder))
+                    elif landed is None:
                         yield flights.died(worker.sample, worker.how_it_died(), worker.last_words())
                         crew[place] = _Worker(task, Path(folder))
                     else:
@@ -75,6 +90,9 @@ class _Worker:
         there.close()
         self._here.send(task)
         self.sample, self.busy, self._up = -1, False, False
+        self._begun, self._most_s = time.monotonic(), inf
+        if task.limit_s is not None:  # what fails is flown once more where it is kept
+            self._most_s = (1 if task.keep == "none" else 2) * task.limit_s + GRACE_S
 
     @property
     def connection(self) -> Connection:
@@ -83,15 +101,39 @@ class _Worker:
     def told(self, k: int) -> _Worker:
         with suppress(BrokenPipeError):  # it has died; that is found when its answer is read
             self._here.send(k)
-        self.sample, self.busy = k, True
+        self.sample, self.busy, self._begun = k, True, time.monotonic()
         return self
 
-    def answer(self) -> FlownSample | None:
-        """The sample it has flown; None where it has died."""
+    @property
+    def flying_s(self) -> float:
+        """For how long it has been at its sample [s]."""
+        return time.monotonic() - self._begun
+
+    def is_late(self) -> bool:
+        """Whether it goes on after its time; what it takes to come up is not counted."""
+        return self._up and self.flying_s > self._most_s
+
+    def where_it_is(self) -> str:
+        """The lines of Python at which it is now."""
+        if _SHOW is None or self._process.pid is None:
+            return ""
+        with suppress(ProcessLookupError):
+            os.kill(self._process.pid, _SHOW)
+        until = time.monotonic() + GRACE_S
+        before, now = "", self.last_words()
+        while (not now or now != before) and time.monotonic() < until:  # until all of it is written
+            time.sleep(0.05)
+            before, now = now, self.last_words()
+        return now
+
+    def answer(self) -> FlownSample | str | None:
+        """The sample it has flown, or `_IS_UP`; None where it has died."""
         try:
-            if not self._up:
-                self._up = self._here.recv()
-            return self._here.recv()
+            answer = self._here.recv()
+            if isinstance(answer, str):
+                self._up, self._begun = True, time.monotonic()
+                return _IS_UP
+            return answer
         except (EOFError, ConnectionResetError):
             self._process.join()
             if not self._up:
@@ -138,11 +180,13 @@ def _fly_what_is_asked(connection: Connection, words: Path) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent hears it too, and ends this
     with words.open("w") as file, suppress(EOFError, BrokenPipeError):
         faulthandler.enable(file)
+        if _SHOW is not None:
+            faulthandler.register(_SHOW, file, all_threads=False)
         try:
             flights = SampleFlights(connection.recv())
         except Exception as error:
             print(f"{type(error).__name__}: {error}", file=file)
             sys.exit(1)
-        connection.send(True)
+        connection.send(_IS_UP)
         while True:
             connection.send(flights.fly(connection.recv()))

@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 
 from cube_sim.campaign.sampling import DrawnSample, SamplePlan
 from cube_sim.errors import CubeSimError
-from cube_sim.many_flights import FlightOutcome, StoppedFlightError, flown, unconfirmed
+from cube_sim.many_flights import FlightOutcome, Stop, StoppedFlightError, flown, unconfirmed
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.shared import Shared
 from cube_sim.simulation import fly
@@ -62,11 +62,18 @@ class Task(NamedTuple):
         loaded: the scenario.
         keep: of which samples a recording stays.
         folder: where the recordings go, in `RUNS`.
+        limit_s: so long a sample may take, of the clock [s]; None: as long as it takes.
     """
 
     loaded: Loaded
     keep: Keep
     folder: Path
+    limit_s: float | None = None
+
+    @property
+    def too_long(self) -> str:
+        """What is said of a sample that takes longer."""
+        return f"not landed after {self.limit_s:g} s of the clock, the limit of a sample"
 
 
 class SampleFlights:
@@ -89,42 +96,46 @@ class SampleFlights:
 
         Args:
             k: its number.
-            stop: once it is set, the flight is left.
+            stop: once it is set, the flight is left, within a simulated second or ten; so it is at its time limit.
 
         Raises:
             StoppedFlightError: it was stopped.
         """
         begun, clock = time.perf_counter(), _FlightClock()
+        limit = _Limit(stop, self._task.limit_s)
         row: dict[str, Any] = {"sample": k, "verdict": "ERROR", "reason": "", "seed": None}
         try:
             with self._turn:
                 sample = self._plan.sample(k)
                 loaded = self._plan.scenario_of(sample)
             row |= {"seed": loaded.scenario.seed, **drawn_columns(sample)}
-            outcome = flown(unconfirmed(loaded), sample.values, stop=stop, around=clock)
+            outcome = flown(unconfirmed(loaded), sample.values, stop=limit, around=clock)
             row |= _columns(outcome)
             self._keep_recording(k, loaded, outcome)
         except StoppedFlightError:
-            raise
+            if stop is not None and stop.is_set():
+                raise
+            row |= {"reason": self._task.too_long}
         except CubeSimError as error:
             row |= {"reason": _one_line(error)}
         except Exception as error:
             row |= {"reason": f"{type(error).__name__}: {_one_line(error)}", "traceback": _below_here(error)}
         return FlownSample(row, clock.seconds, time.perf_counter() - begun)
 
-    def died(self, k: int, reason: str, said: str) -> FlownSample:
+    def died(self, k: int, reason: str, said: str, wall_s: float = 0.0) -> FlownSample:
         """What became of a sample whose process died.
 
         Args:
             k: its number.
             reason: of what.
             said: what the process said of itself at its end.
+            wall_s: of the clock, until then [s].
         """
         row: dict[str, Any] = {"sample": k, "verdict": "ERROR", "reason": reason, "seed": None}
         with suppress(CubeSimError), self._turn:
             sample = self._plan.sample(k)
             row |= drawn_columns(sample)
-        return FlownSample(row | {"traceback": said}, 0.0, 0.0)
+        return FlownSample(row | {"traceback": said}, 0.0, wall_s)
 
     def _keep_recording(self, k: int, loaded: Loaded, outcome: FlightOutcome) -> None:
         """Fly it once more, with a recording, where that is wanted: what passes has cost nothing for it."""
@@ -132,6 +143,17 @@ class SampleFlights:
             again = fly(loaded, out=self._task.folder / RUNS / str(k), record="mcap")
             if again.checks != outcome.checks:
                 raise CubeSimError(f"flown again with a recording, it is another flight: {_words(again.checks)}")
+
+
+class _Limit:
+    """Is set once a flight is to be left: because somebody says so, or because its time is over."""
+
+    def __init__(self, stop: Stop | None, limit_s: float | None) -> None:
+        self._stop, self._until = stop, None if limit_s is None else time.monotonic() + limit_s
+
+    def is_set(self) -> bool:
+        over = self._until is not None and time.monotonic() > self._until
+        return over or (self._stop is not None and self._stop.is_set())
 
 
 class _FlightClock:

@@ -49,6 +49,7 @@ def sweep(
     shard: Shard = WHOLE,
     keep: Keep = "none",
     resume: bool = False,
+    limit_s: float | None = None,
     progress: Callable[[HowFar], None] | None = None,
 ) -> SweepResult:
     """Fly the samples of a scenario.
@@ -63,6 +64,8 @@ def sweep(
         shard: fly this part of the samples alone.
         keep: of which samples a recording stays.
         resume: go on with what is in `out`.
+        limit_s: so long a sample may take, of the clock [s]; then it is an ERROR. In processes whatever it does; on
+            threads and on a cluster it is left at the end of a simulated second or ten.
         progress: called once in a while, and with every sample.
 
     Raises:
@@ -78,7 +81,7 @@ def sweep(
     head = head_of(loaded, plan)
     with opened(folder, shard, head, resume=resume, checks=checks) as rows:
         waiting = [k for k in samples if k not in rows.done]
-        flown = _flown(Task(loaded, keep, folder.resolve()), waiting, workers, workers_as, cluster)
+        flown = _flown(Task(loaded, keep, folder.resolve(), limit_s), waiting, workers, workers_as, cluster)
         try:
             _take(flown, rows, len(samples), progress)
         except KeyboardInterrupt as interrupt:

@@ -89,11 +89,21 @@ def sweep(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with what is in OUT, after a kill too, or with more samples.")
     ] = False,
+    sample_timeout_s: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Of the clock, after which a sample is an ERROR. A process is ended whatever it does; a thread, and a "
+            "worker of a cluster, leaves the flight once a simulated second or ten is over.",
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show neither progress nor result.")] = False,
 ) -> None:
     """Fly all samples of a scenario, and count what passes."""
-    result = _flown(scenario, settings, out, workers, workers_as, cluster, shard, keep, resume, hidden=quiet)
+    result = _flown(
+        scenario, settings, out, workers, workers_as, cluster, shard, keep, resume, sample_timeout_s, hidden=quiet
+    )
     with read_or_not():
         if json:
             print_json(_as_plain(result))
@@ -112,12 +122,15 @@ def _flown(
     shard: str | None,
     keep: Kept,
     resume: bool,
+    limit_s: float | None,
     *,
     hidden: bool,
 ) -> SweepResult:
     """Load and fly; whatever goes wrong ends the command."""
     if resume and out is None:
         stop(BAD_INPUT, "--resume goes on with what is in a folder: say which by --out")
+    if limit_s is not None and not 0.0 < limit_s < 1e9:
+        stop(BAD_INPUT, f"--sample-timeout-s {limit_s:g}: must be greater than 0")
     if cluster is not None and (workers is not None or workers_as is not None):
         stop(BAD_INPUT, "--workers and --workers-as are of this machine: they do not go with --cluster")
     try:
@@ -142,6 +155,7 @@ def _flown(
                 shard=part,
                 keep=keep.value,
                 resume=resume,
+                limit_s=limit_s,
                 progress=progress,
             )
     except (ScenarioError, ModelError, DirectoryError) as error:

@@ -1,0 +1,54 @@
+"""A sample that takes longer than it may is one ERROR row; the others are flown."""
+
+from __future__ import annotations
+
+import pytest
+from support.command_line import cube_sim
+from support.own_code import PID
+from support.scenario_files import FLIGHT
+from support.sweeps import rows_of, swept, written
+
+pytestmark = pytest.mark.flight
+
+HANGING = """\
+from own import pid
+
+
+def law(setup):
+    usual, hangs = pid(setup), setup.scenario.guidance.speed_m_s > 0.45
+
+    def answer(aim):
+        while hangs:
+            pass
+        return usual(aim)
+
+    return answer
+"""
+SPEEDS = "samples:\n  vary:\n    guidance.speed_m_s: {distribution: grid, values: [0.3, 0.5, 0.2]}\n"
+
+
+def test_a_process_that_hangs_ends_and_its_row_says_where_it_was(tmp_path):
+    (tmp_path / "own.py").write_text(PID)
+    (tmp_path / "hang.py").write_text(HANGING)
+    file = written(tmp_path, SPEEDS, FLIGHT + "control: {law: {python: 'hang.py:law'}}\n")
+    rows = rows_of(swept(file, tmp_path / "out", workers=2, limit_s=20.0).folder)
+    assert [row["verdict"] for row in rows] == ["PASS", "ERROR", "PASS"]
+    assert rows[1]["reason"] == "not landed after 20 s of the clock, the limit of a sample"
+    assert 'hang.py", line 8 in answer' in rows[1]["traceback"]
+    assert rows[1]["guidance.speed_m_s"] == 0.5
+
+
+@pytest.mark.parametrize("way", ["threads", "processes"])
+def test_a_compiled_flight_is_left_at_its_limit(tmp_path, way):
+    long = FLIGHT.replace("duration_s: 0.5", "duration_s: 40")
+    assert long != FLIGHT
+    file = written(tmp_path, SPEEDS, long)
+    rows = rows_of(swept(file, tmp_path / "out", workers_as=way, limit_s=1e-6).folder)
+    assert [row["verdict"] for row in rows] == ["ERROR"] * 3
+    assert {row["reason"] for row in rows} == {"not landed after 1e-06 s of the clock, the limit of a sample"}
+
+
+def test_a_limit_is_more_than_nothing(tmp_path):
+    file = written(tmp_path, SPEEDS)
+    done = cube_sim("sweep", file, "--sample-timeout-s", "0", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (2, "--sample-timeout-s 0: must be greater than 0\n")
