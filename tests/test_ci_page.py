@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -44,7 +45,7 @@ def test_there_are_two_examples_that_parse():
     assert len(EXAMPLES) == len(NAMES)
     for example in EXAMPLES:
         assert example.mistakes == ()
-        assert len(jobs(example)) == 2
+        assert [name for name, _ in jobs(example)][-2:] == ["sweep", "judge"]
         assert all(job for _, job in jobs(example))
 
 
@@ -54,6 +55,26 @@ def test_every_step_of_the_github_example_does_something():
         assert all(("uses" in step) != ("run" in step) for step in job["steps"])
         cached = [step["with"]["path"] for step in job["steps"] if step.get("uses", "").startswith("actions/cache@")]
         assert job["env"]["CUBE_SIM_CACHE_DIR"].endswith(f"/{cached[0]}")
+
+
+@pytest.mark.flight
+def test_a_sweep_that_misses_its_rate_fails_in_the_job_that_judges_all_parts(repository):
+    folder, run = repository
+    sampled = folder / "missions" / "sampled.yaml"
+    sampled.write_text(
+        sampled.read_text().replace("seed: 1,", "seed: 1, required: {pass_rate: 0.9},").replace("0.05}", "1.0e-9}")
+    )
+    for example in EXAMPLES:
+        scripts = dict(jobs(example))
+        parts = [line for line in scripts["sweep"] if line.startswith("cube-sim")]
+        judging = [line for line in scripts["judge"] if line.startswith("cube-sim")]
+        for number in "12":
+            for line in parts:
+                told = line.replace("${{ matrix.shard }}/4", f"{number}/2")
+                told = told.replace("$CI_NODE_INDEX/$CI_NODE_TOTAL", f"{number}/2")
+                assert run(told).returncode == 0
+        assert [run(line).returncode for line in judging] == [1]
+        shutil.rmtree(folder / "rows")
 
 
 def test_what_is_compiled_is_cached_on_gitlab():
