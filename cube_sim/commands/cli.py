@@ -61,7 +61,7 @@ app.command(short_help="Write a recorded run as tables, a view, inputs, a layout
 app.command(short_help="Save what can be read of a damaged record.", epilog=recover.EPILOG)(recover.recover)
 app.command(short_help="List what a scenario records and its checks may name.", epilog=signals.EPILOG)(signals.signals)
 app.command(short_help="Say what a vehicle's thrusters can do, all or some.", epilog=analyze.EPILOG)(analyze.analyze)
-app.command(short_help="Write a first scenario for a model.", epilog=new.EPILOG)(new.new)
+app.add_typer(new.app, name="new", short_help="Write a vehicle, or a first scenario for a model.")
 app.command(short_help="Copy models and scenarios to start from.", epilog=examples.EPILOG)(examples.examples)
 app.command(short_help="Print the JSON schema of scenario files, for editors.")(schema.schema)
 app.command(short_help="Print the reference of scenarios or of recordings.")(reference.reference)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.hull_shapes import ellipsoid, ellipsoid_added_mass
+from support.hull_shapes import cylinder, ellipsoid, ellipsoid_added_mass
 
 from cube_sim.hull_shape.added_mass import about, added_mass, linear_added_mass
 from cube_sim.hull_shape.division import divided
@@ -47,6 +47,15 @@ def test_of_a_cube_by_its_twelve_triangles():
     np.testing.assert_allclose(translation, 0.6384 * 1000.0 * 0.5**3, rtol=0.005)
     np.testing.assert_allclose(rotation, 0.03926 * 1000.0 * 0.5**5, rtol=0.01)
     assert of.error < 0.06
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(("length", "published"), [(1.2, 0.62), (2.5, 0.78)])
+def test_of_a_cylinder_across_its_axis(length, published):
+    """Flat ends, lengths in diameters: coefficients of DNV-RP-C205, table D-2, by the displaced mass."""
+    mesh = mesh_of(cylinder(length, 24))
+    across = added_mass(mesh, 1.0).matrix.diagonal()[1:3] / (np.pi / 4 * length)
+    np.testing.assert_allclose(across, published, rtol=0.02)
 
 
 @pytest.mark.flight

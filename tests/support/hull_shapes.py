@@ -122,3 +122,16 @@ def write_stl(file, triangles, binary=False):
         lines += ["vertex " + " ".join(f"{x:.9g}" for x in corner) for corner in triangle]
         lines += ["endloop", "endfacet"]
     file.write_text("\n".join([*lines, "endsolid hull"]) + "\n")
+
+
+def cylinder(length, sides):
+    """Triangles of a cylinder along x, with the volume of the round one of diameter 1."""
+    angle = np.arange(sides) * 2 * np.pi / sides
+    radius = 0.5 * np.sqrt(2 * np.pi / sides / np.sin(2 * np.pi / sides))
+    ring = np.stack([np.zeros(sides), radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    end = np.array([length / 2, 0, 0])
+    triangles = []
+    for p, q in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+        triangles += [(q + end, q - end, p - end), (p + end, q + end, p - end)]
+        triangles += [(end, p + end, q + end), (-end, q - end, p - end)]
+    return np.array(triangles)

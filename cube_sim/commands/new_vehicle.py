@@ -1,0 +1,202 @@
+"""``cube-sim new vehicle``: a vehicle's model, scenario and test from what its owner knows."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cube_sim.commands.ending import BAD_INPUT, stop
+from cube_sim.commands.output import to_paste
+from cube_sim.commands.progress import begin_compiling
+from cube_sim.errors import CubeSimError, ShapeError
+
+if TYPE_CHECKING:
+    from cube_sim.vehicle_draft.hull import HullDraft
+    from cube_sim.vehicle_draft.thruster_places import ThrusterPlace
+
+EPILOG = (
+    "Exit code: 0 written, 2 something given is wrong, and nothing is written; or the vehicle flies none of what is "
+    "tried, and model and test are written without a scenario."
+)
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_THRUSTER = "NAME=x,y,z:axis:TYPE"
+_CONFTEST = '"""Scenarios below this folder are tests."""\n\npytest_plugins = ["cube_sim.testing"]\n'
+
+
+def vehicle(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Of the vehicle, and of the folder that is written.")],
+    mass_kg: Annotated[float | None, typer.Option(metavar="KG", help="Mass, as a scale shows it.")] = None,
+    mesh: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Closed surface of the hull, .obj or .stl, x forward.")
+    ] = None,
+    size_m: Annotated[
+        str | None, typer.Option(metavar="L,W,H", help="Size of a box instead of a mesh: length, width, height [m].")
+    ] = None,
+    unit: Annotated[str, typer.Option(metavar="UNIT", help="Of the mesh: m, cm, mm, in or ft.")] = "m",
+    frame: Annotated[
+        str,
+        typer.Option(
+            metavar="FRAME", help="Of all that is given: FLU (y left, z up) or FRD (y right, z down); x is forward."
+        ),
+    ] = "FLU",
+    thruster: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar=_THRUSTER, help="Place [m], way it pushes, type; once for each: T1=0.15,-0.11,0:1,1,0:T200."
+        ),
+    ] = None,
+    thrusters: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV instead: name,x_m,y_m,z_m,axis_x,axis_y,axis_z,type."),
+    ] = None,
+    voltage_v: Annotated[float, typer.Option(metavar="V", help="Of the thrusters' published curves.")] = 16.0,
+    centre_of_mass_m: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z", help="Default: below the centre of buoyancy by a twentieth of the height."),
+    ] = None,
+    urdf: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Mass, centre of mass and inertia of all links of a URDF, instead of --mass-kg."
+        ),
+    ] = None,
+    neutral: Annotated[
+        bool, typer.Option("--neutral", help="Displace what it weighs, whatever the mesh encloses.")
+    ] = False,
+) -> None:
+    """Write a vehicle: a commented MJCF, a scenario that it passes, and a test.
+
+    Volume, centre of buoyancy, inertia, added mass and drag come from the mesh or the box, thrust from published
+    tables. What is an estimate says so in the file. On a terminal you are asked for what is missing.
+    """
+    from cube_sim.hull_shape.reading import FRAMES, UNITS
+    from cube_sim.vehicle.known_thrusters import known_names
+    from cube_sim.vehicle_draft.thruster_places import places_of_file, places_of_flags
+
+    if not _NAME.fullmatch(name):
+        stop(BAD_INPUT, f"{name}: is no name of a vehicle; letters, digits and _ are right, a letter first")
+    folder = Path(name)
+    if folder.is_symlink() or (folder.exists() and (not folder.is_dir() or any(folder.iterdir()))):
+        stop(BAD_INPUT, f"{folder}: is there already; give another name")
+    if frame.upper() not in FRAMES:
+        stop(BAD_INPUT, f"--frame {frame}: {' or '.join(FRAMES)} is right")
+    if unit not in UNITS:
+        stop(BAD_INPUT, f"--unit {unit}: {', '.join(UNITS)} are right")
+    if mesh is not None and size_m is not None:
+        stop(BAD_INPUT, "--mesh and --size-m: one of the two says what the hull is")
+    if thruster and thrusters is not None:
+        stop(BAD_INPUT, "--thruster and --thrusters: one of the two says where they are")
+    if sys.stdin is not None and sys.stdin.isatty():
+        mass_kg = typer.prompt("Mass [kg]", type=float) if mass_kg is None and urdf is None else mass_kg
+        if mesh is None and size_m is None:
+            told = typer.prompt("Mesh of the hull (.obj, .stl), or length,width,height [m]")
+            mesh, size_m = (Path(told), None) if Path(told).suffix.lower() in (".obj", ".stl") else (None, told)
+        if not thruster and thrusters is None:
+            thruster = _asked_thrusters(known_names())
+    needed = {
+        "--mass-kg or --urdf": mass_kg is not None or urdf is not None,
+        "--mesh or --size-m": mesh is not None or size_m is not None,
+        "--thruster or --thrusters": bool(thruster) or thrusters is not None,
+    }
+    missing = [option for option, given in needed.items() if not given]
+    if missing:
+        stop(BAD_INPUT, f"missing: {', '.join(missing)}; see {to_paste('new', 'vehicle', '--help')}")
+    try:
+        if mass_kg is not None and not 0.0 < mass_kg < 1e9:
+            raise ShapeError(f"--mass-kg {mass_kg:g}: a mass [kg] is positive")
+        turn = frame.upper()
+        places = places_of_file(thrusters, turn) if thrusters is not None else places_of_flags(thruster or [], turn)
+        hull = _hull(mass_kg, mesh, size_m, unit, turn, centre_of_mass_m, neutral, urdf)
+        _write(name, folder, hull, places, voltage_v)
+    except CubeSimError as error:
+        stop(BAD_INPUT, str(error))
+    except OSError as error:
+        stop(BAD_INPUT, f"{error.filename or folder}: cannot be written: {error.strerror}")
+
+
+def _asked_thrusters(types: tuple[str, ...]) -> list[str]:
+    """Thrusters as flags have them, asked for one after the other."""
+    typer.echo(f"Thrusters, as {_THRUSTER} ({', '.join(types)}), for example T1=0.15,-0.11,0:1,1,0:T200; empty: done")
+    given: list[str] = []
+    while told := typer.prompt(f"Thruster {len(given) + 1}", default="", show_default=False):
+        given.append(told)
+    return given
+
+
+def _hull(
+    mass: float | None,
+    mesh: Path | None,
+    size: str | None,
+    unit: str,
+    frame: str,
+    centre: str | None,
+    neutral: bool,
+    urdf: Path | None,
+) -> HullDraft:
+    from cube_sim.hull_shape.reading import FRAMES, read_mesh
+    from cube_sim.vehicle_draft.hull import WeighedMass, hull_of_box, hull_of_mesh, mass_of
+
+    begin_compiling(hidden=False)
+    centre_of_mass = None if centre is None else FRAMES[frame] @ _numbers("--centre-of-mass-m", centre)
+    weighed = mass_of(mass or 0.0, centre_of_mass)
+    if urdf is not None:
+        from cube_sim.vehicle_draft.urdf import read_urdf
+
+        links = read_urdf(urdf)
+        weighed = WeighedMass(
+            links.mass if mass is None else mass,
+            links.centre_of_mass if centre_of_mass is None else centre_of_mass,
+            links.inertia * (1.0 if mass is None else mass / links.mass),
+            f"{links.links} links of {urdf.name}",
+        )
+    if mesh is not None:
+        return hull_of_mesh(read_mesh(mesh, unit, frame), mesh.name, weighed, neutral)
+    extent = _numbers("--size-m", size or "")
+    if min(extent) <= 0.0:
+        raise ShapeError(f"--size-m {size}: length, width and height [m] are positive")
+    return hull_of_box(weighed, extent)
+
+
+def _numbers(option: str, text: str) -> list[float]:
+    try:
+        values = [float(word) for word in re.split("[,x ]+", text.strip())]
+    except ValueError:
+        values = []
+    if len(values) != 3 or not all(abs(value) < 1e6 for value in values):
+        raise ShapeError(f"{option} {text}: three numbers [m] are right, for example 0.46,0.34,0.25")
+    return values
+
+
+def _write(name: str, folder: Path, hull: HullDraft, places: list[ThrusterPlace], voltage: float) -> None:
+    from cube_sim.vehicle.known_thrusters import known_thruster
+    from cube_sim.vehicle_draft.hull import DENSITY, GRAVITY
+    from cube_sim.vehicle_draft.mjcf_text import mjcf_text
+    from cube_sim.vehicle_draft.own_tests import own_tests
+
+    kinds = {kind: known_thruster(kind, voltage) for kind in dict.fromkeys(place.kind for place in places)}
+    lift = (DENSITY * hull.volume - hull.mass) * GRAVITY
+    files = {
+        folder / "models" / f"{name}.xml": mjcf_text(name, hull, places, kinds),
+        folder / "tests" / f"test_{name}.py": own_tests(name, hull, places, lift),
+        folder / "conftest.py": _CONFTEST,
+    }
+    for file, text in files.items():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+        typer.echo(file)
+    for remark in hull.remarks:
+        typer.echo(f"NOTE: {remark}", err=True)
+    model, scenario = folder / "models" / f"{name}.xml", folder / "scenarios" / f"{name}_first.yaml"
+    scenario.parent.mkdir()
+    from cube_sim.commands.new import write_scenario
+
+    what = write_scenario(model, scenario, None)
+    typer.echo(f"{scenario}: {what}")
+    typer.echo()
+    typer.echo(f"look at it:  {to_paste('analyze', model)}")
+    typer.echo(f"fly it:      {to_paste('run', scenario)}")
+    typer.echo(f"test it:     pytest {folder}")

@@ -1,0 +1,218 @@
+"""A vehicle from a mass, a mesh or a size, and a list of thrusters: what is written loads, flies and passes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import mujoco
+import numpy as np
+import pytest
+from support.command_line import call
+from support.hull_shapes import ellipsoid, ellipsoid_added_mass, write_stl
+from support.places import REPO
+
+import cube_sim
+from cube_sim.vehicle.known_thrusters import known_thruster
+
+SIX = (
+    "T1=0.14,-0.09,0:1,1,0:T200",
+    "T2=0.14,0.09,0:1,-1,0:T200",
+    "T3=-0.15,-0.09,0:-1,1,0:T200",
+    "T4=-0.15,0.09,0:-1,-1,0:T200",
+    "T5=0,-0.11,0.07:z:T200",
+    "T6=0,0.11,0.07:+z:t200",
+)
+FLAGS = [word for thruster in SIX for word in ("--thruster", thruster)]
+FRD = """# places and axes in FRD
+name,x_m,y_m,z_m,axis_x,axis_y,axis_z,type
+T1, 0.14, 0.09,0, 1,-1,0,T200
+T2, 0.14,-0.09,0, 1, 1,0,T200
+T3,-0.15, 0.09,0,-1,-1,0,T200
+T4,-0.15,-0.09,0,-1, 1,0,T200
+T5,0, 0.11,-0.07,0,0,-1,T200
+T6,0,-0.11,-0.07,0,0,-1,T200
+"""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def unflown(monkeypatch):
+    """Choosing a scenario is another's test."""
+
+    def write(model, file, hull):
+        file.write_text("chosen\n")
+        return "nothing"
+
+    monkeypatch.setattr("cube_sim.commands.new.write_scenario", write)
+
+
+@pytest.mark.flight
+def test_what_is_written_is_run_and_tested_as_it_is(here, monkeypatch, capsys):
+    code, stdout, _ = call(
+        monkeypatch, capsys, "new", "vehicle", "rov", "--mass-kg", 11.5, "--size-m", "0.46,0.34,0.25", *FLAGS
+    )
+    assert code == 0
+    assert stdout.splitlines()[-2:] == [
+        "fly it:      cube-sim run rov/scenarios/rov_first.yaml",
+        "test it:     pytest rov",
+    ]
+    assert cube_sim.fly("rov/scenarios/rov_first.yaml", out="out", record="none").verdict == "PASS"
+    environment = {**os.environ, "PYTHONPATH": str(REPO)}
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:xdist", "-p", "no:cacheprovider", "rov"]
+    done = subprocess.run(command, cwd=here, env=environment, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout
+    assert "4 passed" in done.stdout  # three tests of its own, and the scenario
+    for file in here.glob("rov/*/*.*"):
+        assert max(map(len, file.read_text().splitlines())) <= 120, file
+
+
+@pytest.mark.flight
+def test_a_mesh_gives_all_of_the_hull(here, unflown, monkeypatch, capsys):
+    axes = np.array([0.4, 0.2, 0.2])
+    write_stl(here / "hull.stl", 1000.0 * (ellipsoid(axes, 3) + np.array([0.1, 0.0, -0.05])))
+    (here / "thrusters.csv").write_text(FRD)
+    given = ["--mass-kg", 66, "--mesh", "hull.stl", "--unit", "mm", "--frame", "frd", "--thrusters", "thrusters.csv"]
+    code, _, stderr = call(monkeypatch, capsys, "new", "vehicle", "egg", *given, "--voltage-v", 14)
+    assert (code, stderr) == (0, "")
+    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model("egg/models/egg.xml"))
+    volume = 4 / 3 * np.pi * axes.prod()
+    assert vehicle.displaced_mass == pytest.approx(1000 * volume, rel=0.01)
+    np.testing.assert_allclose(vehicle.centre_of_buoyancy, [0.1, 0.0, 0.05], atol=1e-5)  # FRD: z was down
+    np.testing.assert_allclose(vehicle.centre_of_mass, [0.1, 0.0, 0.03], atol=1e-4)
+    exact = 1000 * ellipsoid_added_mass(axes)
+    np.testing.assert_allclose(vehicle.added_mass.diagonal()[:3], exact[:3], rtol=0.02)
+    assert vehicle.added_mass[0, 4] == pytest.approx(0.05 * exact[0], rel=0.02)  # the origin is not the middle
+    assert vehicle.thrusters.limits[0, 3] == pytest.approx(known_thruster("T200", 14).forces[-1], rel=1e-4)
+    column = vehicle.actuation_matrix[:, 0]
+    half = 0.5**0.5
+    np.testing.assert_allclose(column, [half, half, 0, 0, 0, (0.14 + 0.09) * half], atol=1e-9)
+
+
+@pytest.mark.flight
+def test_two_types_of_thrusters_and_a_hull_that_does_not_float_are_told(here, unflown, monkeypatch, capsys):
+    write_stl(here / "hull.stl", ellipsoid((0.4, 0.2, 0.2), 1), binary=True)
+    given = [
+        "--mass-kg",
+        80,
+        "--mesh",
+        "hull.stl",
+        "--centre-of-mass-m",
+        "0.05,0,0.02",
+        *FLAGS[:-1],
+        "T6=0,0.11,0:z:T500",
+    ]
+    code, _, stderr = call(monkeypatch, capsys, "new", "vehicle", "brick", *given)
+    assert code == 0
+    notes = stderr.splitlines()
+    assert [note.startswith("NOTE: ") for note in notes] == [True] * 3
+    assert "it sinks with" in notes[0]
+    assert "the hull leans" in notes[1]
+    assert "upside down" in notes[2]
+    model = cube_sim.load_model("brick/models/brick.xml")
+    limits = cube_sim.Vehicle.from_model(model).thrusters.limits
+    np.testing.assert_allclose(limits[[0, 5], 3], [5.25 * 9.80665, 9.3 * 9.80665], rtol=1e-4)
+
+
+MASS, SIZE = ("--mass-kg", "11.5"), ("--size-m", "0.46,0.34,0.25")
+URDF = """<robot name="r">
+  <link name="base_link">
+    <inertial><origin xyz="0 0 -0.02"/><mass value="10"/>
+      <inertia ixx="0.2" iyy="0.3" izz="0.4" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><mesh filename="package://nowhere/hull.dae"/></geometry></visual>
+  </link>
+  <link name="arm">
+    <inertial><origin xyz="0.1 0 0"/><mass value="2"/>
+      <inertia ixx="0.001" iyy="0.002" izz="0.003" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base_link"/><child link="arm"/><origin xyz="0.2 0 0" rpy="0 0 1.5707963267948966"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/>
+  </joint>
+</robot>
+"""
+
+
+def test_a_urdf_gives_mass_and_inertia_of_its_links(here, unflown, monkeypatch, capsys):
+    (here / "robot.urdf").write_text(URDF)
+    code, _, stderr = call(monkeypatch, capsys, "new", "vehicle", "rov", "--urdf", "robot.urdf", *SIZE, *FLAGS)
+    assert code == 0
+    assert "the hull leans" in stderr
+    model = cube_sim.load_model("rov/models/rov.xml")
+    at = np.array([[0.0, 0.0, -0.02], [0.2, 0.1, 0.0]])
+    centre = (10 * at[0] + 2 * at[1]) / 12
+    own = np.diag([0.2, 0.3, 0.4]) + np.diag([0.002, 0.001, 0.003])  # the arm is turned by a right angle
+    away = at - centre
+    shifted = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip((10, 2), away, strict=True))
+    body = model.body("hull")
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, body.iquat)
+    turn = turn.reshape(3, 3)
+    assert body.mass[0] == pytest.approx(12.0)
+    np.testing.assert_allclose(body.ipos, centre, atol=1e-5)
+    np.testing.assert_allclose(turn @ np.diag(body.inertia) @ turn.T, own + shifted, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (("ro-v",), "ro-v: is no name of a vehicle; letters, digits and _ are right, a letter first"),
+        (("there",), "there: is there already; give another name"),
+        (("rov", *MASS), "missing: --mesh or --size-m, --thruster or --thrusters; see cube-sim new vehicle --help"),
+        (("rov", *MASS, "--size-m", "1,2", *FLAGS), "--size-m 1,2: three numbers [m] are right, for example"),
+        (("rov", *MASS, "--size-m", "1,2,0", *FLAGS), "--size-m 1,2,0: length, width and height [m] are positive"),
+        (("rov", "--mass-kg", "-1", *SIZE, *FLAGS), "--mass-kg -1: a mass [kg] is positive"),
+        (("rov", *MASS, *SIZE, "--mesh", "x.stl", *FLAGS), "--mesh and --size-m: one of the two says what the hull is"),
+        (("rov", *MASS, "--mesh", "x.stl", *FLAGS), "x.stl: cannot be read: No such file or directory"),
+        (("rov", "--urdf", "cut.urdf", *SIZE, *FLAGS), "cut.urdf:7:20: is no XML"),
+        (("rov", "--urdf", "none.urdf", *SIZE, *FLAGS), "none.urdf: cannot be read: No such file or directory"),
+        (("rov", *MASS, *SIZE, "--frame", "NED", *FLAGS), "--frame NED: FLU or FRD is right"),
+        (("rov", *MASS, *SIZE, "--unit", "km", *FLAGS), "--unit km: m, cm, mm, in, ft are right"),
+        (
+            ("rov", *MASS, *SIZE, "--thruster", "T1=0,0:x:T200"),
+            "--thruster T1=0,0:x:T200: '0,0' is not a place [m]; three numbers are",
+        ),
+        (
+            ("rov", *MASS, *SIZE, "--thruster", "T1=0,0,0:w:T200"),
+            "--thruster T1=0,0,0:w:T200: 'w' is not an axis; three numbers are",
+        ),
+        (
+            ("rov", *MASS, *SIZE, "--thruster", "T1=0,0,0:x:T100"),
+            "--thruster T1=0,0,0:x:T100: 'T100' is no thruster that is known by name; T200, T500 are",
+        ),
+        (
+            ("rov", *MASS, *SIZE, "--thruster", "T1 0,0,0:x"),
+            "--thruster T1 0,0,0:x: is not of the form NAME=x,y,z:axis:TYPE, for example T1=0.15,-0.11,0:1,1,0:T200",
+        ),
+        (("rov", *MASS, *SIZE, *FLAGS, *FLAGS[:2]), "--thruster: the name T1 is taken already; each"),
+        (("rov", *MASS, *SIZE, "--thrusters", "few.csv"), "few.csv:3: has 7 values; 8 are right"),
+        (("rov", *MASS, *SIZE, "--thrusters", "zero.csv"), "zero.csv:4: its axis has no length; the direction in"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_one_line_and_nothing_is_written(given, told, here, unflown, monkeypatch, capsys):
+    (here / "there").mkdir()
+    (here / "there" / "mine").write_text("mine")
+    (here / "cut.urdf").write_text(URDF[:300])
+    (here / "few.csv").write_text(FRD.replace("1,-1,0,T200", "1,-1,0"))
+    (here / "zero.csv").write_text(FRD.replace(" 1, 1,0", " 0, 0,0"))
+    before = sorted(here.rglob("*"))
+    code, stdout, stderr = call(monkeypatch, capsys, "new", "vehicle", *given)
+    assert (code, stdout, stderr.count("\n")) == (2, "", 1), stderr
+    assert stderr.startswith(told), stderr
+    assert sorted(here.rglob("*")) == before
+
+
+def test_on_a_terminal_what_is_missing_is_asked_for(here, unflown, monkeypatch, capsys):
+    answers = iter(["11.5", "0.3,0.3,0.3", *SIX, ""])
+    monkeypatch.setattr("typer.prompt", lambda text, type=str, **_: type(next(answers)))
+    monkeypatch.setattr("sys.stdin", type("Terminal", (), {"isatty": lambda self: True})())
+    code, stdout, _ = call(monkeypatch, capsys, "new", "vehicle", "cubic")
+    assert code == 0
+    assert "models/cubic.xml" in stdout
+    assert len(cube_sim.Vehicle.from_model(cube_sim.load_model("cubic/models/cubic.xml")).thrusters.names) == 6
