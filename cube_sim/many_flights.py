@@ -21,6 +21,7 @@ from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.recording.channels import SUPPLY, channel_table
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
+from cube_sim.scenario.phase_blocks import is_timed
 from cube_sim.scenario.python_block import python_blocks
 from cube_sim.scenario.shared import Shared
 from cube_sim.vehicle.plugin.hook import install
@@ -220,7 +221,8 @@ def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
     """
     pushed = any(force_events(one.scenario) for one in loaded)
     phased = ("1",) * any(one.scenario.phases for one in loaded)
-    channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed=pushed, phases=phased)
+    timed = any(is_timed(one.scenario.phases) for one in loaded)
+    channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed, phased, timed)
     known = dict.fromkeys(f"{channel.name}.{field.name}" for channel in channels for field in channel.fields)
     for one in loaded:
         sensed = channels_of(one.scenario.navigation)

@@ -59,7 +59,7 @@ class JudgedWindow:
         if self._phase is None or rows is None or not self._begun.take(rows):
             return
         for t, index in rows[:, :2].tolist():
-            if index == self._phase:
+            if index == self._phase and not np.isfinite(self.start_s):  # a later row of it says how it ended
                 from_s, to_s, _ = self._asked
                 self.start_s = t + (from_s or 0.0)
                 self.after = not from_s and index > 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from cube_sim.control.authority import Authority, Capability
 from cube_sim.guidance.law import TargetView
@@ -63,4 +63,17 @@ class Controller(Protocol):
 
     def reconfigure(self, left: Capability) -> None:
         """Go on with other thrusters, which can do what is left."""
+        ...
+
+
+@runtime_checkable
+class GoesOn(Protocol):
+    """A controller that can fly one path after another."""
+
+    def take_up(self, other: Any) -> None:
+        """Fly the course of another from here on, with what is known of the vehicle and its water.
+
+        Args:
+            other: a controller of the same class and vehicle on another path, which has not flown.
+        """
         ...

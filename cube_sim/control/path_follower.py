@@ -149,11 +149,7 @@ class PathFollower:
         )
 
     def take_up(self, other: PathFollower) -> None:
-        """Fly the course of another from here on, with what is known of the vehicle and its water.
-
-        Args:
-            other: a follower of the same vehicle on another path, which has not flown.
-        """
+        """See `GoesOn.take_up`."""
         self.target, self.approach, self.attitude = other.target, other.approach, other.attitude
         self.pointing_time, self.speed, self.radius, self.waits = (
             other.pointing_time,

@@ -14,13 +14,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.control.path_follower import PathFollower
 from cube_sim.errors import FlightError, OwnCodeError
 from cube_sim.flight.action import OWN, Action
 from cube_sim.flight.beside import FlyingBeside
 from cube_sim.flight.compiled import BEGIN, FAILED, JUDGED, STOPPED, UNANSWERED, Stretch, begin_ticks, engine_of
 from cube_sim.flight.rows import rows_for, write_power
-from cube_sim.flight.start import described, tell_phase
+from cube_sim.flight.start import described, record_phase, tell_phase
 from cube_sim.flight.stop_law import condition_met
 from cube_sim.flight.taken_over import NOT_BEGUN, Begun, Watches, take_over
 from cube_sim.flight.tick import NotANumberError, tick
@@ -348,9 +347,19 @@ class Loop:
         mission, controller = self.mission, self.mission.controller
         if not mission.stops.ends_phase(condition):
             self.stopped = mission.stops.end(condition, t)
-        elif isinstance(controller, PathFollower) and mission.phases.go_on(controller, mission.stops, t):
+            return
+        if late := mission.phases.late(mission.stops, t):
+            mission.phases.run_out += 1
+            if mission.phases.flown.block.when_late == "fail":
+                record_phase(mission, self._store, t)
+                self.stopped = EarlyEnd(t, late, "FAIL")
+                return
+            self._store.log(t, "WARNING", late)
+        if mission.phases.go_on(controller, mission.stops, t):
             tell_phase(mission, self._store, t)
         else:
+            if late:
+                record_phase(mission, self._store, t)
             self.stopped = mission.stops.after_phases(t)
             if self.stopped is None:
                 self._store.log(t, "INFO", "all phases are flown; the last goes on")

@@ -68,9 +68,14 @@ def described(mission: Mission, store: SignalStore) -> None:
 def tell_phase(mission: Mission, store: SignalStore, t: float) -> None:
     """Record which phase begins at t [s], and say so, where the mission has phases."""
     if mission.phases:
-        phase, count = mission.phases.index, len(mission.phases)
-        store.append("phase", t, float(phase))
-        store.log(t, "INFO", f"phase {phase + 1} of {count}: {mission.phases.flown.block.name}")
+        record_phase(mission, store, t)
+        store.log(t, "INFO", mission.phases.title)
+
+
+def record_phase(mission: Mission, store: SignalStore, t: float) -> None:
+    """Record which phase is flown at t [s], and how many ran out of time before, where one can."""
+    phases = mission.phases
+    store.append("phase", t, float(phases.index), *((float(phases.run_out),) if phases.timed else ()))
 
 
 def checked_seed(seed: Any) -> int:

@@ -59,7 +59,7 @@ def stop_value(stop, rows, k):
 
 @compiled
 def condition_met(stops, rows, k, t):
-    """Number of the first condition that has held for its time at one tick, -1 for none.
+    """Number of the first condition that has held for its time at one tick, or whose time is over, -1 for none.
 
     Args:
         stops: (n,) of `cube_sim.mission.stopping.STOP`, moved on.
@@ -79,6 +79,6 @@ def condition_met(stops, rows, k, t):
             holds = t >= stop.from_s and (value > stop.limit if stop.above else value < stop.limit)
             holds = holds and rows.path_error[k, 5] <= stop.turned
         stop.held = stop.held + 1 if holds else 0
-        if met < 0 and stop.held > stop.ticks:
+        if met < 0 and (stop.held > stop.ticks or t >= stop.until - SAME_S):
             met = i
     return met

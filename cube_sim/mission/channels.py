@@ -11,6 +11,7 @@ from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
 from cube_sim.recording.channels import SUPPLY, WHY_NOT_SUPPLIED, Channel, channel_table
 from cube_sim.scenario import Scenario
+from cube_sim.scenario.phase_blocks import is_timed
 from cube_sim.spatial import Matrix
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -28,6 +29,7 @@ def recorded_channels(scenario: Scenario, vehicle: Vehicle) -> tuple[Channel, ..
         tuple(name for name in SUPPLY if not why_unknown(name, scenario, vehicle)),
         bool(force_events(scenario)),
         tuple(phase.name for phase in scenario.phases),
+        is_timed(scenario.phases),
     ) + channels_of(scenario.navigation)
 
 

@@ -147,8 +147,18 @@ def too_slow_period(loaded: Loaded, times: Mapping[str, float]) -> list[str]:
     return [loaded.mistake("control_period_s", text, because=shortest)]
 
 
-def wrong_depth(loaded: Loaded, path: Path) -> list[str]:
-    """Mistakes, at most one: a vehicle that cannot change its depth starts at another depth than the path's."""
+def wrong_depth(loaded: Loaded, path: Path, height: float | None = None) -> list[str]:
+    """Mistakes, at most one: a vehicle that cannot change its depth is at another depth than its path.
+
+    Args:
+        loaded: the scenario.
+        path: to be flown.
+        height: at which it is [m]; None for where it starts.
+    """
+    if height is not None:
+        there = float(path.at(0.0).position[2])
+        text = f"lies at z = {there:g} m, the vehicle stays at z = {height:g} m: nothing it is asked for changes depth"
+        return [] if abs(height - there) <= SAME_DEPTH_M else [loaded.mistake("path", text)]
     at, there = loaded.scenario.initial.position_m[2], float(path.at(0.0).position[2])
     if abs(at - there) <= SAME_DEPTH_M:
         return []

@@ -46,13 +46,15 @@ STOP = np.dtype(
         ("limit", np.float64),
         ("turned", np.float64),
         ("from_s", np.float64),
+        ("until", np.float64),
         ("ticks", np.int64),
         ("held", np.int64),
     ]
 )
 """One condition: its kind; of a signal the table, its first column and how many there are; whether it is to be above
 the limit, else below; the largest attitude error beside the distance to a path's end [rad]; from when it is looked at
-[s]; for how many ticks after the first it has to hold, and at how many it has in a row by now."""
+[s]; when it is over, met or not [s]; for how many ticks after the first it has to hold, and at how many it has in a row
+by now."""
 _SAME = 1e-9  # of a tick
 
 
@@ -74,7 +76,7 @@ class Stops:
         self._given_up = next((stop for stop in scenario.stop if isinstance(stop, GivenUpStopBlock)), None)
         self._phased = bool(scenario.phases)
         self.records: Record = np.zeros(len(self._seen) + self._phased, STOP)
-        self.records["turned"] = np.inf
+        self.records["turned"] = self.records["until"] = np.inf
         self.records["kind"] = RESTING
         for record, stop in zip(self.records, self._seen, strict=False):
             record["ticks"] = ceil(stop.for_s / scenario.control_period_s - _SAME)

@@ -133,7 +133,7 @@ def why_absent(signal: str) -> str:
     if channel == DISTURBANCE.name:
         return "the scenario has no event of kind force"
     if channel == "phase":
-        return "the scenario has no phases"
+        return "no phase of the scenario has a time limit" if quantity == "late" else "the scenario has no phases"
     if channel in ("navigation", "navigation_error"):
         return "the scenario has no navigation block"
     sensor = channel.removeprefix("sensor_")
@@ -152,9 +152,10 @@ def _power(thrusters: tuple[str, ...], known: tuple[str, ...]) -> tuple[Channel,
 
 
 @lru_cache(maxsize=16)  # of many flights it is the same
-def _phase(names: tuple[str, ...]) -> tuple[Channel, ...]:
-    field = Field("index", 1, "1", "which phase is flown, a code", (), names)
-    return (Channel("phase", (field,), ON_CHANGE),) if names else ()
+def _phase(names: tuple[str, ...], timed: bool) -> tuple[Channel, ...]:
+    flown = Field("index", 1, "1", "which phase is flown, a code", (), names)
+    late = Field("late", 1, "1", "how many phases before have run out of time")
+    return (Channel("phase", (flown, late) if timed else (flown,), ON_CHANGE),) if names else ()
 
 
 def channel_table(
@@ -165,6 +166,7 @@ def channel_table(
     supply: tuple[str, ...] = SUPPLY,
     pushed: bool = False,
     phases: tuple[str, ...] = (),
+    timed: bool = False,
 ) -> tuple[Channel, ...]:
     """Declare what a run of a vehicle with these thrusters records.
 
@@ -176,6 +178,7 @@ def channel_table(
         supply: which of `SUPPLY` are known; the others are not recorded.
         pushed: whether something pushes the vehicle.
         phases: names of the phases, if there are any.
+        timed: whether any of them has a time limit.
 
     Returns:
         The channels in the order in which they are written.
@@ -287,8 +290,5 @@ def channel_table(
             ),
         ),
         *((DISTURBANCE,) if pushed else ()),
-        *(
-            (Channel("phase", (Field("index", 1, "1", "which phase is flown, a code", (), phases),), ON_CHANGE),)
-            * bool(phases)
-        ),
+        *_phase(phases, timed),
     )

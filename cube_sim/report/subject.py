@@ -92,6 +92,7 @@ class Subject:
     def phases(self) -> tuple[FlownPhase, ...]:
         """Those that were entered, in their order."""
         rows, labels = self.run.signals.get(PHASE, np.empty((0, 2))), self.labels(PHASE)
+        rows = rows[np.diff(rows[:, 1], prepend=-1.0) != 0]  # another row of the last one says how it ended
         starts, ends = rows[:, 0].tolist(), [*rows[1:, 0].tolist(), self.run.recorded_s]
         numbers = rows[:, 1].astype(int).tolist()
         return tuple(

@@ -2,25 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import atan2, degrees, dist
-from typing import Any
+from typing import Any, ClassVar, Literal, Self
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, model_validator
 
 from cube_sim.scenario.attitude_blocks import NamedAttitude
 from cube_sim.scenario.document import Location
 from cube_sim.scenario.guidance_block import GuidanceBlock
 from cube_sim.scenario.path_blocks import NamedPath
-from cube_sim.scenario.values import Angle, Block, Extent, Place, Seconds, Speed, Title
+from cube_sim.scenario.statistic_keys import SparingBlock
+from cube_sim.scenario.values import Angle, Block, Extent, Place, Seconds, Speed, Title, refuse
 
 REACH_M = 0.5
 WITHIN_DEG = 5.0
 _SHORTEST_M = 0.01
+WhenLate = Literal["go_on", "fail"]
+TIME_LIMIT: Any = Field(
+    default=None,
+    description="It is over after this time even where the vehicle has not arrived, which is late [s]. Default: none.",
+)
+WHEN_LATE: Any = Field(
+    default="go_on", description="go_on: being late is a warning, and counts. fail: the run ends and has failed."
+)
 
 
-class PhaseBlock(Block):
-    """A leg of the mission. It is over when the vehicle has arrived at the end of its path, or after `for_s`."""
+class PhaseBlock(SparingBlock):
+    """A leg of the mission. It is over when the vehicle has arrived at the end of its path, or after a time."""
+
+    sparing: ClassVar[frozenset[str]] = frozenset(("time_limit_s", "when_late"))
 
     name: Title = Field(description="Shown where the phase is told.")
     path: NamedPath = Field(discriminator="type", description="Its path, see `path`.")
@@ -40,6 +51,15 @@ class PhaseBlock(Block):
     for_s: Seconds | None = Field(
         default=None, description="It is over after this time, arrived or not [s]. Default: when it has arrived."
     )
+    time_limit_s: Seconds | None = TIME_LIMIT
+    when_late: WhenLate = WHEN_LATE
+
+    @model_validator(mode="after")
+    def _one_end(self) -> Self:
+        if self.for_s is not None and self.time_limit_s is not None:
+            refuse("for_s ends the phase, arrived or not: leave out one of the two", "time_limit_s")
+        _require_limit(self)
+        return self
 
 
 class WaypointBlock(Block):
@@ -54,6 +74,23 @@ class WaypointBlock(Block):
         description="Where to the vehicle turns there, from world x towards y [deg]. Default: it stays as it came.",
     )
     reach_m: Extent = Field(default=REACH_M, description="Distance at which it has arrived [m].")
+    time_limit_s: Seconds | None = TIME_LIMIT
+    when_late: WhenLate = WHEN_LATE
+
+    @model_validator(mode="after")
+    def _limited(self) -> Self:
+        _require_limit(self)
+        return self
+
+
+def _require_limit(block: PhaseBlock | WaypointBlock) -> None:
+    if block.when_late != "go_on" and block.time_limit_s is None:
+        refuse("there is no time limit to be late for: give time_limit_s", "when_late")
+
+
+def is_timed(phases: Iterable[PhaseBlock]) -> bool:
+    """Whether any of some phases can run out of time."""
+    return any(phase.time_limit_s is not None for phase in phases)
 
 
 def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
@@ -98,18 +135,20 @@ def _legs(data: Mapping[str, Any]) -> list[dict[str, Any]] | None:
         name = block.name or f"waypoint {i + 1}"
         to, stays = list(block.to_m), block.hold_s > 0.0 or block.heading_deg is not None
         guidance: dict[str, Any] = {} if block.speed_m_s is None else {"speed_m_s": block.speed_m_s}
+        limit = {} if block.time_limit_s is None else {"time_limit_s": block.time_limit_s, "when_late": block.when_late}
         if dist(place, to) >= _SHORTEST_M:
             if to[:2] != place[:2]:
                 heading = degrees(atan2(to[1] - place[1], to[0] - place[0]))
             path = {"type": "line", "start_m": place, "end_m": to}
-            phases.append({"name": name, "path": path, "guidance": guidance, "reach_m": block.reach_m})
+            phases.append({"name": name, "path": path, "guidance": guidance, "reach_m": block.reach_m, **limit})
+            limit = {}
         if stays or dist(place, to) < _SHORTEST_M:
             heading = heading if block.heading_deg is None else block.heading_deg
             path = {"type": "point", "position_m": to, "heading_deg": heading}
             held = {"name": f"{name}: hold", "path": path, "guidance": guidance, "reach_m": block.reach_m}
             if block.heading_deg is not None:
                 held |= {"within_deg": WITHIN_DEG}
-            phases.append({**held, "hold_s": block.hold_s})
+            phases.append({**held, "hold_s": block.hold_s, **limit})
         place = to
     return phases
 

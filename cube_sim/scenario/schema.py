@@ -233,7 +233,7 @@ class Scenario(Block):
     phases: Annotated[tuple[PhaseBlock, ...], Strict(False)] = Field(
         default=(),
         description="Legs with paths of their own, flown one after the other, in place of `path`. The last goes on to"
-        " the end of the run. The law for all axes flies them.",
+        " the end of the run. Every law flies them, but a whole controller of one's own.",
     )
     waypoints: Annotated[tuple[WaypointBlock, ...], Strict(False)] = Field(
         default=(),

@@ -251,6 +251,7 @@ def _tables(m: int) -> tuple[Channel, ...]:
         tuple(authority.name for authority in Authority),
         pushed=True,
         phases=("the names of the phases",),
+        timed=True,
     )
 
 

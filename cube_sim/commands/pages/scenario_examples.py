@@ -77,7 +77,7 @@ waypoints:
 """,
     "phases": """\
 phases:
-  - {name: there, path: {type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}}
+  - {name: there, path: {type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}, time_limit_s: 30, when_late: fail}
   - {name: look around, path: {type: point, position_m: [4, 0, -5], heading_deg: 180}, within_deg: 5, hold_s: 2}
   - {name: rest, path: {type: point, position_m: [4, 0, -5], heading_deg: 180}, for_s: 5}
   - {name: down, path: {type: line, start_m: [4, 0, -5], end_m: [4, 0, -7]}, guidance: {speed_m_s: 0.2},

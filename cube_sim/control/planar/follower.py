@@ -61,6 +61,14 @@ class PlanarFollower:
             estimated=np.zeros(1, ESTIMATED),
         )
 
+    def take_up(self, other: PlanarFollower) -> None:
+        """See `GoesOn.take_up`."""
+        self.target, self.profile, self.law, self.waits = other.target, other.profile, other.law, other.waits
+        self.observer.expect(other.observer)
+        follows = self.parts.settings["follows"][0]
+        self.parts = other.parts._replace(observer=self.observer.parts)
+        self.parts.settings["follows"] = follows
+
     def reconfigure(self, left: Capability) -> None:
         """Go on while there is a force that comes without a torque; then the other direction steers."""
         follows = bool(left.pure_forces.shape[1])

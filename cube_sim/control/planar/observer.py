@@ -79,6 +79,10 @@ class PlanarObserver:
             before=np.zeros(1, BEFORE),
         )
 
+    def expect(self, other: PlanarObserver) -> None:
+        """Look for the current as another observer of the same hull would, from what is known by now."""
+        self.parts = self.parts._replace(filter=other.parts.filter)
+
     @property
     def current(self) -> Vector:
         """The current reckoned with (2,) [m/s], world axes."""

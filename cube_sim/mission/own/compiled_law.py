@@ -66,6 +66,10 @@ class CompiledLaw:
         """The law as the compiled loop asks it; None where its motion or attitude is one that only Python knows."""
         return own_law_parts(self._own(), self._attitude, self._motion, self.capability.effort, self._asked)
 
+    def take_up(self, other: CompiledLaw) -> None:
+        """See `GoesOn.take_up`; the law itself and what it remembers stay."""
+        self.target, self._motion, self._attitude = other.target, other._motion, other._attitude
+
     def view(self, state: State) -> TargetView:
         """See `Controller.view`."""
         return self.target.view(state.position, state.rotation @ state.velocity)

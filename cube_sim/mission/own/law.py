@@ -113,6 +113,10 @@ class OwnLaw:
         self.reconfigure(setup.capability)
         self._demanded = np.zeros(6)
 
+    def take_up(self, other: OwnLaw) -> None:
+        """See `GoesOn.take_up`; the law itself and what it remembers stay."""
+        self._target, self._motion, self._attitude = other._target, other._motion, other._attitude
+
     def view(self, state: State) -> TargetView:
         """See `Controller.view`."""
         return self._target.view(state.position, state.rotation @ state.velocity)

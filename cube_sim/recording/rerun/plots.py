@@ -218,7 +218,7 @@ def lanes(channels: Sequence[Channel]) -> list[Lane]:
                     Lane(channel.name, field.name, i, f"{LANES}/{name}", _SIDES, thruster=i)
                     for i, name in enumerate(field.columns)
                 ]
-            elif channel.name == "phase":
+            elif channel.name == "phase" and field.labels:
                 legs = zip(field.labels, palette.series(len(field.labels)), strict=True)
                 found.append(Lane(channel.name, field.name, 0, f"{LANES}/phase", dict(enumerate(legs))))
             elif field.labels and not channel.name.startswith("sensor_"):  # what became of readings has its plot
