@@ -92,6 +92,10 @@ class RecordingError(CubeSimError):
     """A recording cannot be written or read."""
 
 
+class SweepError(CubeSimError):
+    """A sweep cannot go on; what is flown stays."""
+
+
 class UnknownSignalError(RecordingError, KeyError):
     """No such signal was recorded; a KeyError too, as of any mapping."""
 

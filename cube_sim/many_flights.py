@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
+from traceback import format_exception
 from typing import Any, Protocol
 
 from cube_sim.asked_store import AskedStore
@@ -40,6 +41,7 @@ class FlightOutcome:
         ended_early: when and why it ended before its time; None if it did not.
         log: what was said at the level WARNING or above, in the order of time.
         statistics: of the whole flight, see `statistics_of`.
+        traceback: of an exception of the user's own code that ended it; "" of none.
         signals: those asked for that it records, "channel.field" -> (n, 1 + width), column 0 the time [s].
     """
 
@@ -51,6 +53,7 @@ class FlightOutcome:
     log: tuple[LogLine, ...]
     statistics: Mapping[str, float]
     signals: Signals
+    traceback: str = ""
 
 
 def fly_many(
@@ -201,7 +204,17 @@ def flown(
         log=store.warnings,
         statistics=store.statistics.results(),
         signals=store.signals,
+        traceback=_traceback(flight.raised),
     )
+
+
+def _traceback(raised: Exception | None) -> str:
+    """Of the exception in the user's own code that an error comes of, from the first line of that code on."""
+    cause = None if raised is None else raised.__cause__
+    if cause is None:
+        return ""
+    place = cause.__traceback__
+    return "".join(format_exception(type(cause), cause, None if place is None else place.tb_next))
 
 
 def unconfirmed(loaded: Loaded) -> Loaded:

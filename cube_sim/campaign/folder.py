@@ -23,8 +23,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from cube_sim.campaign.rows import joined, samples_in, table_of, times_alone, without_times
-from cube_sim.campaign.sample_flight import RUNS, FlownSample
-from cube_sim.errors import DirectoryError
+from cube_sim.campaign.sample_flight import GO_ON, RUNS, FlownSample
+from cube_sim.errors import DirectoryError, SweepError
 from cube_sim.flight_statistics import STATISTICS
 from cube_sim.locked_folder import FolderHeldError, held
 from cube_sim.uninterrupted import uninterrupted
@@ -145,7 +145,7 @@ class SweepFolder:
         """Take one; it is written within a second, with those that come meanwhile.
 
         Raises:
-            OSError: it cannot be written.
+            SweepError: it cannot be written.
         """
         self._waiting.append(flown)
         if time.monotonic() - self._written_at >= EVERY_S:
@@ -155,10 +155,10 @@ class SweepFolder:
         """Write what waits.
 
         Raises:
-            OSError: it cannot be written.
+            SweepError: it cannot be written.
         """
         if self._waiting:
-            with uninterrupted():
+            with uninterrupted(), self._room():
                 table = table_of(self._waiting)
                 self._keep(table, 0)
                 self.done |= samples_in(table)
@@ -169,10 +169,10 @@ class SweepFolder:
         """Make one file of all rows in the folder that are of this part of the sweep, or of the whole; these rows.
 
         Raises:
-            OSError: it cannot be written.
+            SweepError: it cannot be written.
         """
         self.flush()
-        with uninterrupted():
+        with uninterrupted(), self._room():
             whole = rows_in(self.path, self._checks)
             if self._shard.of > 1:
                 mine = pa.array([k % self._shard.of == self._shard.number - 1 for k in whole["sample"].to_pylist()])
@@ -183,6 +183,14 @@ class SweepFolder:
                     pq.write_table(table, part)
             self._clear()
         return whole
+
+    @contextlib.contextmanager
+    def _room(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            why = error.strerror or " ".join(str(error).split())
+            raise SweepError(f"{self.path}: rows cannot be written: {why}; {GO_ON}") from None
 
     def _clear(self) -> None:
         """Remove what the file of all rows holds as well."""

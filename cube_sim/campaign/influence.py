@@ -81,7 +81,22 @@ def parameters_of(rows: pa.Table, thrusters: Sequence[str] = ()) -> list[Paramet
                     found.append(Parameter(f"{name} = {word}", there, False))
         else:
             found.append(Parameter(name, numbers(rows, name), True))
+    found += _lengths(found)
     return [each for each in found if len(np.unique(each.values[~np.isnan(each.values)])) > 1]
+
+
+def _lengths(found: Sequence[Parameter]) -> list[Parameter]:
+    """Of every vector of which more than one column was varied: what none of its parts tells."""
+    parts: dict[str, list[Vector]] = {}
+    for each in found:
+        base, _, column = each.name.rpartition(".")
+        if each.is_number and base and column.isdigit():
+            parts.setdefault(base, []).append(each.values)
+    return [
+        Parameter(f"length of {base}", np.linalg.norm(np.column_stack(columns), axis=1), True)
+        for base, columns in parts.items()
+        if len(columns) > 1
+    ]
 
 
 def rank_correlation(x: Vector, y: Vector) -> Correlation:

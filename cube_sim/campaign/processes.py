@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
 from cube_sim.campaign.sample_flight import FlownSample, SampleFlights, Task
-from cube_sim.errors import CubeSimError
+from cube_sim.errors import CubeSimError, SweepError
 
 _POOLS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD: dict[str, str] = dict.fromkeys(_POOLS, "1")
@@ -54,6 +54,8 @@ def in_processes(task: Task, samples: Iterable[int], workers: int) -> Iterator[F
                     if worker.connection not in ready and not late:
                         continue
                     landed = None if late else worker.answer()
+                    if isinstance(landed, SweepError):
+                        raise landed
                     if isinstance(landed, str):  # it is up
                         continue
                     if late:
@@ -126,8 +128,8 @@ class _Worker:
             before, now = now, self.last_words()
         return now
 
-    def answer(self) -> FlownSample | str | None:
-        """The sample it has flown, or `_IS_UP`; None where it has died."""
+    def answer(self) -> FlownSample | SweepError | str | None:
+        """The sample it has flown, `_IS_UP`, or why nothing more can be; None where it has died."""
         try:
             answer = self._here.recv()
             if isinstance(answer, str):
@@ -178,7 +180,8 @@ def _environment(values: dict[str, str]) -> Iterator[None]:
 def _fly_what_is_asked(connection: Connection, words: Path) -> None:
     """The process: samples until its parent is gone, or has no more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent hears it too, and ends this
-    with words.open("w") as file, suppress(EOFError, BrokenPipeError):
+    os.dup2(2, 1)  # what code of the user's own prints is none of the command's results
+    with words.open("w") as file, suppress(EOFError, OSError):  # its parent is gone
         faulthandler.enable(file)
         if _SHOW is not None:
             faulthandler.register(_SHOW, file, all_threads=False)
@@ -189,4 +192,8 @@ def _fly_what_is_asked(connection: Connection, words: Path) -> None:
             sys.exit(1)
         connection.send(_IS_UP)
         while True:
-            connection.send(flights.fly(connection.recv()))
+            k = connection.recv()
+            try:
+                connection.send(flights.fly(k))
+            except SweepError as error:
+                connection.send(error)

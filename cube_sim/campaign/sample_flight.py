@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any, Literal, NamedTuple
 
 from cube_sim.campaign.sampling import DrawnSample, SamplePlan
-from cube_sim.errors import CubeSimError
+from cube_sim.errors import CubeSimError, DirectoryError, RecordingError, SweepError
 from cube_sim.many_flights import FlightOutcome, Stop, StoppedFlightError, flown, unconfirmed
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.shared import Shared
@@ -26,6 +26,8 @@ Keep = Literal["none", "failures", "all"]
 """Of which samples a recording stays."""
 RUNS = "runs"
 """Folder of the recordings, one for each sample in it, by its number."""
+GO_ON = "what is flown stays: go on with --resume once there is room"
+"""What is to be done where a disk is full."""
 CHECK, NOTE = "check", "note"
 """Before the name of a check, and of a note, in the name of a column."""
 
@@ -100,6 +102,7 @@ class SampleFlights:
 
         Raises:
             StoppedFlightError: it was stopped.
+            SweepError: what is to be kept of it cannot be.
         """
         begun, clock = time.perf_counter(), _FlightClock()
         limit = _Limit(stop, self._task.limit_s)
@@ -112,13 +115,15 @@ class SampleFlights:
             outcome = flown(unconfirmed(loaded), sample.values, stop=limit, around=clock)
             row |= _columns(outcome)
             self._keep_recording(k, loaded, outcome)
+        except SweepError:
+            raise
         except StoppedFlightError:
             if stop is not None and stop.is_set():
                 raise
             row |= {"reason": self._task.too_long}
         except CubeSimError as error:
             row |= {"reason": _one_line(error)}
-        except Exception as error:
+        except (Exception, KeyboardInterrupt) as error:  # the second is the user's own code's: a worker hears no Ctrl-C
             row |= {"reason": f"{type(error).__name__}: {_one_line(error)}", "traceback": _below_here(error)}
         return FlownSample(row, clock.seconds, time.perf_counter() - begun)
 
@@ -140,7 +145,10 @@ class SampleFlights:
     def _keep_recording(self, k: int, loaded: Loaded, outcome: FlightOutcome) -> None:
         """Fly it once more, with a recording, where that is wanted: what passes has cost nothing for it."""
         if self._task.keep == "all" or (self._task.keep == "failures" and outcome.verdict != "PASS"):
-            again = fly(loaded, out=self._task.folder / RUNS / str(k), record="mcap")
+            try:
+                again = fly(loaded, out=self._task.folder / RUNS / str(k), record="mcap")
+            except (RecordingError, DirectoryError) as error:
+                raise SweepError(f"the recording of sample {k} cannot be kept: {_one_line(error)}; {GO_ON}") from None
             if again.checks != outcome.checks:
                 raise CubeSimError(f"flown again with a recording, it is another flight: {_words(again.checks)}")
 
@@ -210,6 +218,8 @@ def _columns(outcome: FlightOutcome) -> dict[str, Any]:
             f"{name}.at_s": check.at_s,
             f"{name}.unit": check.unit,
         }
+    if outcome.traceback:
+        found["traceback"] = outcome.traceback
     return found | dict(outcome.statistics)
 
 

@@ -94,6 +94,8 @@ class SamplePlan:
         block = loaded.scenario.samples
         if block is None:
             raise ScenarioError([loaded.mistake("", "has no samples: block, so there is no sample of it")])
+        if lost := [said for each in loaded.overrides if (said := _lost(each.path, block))]:
+            raise ScenarioError(lost)
         self._loaded, self._block = loaded, block
         self._written = apply(loaded.document.data, {each.path: each.value for each in loaded.overrides})[0]
         self._resolved: dict[str, Any] = loaded.scenario.model_dump()
@@ -295,6 +297,14 @@ class SamplePlan:
         """The stream of a key in a sample."""
         seeds = np.random.SeedSequence(self._block.seed, spawn_key=(k, crc32(name.encode())))
         return np.random.default_rng(seeds)
+
+
+def _lost(path: str, block: SamplesBlock) -> str:
+    """Why a value that is set is one that no sample has; "" where it is not."""
+    for varied, distribution in block.vary.items():
+        if distribution.gives == "value" and f"{path}.".startswith(f"{varied}."):
+            return f"override {path}: samples.vary draws {varied}: the value would be that of no sample"
+    return ""
 
 
 def _is_by_name(answer: Any) -> bool:

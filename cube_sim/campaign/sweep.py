@@ -71,6 +71,7 @@ def sweep(
     Raises:
         ScenarioError: the samples are none that can be flown; nothing is.
         DirectoryError: `out` holds something else, or another sweep.
+        SweepError: the disk is full, or gone; what was flown stays.
         SweepInterrupted: Ctrl-C, SIGTERM or SIGHUP; what was flown stays.
     """
     plan = SamplePlan(loaded)

@@ -65,6 +65,7 @@ class Loop:
     def _stand(self, mission: Mission, store: SignalStore) -> None:
         """Stand at the beginning."""
         self.mission, self.ended, self.tick = mission, "", 0
+        self.raised: Exception | None = None
         self.stopped: EarlyEnd | None = None
         self._store = store
         self._applied: NDArray[np.float64] = np.zeros(6)
@@ -329,7 +330,7 @@ class Loop:
             decision, allocation, self._known = tick(mission, self._rows, store, *given)
         except (NotANumberError, OwnCodeError) as error:
             store.extend(t, t, [(name, rows) for name, rows in self._rows.named() if name == "power"])
-            self.ended = str(error)
+            self.ended, self.raised = str(error), error
             return
         self._applied, self._wanted = allocation.wrench, decision.quaternion
         self._watches.note(t, self._rows, 0, mission.supply.force_ratio, decision.pace)

@@ -175,8 +175,9 @@ def _influence(sweep: SweepResult, parameters: list[Parameter], margins: np.ndar
     cells = [(text(_named(sweep, name)), *map(_rho, correlations)) for name, correlations in found[:PARAMETERS]]
     header = ("what was varied", "smallest margin", *checks)
     words = (
-        "Rank correlation of what was varied with the margins: −1 to 1, and 0 where one tells nothing of the other. "
-        "Below 0 more of it takes margin away. What chance alone gives more often than once in a hundred times is grey."
+        "Rank correlation of what was varied with the margins, −1 to 1: below 0 more of it takes margin away. It sees "
+        "what rises or falls throughout, and is near 0 also for what is worst, or best, in the middle. What chance "
+        "alone gives more often than once in a hundred times is grey."
     )
     return table(header, cells, "w" + "r" * (1 + len(checks)), narrow=True) + f'<p class="dim">{text(words)}</p>'
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import prod
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
@@ -159,7 +160,14 @@ class SamplesBlock(Block):
             for key in ("where", "forecast", "each"):
                 if getattr(required, key):
                     refuse("is about notes, which a generator gives: there is none", "required", key)
+        sizes = [each.size for each in self.vary.values() if isinstance(each, GridBlock)]
+        if self.count is None and prod(sizes) > MOST_SAMPLES:
+            text = f"the grids have {prod(sizes)} points together, more than {MOST_SAMPLES} samples: give a count"
+            refuse(text, "vary")
         for path in self.vary:
+            outer = next((other for other in self.vary if path.startswith(f"{other}.")), None)
+            if outer is not None:
+                refuse(f"lies in {outer}, which is varied too: one of the two would be lost", "vary", path)
             if path.partition(".")[0] in ("samples", "schema_version"):
                 refuse("is what the samples are made of, and not varied", "vary", path)
         return self

@@ -49,3 +49,23 @@ def test_words_and_lost_thrusters_are_parameters_too():
         "lost_thrusters: T1": [0, 1, 1, 0],
         "lost_thrusters: T3": [0, 0, 1, 1],
     }
+
+
+def test_of_a_vector_the_length_is_a_parameter_too():
+    """A current from any side speaks by its strength alone, which none of its parts tells."""
+    rng = np.random.default_rng(4)
+    angle, length = rng.uniform(0.0, 2.0 * np.pi, 200), rng.uniform(0.0, 0.8, 200)
+    rows = [
+        {
+            "sample": k,
+            "verdict": "PASS",
+            "current_m_s.0": float(size * np.cos(turned)),
+            "current_m_s.1": float(size * np.sin(turned)),
+            "speed": 1.0 + k,
+        }
+        for k, (turned, size) in enumerate(zip(angle.tolist(), length.tolist(), strict=True))
+    ]
+    found = {each.name: each for each in parameters_of(table_of([FlownSample(row, 0.1, 0.1) for row in rows]))}
+    assert list(found) == ["current_m_s.0", "current_m_s.1", "speed", "length of current_m_s"]
+    assert rank_correlation(found["length of current_m_s"].values, -(length**2)).rho == pytest.approx(-1.0)
+    assert abs(rank_correlation(found["current_m_s.0"].values, -(length**2)).rho) < 0.2

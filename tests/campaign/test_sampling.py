@@ -296,6 +296,26 @@ def test_settings_of_the_samples_go_with_them(tmp_path):
     assert (flown.guidance.speed_m_s, flown.seed, flown.samples) == (0.45, 7, None)
 
 
+def test_a_value_that_is_set_and_drawn_is_refused(tmp_path):
+    """It would be that of no sample; where a change of it is drawn, it is that of all."""
+    file = sampled(tmp_path, "current_m_s: {distribution: direction, high: 0.1}").path
+    with pytest.raises(ScenarioError) as caught:
+        SamplePlan(load(file, {"current_m_s": [0.3, 0, 0]}))
+    said = "override current_m_s: samples.vary draws current_m_s: the value would be that of no sample"
+    assert str(caught.value) == said
+    file = sampled(tmp_path, "guidance.speed_m_s: {distribution: uniform, gives: factor, low: 1, high: 1.1}").path
+    assert sample(load(file, {"guidance.speed_m_s": 0.2}), 0).scenario.guidance.speed_m_s == pytest.approx(
+        0.21, rel=0.06
+    )
+
+
+def test_grids_of_more_points_than_anybody_flies_are_refused(tmp_path):
+    axis = "{distribution: grid, low: 0.1, high: 0.2, points: 4000}"
+    vary = "\n".join(f"{key}: {axis}" for key in ("guidance.speed_m_s", "current_m_s.0"))
+    with pytest.raises(ScenarioError, match="the grids have 16000000 points together, more than 10000000 samples"):
+        sampled(tmp_path, vary, count=None)
+
+
 def test_a_generator_whose_scenario_cannot_be_flown(tmp_path):
     (tmp_path / "draw.py").write_text("def drawn(k, rng):\n    return {'guidance.speed_m_s': -1.0}\n")
     loaded = sampled(tmp_path, "", more="  generator: {python: 'draw.py:drawn'}\n")
@@ -323,6 +343,9 @@ def test_a_generator_whose_scenario_cannot_be_flown(tmp_path):
         ("current_m_s: {distribution: uniform, low: [0, 0], high: [0.1, 0.1]}",
          "mission.yaml:14:18: samples.vary.current_m_s: may be [0.0, 0.0]: current_m_s.2: a number is missing here: the"
          " list is too short"),
+        ("current_m_s: {distribution: direction, high: 0.1}\ncurrent_m_s.0: {distribution: uniform, low: 0, high: 0.1}",
+         "mission.yaml:15:20: samples.vary.current_m_s.0: lies in current_m_s, which is varied too: one of the two"
+         " would be lost"),
         ("current_m_s.3: {distribution: uniform, low: 0, high: 0.1}",
          "mission.yaml:14:20: samples.vary.current_m_s.3: current_m_s is a list of 3, '3' is not an index of it"),
         ("guidance.law: {distribution: uniform, gives: factor, low: 0.9, high: 1.1}",

@@ -17,7 +17,7 @@ from support.sweeps import SAMPLES, rows_of, swept, written
 from cube_sim.campaign import sampling
 from cube_sim.campaign import sweep as campaign
 from cube_sim.campaign.folder import Shard
-from cube_sim.errors import CubeSimError, DirectoryError, ScenarioError
+from cube_sim.errors import CubeSimError, DirectoryError, ScenarioError, SweepError
 from cube_sim.runs.recorded_run import load_run
 from cube_sim.scenario import load
 from cube_sim.simulation import fly
@@ -144,6 +144,10 @@ def test_what_crashes_is_one_row(tmp_path):
     assert [row["verdict"] for row in rows] == ["PASS", "ERROR", "ERROR", "ERROR", "PASS"]
     assert rows[1]["reason"].startswith("ended at 0.")
     assert "crash.py:16: AttributeError" in rows[1]["reason"]
+    assert 'crash.py", line 16, in answer' in rows[1]["traceback"]
+    assert 'own.py", line' in rows[1]["traceback"]
+    assert rows[1]["traceback"].rstrip().splitlines()[-1].startswith("AttributeError: ")
+    assert "campaign" not in rows[1]["traceback"]
     assert "SystemError: nobody foresaw this" in rows[2]["reason"]
     assert rows[3]["reason"] == "its process died: SIGSEGV"
     assert 'crash.py", line 9 in law' in rows[3]["traceback"]
@@ -281,3 +285,29 @@ def test_a_scenario_without_samples_has_no_sweep(tmp_path):
     done = cube_sim("sweep", file, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr == f"{file}:1:1: has no samples: block, so there is no sample of it\n"
+
+
+def test_a_recording_that_cannot_be_kept_ends_the_sweep_and_spoils_no_row(flown, tmp_path):
+    file, _ = flown
+    campaign.sweep(load(file, {"samples.count": 1}), tmp_path / "out")
+    taken = tmp_path / "out" / "runs" / "5"
+    taken.mkdir(parents=True)
+    (taken / "thesis.tex").write_text("")
+    for way in ("threads", "processes"):
+        with pytest.raises(SweepError) as caught:
+            swept(file, tmp_path / "out", resume=True, keep="all", workers=1, workers_as=way)
+        assert str(caught.value).startswith(f"the recording of sample 5 cannot be kept: {taken}: holds thesis.tex")
+        assert str(caught.value).endswith("what is flown stays: go on with --resume once there is room")
+    (taken / "thesis.tex").unlink()
+    whole = swept(file, tmp_path / "out", resume=True, keep="all", workers=2)
+    assert (whole.folder / "rows.parquet").read_bytes() == (flown[1].folder / "rows.parquet").read_bytes()
+    assert {int(each.name) for each in (whole.folder / "runs").iterdir()} == set(range(1, 12))
+
+
+def test_what_own_code_prints_is_no_result(tmp_path):
+    (tmp_path / "own.py").write_text(PID.replace("    def law(aim):\n", "    def law(aim):\n        print('seen')\n"))
+    samples = "samples:\n  vary:\n    guidance.speed_m_s: {distribution: grid, values: [0.3, 0.4]}\n"
+    file = written(tmp_path, samples, FLIGHT + "control: {law: {python: 'own.py:pid'}}\n")
+    done = cube_sim("sweep", file, "--json", "--out", "out", cwd=tmp_path)
+    assert json.loads(done.stdout)["samples"] == 2
+    assert "seen" in done.stderr
