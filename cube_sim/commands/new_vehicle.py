@@ -15,6 +15,7 @@ from cube_sim.commands.progress import begin_compiling
 from cube_sim.errors import CubeSimError, ShapeError
 
 if TYPE_CHECKING:
+    from cube_sim.vehicle.known_thrusters import KnownThruster
     from cube_sim.vehicle_draft.hull import HullDraft
     from cube_sim.vehicle_draft.thruster_places import ThrusterPlace
 
@@ -53,7 +54,11 @@ def vehicle(
         Path | None,
         typer.Option(metavar="FILE", help="CSV instead: name,x_m,y_m,z_m,axis_x,axis_y,axis_z,type."),
     ] = None,
-    voltage_v: Annotated[float, typer.Option(metavar="V", help="Of the thrusters' published curves.")] = 16.0,
+    thruster_table: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV of more types: thruster,voltage_V,pulse_us,force_kgf,power_W."),
+    ] = None,
+    voltage_v: Annotated[float, typer.Option(metavar="V", help="Of the thrusters' curves.")] = 16.0,
     centre_of_mass_m: Annotated[
         str | None,
         typer.Option(metavar="X,Y,Z", help="Default: below the centre of buoyancy by a twentieth of the height."),
@@ -74,7 +79,8 @@ def vehicle(
     tables. What is an estimate says so in the file. On a terminal you are asked for what is missing.
     """
     from cube_sim.hull_shape.reading import FRAMES, UNITS
-    from cube_sim.vehicle.known_thrusters import known_names
+    from cube_sim.vehicle.known_thrusters import known_names, known_thruster
+    from cube_sim.vehicle.thruster_tables import read_tables
     from cube_sim.vehicle_draft.thruster_places import places_of_file, places_of_flags
 
     if not _NAME.fullmatch(name):
@@ -90,13 +96,19 @@ def vehicle(
         stop(BAD_INPUT, "--mesh and --size-m: one of the two says what the hull is")
     if thruster and thrusters is not None:
         stop(BAD_INPUT, "--thruster and --thrusters: one of the two says where they are")
+    turn = frame.upper()
+    try:
+        tables = None if thruster_table is None else read_tables(thruster_table)
+    except CubeSimError as error:
+        stop(BAD_INPUT, str(error))
+    types = known_names(tables)
     if sys.stdin is not None and sys.stdin.isatty():
         mass_kg = typer.prompt("Mass [kg]", type=float) if mass_kg is None and urdf is None else mass_kg
         if mesh is None and size_m is None:
             told = typer.prompt("Mesh of the hull (.obj, .stl), or length,width,height [m]")
             mesh, size_m = (Path(told), None) if Path(told).suffix.lower() in (".obj", ".stl") else (None, told)
         if not thruster and thrusters is None:
-            thruster = _asked_thrusters(known_names())
+            thruster = _asked_thrusters(turn, types)
     needed = {
         "--mass-kg or --urdf": mass_kg is not None or urdf is not None,
         "--mesh or --size-m": mesh is not None or size_m is not None,
@@ -108,21 +120,32 @@ def vehicle(
     try:
         if mass_kg is not None and not 0.0 < mass_kg < 1e9:
             raise ShapeError(f"--mass-kg {mass_kg:g}: a mass [kg] is positive")
-        turn = frame.upper()
-        places = places_of_file(thrusters, turn) if thrusters is not None else places_of_flags(thruster or [], turn)
+        places = (
+            places_of_flags(thruster or [], turn, types)
+            if thrusters is None
+            else places_of_file(thrusters, turn, types)
+        )
         hull = _hull(mass_kg, mesh, size_m, unit, turn, centre_of_mass_m, neutral, urdf)
-        _write(name, folder, hull, places, voltage_v)
+        kinds = {kind: known_thruster(kind, voltage_v, tables) for kind in dict.fromkeys(at.kind for at in places)}
+        _write(name, folder, hull, places, kinds)
     except CubeSimError as error:
         stop(BAD_INPUT, str(error))
     except OSError as error:
         stop(BAD_INPUT, f"{error.filename or folder}: cannot be written: {error.strerror}")
 
 
-def _asked_thrusters(types: tuple[str, ...]) -> list[str]:
-    """Thrusters as flags have them, asked for one after the other."""
+def _asked_thrusters(frame: str, types: tuple[str, ...]) -> list[str]:
+    """Thrusters as flags have them, asked for one after the other; what is none is asked for again."""
+    from cube_sim.vehicle_draft.thruster_places import places_of_flags
+
     typer.echo(f"Thrusters, as {_THRUSTER} ({', '.join(types)}), for example T1=0.15,-0.11,0:1,1,0:T200; empty: done")
     given: list[str] = []
     while told := typer.prompt(f"Thruster {len(given) + 1}", default="", show_default=False):
+        try:
+            places_of_flags([*given, told], frame, types)
+        except CubeSimError as error:
+            typer.echo(str(error), err=True)
+            continue
         given.append(told)
     return given
 
@@ -171,13 +194,13 @@ def _numbers(option: str, text: str) -> list[float]:
     return values
 
 
-def _write(name: str, folder: Path, hull: HullDraft, places: list[ThrusterPlace], voltage: float) -> None:
-    from cube_sim.vehicle.known_thrusters import known_thruster
+def _write(
+    name: str, folder: Path, hull: HullDraft, places: list[ThrusterPlace], kinds: dict[str, KnownThruster]
+) -> None:
     from cube_sim.vehicle_draft.hull import DENSITY, GRAVITY
     from cube_sim.vehicle_draft.mjcf_text import mjcf_text
     from cube_sim.vehicle_draft.own_tests import own_tests
 
-    kinds = {kind: known_thruster(kind, voltage) for kind in dict.fromkeys(place.kind for place in places)}
     lift = (DENSITY * hull.volume - hull.mass) * GRAVITY
     files = {
         folder / "models" / f"{name}.xml": mjcf_text(name, hull, places, kinds),

@@ -7,8 +7,6 @@ voltage than the square of it, and the published tables say how.
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -17,11 +15,10 @@ import numpy as np
 
 from cube_sim.errors import ModelError
 from cube_sim.spatial import Matrix, Vector
+from cube_sim.vehicle.thruster_tables import FULL_US, Tables, read_tables
 
 _FILE = Path(__file__).with_name("known_thrusters.csv")
 NEWTONS_IN_KGF = 9.80665
-REST_US, FULL_US = 1500.0, 400.0
-"""Pulse width at rest, and from there to full throttle [us]."""
 LAG_S = 0.02
 """63 % of a T200's response (von Benzon et al. 2022, JMSE 10(12):1898); for others a choice."""
 LIKE = "T200", 16.0
@@ -53,40 +50,41 @@ class KnownThruster:
     source: str
 
 
-def known_thruster(name: str, voltage: float | None = None) -> KnownThruster:
+def known_thruster(name: str, voltage: float | None = None, tables: Tables | None = None) -> KnownThruster:
     """A thruster by the name of its type.
 
     Args:
         name: one of `known_names`, in any case.
         voltage: [V]; None for 16.
+        tables: of thrusters of your own, see `read_tables`, looked at before the published ones.
 
     Raises:
         ModelError: no such thruster, or none at that voltage.
     """
-    tables = _tables()
-    by_voltage = tables.get(name.upper())
+    own = name.upper() in (tables or {})
+    by_voltage = (tables or {}).get(name.upper()) or published().get(name.upper())
     if by_voltage is None:
-        raise ModelError(name, f"is no thruster that is known by name; {', '.join(tables)} are")
+        raise ModelError(name, f"is no thruster that is known by name; {', '.join(known_names(tables))} are")
     voltages = sorted(by_voltage)
     volts = 16.0 if voltage is None else voltage
     if not voltages[0] <= volts <= voltages[-1]:
         raise ModelError(
-            name, f"is published from {voltages[0]:g} to {voltages[-1]:g} V, not at {volts:g}; give a curve of your own"
+            name, f"has tables from {voltages[0]:g} to {voltages[-1]:g} V, not at {volts:g}; give a curve of your own"
         )
     below, above = max(v for v in voltages if v <= volts), min(v for v in voltages if v >= volts)
     share = (volts - below) / (above - below) if above > below else 0.0
-    source = f"{name.upper()} at {volts:g} V, published tables (cube_sim/vehicle/known_thrusters.csv)"
+    source = f"{name.upper()} at {volts:g} V, " + (
+        "tables of one's own" if own else "published tables (cube_sim/vehicle/known_thrusters.csv)"
+    )
     if above > below:
         source += f", interpolated between {below:g} and {above:g} V"
     sides = []
     for reverse in (True, False):
         low, high = (_side(by_voltage[v], reverse) for v in (below, above))
         sides.append(_between(low, high, share))
-    if len(next(iter(by_voltage.values()))) == 2:  # full throttle alone
+    if max(map(len, sides)) == 1:  # full throttle alone
         sides = [_shaped(side, reverse) for side, reverse in zip(sides, (True, False), strict=True)]
-        source += (
-            f"; full throttle is published, the shape of the curve is that of a {LIKE[0]} at {LIKE[1]:g} V (estimate)"
-        )
+        source += f"; full throttle is known, the shape of the curve is that of a {LIKE[0]} at {LIKE[1]:g} V (estimate)"
     (back, ahead) = sides
     last, first = back[-1, 0] + _ZERO_AFTER, ahead[0, 0] - _ZERO_AFTER  # where it rests again
     commands = np.concatenate([back[:, 0], [last, first], ahead[:, 0]])
@@ -96,26 +94,19 @@ def known_thruster(name: str, voltage: float | None = None) -> KnownThruster:
     return KnownThruster(name.upper(), volts, commands, forces, zone, power, LAG_S, source)
 
 
-def known_names() -> tuple[str, ...]:
-    """Types of thrusters that are known."""
-    return tuple(_tables())
+def known_names(tables: Tables | None = None) -> tuple[str, ...]:
+    """Types of thrusters that are known, those of tables of one's own first."""
+    return tuple(dict.fromkeys([*(tables or {}), *published()]))
 
 
 _ZERO_AFTER = 4.0 / FULL_US
-"""The published rows are 4 us apart: beside the first thrust stands a row of none."""
+"""Published rows are 4 us apart: beside the first thrust stands a row of none."""
 
 
 @cache
-def _tables() -> Mapping[str, Mapping[float, Matrix]]:
-    """Name -> voltage [V] -> rows (n,3): command, force [kgf], power [W]; rows without force are left out."""
-    tables: dict[str, dict[float, list[tuple[float, float, float]]]] = {}
-    with _FILE.open(encoding="utf-8") as file:
-        for row in csv.DictReader(line for line in file if not line.startswith("#")):
-            force = float(row["force_kgf"])
-            if force != 0.0:
-                rows = tables.setdefault(row["thruster"], {}).setdefault(float(row["voltage_V"]), [])
-                rows.append(((float(row["pulse_us"]) - REST_US) / FULL_US, force, float(row["power_W"])))
-    return {name: {volts: np.array(rows) for volts, rows in each.items()} for name, each in tables.items()}
+def published() -> Tables:
+    """What the file beside this one holds."""
+    return read_tables(_FILE)
 
 
 def _side(table: Matrix, reverse: bool) -> Matrix:
@@ -145,7 +136,7 @@ def _along(side: Matrix) -> Vector:
 def _shaped(full: Matrix, reverse: bool) -> Matrix:
     """Rows of a whole direction from that of full throttle."""
     name, volts = LIKE
-    like = _side(_tables()[name][volts], reverse)
+    like = _side(published()[name][volts], reverse)
     of_full = like[0] if reverse else like[-1]
     return np.column_stack([like[:, 0], like[:, 1:] / of_full[1:] * full[0, 1:]])
 

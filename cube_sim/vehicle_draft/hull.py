@@ -20,6 +20,8 @@ GRAVITY = 9.81
 LOWER = 0.05
 """Where nothing is said, the centre of mass lies this share of the hull's height below the centre of buoyancy (a
 choice: vehicles are ballasted to float upright)."""
+COARSE = 0.05
+"""Added mass that refinement changes by more is worth a word."""
 NEUTRAL = 0.02
 """Weight and lift that differ by less, relative, need no word."""
 
@@ -145,6 +147,11 @@ def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str) -> H
         remarks.append(
             f"{what} displaces {DENSITY * volume:.4g} kg of water and weighs {mass:.4g} kg: it {way} with "
             f"{abs(lift - weight):.3g} N. Ballast it, or say --neutral where the mesh is not what is solid"
+        )
+    if water.error > COARSE:
+        remarks.append(
+            f"added mass: the last step of refinement still changed {water.error:.1%}; thin or many-edged hulls "
+            "converge slowly"
         )
     aside = centre - solid.centre
     if np.hypot(*aside[:2]) > 0.2 * abs(aside[2]) + 1e-9:

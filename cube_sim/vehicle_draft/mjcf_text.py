@@ -10,7 +10,8 @@ from xml.sax.saxutils import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.vehicle.known_thrusters import REST_US, KnownThruster
+from cube_sim.vehicle.known_thrusters import KnownThruster
+from cube_sim.vehicle.thruster_tables import FULL_US, REST_US
 from cube_sim.vehicle_draft.hull import DENSITY, GRAVITY, HullDraft
 from cube_sim.vehicle_draft.thruster_places import ThrusterPlace
 
@@ -64,7 +65,7 @@ def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds
         lines += _numeric(f"{owner}:thruster_dead_zone", of.force_dead_zone, 6)
         lines += _numeric(f"{owner}:thruster_power", of.power, 6)
         lines += _numeric(f"{owner}:thruster_voltage", [of.voltage], 6)
-        lines += _numeric(f"{owner}:thruster_pwm", [REST_US - 400.0, REST_US, REST_US + 400.0], 6)
+        lines += _numeric(f"{owner}:thruster_pwm", [REST_US - FULL_US, REST_US, REST_US + FULL_US], 6)
     inertia = hull.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     lines += [
         "  </custom>",

@@ -13,7 +13,6 @@ import numpy as np
 from cube_sim.errors import ShapeError
 from cube_sim.hull_shape.reading import FRAMES
 from cube_sim.spatial import LARGEST, Vector
-from cube_sim.vehicle.known_thrusters import known_names
 
 COLUMNS = ("name", "x_m", "y_m", "z_m", "axis_x", "axis_y", "axis_z", "type")
 FORM = "NAME=x,y,z:axis:TYPE, for example T1=0.15,-0.11,0:1,1,0:T200"
@@ -31,7 +30,7 @@ class ThrusterPlace:
         name: of its actuator and its site.
         place: (3,) of its propeller [m], body axes.
         axis: (3,) unit, the way it pushes the hull at a positive command, body axes.
-        kind: one of `known_names`.
+        kind: its type.
     """
 
     name: str
@@ -40,12 +39,13 @@ class ThrusterPlace:
     kind: str
 
 
-def places_of_flags(flags: Sequence[str], frame: str) -> list[ThrusterPlace]:
+def places_of_flags(flags: Sequence[str], frame: str, types: Sequence[str]) -> list[ThrusterPlace]:
     """Thrusters as `FORM` has them.
 
     Args:
         flags: one for each.
         frame: one of `cube_sim.hull_shape.reading.FRAMES`, of places and axes.
+        types: of thrusters that are known.
 
     Raises:
         ShapeError: names the flag.
@@ -56,13 +56,20 @@ def places_of_flags(flags: Sequence[str], frame: str) -> list[ThrusterPlace]:
         parts = rest.split(":")
         if not equals or len(parts) != 3:
             raise ShapeError(f"--thruster {flag}: is not of the form {FORM}")
-        places.append(_place(f"--thruster {flag}", name, parts[0].split(","), _axis_words(parts[1]), parts[2], frame))
+        places.append(
+            _place(f"--thruster {flag}", name, parts[0].split(","), _axis_words(parts[1]), parts[2], frame, types)
+        )
     _require_names_apart("--thruster", places)
     return places
 
 
-def places_of_file(file: Path, frame: str) -> list[ThrusterPlace]:
+def places_of_file(file: Path, frame: str, types: Sequence[str]) -> list[ThrusterPlace]:
     """Thrusters of a CSV file with the columns `COLUMNS`; lines that begin with # are remarks.
+
+    Args:
+        file: its name.
+        frame: as for `places_of_flags`.
+        types: likewise.
 
     Raises:
         ShapeError: one line, `file:line: what is wrong`.
@@ -83,7 +90,7 @@ def places_of_file(file: Path, frame: str) -> list[ThrusterPlace]:
     for (number, _), row in zip(numbered[1:], rows[1:], strict=True):
         if len(row) != len(COLUMNS):
             raise ShapeError(f"{file}:{number}: has {len(row)} values; {len(COLUMNS)} are right")
-        places.append(_place(f"{file}:{number}", row[0], row[1:4], row[4:7], row[7], frame))
+        places.append(_place(f"{file}:{number}", row[0], row[1:4], row[4:7], row[7], frame, types))
     if not places:
         raise ShapeError(f"{file}: has no thruster below its first line")
     _require_names_apart(str(file), places)
@@ -97,11 +104,13 @@ def _axis_words(text: str) -> list[str]:
     return text.split(",")
 
 
-def _place(where: str, name: str, place: list[str], axis: list[str], kind: str, frame: str) -> ThrusterPlace:
+def _place(
+    where: str, name: str, place: list[str], axis: list[str], kind: str, frame: str, types: Sequence[str]
+) -> ThrusterPlace:
     if not _NAME.fullmatch(name):
         raise ShapeError(f"{where}: '{name}' is no name; letters, digits, - and _ are right, a letter first")
-    if kind.upper() not in known_names():
-        raise ShapeError(f"{where}: '{kind}' is no thruster that is known by name; {', '.join(known_names())} are")
+    if kind.upper() not in types:
+        raise ShapeError(f"{where}: '{kind}' is no thruster that is known by name; {', '.join(types)} are")
     at, along = _three(where, "a place [m]", place), _three(where, "an axis", axis)
     length = float(np.linalg.norm(along))
     if length < 1e-9:

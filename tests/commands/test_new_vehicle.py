@@ -209,10 +209,11 @@ def test_a_mistake_is_one_line_and_nothing_is_written(given, told, here, unflown
 
 
 def test_on_a_terminal_what_is_missing_is_asked_for(here, unflown, monkeypatch, capsys):
-    answers = iter(["11.5", "0.3,0.3,0.3", *SIX, ""])
+    answers = iter(["11.5", "0.3,0.3,0.3", *SIX[:3], "T4=nowhere", *SIX[3:], ""])
     monkeypatch.setattr("typer.prompt", lambda text, type=str, **_: type(next(answers)))
     monkeypatch.setattr("sys.stdin", type("Terminal", (), {"isatty": lambda self: True})())
-    code, stdout, _ = call(monkeypatch, capsys, "new", "vehicle", "cubic")
+    code, stdout, stderr = call(monkeypatch, capsys, "new", "vehicle", "cubic")
     assert code == 0
+    assert stderr.startswith("--thruster T4=nowhere: is not of the form")
     assert "models/cubic.xml" in stdout
     assert len(cube_sim.Vehicle.from_model(cube_sim.load_model("cubic/models/cubic.xml")).thrusters.names) == 6

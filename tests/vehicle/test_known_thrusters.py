@@ -8,6 +8,7 @@ import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
 from cube_sim.vehicle.known_thrusters import NEWTONS_IN_KGF, known_names, known_thruster
+from cube_sim.vehicle.thruster_tables import read_tables
 
 # Rows of the published tables that are not in the file: thrust [kgf] at these pulse widths [us], by voltage.
 WIDTHS = [1120, 1160, 1200, 1240, 1320, 1640, 1720, 1800, 1880]
@@ -74,8 +75,50 @@ def test_every_one_makes_a_model(name, voltage):
 def test_others_are_refused():
     with pytest.raises(ModelError, match="T100: is no thruster that is known by name; T200, T500 are"):
         known_thruster("T100")
-    with pytest.raises(ModelError, match="T200: is published from 10 to 20 V, not at 24"):
+    with pytest.raises(ModelError, match="T200: has tables from 10 to 20 V, not at 24"):
         known_thruster("T200", 24.0)
+
+
+OWN = """thruster,voltage_V,pulse_us,force_kgf,power_W
+# ours, on a spring balance
+M1,12,1100,-1.0,
+M1,12,1450,-0.1,
+M1,12,1500,0,
+M1,12,1550,0.2,
+M1,12,1900,2.0,
+M1,14,1100,-1.4,80
+M1,14,1450,-0.1,2
+M1,14,1550,0.2,2
+M1,14,1900,2.6,90
+"""
+
+
+def test_tables_of_ones_own_are_interpolated_alike(tmp_path):
+    (tmp_path / "own.csv").write_text(OWN)
+    tables = read_tables(tmp_path / "own.csv")
+    of = known_thruster("m1", 13.0, tables)
+    np.testing.assert_allclose(of.forces[[0, -1]], NEWTONS_IN_KGF * np.array([-1.2, 2.3]))
+    assert of.force_dead_zone == pytest.approx((-0.1 * NEWTONS_IN_KGF, 0.2 * NEWTONS_IN_KGF))
+    assert known_thruster("T200", 16.0, tables).forces[-1] == known_thruster("T200").forces[-1]
+    with pytest.raises(ModelError, match="M2: is no thruster that is known by name; M1, T200, T500 are"):
+        known_thruster("M2", 12.0, tables)
+
+
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [
+        ("M1,12,1000,-1,0", ":12: a name, a voltage above 0, a pulse of 1100 to 1900 us are right"),
+        ("M1,12,one,-1,0", ":12: '12,one,-1,0' are not four numbers"),
+        ("M1,12,1100", ":12: has 3 values; 5 are right"),
+        ("M2,12,1100,-1,0\nM2,12,1800,2,0", ": M2 at 12 V has one row a side, at 1800 us; full throttle is right"),
+        ("M1,12,1800,-1.9,0", ": M1 at 12 V does not push back below 1500 us and ahead above"),
+    ],
+)
+def test_mistakes_in_tables_are_one_line_with_their_place(row, told, tmp_path):
+    (tmp_path / "own.csv").write_text(OWN + row + "\n")
+    with pytest.raises(ModelError) as raised:
+        read_tables(tmp_path / "own.csv")
+    assert str(raised.value).startswith(f"{tmp_path / 'own.csv'}{told}")
 
 
 # Published rows of 12 V, kgf as they stand: 1104 us gives more back than 1100, 1892 more ahead than 1896.

@@ -1,0 +1,87 @@
+"""Tables of thrust by pulse width, of several thrusters and voltages, in CSV.
+
+    thruster,voltage_V,pulse_us,force_kgf,power_W
+    T200,16,1100,-4.07,388.8
+
+Lines that begin with # are remarks; a power that is not known is left empty. 1500 us is rest, 1100 and 1900 us are full
+throttle.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from cube_sim.errors import ModelError
+from cube_sim.spatial import Matrix
+
+COLUMNS = ("thruster", "voltage_V", "pulse_us", "force_kgf", "power_W")
+REST_US, FULL_US = 1500.0, 400.0
+"""Pulse width at rest, and from there to full throttle [us]."""
+LARGEST_KGF = 1e6
+
+Tables = Mapping[str, Mapping[float, Matrix]]
+"""Name -> voltage [V] -> rows (n,3) by command: command, force [kgf], power [W]; rows without force are left out."""
+
+
+def read_tables(file: Path) -> Tables:
+    """Read a file of tables.
+
+    Raises:
+        ModelError: one line, `file:line: what is wrong`.
+    """
+    try:
+        lines = file.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise ModelError(str(file), f"cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError:
+        raise ModelError(str(file), "is not UTF-8 text") from None
+    numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    rows = [[cell.strip() for cell in row] for row in csv.reader(line for _, line in numbered)]
+    if not rows or tuple(rows[0]) != COLUMNS:
+        raise ModelError(str(file), f"does not begin with the columns {','.join(COLUMNS)}")
+    found: dict[str, dict[float, list[tuple[float, float, float]]]] = {}
+    for (number, _), row in zip(numbered[1:], rows[1:], strict=True):
+        name, volts, command, force, power = _row(f"{file}:{number}", row)
+        if force != 0.0:
+            found.setdefault(name, {}).setdefault(volts, []).append((command, force, power))
+    tables = {name: {volts: np.array(sorted(each)) for volts, each in of.items()} for name, of in found.items()}
+    for name, of in tables.items():
+        for volts, table in of.items():
+            back, ahead = table[table[:, 0] < 0.0], table[table[:, 0] > 0.0]
+            if not len(back) or not len(ahead) or back[:, 1].max() > 0.0 or ahead[:, 1].min() < 0.0:
+                raise ModelError(
+                    str(file),
+                    f"{name} at {volts:g} V does not push back below {REST_US:g} us and ahead above; of one that is "
+                    "wired the other way round the axis is turned instead",
+                )
+            for side in (back, ahead):
+                if len(side) == 1 and abs(side[0, 0]) != 1.0:
+                    raise ModelError(
+                        str(file),
+                        f"{name} at {volts:g} V has one row a side, at {REST_US + FULL_US * side[0, 0]:g} us; full "
+                        "throttle is right where there is one only",
+                    )
+    if not tables:
+        raise ModelError(str(file), "has no row with a force")
+    return tables
+
+
+def _row(where: str, row: list[str]) -> tuple[str, float, float, float, float]:
+    if len(row) != len(COLUMNS):
+        raise ModelError(where, f"has {len(row)} values; {len(COLUMNS)} are right")
+    try:
+        volts, pulse, force, power = (float(cell or "0") for cell in row[1:])
+    except ValueError:
+        raise ModelError(where, f"'{','.join(row[1:])}' are not four numbers") from None
+    command = (pulse - REST_US) / FULL_US
+    if not row[0] or not 0.0 < volts < 1e6 or not abs(command) <= 1.0 or not abs(force) < LARGEST_KGF:
+        raise ModelError(
+            where, f"a name, a voltage above 0, a pulse of {REST_US - FULL_US:g} to {REST_US + FULL_US:g} us are right"
+        )
+    if not 0.0 <= power < 1e9:
+        raise ModelError(where, f"a power of {power:g} W; 0 or more is right")
+    return row[0].upper(), volts, command, force, power
