@@ -67,10 +67,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     group.addoption(
         "--scenario-samples",
-        default=f"first:{MOST_SAMPLES}",
         metavar="WHICH",
         help="Which samples are tests: all, first:9 for nine of them, or those of these numbers, counted from 0, for "
-        f"example 0-9,17. Default: first:{MOST_SAMPLES}; those that the command line names are tests too.",
+        f"example 0-9,17. Default: first:{MOST_SAMPLES}, none where the scenario requires a pass rate of them; those "
+        "that the command line names are tests too.",
     )
     group.addoption(
         "--scenario-out",
@@ -92,7 +92,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.stash[_others], config.stash[_left_out], config.stash[_found] = set(), set(), 0
     try:
         _overrides(config)
-        _wanted(_option(config, "--scenario-samples"), 0)
+        _wanted(_option(config, "--scenario-samples") or "all", 0)
     except (CubeSimError, ValueError) as error:
         raise pytest.UsageError(str(error)) from None
 
@@ -210,13 +210,15 @@ class ScenarioFile(pytest.File):
                 return [None]
             from cube_sim.campaign.sampling import count
 
-            number = count(loaded)
+            number, counted = count(loaded), loaded.scenario.samples.counted
         except (CubeSimError, OSError):  # the test itself will say so
             return [None]
         named = {int(k) for argument in self.config.args for k in _NAMED_SAMPLE.findall(argument) if int(k) < number}
-        wanted = sorted({*_wanted(_option(self.config, "--scenario-samples"), number), *named})
+        which = _option(self.config, "--scenario-samples") or ("first:0" if counted else f"first:{MOST_SAMPLES}")
+        wanted = sorted({*_wanted(which, number), *named})
         if len(wanted) < number:
             line = f"{_shown(self.path, self.config)}: {len(wanted)} of {number} samples are tests (--scenario-samples)"
+            line += ", cube-sim sweep judges the pass rate that they must show" * counted
             self.config.stash[_left_out].add(line)
         return wanted
 

@@ -9,6 +9,7 @@ import os
 import shlex
 import shutil
 import sys
+from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -64,6 +65,11 @@ def give_matplotlib_a_folder() -> None:
         os.environ.setdefault("MPLCONFIGDIR", os.path.join(named, "matplotlib"))
     elif not os.path.isabs(os.path.expanduser("~")):
         logging.getLogger("matplotlib").setLevel(logging.ERROR)
+
+
+def prints_of_others(json: bool) -> AbstractContextManager[object]:
+    """Where code of the user's own prints to: beside the result where that is JSON, which has stdout for itself."""
+    return redirect_stdout(sys.stderr) if json else nullcontext()
 
 
 def print_json(content: Any) -> None:

@@ -11,7 +11,14 @@ import typer
 from cube_sim.commands.account import early_end, lasted, log_lines, section
 from cube_sim.commands.ending import BAD_INPUT, EXIT_CODES, NOT_JUDGED, read_or_not, stop
 from cube_sim.commands.leaving import SIGNALLED
-from cube_sim.commands.output import console_for_tables, console_of_stdout, open_no_windows, print_json, to_paste
+from cube_sim.commands.output import (
+    console_for_tables,
+    console_of_stdout,
+    open_no_windows,
+    print_json,
+    prints_of_others,
+    to_paste,
+)
 from cube_sim.commands.progress import begin_compiling, flight_progress
 from cube_sim.commands.settings import Settings, overrides
 from cube_sim.errors import CubeSimError, DirectoryError, ModelError, RunInterrupted, ScenarioError
@@ -86,7 +93,9 @@ def run(
             stop(BAD_INPUT, f"{option} is of one scenario; {len(scenarios)} files or folders were given")
         raise typer.Exit(_fly_several(scenarios, settings, out, record, json=json, quiet=quiet))
     scenario = scenarios[0]
-    name, duration_s, result = _fly(scenario, settings, sample, out, record, live_port if live else None, hidden=quiet)
+    with prints_of_others(json):
+        given = scenario, settings, sample, out, record, live_port if live else None
+        name, duration_s, result = _fly(*given, hidden=quiet)
     with read_or_not():
         if json:
             _print_json(result)
@@ -173,7 +182,8 @@ def _fly_several(
     flyable: dict[Path, AnyLoaded] = {}
     for file in found.scenarios:
         try:
-            flyable[file] = validated(file, values)
+            with prints_of_others(json):
+                flyable[file] = validated(file, values)
         except ScenarioError as error:
             outcomes[file] = several.invalid(file, error)
             typer.echo(str(error), err=True)
@@ -186,7 +196,8 @@ def _fly_several(
     interrupted: RunInterrupted | None = None
     for file, loaded in flyable.items():
         try:
-            with flight_progress(loaded.scenario.name, loaded.scenario.duration_s, hidden=quiet) as progress:
+            named = loaded.scenario.name, loaded.scenario.duration_s
+            with prints_of_others(json), flight_progress(*named, hidden=quiet) as progress:
                 outcomes[file] = several.fly_one(file, loaded, chosen[file], record.value, progress)
         except RunInterrupted as interrupt:
             interrupted = interrupt

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from pydantic.types import Strict
 
-from cube_sim.scenario.values import Block, Numbers, refuse
+from cube_sim.scenario.values import LARGEST_NUMBER, Block, Numbers, refuse
 
 MOST_SAMPLES = 10_000_000
 """Of a scenario, at most."""
@@ -19,6 +19,8 @@ Whole = Annotated[tuple[int, ...], Strict(False)]
 def at_least_one(value: Any) -> Any:
     """One number as a list of one."""
     if isinstance(value, int | float) and not isinstance(value, bool):
+        if not abs(value) <= LARGEST_NUMBER:
+            refuse(f"must be a number of at most {LARGEST_NUMBER:g} either way, got {value:g}")
         return (value,)
     if not isinstance(value, list | tuple):
         refuse(f"must be a number, or a list of them, got {value!r:.60}")

@@ -39,7 +39,11 @@ def explain(error: ValidationError, model: type[BaseModel]) -> list[Refusal]:
     refusals: list[Refusal] = []
     missing: set[Location] = set()
     misspelt: set[Location] = set()
-    for item in error.errors(include_url=False):
+    found = error.errors(include_url=False)
+    entered = {each["loc"][:-1] for each in found if each["loc"]}
+    for item in found:
+        if item["type"] == "too_short" and item["loc"] in entered:
+            continue  # of a list with a wrong entry, what is left is counted
         location, block = _follow(model, item["loc"])
         context = item.get("ctx", {})
         location += tuple(context.get("below", ()))

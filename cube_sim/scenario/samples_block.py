@@ -149,6 +149,12 @@ class SamplesBlock(Block):
         default=None, description="Pass rate that the samples must show. Default: every sample flown has to pass."
     )
 
+    @property
+    def counted(self) -> bool:
+        """Whether it is their number that is judged: then one that fails is no failure."""
+        required = self.required
+        return required is not None and (required.pass_rate is not None or required.forecast is not None)
+
     @model_validator(mode="after")
     def _counted(self) -> SamplesBlock:
         grids = any(isinstance(each, GridBlock) for each in self.vary.values())

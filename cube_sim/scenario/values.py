@@ -54,7 +54,8 @@ Component = Annotated[float, Field(ge=-1e6, le=1e6)]
 Direction = Annotated[tuple[Component, Component, Component], Strict(False)]
 """A vector of any length but none, see `require_direction`."""
 SHORTEST_DIRECTION = 1e-6
-Number = Annotated[float, Field(ge=-1e12, le=1e12)]
+LARGEST_NUMBER = 1e12
+Number = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
 Numbers = Annotated[tuple[Number, ...], Strict(False)]
 
 # Names become folder names and test ids, so they hold nothing a shell or a file system would mind.

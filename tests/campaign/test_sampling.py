@@ -362,6 +362,11 @@ def test_a_generator_whose_scenario_cannot_be_flown(tmp_path):
         ("guidance.speed_m_s: {distribution: normal, mean: 0.5, std: 0.1, at_least: 2}",
          "mission.yaml:14:79: samples.vary.guidance.speed_m_s.at_least: lies more than 6 standard deviations out:"
          " nothing is left to draw"),
+        ("guidance.speed_m_s: {distribution: normal, mean: .nan, std: 0.1}",
+         "mission.yaml:14:54: samples.vary.guidance.speed_m_s.mean: must be a number of at most 1e+12 either way, got"
+         " nan"),
+        ("initial.position_m: {distribution: uniform, low: [0, 0, -5], high: [0, 0, .inf]}",
+         "mission.yaml:14:79: samples.vary.initial.position_m.high.2: must be finite, got inf"),
         ("samples.count: {distribution: uniform, low: 1, high: 2}",
          "mission.yaml:14:20: samples.vary.samples.count: is what the samples are made of, and not varied"),
         ("parameters.hull:mas: {distribution: uniform, gives: percent, low: -5, high: 5}",

@@ -113,6 +113,24 @@ def test_samples_and_seeds_are_tests_of_their_own(pytester, arguments, names):
     assert left_out is (len(names) < 4)
 
 
+@pytest.mark.parametrize(
+    ("required", "arguments", "names"),
+    [
+        ("pass_rate: 0.5", (), []),
+        ("pass_rate: 0.5", ("--scenario-samples", "first:2"), ["s0", "s1"]),
+        ("pass_rate: 0.5", ("sampled.yaml::sampled[s3]",), ["s3"]),
+        ("confidence: 0.9", (), ["s0", "s1", "s2", "s3"]),
+    ],
+)
+def test_samples_of_which_a_share_may_fail_are_no_tests_unless_asked_for(pytester, required, arguments, names):
+    text = SAMPLED.replace("samples: {", f"samples: {{required: {{{required}}}, ")
+    (pytester.path / "sampled.yaml").write_text(text)
+    found, result = collected(pytester, *arguments)
+    assert found == [f"sampled.yaml::sampled[{name}]" for name in names]
+    left_out = "samples are tests (--scenario-samples), cube-sim sweep judges the pass rate that they must show"
+    assert (left_out in result.stdout.str()) is (len(names) < 4)
+
+
 def test_options_that_mean_nothing_are_told_at_once(folder):
     for arguments, told in (
         (("--scenario-set", "duration_s"), "--set duration_s: write PATH=VALUE"),

@@ -79,6 +79,19 @@ def test_json_names_the_scenario_of_each_result(scenarios, monkeypatch, capsys):
 
 
 @pytest.mark.flight
+def test_what_own_code_prints_does_not_get_among_the_json(scenarios, monkeypatch, capsys):
+    law = "    print('hello')\n    return lambda aim: [0.0] * 6\n"
+    folder = scenarios(a=FLIGHT.replace("checks:", "control: {law: {python: 'law.py:law'}}\nchecks:"))
+    (folder / "missions" / "law.py").write_text(f"def law(setup):\n{law}")
+    for arguments in (("missions/a.yaml",), ("missions",)):
+        _, stdout, stderr = call(monkeypatch, capsys, "run", *arguments, "--record", "none", "--json")
+        assert json.loads(stdout)
+        assert "hello" in stderr
+    _, stdout, _ = call(monkeypatch, capsys, "run", "missions/a.yaml", "--record", "none")
+    assert stdout.startswith("hello")
+
+
+@pytest.mark.flight
 @pytest.mark.parametrize(
     ("texts", "code"),
     [
