@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cube_sim.flight_statistics import FlightStatistics
-from cube_sim.judged_store import JudgedRows, JudgedStore
-from cube_sim.recording.batch import Batch, BySignal, Rows, signals
+from cube_sim.judged_store import JudgedStore
+from cube_sim.recording.batch import Batch, BySignal, Rows, Sink, signals
 from cube_sim.recording.channels import Channel
 
 
@@ -24,7 +24,7 @@ class AskedStore(JudgedStore):
         statistics: of the rows that have been handed on.
     """
 
-    def __init__(self, channels: Sequence[Channel], judge: JudgedRows, names: Sequence[str]) -> None:
+    def __init__(self, channels: Sequence[Channel], judge: Sink, names: Sequence[str]) -> None:
         super().__init__(channels, judge)
         self.statistics = FlightStatistics()
         self._channels = tuple(channels)

@@ -13,18 +13,18 @@ from typing import Any, Protocol
 
 from cube_sim.asked_store import AskedStore
 from cube_sim.errors import ScenarioError
-from cube_sim.flight import Loop, prepared
 from cube_sim.flight_statistics import Signals
-from cube_sim.judged_store import JudgedRows
 from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.recording.channels import SUPPLY, channel_table
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
+from cube_sim.scenario.fleet_loading import AnyLoaded, LoadedFleet
 from cube_sim.scenario.phase_blocks import is_timed
 from cube_sim.scenario.python_block import python_blocks
 from cube_sim.scenario.shared import Shared
+from cube_sim.undertaking import undertaking
 from cube_sim.vehicle.plugin.hook import install
 from cube_sim.verdict import CheckResult, EarlyEnd, Verdict, overall
 
@@ -144,7 +144,7 @@ def _loaded(scenario: AnyScenario, index: int, variation: dict[str, Any], confir
         loaded = loaded_with(scenario, variation, None, None, None)
     except ScenarioError as error:
         raise _named(index, error) from None
-    return loaded if confirm else unconfirmed(loaded)
+    return loaded if confirm else _unconfirmed(loaded)
 
 
 def _outcome(
@@ -158,7 +158,7 @@ def _outcome(
 
 
 def flown(
-    loaded: Loaded,
+    loaded: AnyLoaded,
     variation: Mapping[str, Any],
     wanted: Sequence[str] = (),
     stop: Stop | None = None,
@@ -182,11 +182,11 @@ def flown(
         if stop is not None and stop.is_set():
             raise StoppedFlightError
 
-    mission = prepared(loaded)
+    mission = undertaking(loaded)
     known = [f"{channel.name}.{field.name}" for channel in mission.channels for field in channel.fields]
-    judge = JudgedRows(mission.channels, mission.scenario)
+    judge = mission.judge()
     store = AskedStore(mission.channels, judge, [name for name in wanted if name in known])
-    flight = Loop(mission, store)
+    flight = mission.loop(store)
     if missing := [name for name in wanted if name not in known]:
         store.log(0.0, "WARNING", f"this flight does not record {', '.join(missing)}")
     with around or nullcontext():
@@ -202,7 +202,7 @@ def flown(
         simulated_s=flight.time_s,
         ended_early=early,
         log=store.warnings,
-        statistics=store.statistics.results(),
+        statistics={} if mission.among else store.statistics.results(),
         signals=store.signals,
         traceback=_traceback(flight.raised),
     )
@@ -217,8 +217,16 @@ def _traceback(raised: Exception | None) -> str:
     return "".join(format_exception(type(cause), cause, None if place is None else place.tb_next))
 
 
-def unconfirmed(loaded: Loaded) -> Loaded:
+def unconfirmed(loaded: AnyLoaded) -> AnyLoaded:
     """The same flight without ProxQP's confirmation of every answer, which changes no bit and takes Python's time."""
+    if isinstance(loaded, LoadedFleet):
+        each = {name: _unconfirmed(one) for name, one in loaded.vehicles.items()}
+        scenarios = {name: one.scenario for name, one in each.items()}
+        return replace(loaded, vehicles=each, scenario=replace(loaded.scenario, vehicles=scenarios))
+    return _unconfirmed(loaded)
+
+
+def _unconfirmed(loaded: Loaded) -> Loaded:
     allocation = loaded.scenario.allocation
     if allocation.method != "search+proxqp":
         return loaded

@@ -200,13 +200,11 @@ class ScenarioFile(pytest.File):
 
     def _samples(self) -> list[int] | list[None]:
         """The samples that are tests; None for the scenario itself where it has none, or cannot be read."""
-        from cube_sim.scenario.fleet_loading import LoadedFleet
-
         try:
             if b"samples" not in self.path.read_bytes() and b"include" not in self.path.read_bytes():
                 return [None]
             loaded = _loaded(self.path, self.config)
-            if isinstance(loaded, LoadedFleet) or loaded.scenario.samples is None:
+            if loaded.scenario.samples is None:
                 return [None]
             from cube_sim.campaign.sampling import count
 
@@ -247,11 +245,10 @@ class ScenarioItem(pytest.Item):
             shutil.rmtree(directory)
 
     def _loaded(self) -> AnyLoaded:
-        from cube_sim.scenario.fleet_loading import LoadedFleet
 
         seed = {} if self.seed is None else {"seed": self.seed}
         loaded = _loaded(self.path, self.config, seed)
-        if self.sample is None or isinstance(loaded, LoadedFleet):
+        if self.sample is None:
             return loaded
         from cube_sim.campaign.sampling import sample, variation
 

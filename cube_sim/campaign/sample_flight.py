@@ -16,7 +16,7 @@ from typing import Any, Literal, NamedTuple
 from cube_sim.campaign.sampling import DrawnSample, SamplePlan
 from cube_sim.errors import CubeSimError, DirectoryError, RecordingError, SweepError
 from cube_sim.many_flights import FlightOutcome, Stop, StoppedFlightError, flown, unconfirmed
-from cube_sim.scenario import Loaded
+from cube_sim.scenario.fleet_loading import AnyLoaded, LoadedFleet
 from cube_sim.scenario.shared import Shared
 from cube_sim.simulation import fly
 from cube_sim.vehicle.plugin.hook import install
@@ -67,7 +67,7 @@ class Task(NamedTuple):
         limit_s: so long a sample may take, of the clock [s]; None: as long as it takes.
     """
 
-    loaded: Loaded
+    loaded: AnyLoaded
     keep: Keep
     folder: Path
     limit_s: float | None = None
@@ -89,7 +89,7 @@ class SampleFlights:
     """
 
     def __init__(self, task: Task) -> None:
-        self._task, self._plan = task, SamplePlan(replace(task.loaded, shared=Shared()))
+        self._task, self._plan = task, SamplePlan(sharing(task.loaded))
         self._turn = threading.Lock()  # samples are drawn one at a time
         install()
 
@@ -142,7 +142,7 @@ class SampleFlights:
             row |= drawn_columns(sample)
         return FlownSample(row | {"traceback": said}, 0.0, wall_s)
 
-    def _keep_recording(self, k: int, loaded: Loaded, outcome: FlightOutcome) -> None:
+    def _keep_recording(self, k: int, loaded: AnyLoaded, outcome: FlightOutcome) -> None:
         """Fly it once more, with a recording, where that is wanted: what passes has cost nothing for it."""
         if self._task.keep == "all" or (self._task.keep == "failures" and outcome.verdict != "PASS"):
             try:
@@ -151,6 +151,11 @@ class SampleFlights:
                 raise SweepError(f"the recording of sample {k} cannot be kept: {_one_line(error)}; {GO_ON}") from None
             if again.checks != outcome.checks:
                 raise CubeSimError(f"flown again with a recording, it is another flight: {_words(again.checks)}")
+
+
+def sharing(loaded: AnyLoaded) -> AnyLoaded:
+    """The same scenario, of whose variations those of one vehicle share what all of them need."""
+    return loaded if isinstance(loaded, LoadedFleet) else replace(loaded, shared=Shared())
 
 
 class _Limit:

@@ -23,11 +23,12 @@ from cube_sim.mission.own.code import OwnCode, own_code, refused, require_taken
 from cube_sim.mission.parameter_values import factors_on, parameter_values
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.distribution_blocks import AnyDistribution, GridBlock, SobolBlock
-from cube_sim.scenario.loading import loaded_again
+from cube_sim.scenario.fleet import FleetScenario
+from cube_sim.scenario.fleet_loading import AnyLoaded, LoadedFleet, any_again
 from cube_sim.scenario.overrides import apply
 from cube_sim.scenario.python_block import PythonBlock
 from cube_sim.scenario.samples_block import LOST_THRUSTERS, SamplesBlock
-from cube_sim.scenario.varied_values import PARAMETERS, combined, overrides_of, value_at
+from cube_sim.scenario.varied_values import ParameterPath, combined, overrides_of, parameter_at, value_at
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.mjcf.elements import LAG, lags_of
 
@@ -52,7 +53,7 @@ class DrawnSample:
     notes: Mapping[str, Any] = field(default_factory=dict)
 
 
-def count(loaded: Loaded) -> int:
+def count(loaded: AnyLoaded) -> int:
     """How many samples a scenario has; 0 where it has no `samples` block.
 
     Raises:
@@ -61,7 +62,7 @@ def count(loaded: Loaded) -> int:
     return 0 if loaded.scenario.samples is None else SamplePlan(loaded).count
 
 
-def sample(loaded: Loaded, k: int) -> Loaded:
+def sample(loaded: AnyLoaded, k: int) -> AnyLoaded:
     """The scenario that sample k flies: its values in place, and no samples of its own.
 
     Raises:
@@ -71,7 +72,7 @@ def sample(loaded: Loaded, k: int) -> Loaded:
     return plan.scenario_of(plan.sample(k))
 
 
-def variation(loaded: Loaded, k: int) -> dict[str, Any]:
+def variation(loaded: AnyLoaded, k: int) -> dict[str, Any]:
     """What was drawn for sample k, see `DrawnSample.values`.
 
     Raises:
@@ -90,7 +91,7 @@ class SamplePlan:
         ScenarioError: it has none, or code that it names cannot be found.
     """
 
-    def __init__(self, loaded: Loaded) -> None:
+    def __init__(self, loaded: AnyLoaded) -> None:
         block = loaded.scenario.samples
         if block is None:
             raise ScenarioError([loaded.mistake("", "has no samples: block, so there is no sample of it")])
@@ -98,13 +99,16 @@ class SamplePlan:
             raise ScenarioError(lost)
         self._loaded, self._block = loaded, block
         self._written = apply(loaded.document.data, {each.path: each.value for each in loaded.overrides})[0]
-        self._resolved: dict[str, Any] = loaded.scenario.model_dump()
+        whole = loaded.scenario
+        self._resolved: dict[str, Any] = whole.as_data() if isinstance(whole, FleetScenario) else whole.model_dump()
         evenly = sorted(path for path, each in block.vary.items() if isinstance(each, SobolBlock))
         widths = [len(each.low) for path in evenly if isinstance(each := block.vary[path], SobolBlock)]
         ends = np.cumsum(widths, dtype=int).tolist()
         self._places = {path: slice(end - n, end) for path, end, n in zip(evenly, ends, widths, strict=True)}
+        self._hulls: dict[str, CompiledHull] = {}
         self._sobol = _SobolPoints(sum(widths), block.seed)
-        self._code = None if block.generator is None else _generator(loaded, block)
+        self._anchor = loaded.whole if isinstance(loaded, LoadedFleet) else loaded
+        self._code = None if block.generator is None else _generator(self._anchor, block)
 
     @property
     def block(self) -> SamplesBlock:
@@ -122,7 +126,7 @@ class SamplePlan:
         lost = self._block.lost_thrusters
         if lost is None:
             return ()
-        names = self._hull.vehicle.thrusters.names
+        names = self._hull("").vehicle.thrusters.names
         for index, name in enumerate(lost.thrusters or ()):
             if name not in names:
                 text = f"no thruster '{name}'; the model has {', '.join(names)}"
@@ -160,7 +164,7 @@ class SamplePlan:
             overrides[_SEED] = int(self._rng(k, _SEED).integers(2**63))
         return DrawnSample(k, values, overrides, notes)
 
-    def scenario_of(self, sample: DrawnSample) -> Loaded:
+    def scenario_of(self, sample: DrawnSample) -> AnyLoaded:
         """The scenario of a sample, without samples of its own.
 
         Raises:
@@ -169,7 +173,7 @@ class SamplePlan:
         # A value inside the block that goes would bring a part of it back.
         others = tuple(each for each in self._loaded.overrides if each.location[0] != "samples")
         try:
-            return loaded_again(replace(self._loaded, overrides=others), {**sample.overrides, "samples": None})
+            return any_again(replace(self._loaded, overrides=others), {**sample.overrides, "samples": None})
         except ScenarioError as error:
             raise ScenarioError([f"{line} (sample {sample.index})" for line in error.mistakes]) from None
 
@@ -182,18 +186,18 @@ class SamplePlan:
         mistakes = []
         self.count  # noqa: B018 - it looks for the thrusters
         for path, distribution in self._block.vary.items():
-            if path.startswith(PARAMETERS):
-                mistakes += self._refused_parameter(path, distribution)
+            if (parameter := parameter_at(path)) is not None:
+                mistakes += self._refused_parameter(path, parameter, distribution)
         if mistakes:
             raise ScenarioError(mistakes)
 
-    def _refused_parameter(self, path: str, distribution: AnyDistribution) -> list[str]:
+    def _refused_parameter(self, path: str, parameter: ParameterPath, distribution: AnyDistribution) -> list[str]:
         """One mistake is enough."""
-        scenario = self._loaded.scenario
+        scenario = self._of(parameter.vehicle).scenario
         for end in distribution.ends:
             try:
                 changed = self._overrides_of(path, distribution, end)
-                given = {name.removeprefix(PARAMETERS): values for name, values in changed.items()}
+                given = {at.name: values for key, values in changed.items() if (at := parameter_at(key)) is not None}
                 load_model(scenario.model, {**scenario.parameters, **given})
             except ModelError as error:
                 message = f"may be {end!r:.60}: {error}"
@@ -202,9 +206,16 @@ class SamplePlan:
                 return error.mistakes
         return []
 
-    @cached_property
-    def _hull(self) -> CompiledHull:
-        return flown_hull(self._loaded)
+    def _of(self, vehicle: str) -> Loaded:
+        """The scenario of a vehicle; "" for the one that there is, or for all of them."""
+        if isinstance(self._loaded, LoadedFleet):
+            return self._loaded.vehicles.get(vehicle, self._anchor)
+        return self._loaded
+
+    def _hull(self, vehicle: str) -> CompiledHull:
+        if vehicle not in self._hulls:
+            self._hulls[vehicle] = flown_hull(self._of(vehicle))
+        return self._hulls[vehicle]
 
     @cached_property
     def _turns(self) -> list[tuple[str, int]]:
@@ -237,30 +248,30 @@ class SamplePlan:
         try:
             if distribution.gives == "value":
                 return overrides_of(self._written, self._resolved, path, number)
-            if path.startswith(PARAMETERS):
-                return self._changed_parameter(path.removeprefix(PARAMETERS), distribution, number)
+            if (parameter := parameter_at(path)) is not None:
+                return self._changed_parameter(parameter, distribution, number)
             value = combined(value_at(self._resolved, path), distribution.gives, number)
         except (ModelError, ValueError) as error:
             text = error.reason if isinstance(error, ModelError) else str(error)
             raise ScenarioError([self._loaded.mistake(("samples", "vary", path), text)]) from None
         return overrides_of(self._written, self._resolved, path, value)
 
-    def _changed_parameter(self, name: str, distribution: AnyDistribution, number: Any) -> dict[str, Any]:
-        model = self._hull.model
-        numbers = self._nominal(name)
+    def _changed_parameter(self, at: ParameterPath, distribution: AnyDistribution, number: Any) -> dict[str, Any]:
+        model, name = self._hull(at.vehicle).model, at.name
+        numbers = self._nominal(at)
         if distribution.gives in ("factor", "percent") and np.ndim(number) == 0:
             factor = number if distribution.gives == "factor" else 1.0 + number / 100.0
             values = (numbers * factors_on(name, numbers, factor)).tolist()
         else:
             values = combined(numbers.tolist(), distribution.gives, number)
         if not name.endswith(f":{LAG}"):
-            return {f"{PARAMETERS}{name}": values}
+            return {at.beside(name): values}
         each = lags_of(model, name.rpartition(":")[0])
-        return {f"{PARAMETERS}{thruster}:{LAG}": [lag] for thruster, lag in zip(each, values, strict=True)}
+        return {at.beside(f"{thruster}:{LAG}"): [lag] for thruster, lag in zip(each, values, strict=True)}
 
-    def _nominal(self, name: str) -> np.ndarray:
-        given = self._loaded.scenario.parameters
-        return parameter_values(name, {} if name.endswith(f":{LAG}") else given, self._hull.model)
+    def _nominal(self, at: ParameterPath) -> np.ndarray:
+        given = self._of(at.vehicle).scenario.parameters
+        return parameter_values(at.name, {} if at.name.endswith(f":{LAG}") else given, self._hull(at.vehicle).model)
 
     def _lost(self, k: int, turns: Mapping[str, int]) -> tuple[tuple[str, ...], float]:
         """The thrusters that die, and when [s]."""
@@ -283,7 +294,7 @@ class SamplePlan:
         code = self._code
         if code is None:
             return {}, {}
-        with refused(self._loaded):
+        with refused(self._anchor):
             answer = code.call(code.make, k, self._rng(k, _GENERATOR), **code.options)
             given, notes = answer if isinstance(answer, tuple) and len(answer) == 2 else (answer, {})
             if not _is_by_name(given) or not _is_by_name(notes):

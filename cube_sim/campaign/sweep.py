@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -18,7 +18,10 @@ from cube_sim.campaign.sampling import SamplePlan
 from cube_sim.campaign.threads import on_threads
 from cube_sim.errors import SweepInterrupted
 from cube_sim.many_flights import flies_in_python
-from cube_sim.scenario import Loaded
+from cube_sim.scenario import Scenario
+from cube_sim.scenario.check_blocks import AnyCheck
+from cube_sim.scenario.fleet import FleetScenario
+from cube_sim.scenario.fleet_loading import AnyLoaded, LoadedFleet
 
 WorkersAs = Literal["threads", "processes"]
 
@@ -40,7 +43,7 @@ class HowFar(NamedTuple):
 
 
 def sweep(
-    loaded: Loaded,
+    loaded: AnyLoaded,
     out: Path | None = None,
     *,
     workers: int | None = None,
@@ -77,7 +80,7 @@ def sweep(
     plan = SamplePlan(loaded)
     plan.require_possible()
     samples = shard.samples(plan.count)
-    checks = [check.title for check in loaded.scenario.checks]
+    checks = list(_checks_of(loaded.scenario))
     folder = out if out is not None else _new_folder(loaded.scenario.name)
     head = head_of(loaded, plan)
     with opened(folder, shard, head, resume=resume, checks=checks) as rows:
@@ -122,14 +125,22 @@ def _flown(
     return in_processes(task, samples, most)
 
 
-def usual_workers(loaded: Loaded) -> WorkersAs:
-    """Threads where all that is flown is compiled, processes where code of the user's own has a part in it."""
+def usual_workers(loaded: AnyLoaded) -> WorkersAs:
+    """Threads where all that is flown is compiled; processes for code of the user's own, and for several vehicles."""
     samples = loaded.scenario.samples
-    own = flies_in_python(loaded) or (samples is not None and samples.generator is not None)
+    drawn_by_own = samples is not None and samples.generator is not None
+    own = isinstance(loaded, LoadedFleet) or flies_in_python(loaded) or drawn_by_own
     return "processes" if own else "threads"
 
 
-def head_of(loaded: Loaded, plan: SamplePlan) -> dict[str, Any]:
+def _checks_of(scenario: Scenario | FleetScenario) -> Mapping[str, AnyCheck]:
+    """By what they are called in results."""
+    if isinstance(scenario, FleetScenario):
+        return scenario.all_checks
+    return {check.title: check for check in scenario.checks}
+
+
+def head_of(loaded: AnyLoaded, plan: SamplePlan) -> dict[str, Any]:
     """What sweep.json says."""
     scenario, block = loaded.scenario, plan.block
     return {
@@ -140,8 +151,8 @@ def head_of(loaded: Loaded, plan: SamplePlan) -> dict[str, Any]:
         "count": plan.count,
         "required": None if block.required is None else block.required.model_dump(),
         "checks": [
-            {"name": check.title, "relation": check.bound.relation, "limit": check.bound.limit}
-            for check in scenario.checks
+            {"name": name, "relation": check.bound.relation, "limit": check.bound.limit}
+            for name, check in _checks_of(scenario).items()
         ],
         "varied": {path: distribution.model_dump() for path, distribution in block.vary.items()},
         "thrusters": list(plan.thrusters),

@@ -117,7 +117,7 @@ def _fly(
     """Load and fly; whatever goes wrong ends the command. Returns name and duration [s] of the scenario, too."""
     from cube_sim.native.heap import keep_little
     from cube_sim.run_directory import require_writable
-    from cube_sim.scenario.fleet_loading import LoadedFleet, has_own_code, load_any
+    from cube_sim.scenario.fleet_loading import has_own_code, load_any
 
     keep_little()
     if record is Recorded.FULL and live is None:
@@ -137,8 +137,6 @@ def _fly(
         if sample is not None:
             from cube_sim.campaign import sampling
 
-            if isinstance(loaded, LoadedFleet):
-                raise ScenarioError([loaded.mistake("vehicles", "samples are drawn of one vehicle alone, as yet")])
             loaded = sampling.sample(loaded, sample)
         from cube_sim import simulation
 

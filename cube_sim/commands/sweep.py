@@ -134,11 +134,10 @@ def _flown(
     if cluster is not None and (workers is not None or workers_as is not None):
         stop(BAD_INPUT, "--workers and --workers-as are of this machine: they do not go with --cluster")
     try:
-        from cube_sim.scenario import load
-        from cube_sim.scenario.python_block import python_blocks
+        from cube_sim.scenario.fleet_loading import has_own_code, load_any
 
-        loaded = load(scenario, overrides(settings))
-        if not any(python_blocks(loaded.scenario)):
+        loaded = load_any(scenario, overrides(settings))
+        if not has_own_code(loaded):
             open_no_windows()
         from cube_sim.campaign import sweep as campaign
 

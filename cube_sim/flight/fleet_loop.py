@@ -47,6 +47,7 @@ class FleetLoop:
     def __init__(self, mission: FleetMission, store: SignalStore) -> None:
         self.mission, self.tick, self.ended = mission, 0, ""
         self.stopped: EarlyEnd | None = None
+        self.raised: Exception | None = None
         self._stores = {name: VehicleStore(one) for name, one in mission.missions.items()}
         self._loops = {name: VehicleLoop(one, self._stores[name]) for name, one in mission.missions.items()}
         self._store = FleetStore(store, self._stores, mission.scenario)
@@ -144,7 +145,7 @@ class FleetLoop:
                 loop.begin_stretch(most)
                 loop.fly_tick()
                 if loop.ended:
-                    self.ended = f"{name}: {loop.ended}"
+                    self.ended, self.raised = f"{name}: {loop.ended}", loop.raised
                     return
                 if loop.stopped is not None and self.stopped is None:
                     self.stopped = replace(loop.stopped, time_s=t, reason=f"{name}: {loop.stopped.reason}")

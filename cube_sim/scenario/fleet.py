@@ -24,6 +24,7 @@ from cube_sim.scenario.document import Location
 from cube_sim.scenario.event_blocks import CurrentEventBlock
 from cube_sim.scenario.explain import Refusal
 from cube_sim.scenario.include import merged_data
+from cube_sim.scenario.samples_block import SamplesBlock
 from cube_sim.scenario.schema import PhysicsBlock, Scenario
 from cube_sim.scenario.values import Block, Name, Vector3, refuse
 from cube_sim.scenario.windows import WindowKeys
@@ -61,6 +62,14 @@ class WorldBlock(Block):
     checks: Annotated[tuple[AnyFleetCheck, ...], Strict(False)] = Field(
         default=(), description="What the run must show of several vehicles."
     )
+    samples: SamplesBlock | None = Field(default=None, description="Many flights of it, each with values of its own.")
+
+    @field_validator("samples")
+    @classmethod
+    def _of_no_thrusters(cls, samples: SamplesBlock | None) -> SamplesBlock | None:
+        if samples is not None and samples.lost_thrusters is not None:
+            refuse("are those of one vehicle: give it events, in vary or by a generator", "lost_thrusters")
+        return samples
 
     @field_validator("checks")
     @classmethod
@@ -132,6 +141,21 @@ class FleetScenario:
     def checks(self) -> tuple[AnyCheck, ...]:
         """Those over several vehicles, as checks of recorded signals."""
         return self.together.checks
+
+    @property
+    def samples(self) -> SamplesBlock | None:
+        """Many flights of it, each with values of its own; None for one."""
+        return self.world.samples
+
+    @property
+    def all_checks(self) -> Mapping[str, AnyCheck]:
+        """Those of each vehicle and those over several, by what they are called in results, in their order."""
+        own = {f"{name}: {check.title}": check for name, one in self.vehicles.items() for check in one.checks}
+        return own | {check.title: check for check in self.checks}
+
+    def as_data(self) -> dict[str, Any]:
+        """As a file would hold it, with every default."""
+        return {**self.world.model_dump(), VEHICLES: {name: one.model_dump() for name, one in self.vehicles.items()}}
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
@@ -223,8 +247,6 @@ def shares(data: Mapping[str, Any]) -> tuple[list[Share], list[Refusal]]:
         text = "must be a block of names, each with the keys of one vehicle; for example leader: {path: ...}"
         return [], [Refusal((VEHICLES,), text, at_key=False)]
     found = []
-    if data.get("samples") is not None:
-        refusals.append(Refusal(("samples",), "samples are drawn of one vehicle alone, as yet", at_key=True))
     for name, own in blocks.items():
         if not isinstance(name, str) or len(name) > _LONGEST_NAME or not _NAME.fullmatch(name):
             text = f"a vehicle's name has up to {_LONGEST_NAME} small letters, digits and _, a letter first"

@@ -15,8 +15,9 @@ from cube_sim.scenario.document import Document, Location
 from cube_sim.scenario.explain import Refusal, explain
 from cube_sim.scenario.fleet import VEHICLES, FleetScenario, Share, WorldBlock, names_several, shares, together_data
 from cube_sim.scenario.include import merged
-from cube_sim.scenario.loading import Loaded, loaded_from, refused_lines, validated
+from cube_sim.scenario.loading import Loaded, loaded_again, loaded_from, refused_lines, validated
 from cube_sim.scenario.overrides import Override, apply
+from cube_sim.scenario.possible_samples import sample_refusals
 from cube_sim.scenario.python_block import python_blocks
 from cube_sim.scenario.reading import parsed, read_text
 from cube_sim.scenario.resolved import fleet_to_yaml, seen_from
@@ -52,10 +53,14 @@ class LoadedFleet:
         here = {name: seen_from(scenario, directory) for name, scenario in self.scenario.vehicles.items()}
         return fleet_to_yaml(replace(self.scenario, vehicles=here))
 
-    def mistake(self, path: str, message: str, because: str = "") -> str:
+    @property
+    def whole(self) -> Loaded:
+        """The first vehicle, with places in the file as they are."""
+        return Loaded(self.scenario.first, self.text, self.path, self.overrides, self.document)
+
+    def mistake(self, path: str | Location, message: str, because: str = "") -> str:
         """A mistake in what is said of all, found after loading, as `Loaded.mistake`."""
-        whole = Loaded(self.scenario.first, self.text, self.path, self.overrides, self.document)
-        return whole.mistake(path, message, because)
+        return self.whole.mistake(path, message, because)
 
 
 AnyLoaded = Loaded | LoadedFleet
@@ -79,13 +84,44 @@ def any_from(path: Path, text: str, overrides: Mapping[str, Any] | None = None) 
     """The same of the text of a file."""
     whole = merged(path, parsed(path, text))
     document, bases = whole
-    data, applied, wrong_paths = apply(document.data, overrides or {})
-    if not names_several(data):
+    if not names_several(apply(document.data, overrides or {})[0]):
         return loaded_from(path, text, whole, overrides)
+    return _fleet(path, text, document, bases, overrides or {})
+
+
+def any_again(loaded: AnyLoaded, overrides: Mapping[str, Any]) -> AnyLoaded:
+    """A loaded scenario with more values replaced, as `loaded_again`, of one vehicle or of several."""
+    if isinstance(loaded, Loaded):
+        return loaded_again(loaded, overrides)
+    before = {override.path: override.value for override in loaded.overrides}
+    return _fleet(loaded.path, loaded.text, loaded.document, loaded.bases, {**before, **overrides})
+
+
+def _fleet(
+    path: Path, text: str, document: Document, bases: Mapping[str, str], overrides: Mapping[str, Any]
+) -> LoadedFleet:
+    """The scenario of several vehicles that a parsed file and overrides make."""
+    data, applied, wrong_paths = apply(document.data, overrides)
+    fleet, refusals, found = _made(data, path.parent)
+    if fleet is not None:
+        resolved = fleet.as_data()
+        refusals += sample_refusals(data, fleet, resolved, lambda varied: _made(varied, path.parent)[1])
+    lines = refused_lines(path, document, applied, _once(refusals)) + wrong_paths
+    if lines or fleet is None:
+        raise ScenarioError(lines)
+    loaded = {
+        share.name: Loaded(fleet.vehicles[share.name], text, path, tuple(applied), document, bases, within=share.place)
+        for share in found
+    }
+    return LoadedFleet(fleet, loaded, text, path, tuple(applied), document, bases)
+
+
+def _made(data: dict[str, Any], directory: Path) -> tuple[FleetScenario | None, list[Refusal], list[Share]]:
+    """The scenario of several vehicles that data are, what is wrong with them, and what they say of each vehicle."""
     found, refusals = shares(data)
-    loaded: dict[str, Loaded] = {}
+    scenarios: dict[str, Scenario] = {}
     for share in found:
-        scenario, wrong = validated(share.data, path.parent, several=True)
+        scenario, wrong = validated(share.data, directory, several=True)
         refusals += [
             refusal._replace(
                 location=share.place(refusal.location),
@@ -94,13 +130,12 @@ def any_from(path: Path, text: str, overrides: Mapping[str, Any] | None = None) 
             for refusal in wrong
         ]
         if scenario is not None:
-            loaded[share.name] = Loaded(scenario, text, path, tuple(applied), document, bases, within=share.place)
-    world, together, wrong = _world(data, found) if found else (None, None, [])
-    lines = refused_lines(path, document, applied, _once([*refusals, *wrong])) + wrong_paths
-    if lines or world is None or together is None:
-        raise ScenarioError(lines)
-    fleet = FleetScenario(world, {name: each.scenario for name, each in loaded.items()}, together)
-    return LoadedFleet(fleet, loaded, text, path, tuple(applied), document, bases)
+            scenarios[share.name] = scenario
+    world, together, wrong = _world(data, found, directory) if found else (None, None, [])
+    refusals = [*refusals, *wrong]
+    if refusals or world is None or together is None:
+        return None, refusals, found
+    return FleetScenario(world, scenarios, together), [], found
 
 
 def has_own_code(loaded: AnyLoaded) -> bool:
@@ -122,18 +157,21 @@ def fleet_of(data: Mapping[str, Any]) -> FleetScenario:
         refusals += wrong
         if scenario is not None:
             scenarios[share.name] = scenario
-    world, together, wrong = _world(data, found)
+    world, together, wrong = _world(data, found, None)
     if world is None or together is None or refusals or wrong:
         first = (*refusals, *wrong)[0]
         raise ScenarioError([f"{'.'.join(map(str, first.location))}: {first.message}"])
     return FleetScenario(world, scenarios, together)
 
 
-def _world(data: Mapping[str, Any], found: Sequence[Share]) -> tuple[WorldBlock | None, Scenario | None, list[Refusal]]:
+def _world(
+    data: Mapping[str, Any], found: Sequence[Share], directory: Path | None
+) -> tuple[WorldBlock | None, Scenario | None, list[Refusal]]:
     """What is said of all and asked of several, and what is wrong with it but for what is wrong with each vehicle."""
     keys = [key for key in WorldBlock.model_fields if key in data]
     try:
-        world = WorldBlock.model_validate({key: data[key] for key in keys})
+        context = None if directory is None else {"directory": directory}
+        world = WorldBlock.model_validate({key: data[key] for key in keys}, context=context)
     except ValidationError as error:
         return None, None, explain(error, WorldBlock)
     names = [share.name for share in found]

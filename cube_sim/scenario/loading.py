@@ -212,7 +212,8 @@ def _validated(
     """
     scenario, refusals = validated(data, directory)
     if scenario is not None:
-        refusals = sample_refusals(data, scenario, lambda varied: validated(varied, directory)[1])
+        given = {} if scenario.samples is None else scenario.model_dump()
+        refusals = sample_refusals(data, scenario, given, lambda varied: validated(varied, directory)[1])
     lines = refused_lines(path, document, applied, refusals)
     if lines or wrong_paths or scenario is None:
         raise ScenarioError(lines + wrong_paths)

@@ -7,13 +7,17 @@ from typing import Any
 
 from cube_sim.scenario.distribution_blocks import AnyDistribution
 from cube_sim.scenario.explain import Refusal
+from cube_sim.scenario.fleet import VEHICLES, FleetScenario
 from cube_sim.scenario.overrides import apply
 from cube_sim.scenario.schema import Scenario
-from cube_sim.scenario.varied_values import PARAMETERS, combined, overrides_of, value_at
+from cube_sim.scenario.varied_values import combined, is_parameter, overrides_of, value_at
 
 
 def sample_refusals(
-    data: dict[str, Any], scenario: Scenario, refusals_of: Callable[[dict[str, Any]], list[Refusal]]
+    data: dict[str, Any],
+    scenario: Scenario | FleetScenario,
+    resolved: dict[str, Any],
+    refusals_of: Callable[[dict[str, Any]], list[Refusal]],
 ) -> list[Refusal]:
     """What of the `samples` block gives values that the scenario does not take.
 
@@ -22,11 +26,11 @@ def sample_refusals(
     Args:
         data: the file's, with its overrides.
         scenario: the same, valid.
+        resolved: the same as data, with every default.
         refusals_of: what the schema has against data.
     """
     if scenario.samples is None:
         return []
-    resolved = scenario.model_dump()
     alone = {key: value for key, value in data.items() if key != "samples"}
     found = []
     for path, distribution in scenario.samples.vary.items():
@@ -54,12 +58,16 @@ def _messages(
     distribution: AnyDistribution,
     refusals_of: Callable[[dict[str, Any]], list[Refusal]],
 ) -> Iterator[str]:
+    vehicle = path.split(".")[1] if path.startswith(f"{VEHICLES}.") else None
+    if vehicle is not None and vehicle not in data.get(VEHICLES, {}):
+        yield f"no vehicle '{vehicle}'; there are {', '.join(data.get(VEHICLES, {})) or 'none with names'}"
+        return
     for drawn in distribution.ends:
         try:
             nominal = None if distribution.gives == "value" else value_at(resolved, path)
             value = combined(nominal, distribution.gives, drawn)
         except LookupError:
-            if not path.startswith(PARAMETERS):  # what the model has, only the model says
+            if not is_parameter(path):  # what the model has, only the model says
                 yield f"the scenario has nothing there that a {distribution.gives} could be of"
             continue
         except ValueError as error:

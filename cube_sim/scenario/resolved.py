@@ -51,7 +51,8 @@ def to_yaml(scenario: Scenario) -> str:
 def fleet_to_yaml(fleet: FleetScenario) -> str:
     """YAML text that `load_any` turns into an equal scenario of several vehicles."""
     vehicles = {name: one.model_dump(mode="python", exclude={*AT_THE_TOP}) for name, one in fleet.vehicles.items()}
-    return _text({**fleet.world.model_dump(mode="python"), VEHICLES: vehicles})
+    left_out = {"samples"} if fleet.samples is None else set()
+    return _text({**fleet.world.model_dump(mode="python", exclude=left_out), VEHICLES: vehicles})
 
 
 def _text(data: dict[str, Any]) -> str:

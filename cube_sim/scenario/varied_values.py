@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,36 @@ from cube_sim.scenario.distribution_blocks import Gives
 
 PARAMETERS = "parameters."
 """Before the name of a parameter of the model, in the path of one."""
+
+
+_PARAMETER = re.compile(r"(?:vehicles\.(?P<vehicle>[^.]+)\.)?parameters\.(?P<name>.+)", re.DOTALL)
+
+
+class ParameterPath(NamedTuple):
+    """Where a parameter of a model is.
+
+    Attributes:
+        vehicle: among several, whose; "" of one.
+        name: of the parameter.
+    """
+
+    vehicle: str
+    name: str
+
+    def beside(self, name: str) -> str:
+        """The dotted path of another parameter of the same model."""
+        return f"vehicles.{self.vehicle}.{PARAMETERS}{name}" if self.vehicle else f"{PARAMETERS}{name}"
+
+
+def parameter_at(path: str) -> ParameterPath | None:
+    """Which parameter of a model a dotted path names; None for a key of the scenario."""
+    found = _PARAMETER.fullmatch(path)
+    return None if found is None else ParameterPath(found["vehicle"] or "", found["name"])
+
+
+def is_parameter(path: str) -> bool:
+    """Whether a dotted path names a parameter of a model."""
+    return parameter_at(path) is not None
 
 
 def value_at(data: Any, path: str) -> Any:
@@ -67,7 +98,7 @@ def overrides_of(written: Mapping[str, Any], resolved: Mapping[str, Any], path: 
         path: dotted.
         value: plain; one number for a parameter of the model counts as a list of one.
     """
-    if path.startswith(PARAMETERS) and isinstance(value, int | float) and not isinstance(value, bool):
+    if is_parameter(path) and isinstance(value, int | float) and not isinstance(value, bool):
         value = [value]
     steps = path.split(".")
     for depth in range(1, len(steps)):

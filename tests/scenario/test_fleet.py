@@ -83,7 +83,7 @@ def test_what_flies_one_vehicle_says_so(tmp_path):
         ("between: [follower, leader]", "between: [follower, hare]", "19:42: checks.0.between.1: no vehicle 'hare'"),
         ("between: [follower, leader]", "between: [leader, leader]", "checks.0.between: name two vehicles"),
         ("kind: distance", "kind: distanse", "checks.0.kind: unknown kind 'distanse'; did you mean distance?"),
-        ("vehicles:\n", "samples: {count: 3}\nvehicles:\n", "9:1: samples: samples are drawn of one vehicle alone"),
+        ("vehicles:\n", "samples: {cont: 3}\nvehicles:\n", "9:11: samples.cont: unknown key; did you mean count?"),
         ("seed: 4", "seed: x", "4:7: seed: must be a whole number"),
         ("duration_s: 12", "duration_s: 12\nfoo: 1", "4:1: foo: unknown key"),
     ],

@@ -10,7 +10,7 @@ an ordinary scenario, and every rule of this page holds for it.
 | at the top, for all | in a vehicle's block, or at the top as its default | in a vehicle's block alone |
 |---|---|---|
 | `schema_version`, `name`, `description`, `duration_s`, `physics`, `control_period_s`, `current_m_s`, \
-`current_profile`; `events` of the water; `checks` over several vehicles; no `samples` | \
+`current_profile`; `events` of the water; `checks` over several vehicles; `samples` | \
 `model`, `vehicle`, `initial`, `thrusters`, \
 `parameters`, `battery`, `path`, `guidance`, `control`, `navigation`, `knowledge`, `telemetry`, `allocation`, `stop` | \
 `events` of its thrusters, `checks` of its own, `seed` |
@@ -19,7 +19,8 @@ Vehicles of one model each get a copy of it; a model with several hulls is share
 (`vehicle`). The random streams of a vehicle come of the seed at the top and of its name, not of its place in the list;
 with `seed` in its block they are those of that seed alone. A vehicle that touches no other flies as it flies alone, to
 the bit. What ends the flight of one, or a condition of its `stop`, ends that of all, and is said with its name.
-`samples` are drawn of one vehicle alone, as yet."""
+`samples` stand at the top, too, and vary keys of the world or of a vehicle, `vehicles.leader.guidance.speed_m_s`,
+`vehicles.follower.parameters.hull:mass`; thrusters that are lost are events of a vehicle."""
 EXAMPLE = """\
 model: ../models/cube.xml
 guidance: {speed_m_s: 0.3}
