@@ -13,7 +13,7 @@ from cube_sim.commands.output import console_for_tables, print_json
 from cube_sim.errors import RecordingError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from rich.table import Table
 
@@ -61,7 +61,7 @@ def diff(
             inputs = {"settings": [vars(each) for each in settings], "files": [vars(each) for each in files]}
             print_json({**inputs, "signals": [each.to_dict() for each in found]})
         else:
-            inputs = _lines("setting", settings) + _lines("file", files, _DIGEST)
+            inputs = _lines("setting", settings, _value) + _lines("file", files, _digest)
             for line in [*inputs, *[""] * bool(inputs and found)]:
                 typer.echo(line)
             if found:
@@ -75,14 +75,16 @@ _DIGEST, _MOST = 12, 60
 """So many characters are shown of a digest and of a value."""
 
 
-def _lines(what: str, others: Sequence[InputDifference], most: int = _MOST) -> list[str]:
-    return [f"{what} {each.key}: {_short(each.one, most)} against {_short(each.other, most)}" for each in others]
+def _lines(what: str, others: Sequence[InputDifference], shown: Callable[[str], str]) -> list[str]:
+    return [f"{what} {each.key}: {shown(each.one) or 'none'} against {shown(each.other) or 'none'}" for each in others]
 
 
-def _short(value: str, most: int) -> str:
-    if most == _DIGEST:
-        return value[:most] or "none"
-    return (value if len(value) <= most else f"{value[: most - 3]}...") or "none"
+def _digest(whole: str) -> str:
+    return whole[:_DIGEST]
+
+
+def _value(whole: str) -> str:
+    return whole if len(whole) <= _MOST else f"{whole[: _MOST - 3]}..."
 
 
 class _Tolerances(dict[str, float]):

@@ -78,6 +78,12 @@ def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> Any:
     return dispatcher.overloads[kinds]
 
 
+def answers_of_call(signature: Any) -> tuple[str, ...]:
+    """Types of what a call of such a signature answers, one by one."""
+    answer = signature.return_type
+    return answers_of(list(answer) if isinstance(answer, types.BaseTuple) else [answer])
+
+
 def code_of(dispatcher: Any, overload: Any) -> MachineCode | None:
     """The machine code of what is compiled, as numba's own cache has it; None where that has none.
 
@@ -96,12 +102,11 @@ def code_of(dispatcher: Any, overload: Any) -> MachineCode | None:
         return None
     machine_code, llvm_code = content
     environments = [environment, *(each for each in others if each.env_name != fndesc.env_name)]
-    answer = signature.return_type
     return MachineCode(
         machine_code=machine_code,
         entry=fndesc.llvm_func_name,
         door=fndesc.llvm_cpython_wrapper_name,
-        answers=answers_of(list(answer) if isinstance(answer, types.BaseTuple) else [answer]),
+        answers=answers_of_call(signature),
         environments=tuple(
             (name, list(each.consts))
             for name, each in zip([fndesc.env_name, *(e.env_name for e in environments[1:])], environments, strict=True)

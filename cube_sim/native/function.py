@@ -142,7 +142,7 @@ class CompiledFunction:
 
     def _compiled(self, arguments: tuple[Any, ...], words: str | None) -> Door:
         """By numba; kept on disk where there are words for its kind."""
-        from cube_sim.native.dispatching import code_of, compile_for
+        from cube_sim.native.dispatching import answers_of_call, code_of, compile_for
 
         with _making:
             overload = compile_for(self.dispatcher, arguments)
@@ -150,7 +150,7 @@ class CompiledFunction:
             if words is not None and code is not None:
                 doors.keep(self._name, words, self.whole_stamp, code)
             address = int(overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name))
-            return Door(self.dispatcher, address, doors.answers_of(_each(overload.signature.return_type)))
+            return Door(self.dispatcher, address, answers_of_call(overload.signature))
 
     @property
     def _lasts(self) -> bool:
@@ -164,8 +164,3 @@ class CompiledFunction:
     @property
     def _name(self) -> str:
         return f"{self.py_func.__module__}.{self.py_func.__qualname__}"
-
-
-def _each(answer: Any) -> list[Any]:
-    """Types of what is answered, one by one."""
-    return list(answer) if hasattr(answer, "types") else [answer]

@@ -5,8 +5,9 @@ These blocks only say what is asked; `cube_sim.checks` answers it from the recor
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import chain
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.types import Strict
@@ -87,6 +88,17 @@ class ComparisonBlock(LimitKeys, SignalKeys):
         le=1e12,
         description="So much of the signal's unit counts as 1 in the margin; needed where the units of several differ.",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_others_inside(cls, data: Any) -> Any:
+        for key in ("all", "any"):
+            if isinstance(data, Mapping) and key in data:
+                text = (
+                    "a condition within a condition: several of `all` are checks of their own, and `while X, Y` is any:"
+                )
+                refuse(f"{text} [the opposite of X, Y]", key)
+        return data
 
     @property
     def words(self) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 from support.random_signals import CLOCK, HELD, PERIOD_S, RUN_S, SAMPLED, in_random_blocks, random_signals
+from support.scenario_files import MINIMAL, mistakes, write
 
 from cube_sim.checks import Beforehand, evaluate
 from cube_sim.scenario.check_blocks import AnyCheck
@@ -210,3 +211,12 @@ def test_a_window_counts_from_events():
 def test_what_makes_no_sense_is_refused(asked, said):
     with pytest.raises(ValidationError, match=said):
         block(**asked)
+
+
+def test_a_condition_within_a_condition_is_refused_in_one_line(tmp_path):
+    inner = "any: [{signal: pose.position, at_most: 1}, {signal: velocity.linear, at_most: 1}]"
+    check = f"{{kind: always, all: [{{{inner}}}, {{signal: velocity.linear, at_most: 1}}]}}"
+    (line,) = mistakes(write(tmp_path, MINIMAL.replace("{kind: path_end, reach_m: 0.5}", check)))
+    assert line.startswith(
+        "mission.yaml:8:32: checks.0.all.0.any: a condition within a condition: several of `all` are"
+    )
