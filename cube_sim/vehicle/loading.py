@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.mjcf.elements import is_of_element, set_elements
+from cube_sim.vehicle.mjcf.fins import AREA, fin_rows, servo_elements
 from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, thruster_elements
@@ -112,7 +113,9 @@ def _immerse(
         raise ModelError(layout.PACKED, "is written by load_model; remove it from the MJCF")
     bodies = {body.name: _is_free(body) for body in spec.bodies if body.name and body.name != "world"}
     thrusters = thruster_elements(spec)
-    parameters = read_parameters(numerics, bodies, thrusters)
+    sites = {site.name: site.parent.name for site in spec.sites if site.name}
+    servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics])
+    parameters = read_parameters(numerics, bodies, thrusters, sites, servos)
     set_elements(spec, of_elements, [hull.body for hull in parameters.hulls], thrusters)
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
     for text in spec.texts:
@@ -130,7 +133,8 @@ def _immerse(
     dofs = [int(model.body_dofadr[i]) for i in ids]
     start = model.numeric_adr[model.nnumeric - 1]
     table = _register(model, forces, [hull.body for hull in parameters.hulls])
-    packed = packing.pack_parameters(parameters, ids, dofs, table, user_forces.process_number(), pushes)
+    fins = fin_rows(model, parameters.fins, [hull.body for hull in parameters.hulls], parameters.density)
+    packed = packing.pack_parameters(parameters, ids, dofs, table, user_forces.process_number(), pushes, fins)
     model.numeric_data[start : start + packed.size] = packed
     data = mujoco.MjData(model)
     structs.verify(model, data)

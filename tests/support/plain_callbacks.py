@@ -38,6 +38,7 @@ def callbacks() -> dict:
         "no_gravity": int(off.mjDSBL_GRAVITY),
         "no_passive": int(off.mjDSBL_SPRING | off.mjDSBL_DAMPER),
         "pgs": int(mujoco.mjtSolver.mjSOL_PGS),
+        "dynprm": int(mujoco.mjNDYN),
     }
     return plain("cube_sim.vehicle.plugin.callbacks").build(*layouts, codes)
 
@@ -110,6 +111,7 @@ _PLAIN = (
     "cube_sim.vehicle.laws.",
     "cube_sim.vehicle.plugin.inertia",
     "cube_sim.vehicle.plugin.curve_record",
+    "cube_sim.vehicle.plugin.lift_record",
     "cube_sim.guidance.",
     "cube_sim.navigation.",
     "cube_sim.control.",

@@ -20,10 +20,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.mjcf.body_lift import CORIOLIS, CROSS_FLOW, PRODUCTS, STATIONS
 from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS
+from cube_sim.vehicle.mjcf.fins import FIN_PARAMETERS
 
 DENSITY, CURRENT = "water:density", "water:current"
-HULL_PARAMETERS = ("volume", "centre_of_buoyancy", "added_mass", "linear_damping", "quadratic_damping")
+HULL_PARAMETERS = (
+    "volume",
+    "centre_of_buoyancy",
+    "added_mass",
+    "linear_damping",
+    "quadratic_damping",
+    PRODUCTS,
+    CORIOLIS,
+    STATIONS,
+    CROSS_FLOW,
+)
 THRUSTER_PARAMETERS = (
     "thruster_characteristic",
     "thruster_dead_zone",
@@ -32,7 +44,7 @@ THRUSTER_PARAMETERS = (
     "thruster_pwm",
 )
 
-_KNOWN = HULL_PARAMETERS + THRUSTER_PARAMETERS
+_KNOWN = HULL_PARAMETERS + THRUSTER_PARAMETERS + FIN_PARAMETERS
 _NEARLY = 0.8  # share of letters in common, as difflib counts them
 _NEARLY_WATER = 0.85  # of the word itself: the weather is not meant
 _RATHER_A_BODY = 0.6  # of a body's name, where the parameter speaks of water
@@ -58,13 +70,16 @@ def one_water(numerics: Numerics) -> dict[str, NDArray[np.float64]]:
     return merged
 
 
-def hulls_in_water(numerics: Numerics, bodies: Sequence[str], thrusters: Collection[str]) -> list[str]:
+def hulls_in_water(
+    numerics: Numerics, bodies: Sequence[str], thrusters: Collection[str], sites: Collection[str] = ()
+) -> list[str]:
     """Names of the bodies that have parameters of a hull, in body order.
 
     Args:
         numerics: as `one_water` returns them.
         bodies: names of all bodies.
         thrusters: names of the actuators that are thrusters.
+        sites: names of all sites, which may be fins.
 
     Raises:
         ModelError: a numeric of the water that belongs to nothing, or that holds a value that is not finite.
@@ -76,7 +91,7 @@ def hulls_in_water(numerics: Numerics, bodies: Sequence[str], thrusters: Collect
             _require_colon(name, [*bodies, *thrusters], _KNOWN)
             _require_colon(name, ["water"], ("density", "current"))
             if ":" in name:
-                _judge(name, values, bodies, thrusters, hulls)
+                _judge(name, values, bodies, thrusters, hulls, sites)
     return [body for body in bodies if body in hulls]
 
 
@@ -134,7 +149,12 @@ def _like_one_of(owner: str, names: Sequence[str]) -> bool:
 
 
 def _judge(
-    name: str, values: NDArray[np.float64], bodies: Sequence[str], thrusters: Collection[str], hulls: Collection[str]
+    name: str,
+    values: NDArray[np.float64],
+    bodies: Sequence[str],
+    thrusters: Collection[str],
+    hulls: Collection[str],
+    sites: Collection[str],
 ) -> None:
     owner, _, parameter = name.rpartition(":")
     last = re.split(rf"[:{re.escape(_SEPARATORS)}]", owner.lower())[-1]
@@ -152,6 +172,10 @@ def _judge(
         raise ModelError(name, "holds a value that is not finite")
     if parameter in HULL_PARAMETERS and owner not in bodies:
         raise ModelError(name, f"no body '{owner}'; the model has {', '.join(bodies)}")
+    if parameter in FIN_PARAMETERS:
+        if owner not in sites and owner not in bodies:
+            raise ModelError(name, f"no site or body '{owner}'; the model has {', '.join([*sites, *bodies])}")
+        return
     if owner not in bodies and owner not in thrusters:
         raise ModelError(name, f"no body or thruster '{owner}'; the model has {', '.join([*bodies, *thrusters])}")
 

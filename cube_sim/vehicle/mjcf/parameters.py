@@ -12,6 +12,8 @@
     <body>:thruster_voltage             the voltage of the characteristic [V]; may be left out
     <body>:thruster_pwm                 pulse widths of the commands -1, 0 and 1 [us]; may be left out
     <actuator>:thruster_...             each of these for one thruster, before its hull's
+    <body>:velocity_products ...        lift and cross-flow drag, see `cube_sim.vehicle.mjcf.body_lift`
+    <site>:fin_...                      fins, see `cube_sim.vehicle.mjcf.fins`
     water:current                       rows time [s], height z [m], v_x, v_y, v_z [m/s] (world axes) on a full grid of
                                         times and heights, added to `option wind`; linear between, constant beyond
 
@@ -30,7 +32,12 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.mjcf.body_lift import strips, velocity_products
 from cube_sim.vehicle.mjcf.damping import require_dissipative, require_pairwise_dissipative
+from cube_sim.vehicle.mjcf.fins import FinParameters, read_fins
+from cube_sim.vehicle.mjcf.numbers import either as _either
+from cube_sim.vehicle.mjcf.numbers import scalar as _scalar
+from cube_sim.vehicle.mjcf.numbers import vector as _vector
 from cube_sim.vehicle.mjcf.numeric_names import CURRENT, DENSITY, HULL_PARAMETERS, hulls_in_water, one_water
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
 
@@ -49,6 +56,8 @@ class HullParameters:
         added_mass: M_A (6,6) [kg, kg m, kg m^2], symmetric positive semidefinite.
         linear_damping: D (6,6) [N s/m, N s, N m s].
         quadratic_damping: D_q (6,6) [N s^2/m^2, ...], acting on |nu_r| nu_r.
+        products: (n,5) axis, j, k, whether |nu_k| is meant, and c of each product of two velocities.
+        strips: (n,3) x [m], and rho/2 C_D A [kg/m] across y and across z of each strip.
     """
 
     body: str
@@ -57,6 +66,8 @@ class HullParameters:
     added_mass: NDArray[np.float64]
     linear_damping: NDArray[np.float64]
     quadratic_damping: NDArray[np.float64]
+    products: NDArray[np.float64]
+    strips: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -99,17 +110,23 @@ class WaterParameters:
         hulls: all hulls, in body order.
         thrusters: one entry per actuator of the model; None for one that is no thruster.
         current: None for a current that does not vary.
+        fins: all fins, in the order of their sites.
+        density: of the water [kg/m^3].
     """
 
     hulls: tuple[HullParameters, ...]
     thrusters: tuple[ThrusterParameters | None, ...]
     current: CurrentProfile | None
+    fins: tuple[FinParameters, ...]
+    density: float
 
 
 def read_parameters(
     numerics: Mapping[str, NDArray[np.float64]],
     bodies: Mapping[str, bool],
     thrusters: Sequence[ThrusterElement | None],
+    sites: Mapping[str, str],
+    servos: Mapping[str, int],
 ) -> WaterParameters:
     """Validate the numerics of a model.
 
@@ -117,13 +134,15 @@ def read_parameters(
         numerics: name -> values (n,), all numerics of the model.
         bodies: name -> whether it is a free body of the world, for every named body but the world.
         thrusters: one entry per actuator of the model; None for one that is no thruster.
+        sites: name -> the body that carries it, for every named site.
+        servos: site of a fin -> index of the actuator that turns it.
 
     Raises:
         ModelError: names the numeric at fault and says what would be right.
     """
     numerics = one_water(numerics)
     actuators = [thruster.name for thruster in thrusters if thruster]
-    names = hulls_in_water(numerics, list(bodies), actuators)
+    names = hulls_in_water(numerics, list(bodies), actuators, sites)
     if not names:
         raise ModelError(
             "custom", f"no numeric '<body>:{HULL_PARAMETERS[0]}', so there is no hull to put into the water"
@@ -138,7 +157,8 @@ def read_parameters(
         raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
     hulls = tuple(_hull(numerics, name, density) for name in names)
     described = tuple(_thruster(numerics, element.name, element.body) if element else None for element in thrusters)
-    return WaterParameters(hulls, described, _current(numerics))
+    fins = read_fins(numerics, sites, names, servos)
+    return WaterParameters(hulls, described, _current(numerics), fins, density)
 
 
 def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> HullParameters:
@@ -162,6 +182,8 @@ def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float
         added_mass=0.5 * (added_mass + added_mass.T),  # to the last digit: rows are read as columns
         linear_damping=linear,
         quadratic_damping=quadratic,
+        products=velocity_products(numerics, body, 0.5 * (added_mass + added_mass.T)),
+        strips=strips(numerics, body, density),
     )
 
 
@@ -284,28 +306,10 @@ def _never_decreasing(name: str, commands: NDArray[np.float64], forces: NDArray[
     return np.repeat([mean for mean, _ in level], [count for _, count in level])
 
 
-def _either(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, parameter: str) -> str | None:
-    """The thruster's own numeric, or its hull's, or None."""
-    return next((name for owner in (actuator, body) if (name := f"{owner}:{parameter}") in numerics), None)
-
-
 def _first(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, parameter: str) -> str:
     if name := _either(numerics, actuator, body, parameter):
         return name
     raise ModelError(f"{body}:{parameter}", f"is missing; thruster '{actuator}' needs it, or '{actuator}:{parameter}'")
-
-
-def _scalar(numerics: Mapping[str, NDArray[np.float64]], name: str) -> float:
-    return float(_vector(numerics, name, 1)[0])
-
-
-def _vector(numerics: Mapping[str, NDArray[np.float64]], name: str, size: int) -> NDArray[np.float64]:
-    values = numerics.get(name, np.zeros(size))
-    if values.size != size:
-        raise ModelError(name, f"has {values.size} values; it takes {size}")
-    if not np.all(np.isfinite(values)):
-        raise ModelError(name, "holds a value that is not finite")
-    return values.copy()
 
 
 def _matrix(numerics: Mapping[str, NDArray[np.float64]], name: str) -> NDArray[np.float64]:

@@ -10,6 +10,8 @@ With x = step / lag, one step leaves of a difference between activation and comm
     filterexact  Euler, implicit, implicitfast  exp(-x)
     filterexact  RK4                            1 + (R(x) - 1) (1 - exp(-x)) / x
 
+and of a servo of a fin, within its rate, what it leaves of `filter`.
+
 The last is no misprint: RK4 averages the rate over its stages, and MuJoCo carries that average over the step by the
 exponential. It is stable where R is.
 """
@@ -44,6 +46,9 @@ def require_time_step(model: mujoco.MjModel) -> None:
         name = model.actuator(i).name
         _require_stable_lag(model, i, name)
         _require_whole_delay(model, i, name)
+    for i in np.flatnonzero(model.actuator_dyntype == mujoco.mjtDyn.mjDYN_USER).tolist():
+        if model.actuator_dynprm[i, 0] > 0.0:  # the servo of a fin
+            _require_stable_lag(model, i, model.actuator(i).name or f"actuator {i}")
 
 
 def _require_stable_lag(model: mujoco.MjModel, i: int, name: str) -> None:
@@ -56,10 +61,12 @@ def _require_stable_lag(model: mujoco.MjModel, i: int, name: str) -> None:
     if step >= limit * lag:
         method = mujoco.mjtIntegrator(model.opt.integrator).name.removeprefix("mjINT_")
         remedy = "integrator implicitfast with dyntype='filterexact'" if rk4 else "dyntype='filterexact'"
+        servo = model.actuator_dyntype[i] == mujoco.mjtDyn.mjDYN_USER
+        otherwise = "" if servo else f", or {remedy}, which is stable at any"
         raise ModelError(
             name,
             f"its lag of {lag:g} s is unstable under {method} with a time step of {step:g} s; take a step below "
-            f"{limit * lag:g} s, or {remedy}, which is stable at any",
+            f"{limit * lag:g} s{otherwise}",
         )
 
 

@@ -1,8 +1,8 @@
-"""The two callbacks MuJoCo runs, as Python that numba compiles.
+"""The three callbacks MuJoCo runs, as Python that numba compiles.
 
 `passive` replaces the inertia of every hull by M_RB + M_A and adds the remaining water forces to `qfrc_passive`. MuJoCo
 itself then solves for the acceleration: added mass is implicit, never lagged. `thrust` evaluates the thruster
-characteristic on the lagged command.
+characteristic on the lagged command. `servo` turns the fins.
 
 They keep no state and find their parameters inside the model (`cube_sim.vehicle.plugin.layout`). For a model that is
 not ours they return at once, also while it is being compiled.
@@ -16,11 +16,13 @@ import numba
 from numba import types
 
 from cube_sim.vehicle.laws.current import accelerating_water, current_at
+from cube_sim.vehicle.laws.fin import servo_rate
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
 from cube_sim.vehicle.laws.push import COLUMNS, push_wrench
 from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.curve_record import steady_force
 from cube_sim.vehicle.plugin.inertia import put_factors, put_inertia
+from cube_sim.vehicle.plugin.lift_record import lift_wrench
 from cube_sim.vehicle.plugin.memory import (
     call_force,
     columns_times,
@@ -62,16 +64,17 @@ def _user_wrench(function, process, time, position, rotation, nu, nu_r):
 
 
 def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str, int]) -> dict:
-    """Compile both callbacks for one memory layout.
+    """Compile the callbacks for one memory layout.
 
     Args:
         model: byte offsets of the fields of mjModel.
         data: byte offsets of the fields of mjData.
         codes: MuJoCo's numbers for "no_gravity", the disable flag that switches gravity off and buoyancy with it;
-            "no_passive", the two that together skip `passive`; and "pgs", the solver.
+            "no_passive", the two that together skip `passive`; "pgs", the solver; and "dynprm", how many parameters
+            the dynamics of an actuator have.
 
     Returns:
-        numba cfuncs "passive" (model, data) and "thrust" (model, data, actuator).
+        numba cfuncs "passive" (model, data), "thrust" and "servo" (model, data, actuator).
     """
     nnumeric, numeric_adr, numeric_data = model["nnumeric"], model["numeric_adr"], model["numeric_data"]
     opt_gravity, opt_wind, opt_disableflags = model["opt.gravity"], model["opt.wind"], model["opt.disableflags"]
@@ -79,8 +82,10 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
     opt_solver, opt_noslip = model["opt.solver"], model["opt.noslip_iterations"]
     no_gravity, no_passive, pgs = codes["no_gravity"], codes["no_passive"], codes["pgs"]
     dof_armature, m_rowadr, actuator_actadr = model["dof_armature"], model["M_rowadr"], model["actuator_actadr"]
-    actuator_actnum = model["actuator_actnum"]
+    actuator_actnum, actuator_ctrlrange = model["actuator_actnum"], model["actuator_ctrlrange"]
+    actuator_dynprm, dynprm = model["actuator_dynprm"], codes["dynprm"]
     time_, qvel, xpos, xmat, act = data["time"], data["qvel"], data["xpos"], data["xmat"], data["act"]
+    ctrl = data["ctrl"]
     cdof, crb, mass, qfrc_passive = data["cdof"], data["crb"], data["M"], data["qfrc_passive"]
     nv, qld, qldiaginv = model["nv"], data["qLD"], data["qLDiagInv"]
 
@@ -109,6 +114,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         time = double(d + time_, 0)
         profile = int(double(packed, layout.CURRENT))
         count, pushes = int(double(packed, layout.COUNT)), int(double(packed, layout.PUSHES))
+        lift = int(double(packed, layout.LIFT))
         factored = field(m, nv) == 6 * count  # no arms: hulls are all there is, each a block of its own
         for k in range(count):
             hull = packed + 8 * (int(double(packed, layout.HULLS)) + k * layout.HULL_SIZE)
@@ -171,6 +177,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 table = packed + 8 * pushes
                 from_outside = matrix(table + 8, int(double(table, 0)), COLUMNS)
                 F = _plus(F, push_wrench(from_outside, float(k), R, time, double(m + opt_timestep, 0)))
+            if lift >= 0:
+                F = _plus(F, lift_wrench(packed + 8 * lift, float(k), field(d, act), nu_r))
             function = int(double(hull, layout.FORCE))
             if function >= 0:
                 F = _plus(F, _user_wrench(function, double(packed, layout.PROCESS), time, position, rotation, nu, nu_r))
@@ -203,9 +211,22 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         force = steady_force(double(field(d, act), adr), curve)
         return force * double(curve, layout.EFFICIENCY) * double(curve, layout.SUPPLY)
 
+    def servo(m, d, actuator):
+        packed = parameters_of(m)
+        if packed == 0:
+            return 0.0
+        if int(double(packed, int(double(packed, layout.THRUSTERS)) + actuator)) != layout.FIN_SERVO:
+            return 0.0
+        travel, parameters = field(m, actuator_ctrlrange) + 16 * actuator, dynprm * actuator
+        target = min(max(double(field(d, ctrl), actuator), double(travel, 0)), double(travel, 1))
+        deflection = double(field(d, act), integer(field(m, actuator_actadr), actuator))
+        prm = field(m, actuator_dynprm)
+        return servo_rate(target, deflection, double(prm, parameters), double(prm, parameters + 1))
+
     # With numpy's error model a division by zero gives inf, as in C: nothing here can raise, so no exception code.
     options = {"error_model": "numpy"}
     return {
         "passive": numba.cfunc(types.void(types.int64, types.int64), **options)(passive),
         "thrust": numba.cfunc(types.double(types.int64, types.int64, types.int32), **options)(thrust),
+        "servo": numba.cfunc(types.double(types.int64, types.int64, types.int32), **options)(servo),
     }

@@ -1,6 +1,6 @@
 """The water inside this process's MuJoCo: compiled callbacks, installed once.
 
-Both are C function pointers: threads run them freely, without the interpreter's lock.
+They are C function pointers: threads run them freely, without the interpreter's lock.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ _CALLBACKS = "cube_sim.vehicle.plugin.callbacks"
 _ARGUMENTS = {
     "passive": (ctypes.c_void_p, ctypes.c_void_p),
     "thrust": (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int),
+    "servo": (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int),
 }
-_RESULTS = {"passive": None, "thrust": ctypes.c_double}
+_RESULTS = {"passive": None, "thrust": ctypes.c_double, "servo": ctypes.c_double}
 
 
 def install() -> None:
@@ -35,7 +36,8 @@ def install() -> None:
     a saved .mjb file or a pickle. Until then its hull is dry and its thrusters give nothing.
 
     Raises:
-        ModelError: another passive or actuator-bias callback is installed; MuJoCo has room for one of each.
+        ModelError: another callback for passive forces, or for bias or dynamics of actuators, is installed; MuJoCo has
+            room for one of each.
     """
     with _installing:
         _install()
@@ -49,6 +51,7 @@ def _install() -> None:
     for name, role, setter, getter in (
         ("mjcb_passive", "passive", mujoco.set_mjcb_passive, mujoco.get_mjcb_passive),
         ("mjcb_act_bias", "thrust", mujoco.set_mjcb_act_bias, mujoco.get_mjcb_act_bias),
+        ("mjcb_act_dyn", "servo", mujoco.set_mjcb_act_dyn, mujoco.get_mjcb_act_dyn),
     ):
         present = getter()
         if present is not None and _address(present) != _address(functions[role]):
@@ -71,6 +74,7 @@ def _callbacks() -> dict:
         "no_gravity": int(off.mjDSBL_GRAVITY),
         "no_passive": int(off.mjDSBL_SPRING | off.mjDSBL_DAMPER),
         "pgs": int(mujoco.mjtSolver.mjSOL_PGS),
+        "dynprm": int(mujoco.mjNDYN),
     }
 
     def build():

@@ -5,13 +5,16 @@ doubles from the array's beginning:
 
     header          MAGIC, number of hulls, start of the hull records, start of the thruster table,
                     start of the current's table or -1, number of the process whose user forces it names,
-                    start of the table of pushes or -1
+                    start of the table of pushes or -1, start of the tables of lift or -1
     hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric
-    thruster table  one value per actuator of the model: the start of its curve record, or -1 for no thruster
+    thruster table  one value per actuator of the model: the start of its curve record, -1 for no thruster, -2 for the
+                    servo of a fin
     curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
                     voltage [V], pulse widths of the commands -1, 0 and 1 [us], c_1..c_n, F_1..F_n [N];
                     stuck is NaN for a thruster that is free; voltage and pulses are NaN where not known
     pushes          n, and n rows as `cube_sim.vehicle.laws.push` has them
+    lift            numbers of velocity products, strips and fins, and a row for each as the laws `body_lift` and `fin`
+                    of `cube_sim.vehicle.laws` have them
     current         n_t, n_z, t_1.. [s], z_1.. [m], (v_x, v_y, v_z) [m/s] time by time
 
 `cube_sim.vehicle.plugin.packing` writes it. Efficiency, supply, stuck, the velocities of the current and the
@@ -30,8 +33,10 @@ MAGIC_BITS = struct.unpack("=q", struct.pack("=d", MAGIC))[0]  # the same as the
 FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's table of user forces
 
 # the header
-COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES = 1, 2, 3, 4, 5, 6
-HEADER_SIZE = 7
+COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES, LIFT = 1, 2, 3, 4, 5, 6, 7
+HEADER_SIZE = 8
+# in the thruster table
+NO_THRUSTER, FIN_SERVO = -1, -2
 # one hull record
 BODY, DOF, DISPLACED_MASS, CENTRE, ADDED_MASS, LINEAR, QUADRATIC, FORCE = 0, 1, 2, 3, 6, 42, 78, 114
 HULL_SIZE = 115

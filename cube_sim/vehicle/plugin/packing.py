@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.laws.body_lift import PRODUCT_COLUMNS, STRIP_COLUMNS
+from cube_sim.vehicle.laws.fin import COLUMNS as FIN_COLUMNS
 from cube_sim.vehicle.laws.push import COLUMNS, HULL
 from cube_sim.vehicle.mjcf.parameters import CurrentProfile, HullParameters, ThrusterParameters, WaterParameters
 from cube_sim.vehicle.plugin import layout
@@ -25,6 +27,7 @@ def pack_parameters(
     forces: Sequence[int],
     process: float,
     pushes: int = 0,
+    fins: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
     """(n,) values as `cube_sim.vehicle.plugin.layout` says.
 
@@ -35,15 +38,17 @@ def pack_parameters(
         forces: place of each hull's own force in the table of this process, or -1.
         process: number of this process.
         pushes: for how many there is to be room.
+        fins: (n,16) the table of `cube_sim.vehicle.laws.fin`; zeros where it is not known yet.
     """
     hulls = [_hull_record(*row) for row in zip(parameters.hulls, bodies, dofs, forces, strict=True)]
     table_start = layout.HEADER_SIZE + layout.HULL_SIZE * len(hulls)
     end = table_start + len(parameters.thrusters)
     table: list[float] = []
     curves: list[NDArray[np.float64]] = []
-    for thruster in parameters.thrusters:
+    servos = {fin.servo for fin in parameters.fins}
+    for actuator, thruster in enumerate(parameters.thrusters):
         if thruster is None:
-            table.append(-1.0)
+            table.append(float(layout.FIN_SERVO if actuator in servos else layout.NO_THRUSTER))
             continue
         table.append(float(end))
         curves.append(_curve_record(thruster))
@@ -52,9 +57,11 @@ def pack_parameters(
     current_start = end if current.size else -1.0
     pushed = _push_record(pushes)
     pushes_start = end + current.size if pushed.size else -1.0
-    starts = layout.HEADER_SIZE, table_start, current_start, process, pushes_start
+    lift = _lift_record(parameters, fins)
+    lift_start = end + current.size + pushed.size if lift.size else -1.0
+    starts = layout.HEADER_SIZE, table_start, current_start, process, pushes_start, lift_start
     header = np.array([layout.MAGIC, len(hulls), *starts])
-    return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed])
+    return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed, lift])
 
 
 def packed_size(parameters: WaterParameters, pushes: int = 0) -> int:
@@ -102,6 +109,22 @@ def _push_record(pushes: int) -> NDArray[np.float64]:
     rows = np.zeros((pushes, COLUMNS))
     rows[:, HULL] = -1.0
     return np.concatenate([[float(pushes)], rows.ravel()])
+
+
+def _lift_record(parameters: WaterParameters, fins: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    products = _of_hulls([hull.products for hull in parameters.hulls], PRODUCT_COLUMNS)
+    strips = _of_hulls([hull.strips for hull in parameters.hulls], STRIP_COLUMNS)
+    table = np.zeros((len(parameters.fins), FIN_COLUMNS)) if fins is None else fins
+    sizes = [len(products), len(strips), len(table)]
+    if not any(sizes):
+        return np.empty(0)
+    return np.concatenate([np.array(sizes, dtype=float), products.ravel(), strips.ravel(), table.ravel()])
+
+
+def _of_hulls(rows: list[NDArray[np.float64]], columns: int) -> NDArray[np.float64]:
+    """(n, columns) the rows of all hulls, the number of the hull before each."""
+    numbered = [np.insert(each, 0, float(k), axis=1) for k, each in enumerate(rows)]
+    return np.concatenate(numbered).reshape(-1, columns)
 
 
 def _current_record(profile: CurrentProfile | None) -> NDArray[np.float64]:

@@ -19,8 +19,9 @@ MODEL_FIELDS = (
     "nv", "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "opt.density", "opt.viscosity", "opt.solver",
     "opt.noslip_iterations", "opt.timestep", "numeric_adr", "numeric_data",
     "dof_armature", "M_rowadr", "actuator_actadr", "actuator_actnum",
+    "actuator_ctrlrange", "actuator_dynprm",
 )  # fmt: skip
-DATA_FIELDS = ("time", "qvel", "xpos", "xmat", "act", "cdof", "crb", "M", "qLD", "qLDiagInv", "qfrc_passive")
+DATA_FIELDS = ("time", "qvel", "xpos", "xmat", "act", "ctrl", "cdof", "crb", "M", "qLD", "qLDiagInv", "qfrc_passive")
 
 _SCALARS = {
     "mjtSize": ctypes.c_int64, "mjtNum": ctypes.c_double, "mjtByte": ctypes.c_ubyte, "mjtBool": ctypes.c_bool,
