@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from cube_sim.flight_statistics import FlightStatistics
+from cube_sim.flight_statistics import CHANNELS, FlightStatistics
 from cube_sim.judged_store import JudgedStore
 from cube_sim.recording.batch import Batch, BySignal, Rows, Sink, signals
 from cube_sim.recording.channels import Channel
@@ -27,8 +27,9 @@ class AskedStore(JudgedStore):
     def __init__(self, channels: Sequence[Channel], judge: Sink, names: Sequence[str]) -> None:
         super().__init__(channels, judge)
         self.statistics = FlightStatistics()
-        self._channels = tuple(channels)
         self._kept: dict[str, list[Rows]] = {name: [] for name in names}
+        asked = {*CHANNELS, *(name.rpartition(".")[0] for name in names)}
+        self._channels = tuple(channel for channel in channels if channel.name in asked)
 
     @property
     def signals(self) -> Mapping[str, Rows]:

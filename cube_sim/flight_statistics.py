@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Signals = Mapping[str, NDArray[np.float64]]
+CHANNELS = "pose", "velocity", "target", "path_error", "power", "allocation", "health"
+"""That statistics are taken of."""
 
 
 class FlightStatistics:

@@ -12,7 +12,7 @@ from traceback import format_exception
 from typing import Any, Protocol
 
 from cube_sim.asked_store import AskedStore
-from cube_sim.errors import ScenarioError
+from cube_sim.errors import OwnCodeError, ScenarioError
 from cube_sim.flight_statistics import Signals
 from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
@@ -204,12 +204,14 @@ def flown(
         log=store.warnings,
         statistics={} if mission.among else store.statistics.results(),
         signals=store.signals,
-        traceback=_traceback(flight.raised),
+        traceback=own_traceback(flight.raised),
     )
 
 
-def _traceback(raised: Exception | None) -> str:
-    """Of the exception in the user's own code that an error comes of, from the first line of that code on."""
+def own_traceback(raised: BaseException | None) -> str:
+    """Of the exception in the user's own code that an error comes of, from the first line of that code on; or ""."""
+    while raised is not None and not isinstance(raised, OwnCodeError):
+        raised = raised.__cause__
     cause = None if raised is None else raised.__cause__
     if cause is None:
         return ""

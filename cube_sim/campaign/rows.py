@@ -14,7 +14,7 @@ from cube_sim.campaign.sample_flight import CHECK, NOTE, FlownSample
 FIRST = ("sample", "verdict", "reason", "seed")
 """Columns that stand first; then notes, what was drawn, the checks, and the rest."""
 LAST = ("simulated_s", "traceback")
-PARTS = ("value", "margin", "verdict", "at_s", "unit")
+PARTS = ("value", "limit", "margin", "verdict", "at_s", "unit")
 """What a check has columns of."""
 TIMES = ("flight_s", "wall_s")
 """Columns of the clock, kept apart: they are never the same again."""

@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 
 from cube_sim.campaign.sampling import DrawnSample, SamplePlan
 from cube_sim.errors import CubeSimError, DirectoryError, RecordingError, SweepError
-from cube_sim.many_flights import FlightOutcome, Stop, StoppedFlightError, flown, unconfirmed
+from cube_sim.many_flights import FlightOutcome, Stop, StoppedFlightError, flown, own_traceback, unconfirmed
 from cube_sim.scenario.fleet_loading import AnyLoaded, LoadedFleet
 from cube_sim.scenario.shared import Shared
 from cube_sim.simulation import fly
@@ -110,8 +110,9 @@ class SampleFlights:
         try:
             with self._turn:
                 sample = self._plan.sample(k)
+                row |= drawn_columns(sample)
                 loaded = self._plan.scenario_of(sample)
-            row |= {"seed": loaded.scenario.seed, **drawn_columns(sample)}
+            row["seed"] = loaded.scenario.seed
             outcome = flown(unconfirmed(loaded), sample.values, stop=limit, around=clock)
             row |= _columns(outcome)
             self._keep_recording(k, loaded, outcome)
@@ -123,6 +124,8 @@ class SampleFlights:
             row |= {"reason": self._task.too_long}
         except CubeSimError as error:
             row |= {"reason": _one_line(error)}
+            if said := own_traceback(error):
+                row["traceback"] = said
         except (Exception, KeyboardInterrupt) as error:  # the second is the user's own code's: a worker hears no Ctrl-C
             row |= {"reason": f"{type(error).__name__}: {_one_line(error)}", "traceback": _below_here(error)}
         return FlownSample(row, clock.seconds, time.perf_counter() - begun)
@@ -218,6 +221,7 @@ def _columns(outcome: FlightOutcome) -> dict[str, Any]:
         name = f"{CHECK}.{check.name}"
         found |= {
             f"{name}.value": check.value,
+            f"{name}.limit": check.limit,
             f"{name}.margin": check.margin,
             f"{name}.verdict": check.verdict,
             f"{name}.at_s": check.at_s,

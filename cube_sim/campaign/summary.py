@@ -87,6 +87,16 @@ def check_summaries(rows: pa.Table) -> list[CheckSummary]:
     return found
 
 
+def limits_of(rows: pa.Table, name: str, limits: Mapping[str, float]) -> Vector:
+    """The limit that each sample has of a check (n,), which may be drawn; NaN where nobody knows it."""
+    column = f"{CHECK}.{name}.limit"
+    given = np.full(rows.num_rows, limits.get(name, np.nan))
+    if column not in rows.column_names:
+        return given
+    own = numbers(rows, column)
+    return np.where(np.isnan(own), given, own)
+
+
 def relative_margins(rows: pa.Table, limits: Mapping[str, float]) -> Vector:
     """The smallest margin of each sample, of any check, as a share of its limit (n,).
 
@@ -95,8 +105,9 @@ def relative_margins(rows: pa.Table, limits: Mapping[str, float]) -> Vector:
     """
     least = np.full(rows.num_rows, np.inf)
     for name in check_names(rows):
-        margins = numbers(rows, f"{CHECK}.{name}.margin")
-        scale = abs(limits.get(name, 0.0)) or float(np.nanmax(np.abs(margins), initial=0.0)) or 1.0
+        margins, scale = numbers(rows, f"{CHECK}.{name}.margin"), np.abs(limits_of(rows, name, limits))
+        largest = float(np.nanmax(np.abs(margins), initial=0.0)) or 1.0
+        scale = np.where(scale > 0.0, scale, largest)  # of a limit of 0, or of one that nobody knows
         least = np.fmin(least, margins / scale)
     errors = np.array([verdict == "ERROR" for verdict in rows["verdict"].to_pylist()], dtype=bool)
     least[errors | np.isinf(least)] = -np.inf

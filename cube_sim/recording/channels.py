@@ -158,6 +158,7 @@ def _phase(names: tuple[str, ...], timed: bool) -> tuple[Channel, ...]:
     return (Channel("phase", (flown, late) if timed else (flown,), ON_CHANGE),) if names else ()
 
 
+@lru_cache(maxsize=16)  # of many flights it is the same
 def channel_table(
     thrusters: tuple[str, ...],
     path_points: int,

@@ -13,7 +13,7 @@ from cube_sim.campaign.folder import recording_of
 from cube_sim.campaign.influence import Correlation, Parameter, drawn_columns_of, parameters_of, rank_correlation
 from cube_sim.campaign.result import SweepResult
 from cube_sim.campaign.sample_flight import CHECK
-from cube_sim.campaign.summary import check_names, check_summaries, numbers, relative_margins
+from cube_sim.campaign.summary import check_names, check_summaries, limits_of, numbers, relative_margins
 from cube_sim.flight_statistics import STATISTICS
 from cube_sim.report.failure_map import Axis, failure_map, lost_map
 from cube_sim.report.histogram import Spread, histogram
@@ -110,11 +110,11 @@ def _required(sweep: SweepResult) -> str:
 
 
 def _checks(sweep: SweepResult) -> str:
-    limits = {check["name"]: f"{check['relation']} {number(check['limit'])}" for check in sweep.head["checks"]}
+    relations = {check["name"]: check["relation"] for check in sweep.head["checks"]}
     rows = [
         (
             text(check.name),
-            text(limits.get(check.name, "–")),
+            text(_limit(sweep, check.name, relations.get(check.name, ""))),
             str(check.passed),
             f'<span class="hot">{check.failed}</span>' if check.failed else "0",
             str(check.errors),
@@ -127,6 +127,16 @@ def _checks(sweep: SweepResult) -> str:
     return table(header, rows, "wrrrrrr")
 
 
+def _limit(sweep: SweepResult, name: str, relation: str) -> str:
+    """The limit of a check in words; of one that is drawn, from where to where."""
+    limits = limits_of(sweep.rows, name, sweep.limits)
+    limits = limits[np.isfinite(limits)]
+    if not len(limits):
+        return "–"
+    low, high = float(limits.min()), float(limits.max())
+    return f"{relation} {number(low)}".strip() if low == high else f"{relation} {number(low)} to {number(high)}".strip()
+
+
 def _spreads(sweep: SweepResult) -> str:
     known = {check["name"]: check for check in sweep.head["checks"]}
     drawn = []
@@ -134,7 +144,8 @@ def _spreads(sweep: SweepResult) -> str:
         column = f"{CHECK}.{name}"
         values, check = numbers(sweep.rows, f"{column}.value"), known.get(name, {})
         passed = np.array([verdict == "PASS" for verdict in sweep.rows[f"{column}.verdict"].to_pylist()])
-        limit = check.get("limit") if _one_limit(sweep.rows, name, check) else None
+        limits = np.unique(limits_of(sweep.rows, name, sweep.limits))
+        limit = float(limits[0]) if len(limits) == 1 and np.isfinite(limits[0]) else None
         spread = Spread(name, _unit(sweep.rows, name), values, passed, check.get("relation", ""), limit)
         drawn.append(f"<div>{histogram(spread)}</div>")
     return f'<div class="two">{"".join(drawn)}</div>' if drawn else ""
@@ -150,16 +161,6 @@ def _named(sweep: SweepResult, name: str) -> str:
     """What was varied, and what its numbers are where they are not its values."""
     gives = sweep.head["varied"].get(name, {}).get("gives", "value")
     return name if gives == "value" else f"{name} ({gives})"
-
-
-def _one_limit(rows: pa.Table, name: str, check: dict) -> bool:
-    """Whether all samples have the limit that the scenario has."""
-    values, margins = (numbers(rows, f"{CHECK}.{name}.{part}") for part in ("value", "margin"))
-    if "limit" not in check:
-        return False
-    sign = 1.0 if check["relation"] == "<=" else -1.0
-    differing = np.abs(values + sign * margins - check["limit"])
-    return not np.any(differing > 1e-6 * max(1.0, abs(check["limit"])))
 
 
 def _influence(sweep: SweepResult, parameters: list[Parameter], margins: np.ndarray) -> str:

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from cube_sim.campaign.counting import NoteCount, counted, counted_by_note
 from cube_sim.campaign.pass_rate import judged
-from cube_sim.campaign.summary import worst_samples
+from cube_sim.campaign.summary import limits_of, relative_margins, worst_samples
 from cube_sim.scenario.samples_block import RequiredBlock, SamplesBlock
 
 VERDICTS = ["PASS", "FAIL", "PASS", "PASS", "ERROR", "FAIL", "PASS"]
@@ -99,3 +99,11 @@ def test_notes_need_somebody_who_gives_them(required):
         SamplesBlock(count=3, required=RequiredBlock(**required))
     with pytest.raises(ValidationError, match="must be a word, a number, true or false"):
         RequiredBlock(where={"a": [1]})
+
+
+def test_a_limit_that_is_drawn_is_that_of_each_sample():
+    limits = [0.1, 0.4, 0.1, None, 0.2, 0.2, 0.2]
+    rows = ROWS.append_column("check.error.limit", pa.array(limits))
+    assert limits_of(rows, "error", {"error": 9.0}).tolist() == [0.1, 0.4, 0.1, 9.0, 0.2, 0.2, 0.2]
+    assert relative_margins(rows, {})[:3].tolist() == pytest.approx([1.0, -0.5, 3.0])
+    assert relative_margins(ROWS, {"error": 0.5})[:2].tolist() == pytest.approx([0.2, -0.4])
