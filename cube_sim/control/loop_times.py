@@ -19,10 +19,10 @@ COMMON_ERROR = 0.5
 """An attitude error that the torque still turns back without saturating [rad]."""
 POINTING_ERROR = 0.8
 """The same for a vehicle whose attitude points its thrust, and so turns at every error of its path [rad]."""
-POINTING_SLOWER = 1.6
-"""A loop whose heading points the thrust is no quicker than this many times the quickest of others: the force that is
-pointed answers the very turn that points it, as a hull slips where it turns to, which takes 20 degrees of its phase.
-Out of the plane it is no slower: as it is, a vehicle that points its thrust in all axes lags behind a turning path."""
+POINTING_SLOWER, HEADING_SLOWER = 1.5, 2.4
+"""How many times slower the attitude is turned back where it points the thrust; where the heading alone does, in a
+level plane. The force that is pointed answers the very turn that points it, as a hull slips where it turns to, and as
+what thrusters make more than they are believed to turns with the hull: that takes 10 to 20 degrees of the phase."""
 USUAL_PERIOD_S = 0.02
 """The control period of a scenario that does not say."""
 NO_TORQUE = 1e-6
@@ -38,7 +38,7 @@ class LoopTimes:
         velocity: the velocity.
         attitude: the attitude.
         rate: the angular rate.
-        pointing: the attitude of a vehicle for a level plane, where its heading points the thrust.
+        pointing: the attitude, where it points the thrust.
         turn: not a time: how fast the vehicle is asked to turn at most [rad/s].
     """
 
@@ -50,7 +50,7 @@ class LoopTimes:
     turn: float = FASTEST_TURN
 
     @staticmethod
-    def behind(delay_s: float, turning: float = inf, pointing: bool = False) -> LoopTimes:
+    def behind(delay_s: float, turning: float = inf, pointing: bool = False, level: bool = False) -> LoopTimes:
         """The times that leave margins behind a delay, with the torque there is.
 
         A rate loop of T_w = 3 delays crosses over at 1 / (3 delays), where the delay costs 19 degrees of phase and the
@@ -63,17 +63,17 @@ class LoopTimes:
         Args:
             delay_s: mean delay from state to force: lag of the thrusters and 1.5 control periods [s].
             turning: angular acceleration that the thrusters' torque gives [rad/s^2].
-            pointing: whether the attitude points the thrust.
+            pointing: whether the attitude of the whole vehicle points the thrust.
+            level: whether it is one for a level plane.
         """
-        quickest = max(0.5, 10.0 * delay_s)
-        attitude = max(quickest, sqrt((POINTING_ERROR if pointing else COMMON_ERROR) / turning))
+        attitude = max(0.5, 10.0 * delay_s, sqrt((POINTING_ERROR if pointing else COMMON_ERROR) / turning))
         velocity = max(0.5, 6.0 * delay_s)
         return LoopTimes(
             lateral=4.0 * velocity,
             velocity=velocity,
             attitude=attitude,
             rate=0.3 * attitude,
-            pointing=max(POINTING_SLOWER * quickest, attitude),
+            pointing=(HEADING_SLOWER if level else POINTING_SLOWER) * attitude,
             turn=min(FASTEST_TURN, turning * attitude),
         )
 

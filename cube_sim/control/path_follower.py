@@ -40,14 +40,13 @@ from cube_sim.tuples import turned_to_world
 
 POINTING = (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
 """Ways of flying in which the attitude has to point the thrust."""
-SLOWER = 3.0
+SLOWER = 2.0
 """A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
 SLOWER_ACROSS = 2.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
-BALANCING = 0.5
-"""Share of the time of the attitude's loop in which the balance of force and torque is sought."""
-SLOWER_AT_TRIM = 2.0
-"""Where roll or pitch is left to the water, the balance of force and torque is sought this many times more slowly."""
+BALANCING = 0.6
+"""Share of the time of the attitude's loop in which the balance of force and torque is sought, where it points the
+thrust; where roll or pitch is left to the water, all of it."""
 MOST_WAITING = 4.0
 """The loop whose attitude points the thrust is made no slower than this many times its time (a choice)."""
 OVERPOWERED = "in no attitude can the others make up for what is stuck"
@@ -400,9 +399,7 @@ class PathFollower:
             self.capability,
             self.loops.dynamics,
             rotation,
-            BALANCING
-            * self._loops.attitude_time
-            * (SLOWER_AT_TRIM if self.capability.authority is Authority.TRIM else 1.0),
+            self._loops.attitude_time * (1.0 if self.capability.authority is Authority.TRIM else BALANCING),
             self._wish,
             most_rate=self.loops.most_rate,
         )

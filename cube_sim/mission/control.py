@@ -69,8 +69,7 @@ def controller_of(
     whole, within_limit = ability.whole, ability.within_limit
     if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
         return planar_follower(loaded, believed, path)
-    pointing = whole.authority in (Authority.PLANE, Authority.LINE)
-    times = _times(scenario, believed.vehicle, dynamics, pointing)
+    times = _times(scenario, believed.vehicle, dynamics, whole)
     target, approach = guidance_of(scenario, path, times.lateral)
     part = PartSetup(scenario, path, dynamics, within_limit, times, others)
     if (code := codes.get("guidance.law")) is not None:
@@ -118,7 +117,7 @@ def controller_of(
         approach=approach,
         attitude=attitude,
         loops=MotionLoops(dynamics, times.velocity, times.attitude, times.rate, times.turn),
-        pointing_time=times.pointing if whole.level else times.attitude,
+        pointing_time=times.pointing,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
         safe_mode=_safe_mode(control.safe_mode),
@@ -137,7 +136,7 @@ def _costs(A: Matrix, whole: Capability) -> str:
     return f"its directions cost {', '.join(f'{cost:.3g}' for cost in costs)} N/N"
 
 
-def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics, pointing: bool) -> LoopTimes:
+def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics, whole: Capability) -> LoopTimes:
     """How fast each loop of the law for all axes is."""
     control = scenario.control
     delay = mean_delay(vehicle.thrusters.lag_s, scenario.control_period_s)
@@ -147,7 +146,8 @@ def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics, pointing: b
         dynamics.total_mass[3:, 3:],
         dynamics.righting_moment,
     )
-    default = LoopTimes.behind(delay, turning, pointing)
+    pointing = whole.authority in (Authority.PLANE, Authority.LINE)
+    default = LoopTimes.behind(delay, turning, pointing, whole.level)
     velocity = default.velocity if control.velocity_time_s is None else control.velocity_time_s
     return LoopTimes(
         lateral=4.0 * velocity,

@@ -65,6 +65,12 @@ def test_the_attitude_loop_asks_for_no_more_than_the_torque_gives():
     assert LoopTimes.behind(0.05, 100.0) == LoopTimes.behind(0.05)
 
 
+def test_an_attitude_that_points_the_thrust_is_turned_back_more_slowly():
+    assert LoopTimes.behind(0.05).pointing == 1.5 * LoopTimes.behind(0.05).attitude
+    assert LoopTimes.behind(0.05, level=True).pointing == 2.4 * LoopTimes.behind(0.05).attitude
+    assert LoopTimes.behind(0.05, 1.0, pointing=True).attitude == pytest.approx(np.sqrt(0.8))
+
+
 def test_the_axis_with_least_torque_counts_unless_the_water_holds_it():
     A = np.zeros((6, 2))
     A[3, 0], A[5, 1] = 0.1, 0.4  # roll and yaw

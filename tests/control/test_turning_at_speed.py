@@ -50,7 +50,7 @@ def test_the_circle_is_kept_where_the_slip_asks_for_torque(tmp_path):
     """Seen from behind the turn it slips by 20 degrees, and the torque against that is more than there is."""
     start = {"position_m": [RADIUS_M - 0.4, -0.5, -10.3], "attitude_deg": [0, 0, 90]}
     circle = {"type": "helix", "centre_m": [0, 0, -10], "radius_m": RADIUS_M, "pitch_m": 0.0, "turns": 2.5}
-    assert late_error(tmp_path, mjcf("survey", SURVEY), 55, start, circle, SPEED_M_S) < 0.02
+    assert late_error(tmp_path, mjcf("survey", SURVEY), 55, start, circle, SPEED_M_S) < 0.025
 
 
 @pytest.mark.flight
