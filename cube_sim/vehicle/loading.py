@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.mjcf.elements import is_of_element, set_elements
 from cube_sim.vehicle.mjcf.fins import AREA, fin_rows, servo_elements
+from cube_sim.vehicle.mjcf.half_axes import half_axes_of
 from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, thruster_elements
@@ -33,7 +34,8 @@ def load_model(
     """Compile a model with water.
 
     The returned model is an ordinary `mujoco.MjModel`: mj_step, rollout, batch and the viewer step it with added mass,
-    drag, buoyancy, current (`model.opt.wind` [m/s], world axes) and thrusters included. MuJoCo's own warnings about the
+    drag, buoyancy, current (`model.opt.wind` [m/s], world axes) and thrusters included. The water is endless unless
+    `water:surface` says how high its surface is, in the file or among `parameters`. MuJoCo's own warnings about the
     file become Python's, instead of a MUJOCO_LOG.TXT in the working directory.
 
     Args:
@@ -134,9 +136,15 @@ def _immerse(
     start = model.numeric_adr[model.nnumeric - 1]
     table = _register(model, forces, [hull.body for hull in parameters.hulls])
     fins = fin_rows(model, parameters.fins, [hull.body for hull in parameters.hulls], parameters.density)
-    packed = packing.pack_parameters(parameters, ids, dofs, table, user_forces.process_number(), pushes, fins)
-    model.numeric_data[start : start + packed.size] = packed
     data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    half_axes = [
+        half_axes_of(model, data, i, hull.volume) if hull.surface_half_axes is None else hull.surface_half_axes
+        for i, hull in zip(ids, parameters.hulls, strict=True)
+    ]
+    process = user_forces.process_number()
+    packed = packing.pack_parameters(parameters, ids, dofs, half_axes, table, process, pushes, fins)
+    model.numeric_data[start : start + packed.size] = packed
     structs.verify(model, data)
     set_inverse_weights(model, data, ids)
     return model

@@ -17,7 +17,7 @@ from types import ModuleType, SimpleNamespace
 import mujoco
 import numpy as np
 
-from cube_sim.vehicle.plugin import hook, structs, user_forces
+from cube_sim.vehicle.plugin import hook, layout, structs, user_forces
 
 _LIBRARY = ctypes.CDLL(
     str(next(p for p in Path(mujoco.__file__).parent.iterdir() if p.name.startswith(hook._library_name())))
@@ -70,6 +70,7 @@ def _columns_times(address: int, x: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(sum(float(columns[j, i]) * x[j] for j in range(6)) for i in range(6))
 
 
+_ROOM = np.zeros(layout.HULL_SIZE)
 _MEMORY = SimpleNamespace(
     double=lambda address, i: ctypes.c_double.from_address(address + 8 * i).value,
     columns_times=_columns_times,
@@ -80,6 +81,7 @@ _MEMORY = SimpleNamespace(
     matrix=lambda address, rows, columns: vector(address, rows * columns).reshape(rows, columns),
     force_table=lambda: ctypes.addressof(user_forces._table),
     call_force=_call_force,
+    room_for_hull=lambda: _ROOM.ctypes.data,
 )
 
 

@@ -24,7 +24,7 @@ from cube_sim.vehicle.mjcf.body_lift import CORIOLIS, CROSS_FLOW, PRODUCTS, STAT
 from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS
 from cube_sim.vehicle.mjcf.fins import FIN_PARAMETERS
 
-DENSITY, CURRENT = "water:density", "water:current"
+DENSITY, CURRENT, SURFACE = WATER_PARAMETERS = ("water:density", "water:current", "water:surface")
 HULL_PARAMETERS = (
     "volume",
     "centre_of_buoyancy",
@@ -35,6 +35,7 @@ HULL_PARAMETERS = (
     CORIOLIS,
     STATIONS,
     CROSS_FLOW,
+    "surface_half_axes",
 )
 THRUSTER_PARAMETERS = (
     "thruster_characteristic",
@@ -45,6 +46,7 @@ THRUSTER_PARAMETERS = (
 )
 
 _KNOWN = HULL_PARAMETERS + THRUSTER_PARAMETERS + FIN_PARAMETERS
+_OF_WATER = tuple(name.partition(":")[2] for name in WATER_PARAMETERS)
 _NEARLY = 0.8  # share of letters in common, as difflib counts them
 _NEARLY_WATER = 0.85  # of the word itself: the weather is not meant
 _RATHER_A_BODY = 0.6  # of a body's name, where the parameter speaks of water
@@ -61,8 +63,8 @@ def one_water(numerics: Numerics) -> dict[str, NDArray[np.float64]]:
     Raises:
         ModelError: two of them differ.
     """
-    merged = {name: values for name, values in numerics.items() if not name.endswith((DENSITY, CURRENT))}
-    for key in (DENSITY, CURRENT):
+    merged = {name: values for name, values in numerics.items() if not name.endswith(WATER_PARAMETERS)}
+    for key in WATER_PARAMETERS:
         for name in (n for n in numerics if n.endswith(key)):
             if key in merged and not np.array_equal(merged[key], numerics[name], equal_nan=True):
                 raise ModelError(name, f"differs from another '{key}' of the model; there is only one water")
@@ -87,9 +89,9 @@ def hulls_in_water(
     owners = [name.rpartition(":") for name in numerics]
     hulls = {owner for owner, colon, parameter in owners if colon and parameter in HULL_PARAMETERS}
     for name, values in numerics.items():
-        if name not in (DENSITY, CURRENT):
+        if name not in WATER_PARAMETERS:
             _require_colon(name, [*bodies, *thrusters], _KNOWN)
-            _require_colon(name, ["water"], ("density", "current"))
+            _require_colon(name, ["water"], _OF_WATER)
             if ":" in name:
                 _judge(name, values, bodies, thrusters, hulls, sites)
     return [body for body in bodies if body in hulls]
@@ -103,7 +105,7 @@ def require_parameter(name: str) -> None:
     """
     parameter = name.rpartition(":")[2]
     known = (*_KNOWN, *ELEMENT_PARAMETERS)
-    if name.endswith((DENSITY, CURRENT)):
+    if name.endswith(WATER_PARAMETERS):
         return
     if parameter not in known:
         raise ModelError(name, _unknown(parameter, known))
@@ -158,10 +160,10 @@ def _judge(
 ) -> None:
     owner, _, parameter = name.rpartition(":")
     last = re.split(rf"[:{re.escape(_SEPARATORS)}]", owner.lower())[-1]
-    of_water = get_close_matches(parameter.lower(), ("density", "current"), n=1, cutoff=_NEARLY)
+    of_water = get_close_matches(parameter.lower(), _OF_WATER, n=1, cutoff=_NEARLY)
     water = last.endswith("water") or get_close_matches(last, ["water"], n=1, cutoff=_NEARLY_WATER)
     if owner == "water" or (water and of_water):
-        raise ModelError(name, f"is nothing that water has; there are {DENSITY} and {CURRENT}")
+        raise ModelError(name, f"is nothing that water has; there are {', '.join(WATER_PARAMETERS)}")
     if parameter not in _KNOWN:
         if owner in hulls or owner in thrusters or _meant(parameter):
             raise ModelError(name, _unknown(parameter))
@@ -187,4 +189,4 @@ def _meant(parameter: str, known: Sequence[str] = _KNOWN) -> list[str]:
 def _unknown(parameter: str, known: Sequence[str] = _KNOWN) -> str:
     meant = _meant(parameter, known)
     told = f" (did you mean {meant[0]}?)" if meant else ""
-    return f"is no parameter of the water{told}; there are {', '.join(known)}, and {DENSITY}, {CURRENT}"
+    return f"is no parameter of the water{told}; there are {', '.join(known)}, and {', '.join(WATER_PARAMETERS)}"

@@ -1,11 +1,15 @@
 """The water's numbers as the MJCF states them: custom numerics named after the element they describe.
 
     water:density                       [kg/m^3]
+    water:surface                       height z of its surface, world axes [m]; left out: endless water
     <body>:volume                       displaced volume [m^3]
     <body>:centre_of_buoyancy           [m], body axes
     <body>:added_mass                   6 (diagonal) or 36 values, symmetric positive semidefinite [kg, kg m, kg m^2]
     <body>:linear_damping               6 or 36 values [N s/m, N s, N m s]
     <body>:quadratic_damping            6 or 36 values [N s^2/m^2, N s^2/m, N m s^2]
+    <body>:surface_half_axes            of the ellipsoid, about the centre of buoyancy, over which the volume is spread
+                                        where the hull comes out of the water [m]; left out: the proportions of its
+                                        geoms and its volume
     <body>:thruster_characteristic      pairs command, force [N] for every thruster of the hull
     <body>:thruster_dead_zone           F_DZ-, F_DZ+ [N]
     <body>:thruster_power               k_P-, k_P+ of the electrical power k_P |F|^1.5 [W/N^1.5]; may be left out
@@ -38,7 +42,14 @@ from cube_sim.vehicle.mjcf.fins import FinParameters, read_fins
 from cube_sim.vehicle.mjcf.numbers import either as _either
 from cube_sim.vehicle.mjcf.numbers import scalar as _scalar
 from cube_sim.vehicle.mjcf.numbers import vector as _vector
-from cube_sim.vehicle.mjcf.numeric_names import CURRENT, DENSITY, HULL_PARAMETERS, hulls_in_water, one_water
+from cube_sim.vehicle.mjcf.numeric_names import (
+    CURRENT,
+    DENSITY,
+    HULL_PARAMETERS,
+    SURFACE,
+    hulls_in_water,
+    one_water,
+)
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
 
 READING = 0.005
@@ -51,6 +62,7 @@ class HullParameters:
 
     Attributes:
         body: its name.
+        volume: V, displaced [m^3].
         displaced_mass: rho V [kg].
         centre_of_buoyancy: r_CB (3,) [m], body axes.
         added_mass: M_A (6,6) [kg, kg m, kg m^2], symmetric positive semidefinite.
@@ -58,9 +70,11 @@ class HullParameters:
         quadratic_damping: D_q (6,6) [N s^2/m^2, ...], acting on |nu_r| nu_r.
         products: (n,5) axis, j, k, whether |nu_k| is meant, and c of each product of two velocities.
         strips: (n,3) x [m], and rho/2 C_D A [kg/m] across y and across z of each strip.
+        surface_half_axes: (3,) of the ellipsoid over which V is spread [m]; None where the geoms say them.
     """
 
     body: str
+    volume: float
     displaced_mass: float
     centre_of_buoyancy: NDArray[np.float64]
     added_mass: NDArray[np.float64]
@@ -68,6 +82,7 @@ class HullParameters:
     quadratic_damping: NDArray[np.float64]
     products: NDArray[np.float64]
     strips: NDArray[np.float64]
+    surface_half_axes: NDArray[np.float64] | None
 
 
 @dataclass(frozen=True)
@@ -112,6 +127,7 @@ class WaterParameters:
         current: None for a current that does not vary.
         fins: all fins, in the order of their sites.
         density: of the water [kg/m^3].
+        surface: height of the surface, world axes [m]; inf for endless water.
     """
 
     hulls: tuple[HullParameters, ...]
@@ -119,6 +135,7 @@ class WaterParameters:
     current: CurrentProfile | None
     fins: tuple[FinParameters, ...]
     density: float
+    surface: float
 
 
 def read_parameters(
@@ -158,7 +175,8 @@ def read_parameters(
     hulls = tuple(_hull(numerics, name, density) for name in names)
     described = tuple(_thruster(numerics, element.name, element.body) if element else None for element in thrusters)
     fins = read_fins(numerics, sites, names, servos)
-    return WaterParameters(hulls, described, _current(numerics), fins, density)
+    surface = _scalar(numerics, SURFACE) if SURFACE in numerics else np.inf
+    return WaterParameters(hulls, described, _current(numerics), fins, density, surface)
 
 
 def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> HullParameters:
@@ -177,6 +195,7 @@ def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float
     require_pairwise_dissipative(f"{body}:quadratic_damping", quadratic)
     return HullParameters(
         body=body,
+        volume=volume,
         displaced_mass=density * volume,
         centre_of_buoyancy=_vector(numerics, f"{body}:centre_of_buoyancy", 3),
         added_mass=0.5 * (added_mass + added_mass.T),  # to the last digit: rows are read as columns
@@ -184,7 +203,17 @@ def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float
         quadratic_damping=quadratic,
         products=velocity_products(numerics, body, 0.5 * (added_mass + added_mass.T)),
         strips=strips(numerics, body, density),
+        surface_half_axes=_half_axes(numerics, f"{body}:surface_half_axes"),
     )
+
+
+def _half_axes(numerics: Mapping[str, NDArray[np.float64]], name: str) -> NDArray[np.float64] | None:
+    if name not in numerics:
+        return None
+    half_axes = _vector(numerics, name, 3)
+    if half_axes.min() <= 0.0:
+        raise ModelError(name, f"is {' '.join(f'{a:g}' for a in half_axes)}; half-axes [m] are positive")
+    return half_axes
 
 
 def _current(numerics: Mapping[str, NDArray[np.float64]]) -> CurrentProfile | None:

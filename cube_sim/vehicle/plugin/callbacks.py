@@ -19,6 +19,7 @@ from cube_sim.vehicle.laws.current import accelerating_water, current_at
 from cube_sim.vehicle.laws.fin import servo_rate
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
 from cube_sim.vehicle.laws.push import COLUMNS, push_wrench
+from cube_sim.vehicle.laws.surface import faded, fading_wrench, hull_under_water, share_of_depth
 from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.curve_record import steady_force
 from cube_sim.vehicle.plugin.inertia import put_factors, put_inertia
@@ -32,6 +33,7 @@ from cube_sim.vehicle.plugin.memory import (
     integer,
     matrix,
     put,
+    room_for_hull,
     vector,
 )
 
@@ -63,6 +65,34 @@ def _user_wrench(function, process, time, position, rotation, nu, nu_r):
     return call_force(field(table, 8 * (function + 1)), time, position, rotation, nu, nu_r)
 
 
+@numba.njit
+def _under_water(hull, room, position, R, surface):
+    """Address of the record of what of a hull is under water, its share, and the derivative of that, a 6-tuple.
+
+    Args:
+        hull: address of the record of the whole hull.
+        room: address of room for another record.
+        position: address of p_WB.
+        R: R_WB (3,3).
+        surface: height of the water's surface, world axes [m].
+    """
+    up = (R[2, 0], R[2, 1], R[2, 2])
+    r_CB = (double(hull, layout.CENTRE), double(hull, layout.CENTRE + 1), double(hull, layout.CENTRE + 2))
+    half_axes = (
+        double(hull, layout.HALF_AXES),
+        double(hull, layout.HALF_AXES + 1),
+        double(hull, layout.HALF_AXES + 2),
+    )
+    depth = surface - double(position, 2) - (up[0] * r_CB[0] + up[1] * r_CB[1] + up[2] * r_CB[2])
+    share, centre, gradient = hull_under_water(depth, up, half_axes, r_CB)
+    put(room, layout.DISPLACED_MASS, share * double(hull, layout.DISPLACED_MASS))
+    for i in range(3):
+        put(room, layout.CENTRE + i, centre[i])
+    for i in range(layout.ADDED_MASS, layout.FORCE):
+        put(room, i, share * double(hull, i))
+    return room, share, gradient
+
+
 def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str, int]) -> dict:
     """Compile the callbacks for one memory layout.
 
@@ -87,6 +117,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
     time_, qvel, xpos, xmat, act = data["time"], data["qvel"], data["xpos"], data["xmat"], data["act"]
     ctrl = data["ctrl"]
     cdof, crb, mass, qfrc_passive = data["cdof"], data["crb"], data["M"], data["qfrc_passive"]
+    actuator_trnid, site_size, site_xpos = model["actuator_trnid"], model["site_size"], data["site_xpos"]
     nv, qld, qldiaginv = model["nv"], data["qLD"], data["qLDiagInv"]
 
     @numba.njit
@@ -115,13 +146,18 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         profile = int(double(packed, layout.CURRENT))
         count, pushes = int(double(packed, layout.COUNT)), int(double(packed, layout.PUSHES))
         lift = int(double(packed, layout.LIFT))
+        surface = double(packed, layout.SURFACE)
         factored = field(m, nv) == 6 * count  # no arms: hulls are all there is, each a block of its own
         for k in range(count):
             hull = packed + 8 * (int(double(packed, layout.HULLS)) + k * layout.HULL_SIZE)
             body, dof = int(double(hull, layout.BODY)), int(double(hull, layout.DOF))
-            M_A = matrix(hull + 8 * layout.ADDED_MASS, 6, 6)
             position, rotation = field(d, xpos) + 24 * body, field(d, xmat) + 72 * body
             R = matrix(rotation, 3, 3)
+            wet, share, gradient = hull, 1.0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+            at_surface = double(position, 2) + double(hull, layout.REACH) > surface
+            if at_surface:
+                wet, share, gradient = _under_water(hull, room_for_hull(), position, R, surface)
+            M_A = matrix(wet + 8 * layout.ADDED_MASS, 6, 6)
             rows = field(m, m_rowadr) + 4 * dof
             put_inertia(
                 M_A,
@@ -144,8 +180,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 double(v, 4),
                 double(v, 5),
             )
-            displaced = double(hull, layout.DISPLACED_MASS)
-            r_CB = (double(hull, layout.CENTRE), double(hull, layout.CENTRE + 1), double(hull, layout.CENTRE + 2))
+            displaced = double(wet, layout.DISPLACED_MASS)
+            r_CB = (double(wet, layout.CENTRE), double(wet, layout.CENTRE + 1), double(wet, layout.CENTRE + 2))
             current, surge = steady, (0.0, 0.0, 0.0)
             if profile >= 0:
                 table = packed + 8 * profile
@@ -160,17 +196,19 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                     double(m + opt_timestep, 0),
                 )
             nu_r = relative_velocity(R, nu, current)
-            added = hull + 8 * layout.ADDED_MASS
+            added = wet + 8 * layout.ADDED_MASS
             F = water_wrench_of(
                 columns_times(added, turning(nu_r)),
                 columns_times(added, nu_r),
-                columns_times(hull + 8 * layout.LINEAR, nu_r),
-                columns_times(hull + 8 * layout.QUADRATIC, squares(nu_r)),
+                columns_times(wet + 8 * layout.LINEAR, nu_r),
+                columns_times(wet + 8 * layout.QUADRATIC, squares(nu_r)),
                 R,
                 nu_r,
                 (-displaced * down[0], -displaced * down[1], -displaced * down[2]),
                 r_CB,
             )
+            if at_surface:
+                F = _plus(F, fading_wrench(columns_times(hull + 8 * layout.ADDED_MASS, nu_r), gradient, nu, nu_r))
             if profile >= 0:
                 F = _plus(F, accelerating_water(M_A, displaced, r_CB, R, surge))
             if pushes >= 0:
@@ -178,7 +216,10 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 from_outside = matrix(table + 8, int(double(table, 0)), COLUMNS)
                 F = _plus(F, push_wrench(from_outside, float(k), R, time, double(m + opt_timestep, 0)))
             if lift >= 0:
-                F = _plus(F, lift_wrench(packed + 8 * lift, float(k), field(d, act), nu_r))
+                lifted = lift_wrench(packed + 8 * lift, float(k), field(d, act), nu_r)
+                if at_surface:
+                    lifted = faded(share, lifted)
+                F = _plus(F, lifted)
             function = int(double(hull, layout.FORCE))
             if function >= 0:
                 F = _plus(F, _user_wrench(function, double(packed, layout.PROCESS), time, position, rotation, nu, nu_r))
@@ -205,11 +246,17 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             return float("nan")  # MuJoCo skips `passive`: the hull would be dry without a word
         curve = packed + 8 * start
         stuck = double(curve, layout.STUCK)
+        site = integer(field(m, actuator_trnid), 2 * actuator)
+        depth = double(packed, layout.SURFACE) - double(field(d, site_xpos), 3 * site + 2)
+        radius = double(field(m, site_size), 3 * site)
+        under_water = 1.0
+        if depth < radius:
+            under_water = share_of_depth(depth, radius)
         if stuck == stuck:  # a number: the thruster holds that force whatever the command
-            return stuck * double(curve, layout.SUPPLY)
+            return stuck * double(curve, layout.SUPPLY) * under_water
         adr = integer(field(m, actuator_actadr), actuator) + integer(field(m, actuator_actnum), actuator) - 1
         force = steady_force(double(field(d, act), adr), curve)
-        return force * double(curve, layout.EFFICIENCY) * double(curve, layout.SUPPLY)
+        return force * double(curve, layout.EFFICIENCY) * double(curve, layout.SUPPLY) * under_water
 
     def servo(m, d, actuator):
         packed = parameters_of(m)

@@ -5,8 +5,11 @@ doubles from the array's beginning:
 
     header          MAGIC, number of hulls, start of the hull records, start of the thruster table,
                     start of the current's table or -1, number of the process whose user forces it names,
-                    start of the table of pushes or -1, start of the tables of lift or -1
-    hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric
+                    start of the table of pushes or -1, start of the tables of lift or -1, height of the water's surface
+                    [m] or inf where there is none
+    hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric;
+                    REACH [m] is the height above its origin that no part of it is beyond in any attitude, -inf for a
+                    hull without extent
     thruster table  one value per actuator of the model: the start of its curve record, -1 for no thruster, -2 for the
                     servo of a fin
     curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
@@ -33,13 +36,14 @@ MAGIC_BITS = struct.unpack("=q", struct.pack("=d", MAGIC))[0]  # the same as the
 FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's table of user forces
 
 # the header
-COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES, LIFT = 1, 2, 3, 4, 5, 6, 7
-HEADER_SIZE = 8
+COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES, LIFT, SURFACE = 1, 2, 3, 4, 5, 6, 7, 8
+HEADER_SIZE = 9
 # in the thruster table
 NO_THRUSTER, FIN_SERVO = -1, -2
 # one hull record
 BODY, DOF, DISPLACED_MASS, CENTRE, ADDED_MASS, LINEAR, QUADRATIC, FORCE = 0, 1, 2, 3, 6, 42, 78, 114
-HULL_SIZE = 115
+REACH, HALF_AXES = 115, 116
+HULL_SIZE = 119
 # one curve record
 DEAD_LOW, DEAD_HIGH, ZONE_LOW, ZONE_HIGH, POINTS = 0, 1, 2, 3, 4
 EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, CURVE = 5, 6, 7, 8, 10, 11, 14

@@ -150,6 +150,16 @@ def call_force(typingctx, function, time, position, rotation, nu, nu_r):
     return six(types.int64, types.float64, types.int64, types.int64, six, six), codegen
 
 
+@intrinsic
+def room_for_hull(typingctx):
+    """Address of room for one hull record, on the stack of the function that asks."""
+
+    def codegen(context, builder, signature, args):
+        return builder.ptrtoint(cgutils.alloca_once(builder, _DOUBLE, size=layout.HULL_SIZE), _INT64)
+
+    return types.int64(), codegen
+
+
 @numba.njit("float64[::1](int64, int64)")
 def vector(address, n):
     """(n,) view of doubles."""

@@ -24,6 +24,7 @@ def pack_parameters(
     parameters: WaterParameters,
     bodies: list[int],
     dofs: list[int],
+    half_axes: Sequence[NDArray[np.float64]],
     forces: Sequence[int],
     process: float,
     pushes: int = 0,
@@ -35,12 +36,13 @@ def pack_parameters(
         parameters: what the MJCF says, validated.
         bodies: body index of each hull in the compiled model.
         dofs: address of each hull's first degree of freedom.
+        half_axes: (3,) of each hull's ellipsoid [m], see `cube_sim.vehicle.laws.surface`.
         forces: place of each hull's own force in the table of this process, or -1.
         process: number of this process.
         pushes: for how many there is to be room.
         fins: (n,16) the table of `cube_sim.vehicle.laws.fin`; zeros where it is not known yet.
     """
-    hulls = [_hull_record(*row) for row in zip(parameters.hulls, bodies, dofs, forces, strict=True)]
+    hulls = [_hull_record(*row) for row in zip(parameters.hulls, bodies, dofs, half_axes, forces, strict=True)]
     table_start = layout.HEADER_SIZE + layout.HULL_SIZE * len(hulls)
     end = table_start + len(parameters.thrusters)
     table: list[float] = []
@@ -59,7 +61,7 @@ def pack_parameters(
     pushes_start = end + current.size if pushed.size else -1.0
     lift = _lift_record(parameters, fins)
     lift_start = end + current.size + pushed.size if lift.size else -1.0
-    starts = layout.HEADER_SIZE, table_start, current_start, process, pushes_start, lift_start
+    starts = layout.HEADER_SIZE, table_start, current_start, process, pushes_start, lift_start, parameters.surface
     header = np.array([layout.MAGIC, len(hulls), *starts])
     return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed, lift])
 
@@ -67,7 +69,7 @@ def pack_parameters(
 def packed_size(parameters: WaterParameters, pushes: int = 0) -> int:
     """Number of values `pack_parameters` will return."""
     n = len(parameters.hulls)
-    return pack_parameters(parameters, [0] * n, [0] * n, [-1] * n, 0.0, pushes).size
+    return pack_parameters(parameters, [0] * n, [0] * n, [np.zeros(3)] * n, [-1] * n, 0.0, pushes).size
 
 
 def packed_parameters(model: mujoco.MjModel) -> NDArray[np.float64]:
@@ -84,7 +86,9 @@ def packed_parameters(model: mujoco.MjModel) -> NDArray[np.float64]:
     raise ModelError("", "the model has no water; compile it with cube_sim.load_model")
 
 
-def _hull_record(hull: HullParameters, body: int, dof: int, force: int) -> NDArray[np.float64]:
+def _hull_record(
+    hull: HullParameters, body: int, dof: int, half_axes: NDArray[np.float64], force: int
+) -> NDArray[np.float64]:
     record = np.empty(layout.HULL_SIZE)
     record[layout.BODY], record[layout.DOF], record[layout.DISPLACED_MASS] = body, dof, hull.displaced_mass
     record[layout.CENTRE : layout.ADDED_MASS] = hull.centre_of_buoyancy
@@ -92,6 +96,9 @@ def _hull_record(hull: HullParameters, body: int, dof: int, force: int) -> NDArr
     record[layout.LINEAR : layout.QUADRATIC] = hull.linear_damping.T.ravel()
     record[layout.QUADRATIC : layout.FORCE] = hull.quadratic_damping.T.ravel()
     record[layout.FORCE] = force
+    largest = float(half_axes.max())
+    record[layout.REACH] = largest + np.linalg.norm(hull.centre_of_buoyancy) if largest > 0.0 else -np.inf
+    record[layout.HALF_AXES : layout.HULL_SIZE] = half_axes
     return record
 
 

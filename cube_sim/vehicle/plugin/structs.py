@@ -19,9 +19,11 @@ MODEL_FIELDS = (
     "nv", "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "opt.density", "opt.viscosity", "opt.solver",
     "opt.noslip_iterations", "opt.timestep", "numeric_adr", "numeric_data",
     "dof_armature", "M_rowadr", "actuator_actadr", "actuator_actnum",
-    "actuator_ctrlrange", "actuator_dynprm",
+    "actuator_ctrlrange", "actuator_dynprm", "actuator_trnid", "site_size",
 )  # fmt: skip
-DATA_FIELDS = ("time", "qvel", "xpos", "xmat", "act", "ctrl", "cdof", "crb", "M", "qLD", "qLDiagInv", "qfrc_passive")
+DATA_FIELDS = (
+    "time", "qvel", "xpos", "xmat", "site_xpos", "act", "ctrl", "cdof", "crb", "M", "qLD", "qLDiagInv", "qfrc_passive",
+)  # fmt: skip
 
 _SCALARS = {
     "mjtSize": ctypes.c_int64, "mjtNum": ctypes.c_double, "mjtByte": ctypes.c_ubyte, "mjtBool": ctypes.c_bool,
