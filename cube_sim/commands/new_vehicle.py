@@ -198,7 +198,7 @@ def _write(
     name: str, folder: Path, hull: HullDraft, places: list[ThrusterPlace], kinds: dict[str, KnownThruster]
 ) -> None:
     from cube_sim.vehicle_draft.hull import DENSITY, GRAVITY
-    from cube_sim.vehicle_draft.mjcf_text import mjcf_text
+    from cube_sim.vehicle_draft.mjcf_text import mesh_text, mjcf_text
     from cube_sim.vehicle_draft.own_tests import own_tests
 
     lift = (DENSITY * hull.volume - hull.mass) * GRAVITY
@@ -207,6 +207,8 @@ def _write(
         folder / "tests" / f"test_{name}.py": own_tests(name, hull, places, lift),
         folder / "conftest.py": _CONFTEST,
     }
+    if (surface := mesh_text(hull)) is not None:
+        files[folder / "models" / f"{name}.obj"] = surface
     for file, text in files.items():
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
@@ -217,7 +219,14 @@ def _write(
     scenario.parent.mkdir()
     from cube_sim.commands.new import write_scenario
 
-    what = write_scenario(model, scenario, None)
+    try:
+        what = write_scenario(model, scenario, None)
+    except CubeSimError:
+        scenario.parent.rmdir()
+        typer.echo(
+            f"{model}: no scenario is written; `{to_paste('analyze', model)}` says what its thrusters can do", err=True
+        )
+        raise
     typer.echo(f"{scenario}: {what}")
     typer.echo()
     typer.echo(f"look at it:  {to_paste('analyze', model)}")

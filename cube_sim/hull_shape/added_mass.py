@@ -16,7 +16,7 @@ continuous, by Galerkin's method; v_n is exact. The error of M_A goes with the s
 
 At a sharp edge the flow is singular, and panels converge slowly. They are made finer there, and two sets of panels are
 carried on to infinitely many: what is left is of the order of `AddedMass.error`. A mesh that is finer than the flow
-needs is gathered to patches instead (`cube_sim.hull_shape.patches`).
+needs is simplified first (`cube_sim.hull_shape.simplification`).
 """
 
 from __future__ import annotations
@@ -27,16 +27,18 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from cube_sim.errors import ShapeError
 from cube_sim.hull_shape.division import divided
 from cube_sim.hull_shape.influence import QUARTERED, SEVEN, THREE, linear_panels
 from cube_sim.hull_shape.mesh import ClosedMesh
-from cube_sim.hull_shape.patches import patched_added_mass
+from cube_sim.hull_shape.simplification import simplified
+from cube_sim.hull_shape.slivers import without_slivers
 from cube_sim.spatial import Matrix, Vector, skew
 
 COARSE, FINE = 900, 2400
 """So many panels the two sets have at most (a choice: some seconds)."""
-FINEST_DIVIDED = 1600
-"""Meshes of more triangles are not divided further but gathered to patches (a choice)."""
+MOST_PANELS, SIMPLIFIED = 1600, 700
+"""Meshes of more triangles are simplified first, to so many (a choice)."""
 
 
 @dataclass(frozen=True)
@@ -60,21 +62,26 @@ def added_mass(mesh: ClosedMesh, density: float) -> AddedMass:
     Args:
         mesh: its surface, body axes.
         density: of the water [kg/m^3].
+
+    Raises:
+        ShapeError: it has so many bodies that it cannot be simplified.
     """
     # Lengths of one, about the middle: nothing then depends on units, or on where the origin is.
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     middle, length = 0.5 * (low + high), float(np.linalg.norm(high - low))
-    unit = _without_slivers(ClosedMesh((mesh.vertices - middle) / length, mesh.faces))
+    unit = without_slivers(ClosedMesh((mesh.vertices - middle) / length, mesh.faces))
+    if len(unit.faces) > MOST_PANELS:
+        unit = without_slivers(simplified(unit, SIMPLIFIED))
+    if len(unit.faces) > MOST_PANELS:
+        raise ShapeError(
+            f"the hull cannot be drawn in less than {len(unit.faces)} triangles, {MOST_PANELS} at most: leave out "
+            "screws and other small bodies"
+        )
     coarse = divided(unit, max(COARSE, len(unit.faces)))
-    fine = divided(unit, max(FINE, 3 * len(coarse.faces))) if len(unit.faces) <= FINEST_DIVIDED else coarse
-    if len(fine.faces) > 1.3 * len(coarse.faces):
-        worse, best = linear_added_mass(coarse), linear_added_mass(fine)
-        few, many = len(coarse.faces), len(fine.faces)
-    else:
-        many = min(FINE, len(unit.faces))
-        few = int(many / 2.5)
-        worse, best = patched_added_mass(unit, few), patched_added_mass(unit, many)
-    # Beside a singular edge, with panels that are finer there, and with patches, the error goes with 1 / their number.
+    fine = divided(coarse, max(FINE, 4 * len(coarse.faces)))
+    worse, best = linear_added_mass(coarse), linear_added_mass(fine)
+    few, many = len(coarse.faces), len(fine.faces)
+    # Beside a singular edge, with panels that are finer there, the error goes with 1 / their number.
     change = (best - worse) / (many / few - 1.0)
     limit = best + change
     scale = np.sqrt(np.diag(best))
@@ -129,11 +136,3 @@ def linear_added_mass(mesh: ClosedMesh) -> Matrix:
         D += np.outer(of, of) * (stiffness / (of @ of))
     matrix = W + b.T @ np.linalg.solve(D, b)
     return 0.5 * (matrix + matrix.T)
-
-
-def _without_slivers(mesh: ClosedMesh) -> ClosedMesh:
-    """The surface without faces of no area, as CAD programs leave them between corners on one line."""
-    a, b, c = (mesh.triangles[:, i] for i in range(3))
-    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    longest = np.max([((b - a) ** 2).sum(axis=1), ((c - b) ** 2).sum(axis=1), ((a - c) ** 2).sum(axis=1)], axis=0)
-    return ClosedMesh(mesh.vertices, mesh.faces[doubled > 1e-10 * longest])

@@ -181,20 +181,19 @@ def _without_inner_walls(file: Path, vertices: Matrix, faces: Faces, body: NDArr
     if bodies == 1:
         return faces, 0
     inner = np.zeros(bodies, bool)
-    triangles = vertices[faces]
-    for one in range(bodies):
-        mine = triangles[body == one]
+    order = np.argsort(body, kind="stable")
+    apart = np.split(vertices[faces][order], np.cumsum(np.bincount(body))[:-1])
+    lows = np.array([each.min(axis=(0, 1)) for each in apart])
+    highs = np.array([each.max(axis=(0, 1)) for each in apart])
+    for one, mine in enumerate(apart):
         some = mine[:: max(1, len(mine) // _SAMPLED)].mean(axis=1)
-        for other in range(bodies):
-            if other == one:
-                continue
-            box = triangles[body == other]
-            low, high = box.min(axis=(0, 1)), box.max(axis=(0, 1))
-            near = ((some >= low) & (some <= high)).all(axis=1)
+        beside = ((lows <= highs[one]) & (highs >= lows[one])).all(axis=1)
+        for other in (int(each) for each in np.flatnonzero(beside) if each != one):
+            near = ((some >= lows[other]) & (some <= highs[other])).all(axis=1)
             if not near.any():
                 continue
             inside = np.zeros(len(some), bool)
-            inside[near] = winding(some[near], box) > 0.5
+            inside[near] = winding(some[near], apart[other]) > 0.5
             if inside.all():
                 inner[one] = True
             elif inside.any():

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cube_sim.errors import ShapeError
 from cube_sim.hull_shape.added_mass import added_mass
 from cube_sim.hull_shape.drag import drag_of
 from cube_sim.hull_shape.mesh import ClosedMesh, box_mesh
@@ -20,6 +21,8 @@ GRAVITY = 9.81
 LOWER = 0.05
 """Where nothing is said, the centre of mass lies this share of the hull's height below the centre of buoyancy (a
 choice: vehicles are ballasted to float upright)."""
+UNLIKELY = 20.0
+"""A mesh that displaces so many times what the vehicle weighs, or so many times less, is in another unit."""
 COARSE = 0.05
 """Added mass that refinement changes by more is worth a word."""
 NEUTRAL = 0.02
@@ -63,6 +66,7 @@ class HullDraft:
         quadratic_damping: (6,) [N s^2/m^2, N m s^2].
         middle: (3,) of the box around it [m].
         size: (3,) of that box [m].
+        surface: of the hull, for pictures; None where it is that box.
         sources: of each of these, in words.
         remarks: what its owner should know.
     """
@@ -77,6 +81,7 @@ class HullDraft:
     quadratic_damping: Vector
     middle: Vector
     size: Vector
+    surface: ClosedMesh | None
     sources: Mapping[str, str]
     remarks: tuple[str, ...]
 
@@ -87,7 +92,7 @@ def hull_of_box(weighed: WeighedMass, size: Sequence[float]) -> HullDraft:
     The origin of the body axes is the middle of the box.
     """
     what = f"a closed box of {' x '.join(f'{x:g}' for x in size)} m"
-    return _hull(box_mesh(size), weighed, True, what)
+    return _hull(box_mesh(size), weighed, True, what, None)
 
 
 def hull_of_mesh(mesh: ClosedMesh, name: str, weighed: WeighedMass, neutral: bool) -> HullDraft:
@@ -99,11 +104,17 @@ def hull_of_mesh(mesh: ClosedMesh, name: str, weighed: WeighedMass, neutral: boo
         weighed: its mass.
         neutral: whether it displaces what it weighs, whatever the mesh encloses.
     """
-    return _hull(mesh, weighed, neutral, name)
+    return _hull(mesh, weighed, neutral, name, mesh)
 
 
-def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str) -> HullDraft:
+def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, surface: ClosedMesh | None) -> HullDraft:
     solid = solid_of(mesh)
+    likely = 1.0 / UNLIKELY <= DENSITY * solid.volume / weighed.mass <= UNLIKELY
+    if not neutral and not likely:
+        raise ShapeError(
+            f"{what}: displaces {DENSITY * solid.volume:.3g} kg of water, and the vehicle weighs {weighed.mass:.3g} "
+            "kg; is the unit right (--unit mm)? Say --neutral if it is"
+        )
     water, drag = added_mass(mesh, DENSITY), drag_of(silhouettes_of(mesh), solid.size, DENSITY)
     lower = np.array([0.0, 0.0, -LOWER * solid.size[2]])
     mass, given = weighed.mass, weighed.centre_of_mass
@@ -162,6 +173,17 @@ def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str) -> H
     if aside[2] > 0.0:
         remarks.append("the centre of buoyancy is below the centre of mass: the hull turns upside down by itself")
     return HullDraft(
-        mass, centre, inertia, volume, solid.centre, water.matrix, drag.linear, drag.quadratic,
-        0.5 * (solid.low + solid.high), solid.size, sources, tuple(remarks),
-    )  # fmt: skip
+        mass=mass,
+        centre_of_mass=centre,
+        inertia=inertia,
+        volume=volume,
+        centre_of_buoyancy=solid.centre,
+        added_mass=water.matrix,
+        linear_damping=drag.linear,
+        quadratic_damping=drag.quadratic,
+        middle=0.5 * (solid.low + solid.high),
+        size=solid.size,
+        surface=surface,
+        sources=sources,
+        remarks=tuple(remarks),
+    )

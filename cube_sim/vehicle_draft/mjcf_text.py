@@ -16,6 +16,8 @@ from cube_sim.vehicle_draft.hull import DENSITY, GRAVITY, HullDraft
 from cube_sim.vehicle_draft.thruster_places import ThrusterPlace
 
 _WIDTH = 112
+_MOST_DRAWN = 20_000
+"""Triangles of a surface that goes along for pictures; a finer one is left at its owner's."""
 _COUPLED = 1e-3
 """Entries of the added mass below this share of its diagonal are rounding, and left out."""
 
@@ -70,6 +72,7 @@ def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds
     lines += [
         "  </custom>",
         "",
+        *_asset(name, hull),
         "  <default>",
         '    <default class="thruster">',
         *_comment("      ", "command, lag [s], characteristic, force along the site's z axis"),
@@ -86,9 +89,7 @@ def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds
         *_comment("      ", f"centre of mass: {hull.sources['centre_of_mass']}; inertia: {hull.sources['inertia']}"),
         f'      <inertial pos="{_of(hull.centre_of_mass)}" mass="{hull.mass:.6g}"',
         f'                fullinertia="{_of(inertia)}"/>',
-        *_comment("      ", "the box around the hull, for contact and pictures only"),
-        f'      <geom name="hull" type="box" pos="{_of(hull.middle)}" size="{_of(0.5 * hull.size)}" '
-        'rgba="0.15 0.35 0.75 0.6"/>',
+        *_geoms(hull),
         '      <site name="imu" pos="0 0 0"/>',
     ]
     lines += [
@@ -97,6 +98,34 @@ def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds
     lines += ["    </body>", "  </worldbody>", "", "  <actuator>"]
     lines += [f'    <general name="{p.name}" class="thruster" site="{p.name}"/>' for p in places]
     return "\n".join([*lines, "  </actuator>", "</mujoco>"]) + "\n"
+
+
+def mesh_text(hull: HullDraft) -> str | None:
+    """The hull's surface as an OBJ file, for pictures; None where it is a box."""
+    if hull.surface is None or len(hull.surface.faces) > _MOST_DRAWN:
+        return None
+    lines = ["# The hull as it was read, metres, x forward, y left, z up; for pictures."]
+    lines += [f"v {_of(vertex, 7)}" for vertex in hull.surface.vertices]
+    lines += [f"f {a} {b} {c}" for a, b, c in hull.surface.faces + 1]
+    return "\n".join(lines) + "\n"
+
+
+def _asset(name: str, hull: HullDraft) -> list[str]:
+    if mesh_text(hull) is None:
+        return []
+    return ["  <asset>", f'    <mesh name="hull" file="{name}.obj" inertia="shell"/>', "  </asset>", ""]
+
+
+def _geoms(hull: HullDraft) -> list[str]:
+    box = f'type="box" pos="{_of(hull.middle)}" size="{_of(0.5 * hull.size)}"'
+    if mesh_text(hull) is None:
+        lines = _comment("      ", "the box around the hull, for contact and pictures only")
+        return [*lines, f'      <geom name="hull" {box} rgba="0.15 0.35 0.75 0.6"/>']
+    return [
+        *_comment("      ", "for pictures; and the box around it, for contact"),
+        '      <geom name="hull" type="mesh" mesh="hull" contype="0" conaffinity="0" rgba="0.15 0.35 0.75 1"/>',
+        f'      <geom name="around" {box} group="3" rgba="0.5 0.5 0.5 0"/>',
+    ]
 
 
 def _matrix(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -131,6 +131,6 @@ def _three(where: str, what: str, words: list[str]) -> Vector:
 
 def _require_names_apart(where: str, places: Sequence[ThrusterPlace]) -> None:
     names = [place.name for place in places]
-    twice = sorted({name for name in names if names.count(name) > 1} | ({"hull", "imu"} & set(names)))
+    twice = sorted({name for name in names if names.count(name) > 1} | ({"hull", "imu", "around"} & set(names)))
     if twice:
         raise ShapeError(f"{where}: the name {twice[0]} is taken already; each thruster needs its own")

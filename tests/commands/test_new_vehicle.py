@@ -81,7 +81,14 @@ def test_a_mesh_gives_all_of_the_hull(here, unflown, monkeypatch, capsys):
     given = ["--mass-kg", 66, "--mesh", "hull.stl", "--unit", "mm", "--frame", "frd", "--thrusters", "thrusters.csv"]
     code, _, stderr = call(monkeypatch, capsys, "new", "vehicle", "egg", *given, "--voltage-v", 14)
     assert (code, stderr) == (0, "")
-    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model("egg/models/egg.xml"))
+    model = cube_sim.load_model("egg/models/egg.xml")
+    vehicle = cube_sim.Vehicle.from_model(model)
+    drawn = model.geom("hull")
+    assert model.geom_type[drawn.id] == mujoco.mjtGeom.mjGEOM_MESH
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, drawn.quat)
+    corners = drawn.pos + model.mesh_vert @ turn.reshape(3, 3).T
+    np.testing.assert_allclose(corners.max(axis=0), [0.5, 0.2, 0.25], atol=0.005)
     volume = 4 / 3 * np.pi * axes.prod()
     assert vehicle.displaced_mass == pytest.approx(1000 * volume, rel=0.01)
     np.testing.assert_allclose(vehicle.centre_of_buoyancy, [0.1, 0.0, 0.05], atol=1e-5)  # FRD: z was down
@@ -93,6 +100,18 @@ def test_a_mesh_gives_all_of_the_hull(here, unflown, monkeypatch, capsys):
     column = vehicle.actuation_matrix[:, 0]
     half = 0.5**0.5
     np.testing.assert_allclose(column, [half, half, 0, 0, 0, (0.14 + 0.09) * half], atol=1e-9)
+
+
+@pytest.mark.flight
+def test_a_vehicle_that_flies_nothing_leaves_its_model_and_a_word(here, monkeypatch, capsys):
+    given = ["--mass-kg", 27, "--size-m", "0.3,0.3,0.3", "--thruster", "A=0,0.1,0:y:T200"]
+    code, _, stderr = call(monkeypatch, capsys, "new", "vehicle", "one", *given)
+    assert code == 2
+    assert stderr.splitlines()[0].startswith(
+        "one/models/one.xml: no scenario is written; `cube-sim analyze one/models/one"
+    )
+    assert stderr.splitlines()[1] == "one/models/one.xml: flies none of the paths that were tried"
+    assert sorted(path.name for path in here.glob("one/*")) == ["conftest.py", "models", "tests"]
 
 
 @pytest.mark.flight
@@ -169,6 +188,7 @@ def test_a_urdf_gives_mass_and_inertia_of_its_links(here, unflown, monkeypatch, 
         (("rov", *MASS, "--size-m", "1,2,0", *FLAGS), "--size-m 1,2,0: length, width and height [m] are positive"),
         (("rov", "--mass-kg", "-1", *SIZE, *FLAGS), "--mass-kg -1: a mass [kg] is positive"),
         (("rov", *MASS, *SIZE, "--mesh", "x.stl", *FLAGS), "--mesh and --size-m: one of the two says what the hull is"),
+        (("rov", *MASS, "--mesh", "mm.stl", *FLAGS), "mm.stl: displaces 9.13e+10 kg of water, and the vehicle weighs"),
         (("rov", *MASS, "--mesh", "x.stl", *FLAGS), "x.stl: cannot be read: No such file or directory"),
         (("rov", "--urdf", "cut.urdf", *SIZE, *FLAGS), "cut.urdf:7:20: is no XML"),
         (("rov", "--urdf", "none.urdf", *SIZE, *FLAGS), "none.urdf: cannot be read: No such file or directory"),
@@ -198,6 +218,7 @@ def test_a_urdf_gives_mass_and_inertia_of_its_links(here, unflown, monkeypatch, 
 def test_a_mistake_is_one_line_and_nothing_is_written(given, told, here, unflown, monkeypatch, capsys):
     (here / "there").mkdir()
     (here / "there" / "mine").write_text("mine")
+    write_stl(here / "mm.stl", ellipsoid((400.0, 300.0, 300.0), 0))
     (here / "cut.urdf").write_text(URDF[:300])
     (here / "few.csv").write_text(FRD.replace("1,-1,0,T200", "1,-1,0"))
     (here / "zero.csv").write_text(FRD.replace(" 1, 1,0", " 0, 0,0"))

@@ -1,15 +1,18 @@
 """Added mass from a mesh: closed forms, published figures, and what holds for any hull."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support.hull_shapes import cylinder, ellipsoid, ellipsoid_added_mass
+from support.hull_shapes import cylinder, ellipsoid, ellipsoid_added_mass, quartered
 
+from cube_sim.errors import ShapeError
 from cube_sim.hull_shape.added_mass import about, added_mass, linear_added_mass
 from cube_sim.hull_shape.division import divided
-from cube_sim.hull_shape.mesh import box_mesh, closed_mesh
-from cube_sim.hull_shape.patches import patched_added_mass
+from cube_sim.hull_shape.mesh import ClosedMesh, box_mesh, closed_mesh
+from cube_sim.hull_shape.simplification import simplified
+from cube_sim.hull_shape.slivers import thinness, without_slivers
 from cube_sim.hull_shape.solid import solid_of
 
 
@@ -67,11 +70,67 @@ def test_of_a_thin_plate():
 
 
 @pytest.mark.flight
-def test_panels_and_patches_are_two_answers_to_one_question():
-    """One solves the velocity's equation with linear potential, the other the potential's with a constant one."""
-    mesh = divided(mesh_of(ellipsoid((1.5, 1.0, 0.7), 2)), 900)
-    panels, patches = linear_added_mass(mesh), patched_added_mass(mesh, len(mesh.faces))
-    np.testing.assert_allclose(patches.diagonal(), panels.diagonal(), rtol=0.03)
+@pytest.mark.parametrize("size", [(1, 1, 1), (1, 1, 0.05)])
+def test_of_a_fine_mesh_is_that_of_a_coarse_one(size):
+    """A box of 12 triangles, and of 12,288."""
+    fine = box_mesh(size).triangles
+    for _ in range(5):
+        fine = quartered(fine)
+    of_fine, of_coarse = added_mass(mesh_of(fine), 1.0).matrix, added_mass(box_mesh(size), 1.0).matrix
+    np.testing.assert_allclose(of_fine.diagonal(), of_coarse.diagonal(), rtol=0.02)
+
+
+@pytest.mark.flight
+def test_of_a_fine_mesh_of_an_ellipsoid():
+    exact = ellipsoid_added_mass((2, 1, 0.5))
+    of = added_mass(mesh_of(ellipsoid((2, 1, 0.5), 5)), 1.0).matrix
+    np.testing.assert_allclose(of.diagonal(), exact, rtol=0.02)
+
+
+def test_slivers_give_their_corners_to_their_neighbours():
+    """A box one edge of which has corners on it that its neighbour knows nothing of, but for faces without area."""
+    corners = box_mesh((1, 1, 1)).triangles
+    a, b = np.array([-0.5, -0.5, -0.5]), np.array([-0.5, -0.5, 0.5])
+    points = [a + (b - a) * share for share in (0.0, 0.3, 0.7, 1.0)]
+    cut, kept = [], []
+    for triangle in corners:
+        ends = [i for i in range(3) if np.allclose(triangle[i], a) or np.allclose(triangle[i], b)]
+        (cut if len(ends) == 2 else kept).append(triangle)
+    one = cut[0]
+    on = [np.allclose(corner, a) or np.allclose(corner, b) for corner in one]
+    start = next(i for i in range(3) if on[i] and on[(i + 1) % 3])
+    along = points if np.allclose(one[start], a) else points[::-1]
+    fan = [(p, q, one[(start + 2) % 3]) for p, q in pairwise(along)]
+    slivers = [(along[0], along[3], along[2]), (along[0], along[2], along[1])]
+    mesh = mesh_of(np.array([*kept, cut[1], *fan, *slivers]))
+    mended = without_slivers(mesh)
+    assert (thinness(mesh.triangles) < 1e-6).sum() == 2
+    assert thinness(mended.triangles).min() > 1e-3
+    assert closed_mesh(Path("again"), mended.triangles).remarks == ()
+    assert solid_of(mended).volume == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_hull_of_too_many_bodies_is_refused():
+    screw = box_mesh((0.1, 0.1, 0.1)).triangles
+    many = np.concatenate([screw + np.array([i, j, 0.0]) for i in range(21) for j in range(21)])
+    mesh = ClosedMesh(many.reshape(-1, 3), np.arange(3 * len(many)).reshape(-1, 3))  # apart from each other by far
+    with pytest.raises(ShapeError, match="leave out screws"):
+        added_mass(mesh_of(mesh.triangles), 1.0)
+
+
+def test_simplifying_keeps_shape_volume_and_edges():
+    box = mesh_of(quartered(quartered(quartered(box_mesh((1, 2, 3)).triangles))))
+    few = simplified(box, 60)
+    assert len(box.faces) == 768
+    assert len(few.faces) <= 60
+    assert closed_mesh(Path("again"), few.triangles).remarks == ()
+    assert solid_of(few).volume == pytest.approx(6.0, rel=1e-9)
+    np.testing.assert_allclose(solid_of(few).size, [1, 2, 3], rtol=1e-6)
+    ball = mesh_of(ellipsoid((1, 1, 1), 4))
+    fewer = simplified(ball, 800)
+    assert 700 < len(fewer.faces) <= 800
+    assert solid_of(fewer).volume == pytest.approx(solid_of(ball).volume, rel=1e-9)
+    assert np.linalg.norm(fewer.vertices, axis=1) == pytest.approx(1.0, abs=0.01)
 
 
 def test_it_is_symmetric_and_positive_definite_however_coarse():

@@ -70,6 +70,14 @@ ICOSAHEDRON = np.array(
 ).reshape(-1, 3)
 
 
+def quartered(triangles):
+    """Four (4k,3,3) for each."""
+    a, b, c = (triangles[:, i] for i in range(3))
+    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    quarters = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+    return np.concatenate([np.stack(quarter, axis=1) for quarter in quarters])
+
+
 def ellipsoid(axes, divisions):
     """Triangles (20 * 4^divisions, 3, 3) with corners on an ellipsoid."""
     t = (1 + 5**0.5) / 2
@@ -77,10 +85,7 @@ def ellipsoid(axes, divisions):
     corners = np.array([*corners, (t, 0, -1), (t, 0, 1), (-t, 0, -1), (-t, 0, 1)], dtype=float)
     triangles = corners[ICOSAHEDRON]
     for _ in range(divisions):
-        a, b, c = (triangles[:, i] for i in range(3))
-        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
-        quarters = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
-        triangles = np.concatenate([np.stack(quarter, axis=1) for quarter in quarters])
+        triangles = quartered(triangles)
     return triangles / np.linalg.norm(triangles, axis=2)[..., None] * np.asarray(axes)
 
 
