@@ -12,7 +12,17 @@ from cube_sim.native.compiled import compiled, inlined
 from cube_sim.navigation.aid import DEPTH, DVL, HEADING, POSITION
 from cube_sim.navigation.correction import corrected
 from cube_sim.navigation.expectation import difference, expect
-from cube_sim.navigation.gate import AGREEMENT, DOUBTED_SPEED, DOUBTED_TILT, FASTEST, MAX_REJECTIONS, MOST_DOUBTS
+from cube_sim.navigation.gate import (
+    AGREEMENT,
+    DOUBTED_SPEED,
+    DOUBTED_TILT,
+    FASTEST,
+    FREE_FALL,
+    MAX_REJECTIONS,
+    MOST_DOUBTS,
+    UNKNOWN_ACCELERATION,
+    UNKNOWN_RATE,
+)
 from cube_sim.navigation.reading import ACCEPTED_AFTER_REJECTIONS, ARRIVED, FUSED, NONE, REJECTED
 from cube_sim.navigation.strapdown import predict, rotation
 from cube_sim.spatial import Matrix, Record, Vector
@@ -135,14 +145,21 @@ def inflated(kind, P, factor):
 
 
 @inlined
-def agrees(aid, y, last):
-    """Whether two innovations of a sensor, (n,) and (n,) or more, say the same."""
+def agrees(aid, y, last, speed):
+    """Whether two innovations of a sensor, (n,) and (n,) or more, say the same.
+
+    Those of a place change from one reading to the next by no more than a vehicle can have gone that is as fast as any
+    and estimated to move at a speed [m/s], beside the noise of both.
+    """
     apart, this, other = 0.0, 0.0, 0.0
     for i in range(aid.components):
         apart += difference(aid, y[i], last[i]) ** 2
         this += y[i] ** 2
         other += last[i] ** 2
-    return apart <= AGREEMENT**2 * max(this, other)
+    gone = inf
+    if aid.kind == DEPTH or aid.kind == POSITION:
+        gone = (FASTEST + speed) / aid.rate_hz + 6.0 * sqrt(2.0) * aid.noise
+    return apart <= min(AGREEMENT**2 * max(this, other), gone**2)
 
 
 @inlined
@@ -185,7 +202,7 @@ def fuse(aid, memory, reading, inertial):
     outcome, last = FUSED, memory.rejected[reading.aid]
     in_a_row = memory.rejections[reading.aid]
     if nis > aid.gate:
-        if in_a_row > 0 and not agrees(aid, y, last):
+        if in_a_row > 0 and not agrees(aid, y, last, sqrt(x[3] ** 2 + x[4] ** 2 + x[5] ** 2)):
             in_a_row = 0  # outliers that contradict each other say nothing of the estimate
         outcome = REJECTED
         if in_a_row >= MAX_REJECTIONS:
@@ -203,6 +220,33 @@ def fuse(aid, memory, reading, inertial):
         set_estimate(x, memory.P, later, covariance)
         hold_speed(x)
     reading.nis, reading.outcome = nis, outcome
+
+
+@inlined
+def falls_freely(reading):
+    """Whether an inertial unit reads (6,) what only a hull in a vacuum would make it read."""
+    return reading[3] ** 2 + reading[4] ** 2 + reading[5] ** 2 < FREE_FALL**2
+
+
+@inlined
+def of_no_motion(x, gravity):
+    """What an inertial unit (6,) would read of a vehicle that goes on as it is estimated to move by a state x."""
+    reading, R = np.empty(6), rotation(x[6:10])
+    for i in range(3):
+        reading[i] = x[10 + i]
+        reading[3 + i] = x[13 + i] - (R[0, i] * gravity[0] + R[1, i] * gravity[1] + R[2, i] * gravity[2])
+    return reading
+
+
+@inlined
+def noise_of(settings, dead):
+    """Densities (6,) of the noise of an inertial unit, whose word is not taken while it is dead."""
+    noise = np.empty(6)
+    for i in range(6):
+        noise[i] = settings.noise[i]
+        if dead:
+            noise[i] = UNKNOWN_RATE if i < 3 else UNKNOWN_ACCELERATION
+    return noise
 
 
 @inlined
@@ -239,7 +283,11 @@ def run_since(settings, aids, memory, first):
         else:
             if tick > 0:
                 last, this = memory.inertials[(tick - 1) % ticks], memory.inertials[at]
-                x, P = predict(memory.x, memory.P, last, this, s.gravity, s.period_s, s.noise, s.walk)
+                dead = falls_freely(last) or falls_freely(this)
+                if dead:
+                    last = this = of_no_motion(memory.x, s.gravity)
+                noise = noise_of(s, dead)
+                x, P = predict(memory.x, memory.P, last, this, s.gravity, s.period_s, noise, s.walk)
                 set_estimate(memory.x, memory.P, x, P)
                 hold_speed(memory.x)
             remember(memory, at)

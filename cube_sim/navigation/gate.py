@@ -16,5 +16,9 @@ AGREEMENT = 1.0 / 3.0
 DOUBTED_TILT, DOUBTED_SPEED = 0.05, 1.0
 """What an estimate in doubt is doubted by at most where a sensor sees it only through another quantity: standard
 deviations of the attitude [rad] for one of velocity or position, of the velocity [m/s] for one of position."""
+FREE_FALL = 0.5
+"""Specific force below which an inertial unit is dead [m/s^2]: nothing under water falls as it would in a vacuum."""
+UNKNOWN_RATE, UNKNOWN_ACCELERATION = 0.1, 0.5
+"""What is added to the motion while it is, as noise [rad/s/sqrt(Hz), m/s^2/sqrt(Hz)]: some turning, some thrust."""
 FASTEST = 30.0
 """No vehicle under water goes faster [m/s]: what the filter holds its velocity to, whatever its sensors say."""

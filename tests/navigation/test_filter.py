@@ -25,10 +25,12 @@ from support.navigation_motion import (
     weaving,
 )
 
+from cube_sim.navigation.aid import aid_records
 from cube_sim.navigation.correction import corrected
 from cube_sim.navigation.depth import Depth
 from cube_sim.navigation.dvl import Dvl
 from cube_sim.navigation.filter import Filter
+from cube_sim.navigation.filtering import agrees
 from cube_sim.navigation.gate import MAX_REJECTIONS
 from cube_sim.navigation.heading import Heading
 from cube_sim.navigation.motion import Motion
@@ -238,6 +240,26 @@ def test_the_gate_does_not_lock_a_sensor_out_for_ever():
     ]
     assert outcomes[-1] is ReadingOutcome.FUSED
     assert np.abs(filter_.x[:3] - motions[-1].motion.position).max() < 0.5
+
+
+def test_garbage_that_no_vehicle_could_have_made_does_not_agree():
+    """Two depths that differ by less than a third, but by more than a vehicle goes in the meantime."""
+    often, seldom = aid_records([Depth(Sampling(5.0), 0.01, 0.0), Depth(Sampling(0.5), 0.01, 0.0)], DT)
+    for apart, found in ((5.0, (True, True)), (9.0, (False, True)), (20.0, (False, False))):
+        y, last = np.array([40.0, 0.0, 0.0]), np.array([40.0 - apart, 0.0, 0.0])
+        assert (bool(agrees(often, y, last, 0.5)), bool(agrees(seldom, y, last, 0.5))) == found
+
+
+def test_an_inertial_unit_that_is_dead_is_not_believed():
+    """It reads zeros for three seconds; believed, that would be a fall of 29 m/s."""
+    motions = truths(weaving, 8.0)
+    filter_, inputs = _filter_with_fixes(motions)
+    off = []
+    for k, inertial in enumerate(inputs):
+        readings = [Reading(0, k, motions[k].motion.position)] if k % 25 == 0 else []
+        filter_.step(np.zeros(6) if 100 <= k < 250 else inertial, readings)
+        off.append(np.abs(filter_.x[3:6] - motions[k].motion.velocity).max())
+    assert max(off[100:250]) < 2.5
 
 
 def _filter_with_fixes(motions, offset=0.0):
