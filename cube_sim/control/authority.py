@@ -33,8 +33,8 @@ from cube_sim.control.effort import effort_matrix
 from cube_sim.control.left_alone import carried_m
 from cube_sim.control.levelling import UP
 from cube_sim.control.pace import ForceBudget
-from cube_sim.control.resting import rests_amply
-from cube_sim.control.turned_round import LOOKED_AHEAD_S, NEAR_M, TurnedRound, turned_round
+from cube_sim.control.resting import nearest_rest, rests_amply
+from cube_sim.control.turned_round import LOOKED_AHEAD_S, NEAR_M, TurnedRound, drifts_aside, turned_round
 from cube_sim.control.yielding import FORCES_YIELD, MAX_TILT_SINE, WaterHold, held_or_pointed
 from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.vehicle.dynamics import Dynamics
@@ -57,6 +57,8 @@ LITTLE_TILT = MAX_TILT_SINE
 """Sine of the tilt at which stuck thrusters may leave a hull that is flown at trim: the other half is for its drag."""
 LIFTED = 0.5
 """Share of how far what is stuck lifts a vehicle for a level plane, within which it may wander instead (a choice)."""
+LEANS = 0.87
+"""Sine of the tilt, 60 degrees, to which a hull is turned to point its thrust beside what is stuck (a choice)."""
 LEAST_SHARE = 0.1
 """A thruster that gives less than this share of a whole one's largest force is no way of moving."""
 
@@ -258,6 +260,12 @@ def _perhaps_turned(left: Capability, budget: ForceBudget, hull: Dynamics) -> Ca
     turned = turned_round(hull, budget)
     if not turned.wanders_m < farthest:
         return left
+    if (
+        left.steers_by_attitude
+        and _leans_at_most(LEANS, budget, hull)
+        and drifts_aside(hull, budget, turned.torque, FASTEST_JUDGED_M_S)
+    ):
+        return left
     words = left.reason.rpartition(":")[0] or left.reason
     return replace(
         left,
@@ -269,6 +277,12 @@ def _perhaps_turned(left: Capability, budget: ForceBudget, hull: Dynamics) -> Ca
         within_cost_limit=None,
         turned=turned,
     )
+
+
+def _leans_at_most(sine: float, budget: ForceBudget, hull: Dynamics) -> bool:
+    """Whether the thrusters hold it at rest beside what is stuck, tilted no further than that: it points them there."""
+    rest = nearest_rest(hull.record, budget, 1.0, np.zeros(3), np.eye(3))
+    return rest.held and float(rest.attitude[2, 2]) >= float(np.sqrt(1.0 - sine**2))
 
 
 def _tilts_little(left: Capability, hold: WaterHold) -> bool:

@@ -17,7 +17,7 @@ from cube_sim.control.loops import MotionLoops, loop_wrench
 from cube_sim.control.pace import ForceBudget
 from cube_sim.control.priority import force_with_torque
 from cube_sim.native.compiled import compiled
-from cube_sim.spatial import rotation_about
+from cube_sim.spatial import Vector, rotation_about
 from cube_sim.tuples import (
     length,
     minus6,
@@ -50,6 +50,8 @@ FASTEST = 20.0
 """A hull that moves faster [m/s, rad/s] has left what can be integrated so."""
 STEADIED = 0.5
 """Share of the time looked ahead after which it counts how far off it is: by then it turns as it goes on turning."""
+DRIFTS = 0.5
+"""Share of the water's way after that time, beyond which a hull goes along with it (a choice)."""
 
 
 class TurnedRound(NamedTuple):
@@ -84,13 +86,43 @@ def wanders_m(hull: Dynamics, budget: ForceBudget, torque: float) -> float:
         budget: what the thrusters can make, and what is stuck.
         torque: what a missing torque counts.
     """
+    off = _off_m(hull, budget, torque, np.zeros(3))
+    return float(np.max(off[_steadied(off) :]))
+
+
+def drifts_aside(hull: Dynamics, budget: ForceBudget, torque: float, speed_m_s: float) -> bool:
+    """Whether a hull goes along with water that comes from a side, at a speed.
+
+    What is stuck may have turned it to where it is turned no further, and none of the others pushes it to that side:
+    it stays in still water, and nowhere else.
+
+    Args:
+        hull: the body.
+        budget: what the thrusters can make, and what is stuck.
+        torque: what a missing torque counts.
+        speed_m_s: of the water.
+    """
+    way = speed_m_s * (1.0 - STEADIED) * LOOKED_AHEAD_S
+    for aside in (speed_m_s, -speed_m_s):
+        off = _off_m(hull, budget, torque, np.array([0.0, aside, 0.0]))
+        if not float(off[-1] - off[_steadied(off)]) < DRIFTS * way:
+            return True
+    return False
+
+
+def _steadied(off: Vector) -> int:
+    return round(STEADIED * len(off))
+
+
+def _off_m(hull: Dynamics, budget: ForceBudget, torque: float, current_W: Vector) -> Vector:
+    """How far it is off its place after each step (n,) [m]; infinite from where on it cannot be told."""
     loop = LoopTimes.behind(DELAY_S)
     loops = MotionLoops(hull, loop.velocity, loop.attitude, loop.rate).record
     coupling, mobility = force_with_torque(hull.total_mass), np.linalg.inv(hull.total_mass)
     parts = ForceFirst.of(budget, coupling, True, torque)
     facets, off = (budget.normals, budget.held_shares), np.full(round(LOOKED_AHEAD_S / STEP_S), np.inf)
-    _turn(hull.record, loops, parts, *facets, mobility, loop.lateral, np.array(START), np.zeros(3), off)
-    return float(np.max(off[round(STEADIED * len(off)) :]))
+    _turn(hull.record, loops, parts, *facets, mobility, loop.lateral, np.array(START), current_W, off)
+    return off
 
 
 @compiled

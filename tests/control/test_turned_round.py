@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
+from support.catalogue.known import AHEAD, UP, pair
+from support.catalogue.mjcf import Layout, Thruster, box_hull, mjcf
 from support.catalogue.vehicles import catalogue
 from support.flights import FORCES_ONLY, thruster_event
 from support.places import MODELS, SCENARIOS
@@ -13,7 +17,7 @@ import cube_sim
 from cube_sim.commands.stuck_report import Fault, fault_cases
 from cube_sim.control.authority import Authority, remaining_capability
 from cube_sim.control.force_first import TORQUE
-from cube_sim.control.turned_round import LET_TURN, NEAR_M, turned_round, wanders_m
+from cube_sim.control.turned_round import LET_TURN, NEAR_M, drifts_aside, turned_round, wanders_m
 from cube_sim.control.yielding import WaterHold
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.vehicle import Vehicle
@@ -22,12 +26,24 @@ from cube_sim.wrench.health import Health
 TURNED = [("drawn5_0", "T1", -141.4), ("four_with_one_aside", "T2", 25.7), ("torpedo_tunnels", "T3", -23.0)]
 """Vehicles whose attitude would have to point the thrust, which are turned round: there is no attitude to rest in."""
 
+NO_SWAY = Layout(
+    replace(
+        box_hull(48.0, (1.5, 0.3, 0.3), 0.025),
+        added_mass=(4.0, 40.0, 44.0, 0.3, 8.0, 8.0),
+        linear_damping=(4.0, 20.0, 22.0, 0.4, 8.0, 8.0),
+        quadratic_damping=(12.0, 150.0, 170.0, 1.0, 40.0, 36.0),
+    ),
+    [*pair(-0.65, 0.2, 0.0, AHEAD), Thruster((0.5, 0.0, 0.0), UP), Thruster((-0.45, 0.0, 0.0), UP)],
+    lag_s=0.06,
+)
+"""A hull that hovers and turns, and that nothing pushes to a side."""
+
 
 @pytest.fixture
 def made(tmp_path):
     def make(name):
         file = tmp_path / f"{name}.xml"
-        file.write_text(catalogue()[name].make())
+        file.write_text(mjcf(name, NO_SWAY) if name == "no_sway" else catalogue()[name].make())
         return file, Vehicle.from_model(load_model(str(file)))
 
     return make
@@ -71,6 +87,49 @@ def test_what_moves_any_way_or_has_nothing_stuck_is_flown_as_before(made):
 def test_where_the_attitude_it_has_points_the_thrust_with_some_to_spare_it_keeps_it(made, force, way):
     """One component is missing. TURNED it is off its line by 0.2 to 0.4 m, so by 0.01 m, but by 6 to 31 m at -78 N."""
     assert left_beside(made("drawn6_3")[1], "T5", force).authority is way
+
+
+@pytest.mark.parametrize(
+    ("name", "thruster", "force", "drifts", "way"),
+    [
+        ("no_sway", "T4", -5.0, True, Authority.LINE),  # held at rest, tilted: the others are pointed there
+        ("six_two_astern_four_up", "T3", -39.9, True, Authority.PLANE),
+        ("four_astern_verticals_in_line", "T3", 25.7, True, Authority.TURNED),  # no attitude holds it at rest
+        ("drawn6_3", "T3", -78.0, False, Authority.TURNED),  # what is stuck turns it on and on, and so the others
+    ],
+)
+def test_one_that_water_from_a_side_would_carry_along_points_its_thrust_where_it_can(
+    made, name, thruster, force, drifts, way
+):
+    hull = made(name)[1]
+    left = left_beside(hull, thruster, force)
+    assert left.authority is way
+    turned = turned_round(hull.dynamics, left.budget)
+    assert turned.wanders_m < NEAR_M  # in still water it would stay
+    assert drifts_aside(hull.dynamics, left.budget, turned.torque, 0.3) is drifts
+
+
+@pytest.mark.flight
+def test_across_a_current_it_keeps_its_line_with_a_vertical_thruster_stuck(made):
+    """Turned round, with the force first, it was carried along with the water, 15 m in 80 s."""
+    scenario = {
+        "schema_version": 1,
+        "name": "across",
+        "model": str(made("no_sway")[0]),
+        "duration_s": 70.0,
+        "path": {"type": "line", "start_m": [0.0, 0.0, -20.0], "end_m": [60.0, 0.0, -20.0]},
+        "initial": {"position_m": [0.0, 0.0, -20.0]},
+        "guidance": {"speed_m_s": 0.5},
+        "current_m_s": [0.0, 0.2, 0.0],
+        "events": [thruster_event(30.0, ["T4"], "stuck", force_N=-5.0)],
+        "checks": FORCES_ONLY,
+    }
+    (flown,) = cube_sim.fly_many(scenario, [{}], signals=["pose.position", "health.authority"])
+    place = flown.signals["pose.position"]
+    off = place[place[:, 0] >= 30.0, 2:] - np.array([0.0, -20.0])
+    assert np.linalg.norm(off, axis=1).max() < 0.3
+    assert np.linalg.norm(off[-500:], axis=1).max() < 0.02
+    assert flown.signals["health.authority"][-1, 1] == Authority.LINE
 
 
 def test_it_is_let_turn_where_the_attitude_takes_what_the_force_needs(made):
