@@ -22,8 +22,9 @@ SPEED_NOT_KEPT = RunCondition("the thrusters cannot keep ", "the thrusters keep 
 PATH_GIVEN_UP = RunCondition("the path is given up: ", "the path is followed again")
 BALLAST_DROPPED = RunCondition("the ballast is dropped", "")
 OUT_OF_THE_WATER = RunCondition("the hull comes out of the water: ", "the hull is under water again")
+OFF_PATH = RunCondition("the vehicle stays off its path: ", "the vehicle is on its path again")
 
-CONDITIONS = (BATTERY_EMPTY, SPEED_NOT_KEPT, PATH_GIVEN_UP, BALLAST_DROPPED, OUT_OF_THE_WATER)
+CONDITIONS = (BATTERY_EMPTY, SPEED_NOT_KEPT, PATH_GIVEN_UP, BALLAST_DROPPED, OUT_OF_THE_WATER, OFF_PATH)
 
 WRENCH_NOT_MADE = {
     "CLOSEST": "the demanded wrench was out of reach, and the closest attainable one made",

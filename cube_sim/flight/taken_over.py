@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cube_sim.flight.compiled import BEGIN, ESTIMATED, JUDGED, FlownTicks
+from cube_sim.flight.off_path_log import OffPathLog
 from cube_sim.flight.rows import TickRows
 from cube_sim.flight.shortfall import Thrust
 from cube_sim.flight.unattainable_log import UnattainableLog
@@ -47,11 +48,13 @@ class Watches:
     Attributes:
         unattainable: of demands that stay out of reach.
         pace: of a path followed more slowly than asked.
+        off_path: of a vehicle that stays off its path.
         surface: of a hull out of the water.
     """
 
     unattainable: UnattainableLog
     pace: PaceLog
+    off_path: OffPathLog
     surface: SurfaceWatch
 
     @staticmethod
@@ -62,6 +65,7 @@ class Watches:
         return Watches(
             UnattainableLog(store, thrust),
             PaceLog(store, mission.scenario.guidance.speed_m_s),
+            OffPathLog(store),
             SurfaceWatch(store, mission.model, mission.vehicle),
         )
 
@@ -75,8 +79,19 @@ class Watches:
             force_ratio: share of their force that the supply leaves the thrusters.
             pace: share of the speed along the path.
         """
+        self._note_others(t, rows, k, force_ratio, pace)
+        self.off_path.note(t, rows, k)
+
+    def _note_others(self, t: float, rows: TickRows, k: int, force_ratio: float, pace: float) -> None:
         self.unattainable.note(t, rows, k, force_ratio)
         self.pace.note(t, pace)
+
+    def quiet(self, rows: TickRows, pace: Vector) -> bool:
+        """Whether the ticks of these rows, at these shares (n,) of the speed, are no news."""
+        return self.off_path.quiet(rows) and self._others_quiet(rows, pace)
+
+    def _others_quiet(self, rows: TickRows, pace: Vector) -> bool:
+        return self.unattainable.quiet(rows) and self.pace.quiet(pace)
 
     def note_all(self, times: Sequence[float], rows: TickRows, force_ratio: Vector, pace: Vector) -> None:
         """Take in ticks one after the other, many of a kind at once.
@@ -87,11 +102,18 @@ class Watches:
             force_ratio: (n,) of `note`.
             pace: (n,) likewise.
         """
+        if not len(times):
+            return
+        if self._others_quiet(rows, pace):
+            self.off_path.note_all(times, rows, 0, len(times))
+            self._note_others(times[-1], rows, len(times) - 1, float(force_ratio[-1]), float(pace[-1]))
+            return
         k, ends = 0, self.unattainable.ends_of_runs(rows)
         while k < len(times):
             self.note(times[k], rows, k, float(force_ratio[k]), float(pace[k]))
             k, end = k + 1, int(ends[k])
             if end > k and self.pace.quiet(pace[k:end]) and self.unattainable.go_on(times, rows, k, end, force_ratio):
+                self.off_path.note_all(times, rows, k, end)
                 self.pace.note(times[end - 1], float(pace[end - 1]))
                 k = end
 
@@ -117,7 +139,7 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
     estimation, sensing, period = mission.estimation, flown.sensing, mission.scenario.control_period_s
     times = [k * period for k in range(first, first + flown.ticks + (flown.reached >= ESTIMATED))]
     rows, paces, last = flown.rows, flown.pace, flown.ticks - 1
-    quiet = watches.unattainable.quiet(rows) and watches.pace.quiet(paces)
+    quiet = watches.quiet(rows, paces)
     if estimation is None and not quiet:
         watches.note_all(times[: flown.ticks], rows, flown.force_ratio, paces)
     for k in range(len(times)) if estimation is not None else (last,) * (quiet and flown.ticks > 0):

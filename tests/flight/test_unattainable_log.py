@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cube_sim.allocation import Status
+from cube_sim.flight.off_path_log import OffPathLog
 from cube_sim.flight.rows import rows_for
 from cube_sim.flight.shortfall import Thrust, listed
 from cube_sim.flight.taken_over import Watches
@@ -68,8 +69,8 @@ def test_many_ticks_at_once_say_what_they_say_one_by_one(seed):
     said = []
     for at_once in (False, True):
         store = SignalStore(CHANNELS)
-        watches = Watches(UnattainableLog(store, THRUST), PaceLog(store, 0.3), surface=None)
-        cuts = [0, *sorted(rng.integers(1, n, 5).tolist()), n] if at_once else []
+        watches = Watches(UnattainableLog(store, THRUST), PaceLog(store, 0.3), OffPathLog(store), surface=None)
+        cuts = [0, 0, *sorted(rng.integers(1, n, 5).tolist()), n] if at_once else []
         for a, b in pairwise(cuts):
             part = type(rows)(*(table[a:b] for table in rows))
             watches.note_all(times[a:b], part, ratio[a:b], pace[a:b])

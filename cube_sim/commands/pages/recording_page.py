@@ -198,10 +198,11 @@ ended before its time. With the verdict ERROR its state left all bounds, the con
 it, or its files could not be written: that is the run's verdict too. With PASS or FAIL a condition of the scenario's
 `stop` was met: a proper end, whose checks judge what was flown, or a failure.
 
-`log` holds what was said at the levels WARNING, ERROR and FATAL: faults, a path given up, a wrench out of reach, a hull
-that comes out of the water, MuJoCo's warnings. What was said again is one entry: how often (`count`), first and last
-(`time_s`, `last_s`). Of sentences that differ in nothing but their numbers {ALIKE} are told; the rest count as the last
-of these. The terminal, a failing pytest item and the properties of its JUnit case show the same.
+`log` holds what was said at the levels WARNING, ERROR and FATAL: faults, a path given up, a vehicle that stays off its
+path, a wrench out of reach, a hull that comes out of the water, MuJoCo's warnings. What was said again is one entry:
+how often (`count`), first and last (`time_s`, `last_s`). Of sentences that differ in nothing but their numbers {ALIKE}
+are told; the rest count as the last of these. The terminal, a failing pytest item and the properties of its JUnit case
+show the same.
 `cube_sim.run(...).log` has each sentence, the log in `run.mcap` also those of level INFO."""
 _CHANNELS = f"""\
 *m* is the number of thrusters, in the order of the columns of A. World axes are ENU, body axes FLU, units SI. The unit
