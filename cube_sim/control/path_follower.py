@@ -19,7 +19,7 @@ from cube_sim.control.course_trim import CourseTrims
 from cube_sim.control.current import CurrentObserver, told_of_water
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
-from cube_sim.control.force_first import TORQUE, ForceFirst, serve_force_first
+from cube_sim.control.force_first import LITTLE_TORQUE, TORQUE, ForceFirst, serve_force_first
 from cube_sim.control.holding import Holding, Stuck
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
@@ -114,16 +114,17 @@ class PathFollower:
         self._left = left.record(self.loops.dynamics.total_mass)
         self.dragged = bool(self._left["dragged"].any())
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
-        self._first = None
-        if self.force_first and budget is not None:
-            counts = (False, TORQUE) if turned is None else (True, turned.torque)
-            self._first = ForceFirst.of(budget, self.coupling, *counts)
         if left.authority is Authority.HOLONOMIC and left.held.any():
             # A thruster has stuck: whether the others have enough beside it is seen at once.
             wished = rotation_from_quaternion(self.desired)
             self.shortage["pressed"] |= not has_enough(*self.kept(1.0), wished)
         wish = rotation_from_quaternion(self.desired)
         self.overpowered = bool(left.held.any()) and not self._rest(wish, 1.0).held
+        self._first = None
+        if self.force_first and budget is not None:
+            alone = LITTLE_TORQUE if self.overpowered and not left.level else TORQUE
+            counts = (False, alone) if turned is None else (True, turned.torque)
+            self._first = ForceFirst.of(budget, self.coupling, *counts)
         close = POINTING_M if left.steers_by_attitude else CLOSE_M
         self.monitor.look_closely(close if self.overpowered and turned is None else None)
         if left.authority is not Authority.SAFE:
