@@ -17,6 +17,7 @@ from cube_sim.control.pace import LEAST_PACE
 from cube_sim.control.resting import nearest_rest
 from cube_sim.control.thrown import LoopSpeeds, share_asked, thrown_by
 from cube_sim.control.transient import Transient, keeps, transient
+from cube_sim.control.turned_round import LOOKED_AHEAD_S as TURNED_FOR_S
 from cube_sim.control.turned_round import NEAR_M
 from cube_sim.control.yielding import WaterHold
 from cube_sim.mission.fault_finding import found_within_s
@@ -137,7 +138,9 @@ class _Beside:
         left = self._left(self._health.with_thruster(index, 0.0, stuck))
         found, on_its_way = self._transient(left, index, fault, self._velocity)
         tilt, rest, alone = self._at_rest(left)
-        rest = 0.0 if left.turned is not None and left.turned.wanders_m <= NEAR_M else rest
+        if left.turned is not None:
+            far = max(left.turned.wanders_m, left.turned.level_m)
+            rest = 0.0 if far <= NEAR_M else far / TURNED_FOR_S
         follows, reason = self._follows(left, fault)
         return FaultCase(
             fault=fault,
@@ -193,7 +196,7 @@ class _Beside:
         """Whether the path is followed without the thruster, and what it holds is made up for on the way."""
         if left.turned is not None:
             kept = left.turned.wanders_m <= NEAR_M
-            return kept, "" if kept else f"turned by what is stuck, it wanders by {left.turned.wanders_m:.2g} m"
+            return kept, "" if kept else left.turned.words
         if fault.thruster not in self._verdicts:
             verdict = analyse(
                 self._A,

@@ -7,6 +7,7 @@ from rich.table import Table
 
 from cube_sim.commands.stuck_report import FaultCase
 from cube_sim.control.transient import Transient
+from cube_sim.control.turned_round import NEAR_M
 
 HEADERS = {
     "thruster": "left",
@@ -48,10 +49,12 @@ def faults_in_words(cases: tuple[FaultCase, ...]) -> list[str]:
     bounded = sum(not case.transient.reason for case in cases)
     turn = any(transient.turns_rad > 0.0 for transient in _transients(cases))
     wander = any(transient.wanders_m > 0.0 for transient in _transients(cases))
+    far = any(transient.wanders_m > NEAR_M for transient in _transients(cases))
+    level = "; as long as it stays level it may be carried off instead" * far
     return [
         f"single faults: {held} of {len(cases)} follow the path; how far it is left at most is known for {bounded}",
         *(f"  {note}: {reason}" for reason, note in _notes(cases).items()),
-        *(["  wanders: turned round by what is stuck, by its equations of motion, which is no bound"] * wander),
+        *([f"  wanders: turned round by what is stuck, by its equations of motion, which is no bound{level}"] * wander),
         *(["  turns: it first has to turn so far, to where the others have enough, and no bound is known"] * turn),
     ]
 

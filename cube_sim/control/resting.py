@@ -85,6 +85,19 @@ def nearest_rest(hull: Record, budget: ForceBudget, force_ratio: float, flow_W: 
     return min(found, key=lambda rest: float(np.linalg.norm(scale * rest.missing)))
 
 
+def rest_in(hull: Record, budget: ForceBudget, attitude: Matrix) -> Rest:
+    """What is missing for rest in an attitude (3,3), in still water.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        budget: what the thrusters can make, and what is stuck.
+        attitude: R_WB.
+    """
+    reckoned, residual = _reckoned(budget, 1.0), np.empty(6)
+    size = what_is_missing(hull, *reckoned, (0.0, 0.0, 0.0), attitude, residual)
+    return Rest(attitude, residual / reckoned.scale, bool(size <= _little(budget, reckoned)))
+
+
 def rests_amply(hull: Record, budget: ForceBudget, attitude: Matrix) -> bool:
     """Whether the thrusters hold a hull at rest in an attitude (3,3), in still water, with `AMPLE` of their force.
 

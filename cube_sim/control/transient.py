@@ -31,6 +31,7 @@ from cube_sim.control.closing import unit_box
 from cube_sim.control.pace import LEAST_PACE, Facets
 from cube_sim.control.roomiest_attitude import has_enough, roomiest_attitude
 from cube_sim.control.thrown import LoopSpeeds, Thrown
+from cube_sim.control.turned_round import LEAST_TOLD_M
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.tuples import rotated
 from cube_sim.vehicle.dynamics import Dynamics
@@ -171,9 +172,7 @@ def transient(
     if left.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE):
         return Transient(inf, "the attitude has to point the thrust that is left")
     if left.turned is not None:
-        off = max(left.turned.wanders_m, LEAST_M)
-        reason = f"turned round by what is stuck, it wanders by {off:.2g} m, by its equations of motion"
-        return Transient(inf, reason, wanders_m=off)
+        return Transient(inf, left.turned.words, wanders_m=max(left.turned.wanders_m, LEAST_TOLD_M))
     if left.authority is Authority.LEVEL:
         return Transient(inf, "its depth is left to the water")
     slow = LEAST_PACE * velocity_W - current_W

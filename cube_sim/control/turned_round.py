@@ -7,15 +7,18 @@ balance of forces tells how that ends: the equations of motion are integrated, w
 
 from __future__ import annotations
 
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
 from cube_sim.control.force_first import TORQUE, ForceFirst, serve_force_first
+from cube_sim.control.holding import carried_off_m
 from cube_sim.control.loop_times import LoopTimes
 from cube_sim.control.loops import MotionLoops, loop_wrench
 from cube_sim.control.pace import ForceBudget
 from cube_sim.control.priority import force_with_torque
+from cube_sim.control.resting import rest_in
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Vector, rotation_about
 from cube_sim.tuples import (
@@ -46,6 +49,10 @@ BETTER = 0.5
 """Share of how far it is off otherwise, below which it is let turn (a choice)."""
 START = rotation_about(np.array([0.6, 0.8, 0.0]), 0.15)
 """R_WB from which it begins: no hull lies so level that what would turn it over does not."""
+OVER = 2.0
+"""It is told of a hull that stays level where that leads so many times as far as to be turned over (a choice)."""
+LEAST_TOLD_M = 0.01
+"""To less nobody can tell (a choice)."""
 FASTEST = 20.0
 """A hull that moves faster [m/s, rad/s] has left what can be integrated so."""
 STEADIED = 0.5
@@ -60,10 +67,21 @@ class TurnedRound(NamedTuple):
     Attributes:
         wanders_m: how far from its place it is at most, once it turns steadily; infinite where it cannot be told.
         torque: what a missing torque counts beside a force, see `cube_sim.control.force_first.TORQUE`.
+        level_m: how far it is carried meanwhile if it stays level; 0 where it does not matter, or does not stay so.
     """
 
     wanders_m: float
     torque: float
+    level_m: float = 0.0
+
+    @property
+    def words(self) -> str:
+        """One clause for the log: how far it will be off, and that this is no bound."""
+        wanders = f"it wanders by {max(self.wanders_m, LEAST_TOLD_M):.2g} m"
+        if self.level_m < OVER * self.wanders_m:
+            return f"turned round by what is stuck, {wanders}, by its equations of motion"
+        level = f"as long as it stays level it is carried off, {self.level_m:.2g} m in {LOOKED_AHEAD_S:g} s"
+        return f"once what is stuck turns it over {wanders}; {level}, by its equations of motion"
 
 
 def turned_round(hull: Dynamics, budget: ForceBudget) -> TurnedRound:
@@ -75,7 +93,12 @@ def turned_round(hull: Dynamics, budget: ForceBudget) -> TurnedRound:
     if kept < NEAR_M:
         return TurnedRound(kept, TORQUE)
     let = wanders_m(hull, budget, LET_TURN)
-    return TurnedRound(let, LET_TURN) if let < BETTER * kept else TurnedRound(kept, TORQUE)
+    best = TurnedRound(let, LET_TURN) if let < BETTER * kept else TurnedRound(kept, TORQUE)
+    if best.wanders_m < NEAR_M:
+        return best
+    level = rest_in(hull.record, budget, np.eye(3))
+    stays = 0.0 if level.held else carried_off_m(hull, budget, level, round(LOOKED_AHEAD_S))
+    return best._replace(level_m=stays if stays < inf else 0.0)
 
 
 def wanders_m(hull: Dynamics, budget: ForceBudget, torque: float) -> float:

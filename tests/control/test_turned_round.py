@@ -137,7 +137,7 @@ def test_it_is_let_turn_where_the_attitude_takes_what_the_force_needs(made):
     left = left_beside(hull, "T3", -78.0)
     fought, let = (wanders_m(hull.dynamics, left.budget, torque) for torque in (TORQUE, LET_TURN))
     assert let < 0.5 * fought
-    assert left.turned == (let, LET_TURN)
+    assert (left.turned.wanders_m, left.turned.torque) == (let, LET_TURN)
 
 
 def test_the_analysis_says_how_far_it_wanders(made):
@@ -146,7 +146,9 @@ def test_the_analysis_says_how_far_it_wanders(made):
     assert near.authority is far.authority is Authority.TURNED
     assert near.follows
     assert not far.follows
-    assert "it wanders by" in far.reason
+    assert "once what is stuck turns it over it wanders by" in far.reason
+    assert "as long as it stays level it is carried off, " in far.reason
+    assert "carried off" not in near.transient.reason
     for case in (near, far):
         assert np.isinf(case.transient.bound_m)
         assert 0.0 < case.transient.wanders_m == case.transient_at_rest.wanders_m
