@@ -186,7 +186,10 @@ def test_missions_of_some_vehicles_and_kinds():
 
 def test_every_vehicle_of_the_catalogue_has_its_trials(tmp_path):
     every = trials(named(()), tmp_path)
-    assert count(load(CATALOGUE)) == len(every)
+    whole = load(CATALOGUE)
+    assert count(whole) == len(every)
+    asked = whole.scenario.samples.required
+    assert (asked.pass_rate, asked.where, asked.each, asked.forecast) == (None, {}, "vehicle", "forecast")
     assert len({vehicle for vehicle, _ in every}) == 86
     torpedo = {f"{OPTIONS}.vehicles": ["torpedo"], "samples.count": 3}
     plan = SamplePlan(load(CATALOGUE, torpedo))

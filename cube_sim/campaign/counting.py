@@ -16,6 +16,8 @@ from cube_sim.campaign.rows import is_note
 from cube_sim.campaign.sample_flight import NOTE
 from cube_sim.scenario.samples_block import RequiredBlock
 
+LONGEST = 60
+"""A note of more letters is a sentence."""
 EVERY = RequiredBlock()
 """Where the scenario requires nothing: every sample has to pass."""
 
@@ -131,7 +133,7 @@ class NoteCount(NamedTuple):
 
 
 def counted_by_note(rows: pa.Table, forecast: str | None, most: int) -> dict[str, list[NoteCount]]:
-    """Of each note in words that several samples share: what those with each of its values came to.
+    """Of each note in a few words, not the same in all samples: what those with each of its values came to.
 
     Args:
         rows: of a sweep.
@@ -148,7 +150,7 @@ def counted_by_note(rows: pa.Table, forecast: str | None, most: int) -> dict[str
             continue
         values = rows[name].to_pylist()
         different = sorted({value for value in values if value is not None})
-        if len(different) > min(most, rows.num_rows - 1):
+        if not 1 < len(different) <= min(most, rows.num_rows - 1) or max(map(len, map(_plain, different))) > LONGEST:
             continue
         found[name.removeprefix(f"{NOTE}.")] = [
             _note_count(value, [k for k, each in enumerate(values) if each == value], verdicts, should)

@@ -14,6 +14,7 @@ import pyarrow as pa
 from scipy.stats import rankdata
 from scipy.stats import t as students
 
+from cube_sim.campaign.counting import LONGEST
 from cube_sim.campaign.rows import FIRST, LAST, TIMES
 from cube_sim.campaign.sample_flight import CHECK
 from cube_sim.campaign.summary import numbers
@@ -75,7 +76,7 @@ def parameters_of(rows: pa.Table, thrusters: Sequence[str] = ()) -> list[Paramet
         elif pa.types.is_string(rows.schema.field(name).type):
             words = rows[name].to_pylist()
             different = sorted({word for word in words if word is not None})
-            if len(different) <= MOST_WORDS:
+            if len(different) <= MOST_WORDS and max(map(len, different), default=0) <= LONGEST:
                 for word in different:
                     there = np.array([float(each == word) for each in words])
                     found.append(Parameter(f"{name} = {word}", there, False))

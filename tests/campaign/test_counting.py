@@ -23,6 +23,8 @@ ROWS = pa.table(
         "note.vehicle": VEHICLES,
         "note.forecast": FORECAST,
         "note.kind": KIND,
+        "note.same": ["all"] * 7,
+        "note.sentence": [f"of {len(kind)} letters, {'and so on ' * 6}" for kind in KIND],
         "note.seed": [40 + k for k in range(7)],
         "note.words": [f"every one another, {k}" for k in range(7)],
         "check.error.margin": [0.1, -0.2, 0.3, 0.4, None, -0.6, 0.7],
