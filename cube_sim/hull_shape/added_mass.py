@@ -78,7 +78,7 @@ def added_mass(mesh: ClosedMesh, density: float) -> AddedMass:
             "screws and other small bodies"
         )
     coarse = divided(unit, max(COARSE, len(unit.faces)))
-    fine = divided(coarse, max(FINE, 4 * len(coarse.faces)))
+    fine = divided(coarse, max(FINE, 3 * len(coarse.faces)))
     worse, best = linear_added_mass(coarse), linear_added_mass(fine)
     few, many = len(coarse.faces), len(fine.faces)
     # Beside a singular edge, with panels that are finer there, the error goes with 1 / their number.

@@ -54,7 +54,7 @@ THREE, SEVEN, QUARTERED = _rules()
 
 @compiled
 def of_triangle(x, y, z, corners, n, m, Y, Z):  # type: ignore[no-untyped-def]
-    """(P, O, m . G) of one triangle at a point that is not on its rim; Y and Z are filled.
+    """(P, m . G) of one triangle at a point that is not on its rim; Y and Z are filled.
 
     Args:
         x: of the point.
@@ -113,7 +113,7 @@ def of_triangle(x, y, z, corners, n, m, Y, Z):  # type: ignore[no-untyped-def]
     Z[0] = Zx + P * m[0] + mn * (angle * x - h * Ux)
     Z[1] = Zy + P * m[1] + mn * (angle * y - h * Uy)
     Z[2] = Zz + P * m[2] + mn * (angle * z - h * Uz)
-    return P, angle, mn * angle - (m[0] * Ux + m[1] * Uy + m[2] * Uz)
+    return P, mn * angle - (m[0] * Ux + m[1] * Uy + m[2] * Uz)
 
 
 @compiled
@@ -225,7 +225,7 @@ def linear_panels(triangles, normals, areas, three, seven, quartered, V, W, flux
                 x = a * triangles[i, 0, 0] + b * triangles[i, 1, 0] + c * triangles[i, 2, 0]
                 y = a * triangles[i, 0, 1] + b * triangles[i, 1, 1] + c * triangles[i, 2, 1]
                 z = a * triangles[i, 0, 2] + b * triangles[i, 1, 2] + c * triangles[i, 2, 2]
-                P, _, grown = of_triangle(x, y, z, triangles[s], normals[s], n, Y, Z)
+                P, grown = of_triangle(x, y, z, triangles[s], normals[s], n, Y, Z)
                 P, grown = weight * P, weight * grown
                 total += P
                 v[3], v[4], v[5] = y * n[2] - z * n[1], z * n[0] - x * n[2], x * n[1] - y * n[0]

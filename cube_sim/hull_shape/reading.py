@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ShapeError
 from cube_sim.hull_shape.mesh import ClosedMesh, closed_mesh
+from cube_sim.hull_shape.polygons import triangulated
 from cube_sim.spatial import LARGEST
 
 UNITS: Mapping[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
@@ -72,7 +73,8 @@ def _obj(file: Path, content: bytes) -> Triangles:
             if len(words) < 3:
                 raise ShapeError(f"{file}:{number}: a face of {len(words)} corners; three at least make one")
             at = [_index(file, number, word, len(vertices)) for word in words]
-            corners += [(at[0], at[i], at[i + 1]) for i in range(1, len(at) - 1)]
+            cut = [(0, 1, 2)] if len(at) == 3 else triangulated(np.array([vertices[i] for i in at]))
+            corners += [(at[i], at[j], at[k]) for i, j, k in cut]
             lines += [number] * (len(at) - 2)
     if not corners:
         raise ShapeError(f"{file}: has no faces (lines that begin with f)")

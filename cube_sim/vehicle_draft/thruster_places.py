@@ -16,6 +16,8 @@ from cube_sim.spatial import LARGEST, Vector
 
 COLUMNS = ("name", "x_m", "y_m", "z_m", "axis_x", "axis_y", "axis_z", "type")
 FORM = "NAME=x,y,z:axis:TYPE, for example T1=0.15,-0.11,0:1,1,0:T200"
+FURTHEST = 3.0
+"""Diagonals of the hull that a thruster may be from its middle (a choice)."""
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _AXES = {
     f"{sign}{letter}": (value, i) for i, letter in enumerate("xyz") for sign, value in (("", 1), ("+", 1), ("-", -1))
@@ -95,6 +97,26 @@ def places_of_file(file: Path, frame: str, types: Sequence[str]) -> list[Thruste
         raise ShapeError(f"{file}: has no thruster below its first line")
     _require_names_apart(str(file), places)
     return places
+
+
+def require_near(places: Sequence[ThrusterPlace], middle: Vector, size: Vector) -> None:
+    """Refuse thrusters that are not on the vehicle, as places in millimetres are.
+
+    Args:
+        places: of the thrusters.
+        middle: (3,) of the box around the hull [m].
+        size: (3,) of that box [m].
+
+    Raises:
+        ShapeError: names the thruster.
+    """
+    for place in places:
+        away = float(np.linalg.norm(place.place - middle))
+        if away > FURTHEST * float(np.linalg.norm(size)):
+            raise ShapeError(
+                f"thruster {place.name}: is {away:.3g} m from the middle of a hull {size.max():.3g} m long; places are "
+                "metres, from the origin of the mesh or the middle of the box"
+            )
 
 
 def _axis_words(text: str) -> list[str]:

@@ -42,6 +42,22 @@ def test_an_obj_is_read_with_its_unit_and_its_frame(tmp_path):
     np.testing.assert_allclose(solid.centre, [0.0025, -0.0025, -0.0025], atol=1e-12)
 
 
+@pytest.mark.parametrize("first", range(8))
+def test_polygons_are_cut_whatever_their_shape(first, tmp_path):
+    """A prism on a U, as programs write it that do not cut polygons: 5 squares high 1, its inside not filled."""
+    outline = np.roll([(0, 0), (3, 0), (3, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)], first, axis=0)
+    lines = [f"v {x} {y} {z}" for z in (0, 1) for x, y in outline]
+    lines += ["f " + " ".join(str(i) for i in range(8, 0, -1)), "f " + " ".join(str(i) for i in range(9, 17))]
+    lines += [f"f {i + 1} {(i + 1) % 8 + 1} {(i + 1) % 8 + 9} {i + 9}" for i in range(8)]
+    (tmp_path / "u.obj").write_text("\n".join(lines))
+    mesh = read_mesh(tmp_path / "u.obj")
+    assert mesh.remarks == ()
+    assert solid_of(mesh).volume == pytest.approx(5.0)
+    np.testing.assert_allclose(silhouettes_of(mesh).areas, [2.0, 3.0, 5.0], rtol=0.005)
+    areas = np.linalg.norm(np.cross(*(mesh.triangles[:, i] - mesh.triangles[:, 0] for i in (1, 2))), axis=1) / 2
+    assert areas.sum() == pytest.approx(2 * 5.0 + 12.0)  # nothing lies folded over itself
+
+
 @pytest.mark.parametrize("binary", [False, True])
 def test_an_stl_is_read(binary, tmp_path):
     write_stl(tmp_path / "hull.STL", 1000.0 * BOX, binary)
