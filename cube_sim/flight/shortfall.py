@@ -19,6 +19,8 @@ WORTH_TELLING = 0.3
 """Components are told that miss at least this share of what the worst one misses (a choice)."""
 AT_LIMIT = 0.98
 """A thruster at this share of its largest force counts as one at its limit: the optimum keeps off it by rounding."""
+MOSTLY = 0.5
+"""A stretch of which less is missed is said to be so for that share of it (a choice)."""
 OUT_OF_RANGE = 1e-3
 """A missing wrench of which the thrusters make less than this share, in whatever direction, is none of theirs."""
 
@@ -56,6 +58,7 @@ class Shortfall:
         self.status, self.off_m = Status.EXACT, 0.0
         self._distance, self._residual, self._at = distance_m, -1.0, since_s
         self._demanded, self._missing = np.zeros(6), np.zeros(6)
+        self._seen = self._missed = self._spanned = 0
         self._force, self._share = np.zeros(0), np.zeros(0)
 
     def take(self, t: float, rows: TickRows, k: int, status: Status, force_ratio: float) -> None:
@@ -69,6 +72,7 @@ class Shortfall:
             force_ratio: share of their force that the supply leaves the thrusters.
         """
         self.until_s = t
+        self._missed, self._spanned = self._missed + 1, self._seen
         residual = float(rows.allocation[k, 1])
         if residual > self._residual:
             m = len(self.believed)
@@ -88,6 +92,7 @@ class Shortfall:
             end: behind the last.
             force_ratio: of `take`, of all rows.
         """
+        seen, missed = self._seen + end - start, self._missed + end - start
         residuals = rows.allocation[start:end, 1]
         worse = np.where(residuals > self._residual, residuals, -np.inf)
         k = start + int(np.argmax(worse))
@@ -95,10 +100,19 @@ class Shortfall:
             self.take(times[k], rows, k, Status(int(rows.allocation[k, 3])), float(force_ratio[k]))
         self.until_s = times[end - 1]
         self.watch(float(np.fmax.reduce(distance_from_target(rows, slice(start, end)))))
+        self._seen, self._missed, self._spanned = seen, missed, seen
 
     def watch(self, distance_m: float) -> None:
         """Take in how far from its target the vehicle is, at any tick of the stretch and a little after [m]."""
+        self._seen += 1
         self.off_m = max(self.off_m, distance_m - self._distance)
+
+    @property
+    def when(self) -> str:
+        """From when to when, and for how much of that where it is not most of it."""
+        share = self._missed / max(self._spanned, 1)
+        part = "" if share > MOSTLY else f"for {_number(max(100.0 * share, 1.0))} % of the time "
+        return f"{part}from {self.since_s:.2f} s to {self.until_s:.2f} s"
 
     def told(self, thrust: Thrust) -> str:
         """How much was missing when most was, and why.
@@ -117,9 +131,11 @@ class Shortfall:
             "N" if i < 3 else "N m",
             asked * missing <= 0.0,
         )  # more is made, or something where nothing is asked
-        size = f"{abs(missing):.2g} {unit}" if more else f"{abs(missing):.2g} of {abs(asked):.2g} {unit}"
+        size = _number(missing) if more else f"{_number(missing)} of {_number(asked)}"
+        if not more and abs(missing) < abs(asked) and _number(missing) == _number(asked):
+            size = f"all but {_number(asked - missing)} of {_number(asked)}"
         where = TURNS[i - 3] if i >= 3 else FORWARD_PORT_UP[i][int((missing < 0.0) != more)]
-        return f"{size} {where} {'too much' if more else 'missing'}"
+        return f"{size} {unit} {where} {'too much' if more else 'missing'}"
 
     def _cause(self, thrust: Thrust, scaled: Vector) -> str:
         whole, force = self._share > 0.0, self._force
@@ -136,6 +152,11 @@ class Shortfall:
         if np.any(thrust.limits[:, 1] < thrust.limits[:, 2]):
             return "less than the thrusters' dead zones leave"
         return ""
+
+
+def _number(value: float) -> str:
+    """Its size to two digits."""
+    return f"{float(f'{abs(value):.2g}'):g}"
 
 
 def distance_from_target(rows: TickRows, at: int | slice) -> Any:

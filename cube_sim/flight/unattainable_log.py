@@ -114,7 +114,7 @@ class UnattainableLog:
         if stretch.until_s - stretch.since_s < PATIENCE_S:
             return
         matters = stretch.off_m >= OFF_M
-        what = f"{WRENCH_NOT_MADE[stretch.status.name]} from {stretch.since_s:.2f} s to {stretch.until_s:.2f} s"
+        what = f"{WRENCH_NOT_MADE[stretch.status.name]} {stretch.when}"
         how = "" if stretch.status is Status.UNPROVEN else f"; {stretch.told(self._thrust)}"
         came = f"{stretch.off_m:.2g} m" if matters else "no"
         level = "WARNING" if matters else "INFO"

@@ -104,6 +104,15 @@ def test_a_stretch_is_one_line_when_it_is_over_with_the_worst_of_it():
     )
 
 
+def test_of_one_that_comes_and_goes_it_is_said_for_how_much_of_the_time():
+    """It is one line, as what lies between is less than a second."""
+    rows = flown(1000)
+    for start in range(100, 701, 30):
+        missed(rows, range(start, start + 3), [1.0, 0, 0, 0, 0, 0], [0.0, 0.0])
+    ((_, _, text),) = told(rows)
+    assert " made for 10 % of the time from 2.00 s to 14.04 s; at worst, at 2.00 s, " in text
+
+
 def test_it_is_a_warning_where_the_vehicle_leaves_its_target():
     rows = flown(300)
     missed(rows, range(50, 150), [22.0, 0, 0, 0, 0, 0], [20.0, 0.0])
@@ -120,6 +129,8 @@ def test_it_is_a_warning_where_the_vehicle_leaves_its_target():
         ([1.0, 0, 0, 0, 0, 0], [0.0, 0.0], "1 of 1 N forward missing: less than the thrusters' dead zones leave"),
         ([1.0, 0, 0, 0, 0, 0], [2.0, 0.0], "1 N forward too much: less than the thrusters' dead zones leave"),
         ([0, 0, -3.0, 0, 0, 0], [0.0, 0.0], "3 of 3 N down missing: no thruster that works makes any of it"),
+        ([0, 0, 0, 0, 0, 2900.0], [0.0, 20.0], "all but 10 of 2900 N m of yaw missing: side at its limit"),
+        ([0, 0, 0, 0, 0, 160.0], [0.0, 20.0], "150 of 160 N m of yaw missing: side at its limit"),
         ([40.0, 40.0, 0, 0, 0, 20.0], [20.0, 20.0], "bow and side at their limits"),
         ([0, -1.0, 0, 0, 0, 0.0], [0.0, -2.0], "1 N to starboard too much, 1 N m of yaw too much"),
     ],
