@@ -54,15 +54,19 @@ class CourseTrims:
         attitudes: those on the course.
         torques: which of the directions that yield are torques, (k,).
         righting: size of the righting moment [N m].
+        time: of the loop that points the thrust [s]; 0 where any trim is steered slowly enough.
     """
 
     left: Capability
     attitudes: CourseAttitudes
     torques: NDArray[np.bool_]
     righting: float
+    time: float = 0.0
 
     @staticmethod
-    def of(left: Capability, hull: Dynamics, speed_m_s: float, inclination_rad: float) -> CourseTrims | None:
+    def of(
+        left: Capability, hull: Dynamics, speed_m_s: float, inclination_rad: float, time_s: float = 0.0
+    ) -> CourseTrims | None:
         """On a course at this speed through the water and angle above the horizontal; None where no trim is sought."""
         if not seeks_trim(left) or not speed_m_s > 0.0:
             return None
@@ -72,11 +76,13 @@ class CourseTrims:
         rounding = ROUNDING * max(1.0, level, righting)
         lost = np.ascontiguousarray(left.lost.T)
         attitudes = CourseAttitudes(hull, velocity, tuple(range(6)), np.eye(3), lost, rounding)
-        return CourseTrims(left, attitudes, np.linalg.norm(left.yielding[3:], axis=0) > 0.0, righting)
+        torques = np.linalg.norm(left.yielding[3:], axis=0) > 0.0
+        return CourseTrims(left, attitudes, torques, righting, time_s if np.any(left.dragged_force) else 0.0)
 
     def nearest(self, wish: Matrix, before: Matrix | None = None, radius_m: float = inf) -> Matrix | None:
         """The trim (3,3) to wish for instead; None where the one next to the wish will do, and where there is none.
 
+        One that is hastened, steered faster than it allows, is left for one that is not, where there is such.
         Where no trim is near a wish along the course, the search for balance ends in any of them. Then one is wished
         for if the path turns: not all go on into its turns. A wish across the course is another one as the path turns.
         With one line of force there is hardly a choice.
@@ -87,10 +93,12 @@ class CourseTrims:
             radius_m: of the tightest turn of the path; infinite where it has none.
         """
         R, found, far = self._next_to(wish)
+        hastened = False
         along = _near(np.eye(3), wish)
         searched = far and along and np.isfinite(radius_m) and self.left.authority is Authority.PLANE
         if found[0] and self.good(R, kept=before is None and not searched)[0]:
-            if not searched or self._turns(R[0], radius_m):
+            hastened = self.hastened(R[0])
+            if not hastened and (not searched or self._turns(R[0], radius_m)):
                 return None
         elif before is None and far and not searched:
             return None
@@ -102,7 +110,7 @@ class CourseTrims:
         R = R[found]
         R = R[self.good(R)]
         for i in np.argsort(-np.einsum("kij,ij->k", R, wish), kind="stable"):
-            if self._turns(R[i], radius_m):
+            if self._turns(R[i], radius_m) and not (hastened and self.hastened(R[i])):
                 return R[i]
         return None
 
@@ -114,6 +122,10 @@ class CourseTrims:
         _, _, far = self._next_to(wish)
         trim = self.nearest(wish, None, radius_m) if far else None
         return None if trim is None else self.slowest_rad_s(trim)
+
+    def hastened(self, R: Matrix) -> bool:
+        """Whether the loop that points the thrust is faster than the motion of a trim (3,3) with the place held."""
+        return self.time > 0.0 and self.slowest_rad_s(R) * self.time < 1.0
 
     def slowest_rad_s(self, R: Matrix) -> float:
         """The slowest motion of the attitude about a trim (3,3) while the hull's place is held [rad/s], or infinity.

@@ -138,7 +138,8 @@ class PathFollower:
             pointing = self._pointing_time(left)
             slower = max(self.loops.velocity_time, SLOWER * pointing)
             if isinstance(self.approach, Approach):
-                slower = max(slower, slowest_zero_time(left, self.loops.dynamics, self.approach.most_speed))
+                most = self.approach.most_speed
+                slower = max(slower, slowest_zero_time(left, self.loops.dynamics, most, self.pointing_time))
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
             self._loops = replace(self.loops, velocity_time=slower, attitude_time=pointing)
         elif isinstance(self.approach, Approach):
@@ -389,7 +390,7 @@ class PathFollower:
         """How fast the attitude points the thrust [s]: where turning pushes the hull in another trim, no faster."""
         if not (self.dragged and self.speed > 0.0 and self.radius < inf):
             return self.pointing_time
-        trims = CourseTrims.of(left, self.loops.dynamics, self.speed, 0.0)
+        trims = CourseTrims.of(left, self.loops.dynamics, self.speed, 0.0, self.pointing_time)
         slowest = None if trims is None else trims.slowest_elsewhere_rad_s(np.eye(3), self.radius)
         wanted = 0.0 if slowest is None else 1.0 / slowest
         return min(max(self.pointing_time, wanted), MOST_WAITING * self.pointing_time)
@@ -408,7 +409,8 @@ class PathFollower:
     def _judged_again(self, balanced: BalancedAttitude, rotation: Matrix) -> BalancedAttitude:
         """The same with the wish that suits its course, or a search that begins anew where that is far from before."""
         judged, before = balanced.memory[0], balanced.trim
-        trims = CourseTrims.of(self.capability, self.loops.dynamics, float(judged["speed"]), float(judged["climb"]))
+        course = float(judged["speed"]), float(judged["climb"])
+        trims = CourseTrims.of(self.capability, self.loops.dynamics, *course, self.pointing_time)
         radius = inf if balanced.judged else self.radius  # one under way stays in the trim that it has come to
         trim = None if trims is None else trims.nearest(judged["course_wish"], before, radius)
         old, new = (judged["course_wish"] if R is None else R for R in (before, trim))

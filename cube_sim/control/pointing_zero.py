@@ -20,9 +20,16 @@ _AT_REST = 1e-9
 """Share below which a zero's inverse counts as none: it is at infinity."""
 
 
-def slowest_zero_time(left: Capability, hull: Dynamics, speed_m_s: float) -> float:
-    """1 / z [s], z the slowest zero in the right half plane on a level course in trim; 0 where there is none."""
-    trims = CourseTrims.of(left, hull, speed_m_s, 0.0)
+def slowest_zero_time(left: Capability, hull: Dynamics, speed_m_s: float, time_s: float = 0.0) -> float:
+    """1 / z [s], z the slowest zero in the right half plane on a level course in trim; 0 where there is none.
+
+    Args:
+        left: what the thrusters can do.
+        hull: the body.
+        speed_m_s: of the course, through the water.
+        time_s: of the loop that points the thrust, for the trim that is taken; see `CourseTrims`.
+    """
+    trims = CourseTrims.of(left, hull, speed_m_s, 0.0, time_s)
     if trims is None:
         return 0.0
     wish = np.eye(3)

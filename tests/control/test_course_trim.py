@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.flights import FORCES_ONLY
@@ -82,6 +84,20 @@ def test_where_the_force_hardly_turns_with_the_hull_another_trim_is_wished_for()
     assert trims.qualities(trims.nearest(LEVEL)[None])[2][0] <= SHARP
 
 
+def test_a_trim_that_the_loop_would_hasten_is_left_for_one_that_is_steered_as_slowly_as_that():
+    """Without two thrusters of a side, turned by 51 degrees its place answers at 0.7 rad/s; side ahead, at 1.8."""
+    trims = trims_of(vehicle("bluerov2_vectored"), ["T1", "T3"], 0.3)
+    R, found = trims.attitudes.trimmed(LEVEL[None])
+    assert found[0]
+    assert trims.nearest(LEVEL) is None  # of a loop of which nothing is known
+    hastened = replace(trims, time=0.75)
+    assert hastened.hastened(R[0])
+    trim = hastened.nearest(LEVEL)
+    assert not hastened.hastened(trim)
+    assert abs(trim[0, 1]) > 0.99  # its side ahead
+    assert replace(trims, time=10.0).nearest(LEVEL) is None  # it hastens none
+
+
 def test_where_the_trim_next_to_the_wish_will_do_the_wish_is_kept(apart):
     """The hull of the first test, going slowly."""
     slow = CourseTrims.of(left_of(apart, ["T5"], 0.7), apart.dynamics, 0.2, 0.0)
@@ -160,3 +176,20 @@ def test_a_hull_that_does_not_hold_level_flies_a_circle_in_another_trim(model, t
     run = cube_sim.run(SCENARIOS / "bluerov2_vectored_line.yaml", settings, out=tmp_path / "run")
     late = run.signals["path_error.cross_track"]
     assert np.sqrt(np.mean(late[late[:, 0] >= 45.0, 1] ** 2)) < 0.05
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("dead", [["T1", "T3"], ["T2", "T4"]])
+def test_a_hull_without_two_thrusters_of_a_side_flies_its_line_side_ahead(dead, tmp_path):
+    """Turned halfway aside, it swung about its line by half a metre for ever."""
+    settings = {
+        "path": {"type": "line", "start_m": [0, 0, -15], "end_m": [40, 0, -15]},
+        "initial": {"position_m": [0, 0, -15], "attitude_deg": [0, 0, 0]},
+        "guidance.speed_m_s": 0.3,
+        "events": [{"kind": "thrusters", "at_s": 1.0, "thrusters": dead, "state": "dead"}],
+        "duration_s": 70.0,
+        "checks": FORCES_ONLY,
+    }
+    run = cube_sim.run(SCENARIOS / "bluerov2_vectored_line.yaml", settings, out=tmp_path / "run")
+    late = run.signals["path_error.cross_track"]
+    assert np.max(late[late[:, 0] >= 40.0, 1]) < 0.01
