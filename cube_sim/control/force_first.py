@@ -23,8 +23,8 @@ from cube_sim.wrench.matrix import lever_arm
 TORQUE = 0.1
 """How much a torque that is missing counts beside the force it takes on the thrusters' rms arm (a choice)."""
 LITTLE_TORQUE = 0.003
-"""The same where no attitude is to be come to in which there is enough for both, and every force is there in any: no
-force is given for a torque then, which has what the force leaves (a choice)."""
+"""The same where no attitude is to be come to in which there is enough for both and a little over, and every force is
+there in any: no force is given for a torque then, which has what the force leaves (a choice)."""
 
 
 class ForceFirst(NamedTuple):

@@ -49,6 +49,8 @@ BALANCING = 0.6
 thrust; where roll or pitch is left to the water, all of it."""
 MOST_WAITING = 4.0
 """The loop whose attitude points the thrust is made no slower than this many times its time (a choice)."""
+RESTING = 0.9
+"""Share of their force with which thrusters hold a hull at rest in an attitude that it is to come to (a choice)."""
 OVERPOWERED = "in no attitude can the others make up for what is stuck"
 """Words for that."""
 UNDER_WAY_RAD = 0.7
@@ -122,7 +124,8 @@ class PathFollower:
         self.overpowered = bool(left.held.any()) and not self._rest(wish, 1.0).held
         self._first = None
         if self.force_first and budget is not None:
-            alone = LITTLE_TORQUE if self.overpowered and not left.level else TORQUE
+            rests = left.level or self._rest(wish, RESTING).held
+            alone = TORQUE if rests else LITTLE_TORQUE
             counts = (False, alone) if turned is None else (True, turned.torque)
             self._first = ForceFirst.of(budget, self.coupling, *counts)
         close = POINTING_M if left.steers_by_attitude else CLOSE_M

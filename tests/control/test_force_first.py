@@ -76,6 +76,7 @@ def test_the_force_that_was_to_come_with_a_turning_is_not_made_without_it():
     [
         ("bluerov2_heavy", "T6", -39.9, 0.04),  # 3.2 m with the torque first
         ("bluerov2_vectored", "T2", -39.9, 0.2),  # 8.4 m, and given up; 0.46 m with a torque that counts a tenth
+        ("bluerov2_vectored", "T1", -39.9, 0.2),  # an attitude to rest in takes all their force: the same
         ("jack", "T2", -25.0, 0.3),  # 4.1 m, and given up
     ],
 )
