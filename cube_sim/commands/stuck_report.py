@@ -10,6 +10,7 @@ import numpy as np
 
 from cube_sim.actuation import PathRequirements, analyse
 from cube_sim.control.authority import Authority, Capability, remaining_capability
+from cube_sim.control.force_first import LITTLE_TORQUE
 from cube_sim.control.holding import LOOKED_AHEAD_S, carried_off_m
 from cube_sim.control.left_alone import carried_m
 from cube_sim.control.loop_times import USUAL_PERIOD_S, LoopTimes, angular_acceleration, mean_delay
@@ -18,7 +19,7 @@ from cube_sim.control.resting import nearest_rest
 from cube_sim.control.thrown import LoopSpeeds, share_asked, thrown_by
 from cube_sim.control.transient import Transient, keeps, transient
 from cube_sim.control.turned_round import LOOKED_AHEAD_S as TURNED_FOR_S
-from cube_sim.control.turned_round import NEAR_M
+from cube_sim.control.turned_round import NEAR_M, wanders_m
 from cube_sim.control.yielding import WaterHold
 from cube_sim.mission.fault_finding import found_within_s
 from cube_sim.spatial import Vector
@@ -189,6 +190,10 @@ class _Beside:
             return 0.0, alone / LOOKED_AHEAD_S, alone / LOOKED_AHEAD_S
         rest = nearest_rest(self._hull.record, left.budget, 1.0, still, np.eye(3))
         carried = 0.0 if rest.held else carried_off_m(self._hull, left.budget, rest, LOOKED_AHEAD_S)
+        if carried > 0.0 and left.authority in (Authority.HOLONOMIC, Authority.TRIM):
+            # The force comes first: it may stay where it is, turned about.
+            near = wanders_m(self._hull, left.budget, LITTLE_TORQUE) <= NEAR_M
+            carried = 0.0 if near else carried
         tilt = float(np.arccos(np.clip(rest.attitude[2, 2], -1.0, 1.0)))
         return tilt, carried / LOOKED_AHEAD_S, alone / LOOKED_AHEAD_S
 

@@ -156,6 +156,13 @@ def test_the_analysis_says_how_far_it_wanders(made):
     assert near.rest_m_s == 0.0 < far.rest_m_s
 
 
+def test_one_whose_force_comes_first_is_not_said_to_be_carried_off(made):
+    """No attitude holds it at rest; flown, it is never farther than 0.2 m off its place."""
+    (case,) = fault_cases(made("bluerov2_vectored")[1], 0.3, faults=[Fault("T2", -39.9)])
+    assert case.authority is Authority.TRIM
+    assert case.rest_m_s == 0.0
+
+
 @pytest.mark.flight
 def test_spinning_it_does_not_take_the_lag_of_its_thrusters_for_a_current():
     """Taken for one of 0.5 m/s, it led the CUBE 0.14 m off its helix; 0.2 m with a third thruster stuck at 15 N."""
