@@ -9,7 +9,7 @@ from functools import cache
 from support.catalogue.drawn import LEAST, MOST, drawn_layout
 from support.catalogue.known import known_layouts
 from support.catalogue.mjcf import mjcf
-from support.places import MODEL_FILES
+from support.places import FLOWN_MODEL_FILES
 
 DRAWN_EACH = 4
 """Random layouts of each number of thrusters."""
@@ -56,7 +56,7 @@ class Entry:
 @cache
 def catalogue() -> dict[str, Entry]:
     """Name -> vehicle: ours, those of others, drawn ones, and some of them with losses."""
-    whole = [Entry(path.stem, path.read_text, planar=path.stem in PLANAR) for path in MODEL_FILES]
+    whole = [Entry(path.stem, path.read_text, planar=path.stem in PLANAR) for path in FLOWN_MODEL_FILES]
     whole += [Entry(name, lambda n=name, v=layout: mjcf(n, v)) for name, layout in known_layouts().items()]
     for m in range(LEAST, MOST + 1):
         for seed in range(DRAWN_EACH):
