@@ -102,6 +102,7 @@ class PathFollower:
         self.desired: Vector = np.array([1.0, 0.0, 0.0, 0.0])
         self._goal: SafeModeGoal | None = None
         self._holding: Holding | None = None
+        self._rests = False
         self.balanced: BalancedAttitude | None = None
         self.monitor = LossOfTargetMonitor(self.safe_mode)
         self.coupling = force_with_torque(self.loops.dynamics.total_mass)
@@ -192,7 +193,8 @@ class PathFollower:
                 self._look_back(situation, dt)
             quaternion = attitude.quaternion
             self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
-            if self._holding is not None and self._holding.left_alone:
+            self._rests = goal is not None and goal.afloat(state.position)
+            if self._rests or (self._holding is not None and self._holding.left_alone):
                 followed["wrench"] = self.capability.held
             elif self._first is not None:
                 normals, _, held_shares = self._budget
@@ -447,7 +449,7 @@ class PathFollower:
         would have a component along them again. Where the hull has turned to where the thrusters have enough, that
         attitude is held first, and what is to move it is what gives way.
         """
-        if self.force_first or (self._holding is not None and self._holding.left_alone):
+        if self.force_first or self._rests or (self._holding is not None and self._holding.left_alone):
             return np.zeros(6)
         if self.refuge.taken or (self._held_in is not None and not self.capability.steers_by_attitude):
             still = self.loops.dynamics.steady_wrenches(np.zeros((1, 3)), state.rotation[2:])[0]

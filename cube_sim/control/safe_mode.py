@@ -15,6 +15,8 @@ from cube_sim.spatial import Record, State, Vector, quaternion_from_euler
 CLOSE_M, POINTING_M, CLOSE_S = 1.5, 4.0, 3.0
 """Limits and patience, where they are no less, of a vehicle that no attitude holds at rest beside what is stuck; the
 second for one that points its thrust, which may be held as it turns round and round (choices)."""
+AFLOAT_M, SUNK_M = 0.1, 1.0
+"""A vehicle that floats lets its thrusters rest from so far below its draught on, and until it is so deep (choices)."""
 NEARER = 0.01
 """Share of the distance limit by which a vehicle far off has to come nearer within its patience (a choice)."""
 
@@ -29,6 +31,7 @@ class SafeMode:
         time: in which the distance to the place shrinks by 63 % [s].
         limit: distance from the target on the path [m] beyond which it is given up; infinite for never.
         patience: how long the vehicle has to be beyond the limit without coming nearer [s].
+        floats: whether the surface is that of the water, and the vehicle lies there by itself.
     """
 
     surface: float | None = None
@@ -36,6 +39,7 @@ class SafeMode:
     time: float = 5.0
     limit: float = np.inf
     patience: float = 10.0
+    floats: bool = False
 
 
 class SafeModeGoal:
@@ -55,6 +59,7 @@ class SafeModeGoal:
             above = float(self._place[2]) - mode.surface
             self._does = "it makes for the surface" + (f", {above:.2g} m below it" if above > 0.0 else "")
             self._place[2] = mode.surface
+        self._afloat = False
         ahead = state.rotation[:, 0]
         self.attitude = FixedAttitude(quaternion_from_euler(0.0, 0.0, atan2(ahead[1], ahead[0])))
         self.set_reason(reason)
@@ -68,6 +73,12 @@ class SafeModeGoal:
         """Say that the thrusters that work are off from now on, or are tried again."""
         off = "the thrusters that work would carry it farther than what is stuck, and are off"
         self.reason = f"{self._why}; {off if alone else self._does}"
+
+    def afloat(self, position: Vector) -> bool:
+        """Whether the vehicle has come up to where it floats: thrusters half out of the water do no good there."""
+        deep = float(self._place[2] - position[2])
+        self._afloat = self._mode.floats and deep < (SUNK_M if self._afloat else AFLOAT_M)
+        return self._afloat
 
     def off_m(self, position: Vector) -> float:
         """How far a vehicle is from the place [m]."""

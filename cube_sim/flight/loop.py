@@ -322,7 +322,8 @@ class Loop:
         supply = mission.supply
         write_power(self._rows, 0, t, supply.power, supply.energy, supply.voltage, supply.charge)
         try:
-            if respond_to_faults(mission, store, t, judged) or other_voltage or self.tick == 0:
+            tells_nothing = judged or not self._watches.surface.under_water  # thrusters in the air are not faulty
+            if respond_to_faults(mission, store, t, tells_nothing) or other_voltage or self.tick == 0:
                 record_actuation(mission, store, t, mission.supply.force_ratio)
             if begun.reached == UNANSWERED:
                 mission.allocator.ask_again()

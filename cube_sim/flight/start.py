@@ -20,6 +20,7 @@ from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.fleet_loading import LoadedFleet
 from cube_sim.spatial import State, Vector, rotation_from_quaternion
+from cube_sim.vehicle.floating import water_surface
 
 
 def prepared(loaded: Loaded) -> Mission:
@@ -49,7 +50,7 @@ def described(mission: Mission, store: SignalStore) -> None:
     """Record what a reader must know before the first row."""
     points = mission.outline
     store.append("path", 0.0, points.ravel())
-    if (warning := path_above_surface(points)) is not None:
+    if (warning := path_above_surface(points, water_surface(mission.model))) is not None:
         store.log(0.0, "WARNING", warning)
     if (warning := cannot_follow(mission.ability, points)) is not None:
         store.log(0.0, "WARNING", warning)

@@ -31,10 +31,11 @@ from cube_sim.mission.own.parts import PartSetup, own_attitude, own_motion
 from cube_sim.mission.path import is_level
 from cube_sim.mission.planar import planar_follower
 from cube_sim.mission.refusals import too_slow_period, wrong_depth
-from cube_sim.scenario import Loaded, Scenario, schema
+from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.attitude_blocks import PythonAttitudeBlock
 from cube_sim.spatial import Matrix
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.floating import floating_height, weighs_less
 from cube_sim.vehicle.vehicle import Vehicle
 
 REST = 3.0
@@ -120,7 +121,7 @@ def controller_of(
         pointing_time=times.pointing,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
-        safe_mode=_safe_mode(control.safe_mode),
+        safe_mode=_safe_mode(scenario, believed),
         most_rest=REST * float(np.abs(believed.vehicle.thrusters.limits[:, 1:3]).max(initial=0.0)),
         speed=scenario.guidance.speed_m_s if control.attitude_time_s is None else 0.0,
         radius=ability.radius_m,
@@ -172,11 +173,18 @@ def _loop_times(scenario: Scenario, times: LoopTimes) -> dict[str, float]:
     return stated
 
 
-def _safe_mode(block: schema.SafeModeBlock) -> SafeMode:
-    limit = block.distance_limit_m
+def _safe_mode(scenario: Scenario, believed: CompiledHull) -> SafeMode:
+    block = scenario.control.safe_mode
+    limit, rises_to = block.distance_limit_m, block.surface_m
+    floats = False
+    if scenario.surface_m is not None:  # a vehicle that would rise above its draught drives its thrusters dry
+        floats_at = scenario.surface_m + floating_height(*believed, block.drop_weight_N)
+        floats = rises_to >= floats_at and weighs_less(believed.vehicle, block.drop_weight_N)
+        rises_to = min(rises_to, floats_at)
     return SafeMode(
-        surface=block.surface_m if block.action == "surface" else None,
+        surface=rises_to if block.action == "surface" else None,
         speed=block.speed_m_s,
         limit=inf if limit is None else limit,
         patience=block.patience_s,
+        floats=floats,
     )

@@ -24,7 +24,8 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
         mission: whose MuJoCo data are up to date at t.
         recorder: gets a sentence when the belief changes.
         t: simulated time [s].
-        judged: whether the forces of this tick have been entered into the evidence already.
+        judged: whether the forces of this tick have been entered into the evidence already, or say nothing: those of
+            a vehicle that is out of the water.
 
     Returns:
         Whether the health believed in has changed.

@@ -11,7 +11,15 @@ import mujoco
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.mission.disturbance import force_events, set_pushes
 from cube_sim.mission.events import Events
-from cube_sim.mission.hull import CompiledHull, dead_zones, flown_hull, put_initial, set_physics, water_parameters
+from cube_sim.mission.hull import (
+    CompiledHull,
+    dead_zones,
+    flown_hull,
+    put_initial,
+    set_physics,
+    surface_parameters,
+    water_parameters,
+)
 from cube_sim.mission.own.code import Codes
 from cube_sim.mission.own.others import Others
 from cube_sim.mission.prepare import Mission, mission_of
@@ -139,7 +147,11 @@ def _joined(loaded: LoadedFleet, alone: Mapping[str, CompiledHull]) -> tuple[muj
         parameters: dict[str, Sequence[float]] = {} if index else dict(water)
         for name in copy.values():
             scenario = loaded.vehicles[name].scenario
-            parameters |= {**scenario.parameters, **dead_zones(scenario, alone[name].vehicle)}
+            parameters |= {
+                **surface_parameters(scenario),
+                **scenario.parameters,
+                **dead_zones(scenario, alone[name].vehicle),
+            }
             prefixes[name] = prefix
         parts.append(ModelPart(file, prefix, parameters, again=file in of_file[:index]))
     pushes = {name: len(force_events(one.scenario)) for name, one in loaded.vehicles.items()}

@@ -16,7 +16,7 @@ from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.loading import load_model
-from cube_sim.vehicle.mjcf.numeric_names import CURRENT
+from cube_sim.vehicle.mjcf.numeric_names import CURRENT, SURFACE
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
@@ -35,12 +35,13 @@ def flown_hull(loaded: Loaded) -> CompiledHull:
         ScenarioError: the model is not right, or has no such vehicle; with position.
     """
     scenario = loaded.scenario
-    hull, water = _hull(loaded, scenario.model, "model", scenario.parameters), water_schedule(scenario)
+    given = {**surface_parameters(scenario), **scenario.parameters}
+    hull, water = _hull(loaded, scenario.model, "model", given), water_schedule(scenario)
     if water is not None:
         if current_table(hull.model) is not None:
             text = "the model has a current of its own by time and height, water:current: leave one of both out"
             raise ScenarioError([loaded.mistake(_of_the_schedule(scenario), text)])
-        hull = _hull(loaded, scenario.model, "model", {**scenario.parameters, **water_parameters(scenario)})
+        hull = _hull(loaded, scenario.model, "model", {**given, **water_parameters(scenario)})
     set_pushes(loaded, *hull)
     set_physics(hull.model, scenario)
     try:
@@ -54,6 +55,11 @@ def water_parameters(scenario: Scenario) -> dict[str, Sequence[float]]:
     """The current that a scenario gives to its model as a table, as a parameter of it; none where it is steady."""
     water = water_schedule(scenario)
     return {} if water is None else {CURRENT: water.rows.ravel().tolist()}
+
+
+def surface_parameters(scenario: Scenario) -> dict[str, Sequence[float]]:
+    """The surface that a scenario gives to its water, as a parameter of its model; none where the model decides."""
+    return {} if scenario.surface_m is None else {SURFACE: [scenario.surface_m]}
 
 
 def set_physics(model: mujoco.MjModel, scenario: Scenario) -> None:

@@ -165,7 +165,7 @@ def mission_of(
         supply=supply_of(loaded, model, vehicle),
         events=Events(scenario, model, vehicle, faults),
         fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
-        drop_weight=DropWeight(safe_mode.drop_weight_N, safe_mode.surface_m, vehicle, scenario.control_period_s),
+        drop_weight=DropWeight(safe_mode.drop_weight_N, vehicle),
         estimation=StateEstimation.of(scenario, vehicle, path, own_sensors(loaded, codes, start), faults),
         channels=channels,
         outline=outline,

@@ -1,4 +1,4 @@
-"""Saying that a vehicle leaves the water, which no law of this simulation knows."""
+"""Saying that a vehicle leaves the water: when, for how long, how high."""
 
 from __future__ import annotations
 
@@ -11,17 +11,13 @@ from numpy.typing import NDArray
 from cube_sim.native.compiled import compiled
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_conditions import OUT_OF_THE_WATER
+from cube_sim.vehicle.floating import water_surface
 from cube_sim.vehicle.vehicle import Vehicle
 
-SURFACE_M = 0.0
-"""Height of the water's surface, world axes [m]."""
 CLEAR_M = 1e-3
 """What is out of the water by less is at the surface (choice) [m]."""
-EMERGED_M = SURFACE_M + CLEAR_M
-"""Height above which the top of a hull is out of the water, world axes [m]."""
 SUBMERGED_S = 1.0
 """A hull has dived again once it has been under water for this long: one that bobs is out of it once (choice) [s]."""
-NOT_MODELLED = "no surface is modelled at z = 0: above it the vehicle is carried, damped and driven as below"
 
 _WITHOUT_EXTENT = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD)
 
@@ -34,12 +30,14 @@ class Boxes(NamedTuple):
         radii: (g,) of their spheres [m].
         centres: (g,3) of their boxes [m], in their own axes.
         halves: (g,3) half the sizes of their boxes [m].
+        surface: height of the water's surface, world axes [m]; inf for endless water.
     """
 
     geoms: NDArray[np.int_]
     radii: NDArray[np.float64]
     centres: NDArray[np.float64]
     halves: NDArray[np.float64]
+    surface: float
 
 
 class SurfaceWatch:
@@ -61,16 +59,18 @@ class SurfaceWatch:
         its_own = model.body_rootid[model.geom_bodyid] == model.body_rootid[vehicle.body]
         geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))
         boxes = model.geom_aabb[geoms]
-        self.boxes = Boxes(geoms, model.geom_rbound[geoms], boxes[:, :3].copy(), boxes[:, 3:].copy())
+        self.boxes = Boxes(
+            geoms, model.geom_rbound[geoms], boxes[:, :3].copy(), boxes[:, 3:].copy(), water_surface(model)
+        )
         self._out, self._dry_at = False, -np.inf
-        self._emergences, self._highest, self._time_out, self._noted_at = 0, SURFACE_M, 0.0, 0.0
+        self._emergences, self._highest, self._time_out, self._noted_at = 0, -np.inf, 0.0, 0.0
 
     def note(self, t: float, data: mujoco.MjData) -> None:
         """Take in the poses of one tick, at t [s]."""
         since, self._noted_at = t - self._noted_at, t
         origin = float(data.xpos[self._body, 2])
         top = max(origin, self._top(data))
-        if top > EMERGED_M:
+        if top > self.boxes.surface + CLEAR_M:
             self._highest, self._dry_at = max(self._highest, top), t
             if self._out:
                 self._time_out += since
@@ -80,8 +80,8 @@ class SurfaceWatch:
                 self._recorder.log(
                     t,
                     "WARNING",
-                    f"{OUT_OF_THE_WATER.begins}its top is at z = {top:.2f} m, its origin at {origin:.2f} m; "
-                    f"{NOT_MODELLED}",
+                    f"{OUT_OF_THE_WATER.begins}its top is at z = {top:.2f} m, its origin at {origin:.2f} m, the "
+                    f"surface at {self.boxes.surface:.2f} m",
                 )
         elif self._out and t - self._dry_at >= SUBMERGED_S:
             self._out = False
@@ -104,7 +104,7 @@ class SurfaceWatch:
                 t,
                 "WARNING",
                 f"the hull came out of the water {times}, for {self._time_out:.2f} s in all, its top at z = "
-                f"{self._highest:.2f} m at most: that part of the run is not what a sea would do",
+                f"{self._highest:.2f} m at most: of waves and spray nothing is known",
             )
 
     def _top(self, data: mujoco.MjData) -> float:
@@ -113,7 +113,7 @@ class SurfaceWatch:
 
 
 @compiled
-def top_of(places, rotations, geoms, radii, centres, halves):
+def top_of(places, rotations, geoms, radii, centres, halves, surface):
     """Height of the highest bounding box of geoms [m]; of the highest bounding sphere while that is under water.
 
     Args:
@@ -123,6 +123,7 @@ def top_of(places, rotations, geoms, radii, centres, halves):
         radii: (n,) of their spheres [m].
         centres: (n,3) of their boxes [m], in their own axes.
         halves: (n,3) half the sizes of their boxes [m].
+        surface: height of the water's surface [m].
     """
     spheres = boxes = -np.inf
     for i in range(len(geoms)):
@@ -132,16 +133,20 @@ def top_of(places, rotations, geoms, radii, centres, halves):
         for j in range(3):  # third row of R_WG
             height += rotations[geom, 6 + j] * centres[i, j] + abs(rotations[geom, 6 + j]) * halves[i, j]
         boxes = max(boxes, height)
-    return spheres if spheres <= SURFACE_M else boxes
+    return spheres if spheres <= surface else boxes
 
 
-def path_above_surface(points: NDArray[np.float64]) -> str | None:
+def path_above_surface(points: NDArray[np.float64], surface: float) -> str | None:
     """The warning that a path lies out of the water; None for one that does not.
 
     Args:
         points: (n,3) on the path [m], world axes.
+        surface: height of the water's surface [m], world axes.
     """
     highest = float(points[:, 2].max())
-    if highest <= EMERGED_M:
+    if highest <= surface + CLEAR_M:
         return None
-    return f"the path comes out of the water, it rises to z = {highest:.2f} m; {NOT_MODELLED}"
+    return (
+        f"the path comes out of the water, it rises to z = {highest:.2f} m, the surface is at {surface:.2f} m: a hull "
+        "that leaves the water loses what carries it, and its thrusters what they push against"
+    )

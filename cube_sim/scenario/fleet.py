@@ -26,11 +26,20 @@ from cube_sim.scenario.explain import Refusal
 from cube_sim.scenario.include import merged_data
 from cube_sim.scenario.samples_block import SamplesBlock
 from cube_sim.scenario.schema import PhysicsBlock, Scenario
-from cube_sim.scenario.values import Block, Name, Vector3, refuse
+from cube_sim.scenario.values import Block, Coordinate, Name, Vector3, refuse
 from cube_sim.scenario.windows import WindowKeys
 
 VEHICLES = "vehicles"
-WORLD = ("schema_version", "description", "duration_s", "physics", "control_period_s", "current_m_s", "current_profile")
+WORLD = (
+    "schema_version",
+    "description",
+    "duration_s",
+    "physics",
+    "control_period_s",
+    "current_m_s",
+    "current_profile",
+    "surface_m",
+)
 """Keys of a scenario that are the same for all its vehicles."""
 AT_THE_TOP = ("name", *WORLD, "samples")
 """Keys that no vehicle's block has."""
@@ -56,6 +65,7 @@ class WorldBlock(Block):
     current_profile: CurrentProfileBlock | None = Field(
         default=None, description="The current by depth, in place of current_m_s. Default: the same at every depth."
     )
+    surface_m: Coordinate | None = Field(default=0.0, description="Height of the water's surface, world axes [m].")
     events: Annotated[tuple[CurrentEventBlock, ...], Strict(False)] = Field(
         default=(), description="What happens to the water during the run."
     )

@@ -108,13 +108,16 @@ class SafeModeBlock(Block):
     action: Literal["hold", "surface"] = Field(
         default="hold", description="Keep the position as well as what is left of the thrusters can, or rise."
     )
-    surface_m: Coordinate = Field(default=0.0, description="Height to rise to, world axes [m].")
+    surface_m: Coordinate = Field(
+        default=0.0, description="Height to rise to, world axes [m]; not above that at which the hull floats."
+    )
     speed_m_s: Speed = Field(default=0.2, description="Bound on the velocity asked for [m/s].")
     drop_weight_N: float = Field(  # noqa: N815 - N is the newton
         default=0.0,
         ge=0,
         le=1e6,
-        description="Weight in water of the ballast dropped when it surfaces; its inertia is taken as none [N].",
+        description="Weight in water of the ballast dropped when it surfaces, at the centre of mass; its inertia is"
+        " taken as none [N].",
     )
     distance_limit_m: Extent | None = Field(
         default=10.0,
@@ -214,6 +217,11 @@ class Scenario(Block):
     current_m_s: WaterVelocity = Field(default=ZERO, description="Velocity of the water, world axes [m/s].")
     current_profile: CurrentProfileBlock | None = Field(
         default=None, description="The current by depth, in place of current_m_s. Default: the same at every depth."
+    )
+    surface_m: Coordinate | None = Field(
+        default=0.0,
+        description="Height of the water's surface, world axes [m]; above it nothing carries, drives or damps. null:"
+        " that of the model's water:surface, or none.",
     )
     initial: InitialBlock = InitialBlock()
     thrusters: ThrustersBlock = ThrustersBlock()

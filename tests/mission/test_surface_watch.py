@@ -1,4 +1,4 @@
-"""A hull above z = 0 is said: when it comes out, once each time, and how high and how long in the end."""
+"""A hull out of the water is said: when it comes out, once each time, and how high and how long in the end."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from cube_sim.mission.surface_watch import SurfaceWatch, path_above_surface
 from cube_sim.spatial import quaternion_from_euler
 
 TICK_S = 0.02
+SURFACE = {"water:surface": [0.0]}
 
 
 class Said:
@@ -59,7 +60,14 @@ class Flight:
 
 @pytest.fixture
 def flight():
-    return Flight(cube_sim.load_model(CUBE))
+    return Flight(cube_sim.load_model(CUBE, SURFACE))
+
+
+def test_endless_water_is_never_left():
+    flight = Flight(cube_sim.load_model(CUBE))
+    flight.stay(33.0, 2.0)
+    flight.watch.finish(2.0)
+    assert flight.said.lines == []
 
 
 def test_a_hull_under_water_is_passed_over(flight):
@@ -88,7 +96,7 @@ def test_a_hull_that_stays_out_is_said_once_and_summed_up(flight):
     assert (out_at, end_at) == (1.0, 5.0)
     assert "comes out of the water" in out
     assert "its origin at 3.00 m" in out
-    assert "no surface is modelled" in out
+    assert "the surface at 0.00 m" in out
     assert "once, for 3.98 s in all" in end
     assert "its top at z = 33." in end
 
@@ -111,7 +119,7 @@ def test_a_mast_belongs_to_the_hull_and_the_scenery_does_not():
     mast, quay = [0, 0, 0, 0, 0, 3], mujoco.mjtGeom.mjGEOM_BOX
     spec.body("hull").add_geom(type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=mast, size=[0.02, 0, 0], mass=0)
     spec.worldbody.add_geom(type=quay, size=[1, 1, 1], pos=[50, 0, 2])
-    mast = Flight(cube_sim.load_model(spec))
+    mast = Flight(cube_sim.load_model(spec, SURFACE))
     mast.stay(-3.2)
     assert mast.said.warnings == []
     mast.stay(-2.9)
@@ -120,8 +128,9 @@ def test_a_mast_belongs_to_the_hull_and_the_scenery_does_not():
 
 def test_a_path_is_judged_by_its_highest_point():
     points = np.array([[0.0, 0.0, -5.0], [1.0, 0.0, 0.4], [2.0, 0.0, -1.0]])
-    assert path_above_surface(points - [0.0, 0.0, 0.4]) is None
-    assert "rises to z = 0.40 m" in path_above_surface(points)
+    assert path_above_surface(points - [0.0, 0.0, 0.4], 0.0) is None
+    assert path_above_surface(points, 0.4) is None
+    assert "rises to z = 0.40 m, the surface is at 0.00 m" in path_above_surface(points, 0.0)
 
 
 @pytest.mark.flight
@@ -132,5 +141,14 @@ def test_a_path_through_the_air_is_flown_with_warnings(tmp_path):
     assert [(line.t, line.level, line.text.split(",")[0]) for line in run.log] == [
         (0.0, "WARNING", "the path comes out of the water"),
         (0.0, "WARNING", "the hull comes out of the water: its top is at z = 5.25 m"),
+        (1.0, "WARNING", "the demanded wrench was out of reach"),
         (1.0, "WARNING", "the hull came out of the water once"),
     ]
+
+
+@pytest.mark.flight
+def test_endless_water_carries_a_path_through_the_air(tmp_path):
+    above = {"path.centre_m": [0, 0, 5], "initial.position_m": [3, 0, 5], "duration_s": 1.0, "checks": FORCES_ONLY}
+    run = cube_sim.run(HELIX, {**above, "surface_m": None}, tmp_path / "out")
+    assert [line.text for line in run.log if line.level == "WARNING"] == []
+    assert run.signals["pose.position"][-1, 3] > 4.9

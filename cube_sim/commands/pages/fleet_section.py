@@ -10,7 +10,7 @@ an ordinary scenario, and every rule of this page holds for it.
 | at the top, for all | in a vehicle's block, or at the top as its default | in a vehicle's block alone |
 |---|---|---|
 | `schema_version`, `name`, `description`, `duration_s`, `physics`, `control_period_s`, `current_m_s`, \
-`current_profile`; `events` of the water; `checks` over several vehicles; `samples` | \
+`current_profile`, `surface_m`; `events` of the water; `checks` over several vehicles; `samples` | \
 `model`, `vehicle`, `initial`, `thrusters`, \
 `parameters`, `battery`, `path`, `guidance`, `control`, `navigation`, `knowledge`, `telemetry`, `allocation`, `stop` | \
 `events` of its thrusters, `checks` of its own, `seed` |

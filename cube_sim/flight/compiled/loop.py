@@ -22,7 +22,7 @@ from cube_sim.guidance.speed import speed_at
 from cube_sim.guidance.target_record import advanced, see_from_target
 from cube_sim.guidance.view_record import VIEW
 from cube_sim.mission.divergence import DIVERGED, all_below
-from cube_sim.mission.surface_watch import EMERGED_M, top_of
+from cube_sim.mission.surface_watch import CLEAR_M, top_of
 from cube_sim.native.callee import call_at
 from cube_sim.native.compiled import compiled, unlocked
 from cube_sim.native.published import publish, published
@@ -74,6 +74,12 @@ def sense(code, sensing, k, state, acceleration, known):
             known[7 + 3 * i + j] = answer.rotation[i, j]
 
 
+@compiled
+def _top(e, hull):
+    """Height of the highest part of the hull [m]; arguments as in `fly`."""
+    return top_of(e.geom_xpos, e.geom_xmat, hull.geoms, hull.radii, hull.centres, hull.halves, hull.surface)
+
+
 @unlocked
 def fly(
     codes, first, count, tick, engine, hull, feed, evidence, sensing, course, law, planar, answering, thrusters, rows,
@@ -117,8 +123,12 @@ def fly(
         t = (tick + k) * dt
         if not e.shared and not forward(e.model, e.data, text):
             return k, FAILED
-        top = max(e.xpos[body, 2], top_of(e.geom_xpos, e.geom_xmat, hull.geoms, hull.radii, hull.centres, hull.halves))
-        if e.warnings.sum() != warned or not all_below(DIVERGED, e.qpos, e.qvel, e.qacc) or top > EMERGED_M:
+        top = max(e.xpos[body, 2], _top(e, hull))
+        if (
+            e.warnings.sum() != warned
+            or not all_below(DIVERGED, e.qpos, e.qvel, e.qacc)
+            or top > hull.surface + CLEAR_M
+        ):
             return k, FORWARDED
         for i in range(m):
             given[i], activation[i] = e.actuator_force[feed.actuators[i]], e.act[feed.activations[i]]

@@ -75,6 +75,7 @@ class Hull(NamedTuple):
         radii: (g,) of it.
         centres: (g,3) of it.
         halves: (g,3) of it.
+        surface: of it.
         wind: (3,) the steady current [m/s], world axes.
         sheared: whether there is a table of currents.
         times: (n_t,) of `velocity_at`, like the next two.
@@ -89,6 +90,7 @@ class Hull(NamedTuple):
     radii: Vector
     centres: Matrix
     halves: Matrix
+    surface: float
     wind: Vector
     sheared: bool
     times: Vector
