@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from cube_sim.mission.own.compiled_part import compiled
     from cube_sim.runs.recorded_run import RecordedRun, load_run
     from cube_sim.simulation import Run, fly, run
+    from cube_sim.vehicle.changing import set_parameters
     from cube_sim.vehicle.loading import load_model
     from cube_sim.vehicle.plugin.hook import install
     from cube_sim.vehicle.vehicle import Vehicle
@@ -34,6 +35,7 @@ __all__ = [
     "load_model",
     "load_run",
     "run",
+    "set_parameters",
 ]
 
 _HOME = {
@@ -51,6 +53,7 @@ _HOME = {
     "load_run": "cube_sim.runs.recorded_run",
     "RecordedRun": "cube_sim.runs.recorded_run",
     "run": "cube_sim.simulation",
+    "set_parameters": "cube_sim.vehicle.changing",
 }
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from cube_sim.actuation import Analysis, PathRequirements, Survivability, analyse, survivability
@@ -26,7 +27,10 @@ from cube_sim.control.transient import Transient
 from cube_sim.control.turning_limit import turning_of
 from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ActuationError
+from cube_sim.mission.parameter_values import parameter_values
+from cube_sim.scenario.document import parse_value
 from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.mjcf.what_if import parameters_of, read_setting, set_sites
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, Matrix
@@ -73,6 +77,7 @@ def report_on(
     cost_limit: float | None = None,
     picture: Path | None = None,
     stuck: bool = False,
+    settings: Sequence[str] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Report:
     """Analyse a model's thrusters, and draw the picture when one is wanted.
@@ -87,6 +92,7 @@ def report_on(
         cost_limit: drop the directions that cost more than this [N/N], and judge what is left.
         stuck: judge every single thruster dead, and stuck at half of its limits and at its limits.
         picture: PNG, SVG or PDF to write; it shows losses of up to three.
+        settings: other values than the file's, see `cube_sim.vehicle.mjcf.what_if`.
         progress: called with (cases done, all cases) while losses are tabulated.
 
     Raises:
@@ -103,7 +109,7 @@ def report_on(
         raise ActuationError("--stuck looks at all six components: leave --planar out")
     if picture is not None:
         check_path(picture)
-    vehicle = Vehicle.from_model(load_model(str(model)), hull)
+    vehicle = Vehicle.from_model(_loaded(model, settings), hull)
     A, limits, names = vehicle.actuation_matrix, vehicle.thrusters.limits, vehicle.thrusters.names
     if not names:
         raise ActuationError(f"{model}: {vehicle.name} has no thrusters")
@@ -150,6 +156,18 @@ def report_on(
     if stuck:
         cases = fault_cases(vehicle, requirements.speed_m_s, lost=gone, cost_limit=cost_limit, progress=progress)
     return Report(model, title, vehicle, analysis, turning, critical, table, cases)
+
+
+def _loaded(model: Path, settings: Sequence[str]) -> mujoco.MjModel:
+    """A model, with other values than its file's where that is asked."""
+    as_it_is = load_model(str(model))
+    if not settings:
+        return as_it_is
+    spec = mujoco.MjSpec.from_file(str(model))
+    others = set_sites(spec, [read_setting(text, parse_value) for text in settings])
+    relative = {each.key for each in others if each.how != "="}
+    known = {key: parameter_values(key, {}, as_it_is) for key in relative}
+    return load_model(spec, parameters_of(others, known))
 
 
 def _turning(analysis: Analysis, vehicle: Vehicle, speed_m_s: float, left: Capability | None) -> TurningTrim | None:

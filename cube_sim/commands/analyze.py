@@ -50,18 +50,33 @@ def analyze(
             "left, whether the path is followed, how fast the hull is carried off, how far it leaves its path at most.",
         ),
     ] = False,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="What if: --set 'site:T*.pos+=[0,0,-0.05]' moves all sites whose names begin with T, --set "
+            "hull:mass=30 or 'hull:added_mass*=1.2' sets a parameter; printed beside what the model is. May be "
+            "repeated.",
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
 ) -> None:
     """Say what a vehicle's thrusters can do, what it loses with some of them, and whether it still follows a path."""
     open_no_windows()
     give_matplotlib_a_folder()
-    from cube_sim.commands import analysis_report, analysis_tables
+    from cube_sim.commands import analysis_report, analysis_tables, what_if_tables
 
     try:
         raise_on_interrupt()
         with loss_progress(hidden=json) as progress:
+            before = None
+            if settings:
+                plain = {"hull": hull, "lost": lost, "planar": planar, "speed_m_s": speed, "cost_limit": cost_limit}
+                before = analysis_report.report_on(model, **plain)
             report = analysis_report.report_on(
                 model,
+                settings=settings or (),
                 hull=hull,
                 lost=lost,
                 losses=losses,
@@ -78,6 +93,11 @@ def analyze(
         number = signal_of(interrupt)
         stop(SIGNALLED + number, f"{interrupted_by(number)}; nothing was written")
     if json:
-        print_json(analysis_report.to_dict(report))
+        content = analysis_report.to_dict(report)
+        if before is not None:
+            content |= {"set": settings, "as_it_is": analysis_report.to_dict(before)}
+        print_json(content)
     else:
+        if before is not None:
+            what_if_tables.print_beside(before, report, settings or [])
         analysis_tables.print_report(report)

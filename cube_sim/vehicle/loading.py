@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.mjcf.elements import is_of_element, set_elements
 from cube_sim.vehicle.mjcf.fins import AREA, fin_rows, servo_elements
-from cube_sim.vehicle.mjcf.half_axes import half_axes_of
+from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
 from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, thruster_elements
@@ -113,6 +113,7 @@ def _immerse(
         (of_elements if is_of_element(name) else numerics)[name] = _numbers(name, values)
     if layout.PACKED in numerics:
         raise ModelError(layout.PACKED, "is written by load_model; remove it from the MJCF")
+    _say_in_the_model(spec, {name: numerics[name] for name in overrides if name in numerics})
     bodies = {body.name: _is_free(body) for body in spec.bodies if body.name and body.name != "world"}
     thrusters = thruster_elements(spec)
     sites = {site.name: site.parent.name for site in spec.sites if site.name}
@@ -138,16 +139,23 @@ def _immerse(
     fins = fin_rows(model, parameters.fins, [hull.body for hull in parameters.hulls], parameters.density)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    half_axes = [
-        half_axes_of(model, data, i, hull.volume) if hull.surface_half_axes is None else hull.surface_half_axes
-        for i, hull in zip(ids, parameters.hulls, strict=True)
-    ]
+    half_axes = half_axes_of_all(model, data, ids, parameters.hulls)
     process = user_forces.process_number()
     packed = packing.pack_parameters(parameters, ids, dofs, half_axes, table, process, pushes, fins)
     model.numeric_data[start : start + packed.size] = packed
     structs.verify(model, data)
     set_inverse_weights(model, data, ids)
     return model
+
+
+def _say_in_the_model(spec: mujoco.MjSpec, numerics: dict[str, NDArray[np.float64]]) -> None:
+    """Put numerics into a spec, in place of its own: a compiled model says what it was made with."""
+    there = {numeric.name: numeric for numeric in spec.numerics}
+    for name, values in numerics.items():
+        if name in there:
+            there[name].data, there[name].size = values, values.size
+        else:
+            spec.add_numeric(name=name, size=values.size, data=values)
 
 
 def _register(model: mujoco.MjModel, forces: dict[str, UserForce], hulls: list[str]) -> list[int]:

@@ -109,6 +109,38 @@ def element_values(model: mujoco.MjModel, name: str) -> NDArray[np.float64] | No
     return np.array({MASS: body.mass, CENTRE_OF_MASS: body.ipos, INERTIA: body.inertia}[parameter])
 
 
+def set_compiled_element(model: mujoco.MjModel, name: str, given: NDArray[np.float64]) -> None:
+    """Give an element of a compiled model another value; what follows from it is for `mj_setConst`.
+
+    Args:
+        model: changed here.
+        name: of a parameter that `element_values` has.
+        given: values (n,), as `require_possible` lets them pass.
+
+    Raises:
+        ModelError: three moments of inertia for a hull whose axes are not the body's.
+    """
+    owner, _, parameter = name.rpartition(":")
+    if parameter == LAG:
+        for thruster in lags_of(model, owner):
+            model.actuator(thruster).dynprm[0] = given[0]
+        return
+    body = model.body(owner)
+    if parameter == MASS:
+        body.mass[:] = given
+    elif parameter == CENTRE_OF_MASS:
+        body.ipos[:] = given
+    elif given.size == 3:
+        if not np.array_equal(body.iquat, [1.0, 0.0, 0.0, 0.0]):
+            raise ModelError(name, "has 3 values, and the axes of inertia are not the body's; give 6")
+        body.inertia[:] = given
+    else:
+        xx, yy, zz, xy, xz, yz = given
+        moments, axes, turn = np.zeros(3), np.zeros(9), np.zeros(4)
+        mujoco.mju_eig3(moments, axes, turn, np.array([xx, xy, xz, xy, yy, yz, xz, yz, zz]))
+        body.inertia[:], body.iquat[:] = moments, turn
+
+
 def _set_lag(
     spec: mujoco.MjSpec, name: str, owner: str, lag: float, thrusters: Sequence[ThrusterElement | None]
 ) -> None:

@@ -5,11 +5,14 @@ It has the proportions of the box around the hull's geoms and the hull's volume.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import pi
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+
+from cube_sim.vehicle.mjcf.parameters import HullParameters
 
 _WITHOUT_EXTENT = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD)
 
@@ -29,6 +32,16 @@ def half_axes_of(model: mujoco.MjModel, data: mujoco.MjData, hull: int, volume: 
     if volume == 0.0:
         return halves
     return halves * (volume / (4.0 / 3.0 * pi * halves.prod())) ** (1.0 / 3.0)
+
+
+def half_axes_of_all(
+    model: mujoco.MjModel, data: mujoco.MjData, bodies: Sequence[int], hulls: Sequence[HullParameters]
+) -> list[NDArray[np.float64]]:
+    """(3,) half-axes of each hull [m]: its parameters', or else those of `half_axes_of`."""
+    return [
+        half_axes_of(model, data, body, hull.volume) if hull.surface_half_axes is None else hull.surface_half_axes
+        for body, hull in zip(bodies, hulls, strict=True)
+    ]
 
 
 def _halves(model: mujoco.MjModel, data: mujoco.MjData, hull: int) -> NDArray[np.float64]:

@@ -1,0 +1,153 @@
+"""Other parameters for a compiled model, without compiling it again."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cube_sim.errors import ModelError
+from cube_sim.vehicle.mjcf.elements import element_values, is_of_element, require_possible, set_compiled_element
+from cube_sim.vehicle.mjcf.fins import fin_rows
+from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
+from cube_sim.vehicle.mjcf.numeric_names import CURRENT, require_parameter
+from cube_sim.vehicle.mjcf.parameters import WaterParameters, read_parameters
+from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement, carrier, is_thruster
+from cube_sim.vehicle.mjcf.time_step import require_time_step
+from cube_sim.vehicle.plugin import layout, packing
+from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
+
+_STATES = (layout.EFFICIENCY, layout.SUPPLY, layout.STUCK)
+"""What of a thruster's record is of its health and supply, and no parameter."""
+
+
+def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -> None:
+    """Give a compiled model other parameters; every MjData that steps it sees them from its next step on.
+
+    All names that `load_model` takes: the water's custom numerics, and what the elements say (mass, centre of mass,
+    inertia, lags). They are validated together, as at load, and nothing is changed if they are refused. Health, supply,
+    pushes and, unless it is given, the current stay as they are. A copy of the model (`copy.copy`) has its own
+    parameters: `mujoco.rollout` steps many copies side by side. To write into ``model.numeric(...).data`` yourself has
+    no effect: the numerics are read here and at load only.
+
+    Args:
+        model: made by `load_model`; changed here.
+        parameters: name -> values.
+
+    Raises:
+        ModelError: no such parameter, values that cannot be, or more of them than the model has room for.
+    """
+    numerics = {each.name: each.data.copy() for each in map(model.numeric, range(model.nnumeric - 1))}
+    elements: dict[str, NDArray[np.float64]] = {}
+    packed = packing.packed_parameters(model)
+    for name, values in parameters.items():
+        require_parameter(name)
+        given = _numbers(name, values)
+        if is_of_element(name):
+            require_possible(name, given)
+            if element_values(model, name) is None:
+                raise ModelError(name, f"'{name.rpartition(':')[0]}' is no hull, and no thruster, of the model")
+            elements[name] = given
+        elif name not in numerics or numerics[name].size != given.size:
+            had = numerics[name].size if name in numerics else "none"
+            raise ModelError(
+                name, f"has {given.size} values, the model has room for {had}: give them to load_model, once"
+            )
+        else:
+            numerics[name] = given
+    read = _read(model, numerics)
+    trial = model if not elements else _with_elements(model, elements)
+    changed = _packed(trial, read, packed, CURRENT in parameters)
+    require_time_step(trial)
+    for name, values in elements.items():
+        set_compiled_element(model, name, values)
+    for name in parameters:
+        if name in numerics:
+            model.numeric(name).data[:] = numerics[name]
+    packed[:] = changed
+    for i, thruster in enumerate(read.thrusters):
+        if thruster is not None:
+            model.actuator_ctrlrange[i] = thruster.characteristic.commands[[0, -1]]
+    data = mujoco.MjData(model)
+    if elements:
+        mujoco.mj_setConst(model, data)
+    set_inverse_weights(model, data, [model.body(hull.body).id for hull in read.hulls])
+
+
+def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    try:
+        return np.atleast_1d(np.asarray(values, dtype=float)).ravel()
+    except (TypeError, ValueError):
+        raise ModelError(name, f"is {values!r:.80}; numbers are right") from None
+
+
+def _read(model: mujoco.MjModel, numerics: Mapping[str, NDArray[np.float64]]) -> WaterParameters:
+    """What the numerics say of a compiled model's elements."""
+    named = [i for i in range(1, model.nbody) if model.body(i).name]
+    bodies = {model.body(i).name: _is_free(model, i) for i in named}
+    thrusters = [
+        ThrusterElement(model.actuator(i).name, model.body(carrier(model, i)).name) if is_thruster(model, i) else None
+        for i in range(model.nu)
+    ]
+    sites = {
+        model.site(i).name: model.body(model.site_bodyid[i]).name for i in range(model.nsite) if model.site(i).name
+    }
+    packed = packing.packed_parameters(model)
+    table = packed[int(packed[layout.THRUSTERS]) :][: model.nu]
+    turning = np.flatnonzero(table == layout.FIN_SERVO).tolist()
+    servos = {model.site(model.actuator_trnid[i, 0]).name: i for i in turning}
+    return read_parameters(numerics, bodies, thrusters, sites, servos)
+
+
+def _is_free(model: mujoco.MjModel, body: int) -> bool:
+    first, count = model.body_jntadr[body], model.body_jntnum[body]
+    free = count == 1 and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE
+    return bool(free and model.body_parentid[body] == 0)
+
+
+def _with_elements(model: mujoco.MjModel, elements: Mapping[str, NDArray[np.float64]]) -> mujoco.MjModel:
+    trial = copy.copy(model)
+    for name, values in elements.items():
+        set_compiled_element(trial, name, values)
+    return trial
+
+
+def _packed(
+    model: mujoco.MjModel, read: WaterParameters, before: NDArray[np.float64], current_given: bool
+) -> NDArray[np.float64]:
+    """The packed values, what is no parameter as before."""
+    ids = [model.body(hull.body).id for hull in read.hulls]
+    start, size = int(before[layout.HULLS]), layout.HULL_SIZE
+    forces = [int(before[start + k * size + layout.FORCE]) for k in range(len(ids))]
+    pushes_at, current_at = int(before[layout.PUSHES]), int(before[layout.CURRENT])
+    pushes = int(before[pushes_at]) if pushes_at >= 0 else 0
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    packed = packing.pack_parameters(
+        read,
+        ids,
+        [int(model.body_dofadr[i]) for i in ids],
+        half_axes_of_all(model, data, ids, read.hulls),
+        forces,
+        float(before[layout.PROCESS]),
+        pushes,
+        fin_rows(model, read.fins, [hull.body for hull in read.hulls], read.density),
+    )
+    fixed = [i for i in range(layout.HEADER_SIZE) if i != layout.SURFACE]
+    if packed.size != before.size or not np.array_equal(packed[fixed], before[fixed]):
+        raise ModelError("", "these parameters take another number of records than the model has: load it with them")
+    table = before[int(before[layout.THRUSTERS]) :][: model.nu]
+    for at in table[table >= 0.0].astype(int).tolist():
+        for state in _STATES:
+            packed[at + state] = before[at + state]
+    if pushes_at >= 0:
+        end = int(before[layout.LIFT]) if before[layout.LIFT] >= 0.0 else before.size
+        packed[pushes_at:end] = before[pushes_at:end]
+    if current_at >= 0 and not current_given:
+        n_t, n_z = int(before[current_at]), int(before[current_at + 1])
+        end = current_at + 2 + n_t + n_z + 3 * n_t * n_z
+        packed[current_at:end] = before[current_at:end]
+    return packed

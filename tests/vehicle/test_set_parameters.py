@@ -1,0 +1,97 @@
+"""Other parameters for a compiled model: as if it had been loaded with them."""
+
+import copy
+
+import mujoco
+import numpy as np
+import pytest
+from support.places import CUBE
+
+import cube_sim
+from cube_sim.errors import ModelError
+from cube_sim.vehicle.faults import set_efficiency
+from cube_sim.vehicle.plugin import packing
+
+ARRAYS = (
+    "body_mass", "body_ipos", "body_inertia", "body_subtreemass", "body_invweight0", "dof_invweight0", "dof_M0",
+    "actuator_dynprm", "actuator_ctrlrange", "numeric_data",
+)  # fmt: skip
+CURVE = np.round(np.column_stack([np.linspace(-0.9, 0.9, 23), np.linspace(-30.0, 30.0, 23)]), 6).ravel()
+
+
+def moved(model):
+    data = mujoco.MjData(model)
+    data.qvel[:] = 0.4, -0.2, 0.1, 0.3, 0.5, -0.2
+    data.ctrl[:] = np.linspace(-0.8, 0.8, model.nu)
+    mujoco.mj_step(model, data, nstep=200)
+    return np.concatenate([data.qpos, data.qvel])
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"hull:mass": 150.0},
+        {"hull:centre_of_mass": [0.01, -0.02, -0.03]},
+        {"hull:inertia": [6.0, 7.0, 8.0]},
+        {"hull:inertia": [6.0, 7.0, 8.0, 0.5, -0.3, 0.2]},
+        {"hull:thruster_lag": 0.1},
+        {"T3:thruster_lag": 0.07},
+        {"hull:added_mass": [60, 70, 80, 1, 2, 3]},
+        {"hull:quadratic_damping": [100, 200, 300, 1, 2, 3], "hull:linear_damping": [1, 2, 3, 4, 5, 6]},
+        {"hull:volume": 0.13, "hull:centre_of_buoyancy": [0, 0.01, 0.03], "water:density": 1025.0},
+        {"hull:thruster_characteristic": CURVE, "hull:thruster_dead_zone": [-1.0, 2.0]},
+    ],
+)
+def test_a_changed_model_is_one_loaded_so(given):
+    changed = cube_sim.load_model(CUBE)
+    before = moved(changed)
+    cube_sim.set_parameters(changed, given)
+    loaded = cube_sim.load_model(CUBE, given)
+    packing.packed_parameters(changed)[5] = packing.packed_parameters(loaded)[5]
+    for name in ARRAYS:
+        np.testing.assert_allclose(getattr(changed, name), getattr(loaded, name), rtol=1e-12, atol=1e-15, err_msg=name)
+    after = moved(changed)
+    np.testing.assert_allclose(after, moved(loaded), rtol=1e-10, atol=1e-12)
+    assert np.abs(after - before).max() > 1e-6
+
+
+def test_what_load_model_was_given_can_be_changed_and_the_surface_moved():
+    model = cube_sim.load_model(CUBE, {"water:surface": 0.0, "T2:thruster_power": [1.0, 2.0]})
+    cube_sim.set_parameters(model, {"water:surface": 3.0, "T2:thruster_power": [3.0, 4.0]})
+    again = cube_sim.load_model(CUBE, {"water:surface": 3.0, "T2:thruster_power": [3.0, 4.0]})
+    np.testing.assert_array_equal(packing.packed_parameters(model), packing.packed_parameters(again))
+    assert cube_sim.Vehicle.from_model(model).thrusters.power_coefficients[1].tolist() == [3.0, 4.0]
+
+
+def test_health_stays_and_a_copy_has_its_own():
+    model = cube_sim.load_model(CUBE)
+    set_efficiency(model, "T4", 0.25)
+    other = copy.copy(model)
+    cube_sim.set_parameters(other, {"hull:quadratic_damping": [500.0] * 6})
+    assert cube_sim.Vehicle.from_model(model).quadratic_damping[0, 0] == 131.25
+    assert cube_sim.Vehicle.from_model(other).quadratic_damping[0, 0] == 500.0
+    whole = copy.copy(other)
+    set_efficiency(whole, "T4", 1.0)
+    assert not np.array_equal(moved(other), moved(whole))
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"hull:aded_mass": [1.0] * 6}, "did you mean added_mass"),
+        ({"hull:added_mass": [1.0] * 36}, "has 36 values, the model has room for 6"),
+        ({"T1:thruster_power": [1.0, 1.0]}, "the model has room for none"),
+        ({"hull:added_mass": [-1.0] * 6}, "positive semidefinite"),
+        ({"hull:mass": -1.0}, "a mass .* is positive"),
+        ({"wing:mass": 1.0}, "is no hull"),
+        ({"hull:thruster_lag": 1e-3}, "unstable"),
+        ({"hull:mass": "heavy"}, "numbers are right"),
+    ],
+)
+def test_what_cannot_be_is_refused_and_nothing_changes(given, said):
+    model = cube_sim.load_model(CUBE)
+    before = model.numeric_data.copy(), model.body_mass.copy(), model.actuator_dynprm.copy()
+    with pytest.raises(ModelError, match=said):
+        cube_sim.set_parameters(model, {"hull:volume": 0.2, **given})
+    for now, then in zip((model.numeric_data, model.body_mass, model.actuator_dynprm), before, strict=True):
+        np.testing.assert_array_equal(now, then)
