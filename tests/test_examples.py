@@ -20,6 +20,14 @@ def step_the_water(text):
     assert close(drag, simulated, 2e-4)
 
 
+def steer_by_fins(text):
+    errors = re.findall(r"(\S+) m aside and (\S+) m off its depth", text)
+    assert len(errors) == 3
+    assert all(float(aside) < 0.5 and float(depth) < 0.5 for aside, depth in errors)
+    assert "survey: leg 5 of 5" in text
+    assert float(re.search(r"helix:  (\S+) turns", text)[1]) > 1.5
+
+
 def randomise_hulls(text):
     rows = re.findall(r"^ +\d .*", text, re.M)
     assert len(rows) == 5
@@ -113,6 +121,7 @@ PROMISED = {
         step_the_water,
         randomise_hulls,
         tether,
+        steer_by_fins,
         read_a_run,
         allocate_wrenches,
         own_pid,

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from support import plain_callbacks
 from support.lifting import Fin, Lifted, random_lifted
+from support.places import CUBE
 from support.water_bodies import DENSITY, Body, get_state, random_body, set_state, tumbling
 
 import cube_sim
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.fins import Fins
 from cube_sim.vehicle.laws import fin as law
 from cube_sim.vehicle.mjcf.fins import helmbold
 
@@ -138,6 +140,28 @@ def test_a_servo_keeps_its_rate_its_lag_and_its_travel():
     assert data.act[0] == pytest.approx(0.5 * 0.5, abs=1e-9)
     mujoco.mj_step(model, data, nstep=900)
     assert data.act[0] == pytest.approx(0.5, abs=1e-9)
+
+
+def test_a_controller_sees_what_the_fins_can_do_at_their_speed():
+    rng = np.random.default_rng(5)
+    lifted = random_lifted(rng, HULL)
+    model = cube_sim.load_model(lifted.spec())
+    fins = Fins.from_model(model)
+    assert fins.names == ("a", "b")
+    np.testing.assert_array_equal(fins.actuators, [0, 1])
+    np.testing.assert_allclose(fins.travel, [[-0.5, 0.5]] * 2)
+    np.testing.assert_allclose([*fins.lag_s, *fins.rate], [0.1, 0.2, 0.8, 0.5])
+    nu, angles = rng.normal(size=6), np.array([0.1, -0.05])
+    effect = fins.effectiveness(angles, nu)
+    np.testing.assert_allclose(fins.effectiveness(angles, 2.0 * nu), 4.0 * effect, rtol=1e-6)
+    np.testing.assert_array_equal(fins.effectiveness(angles, np.zeros(6)), 0.0)
+    total = sum((lifted.fins[k].force(nu, angles[k]) for k in range(2)), np.zeros(3))
+    np.testing.assert_allclose(fins.wrench(angles, nu)[:3], total, atol=1e-9)
+    for k in range(2):
+        step = np.eye(2)[k] * 1e-4
+        literal = (fins.wrench(angles + step, nu) - fins.wrench(angles - step, nu)) / 2e-4
+        np.testing.assert_allclose(effect[:, k], literal, atol=1e-6)
+    assert Fins.from_model(cube_sim.load_model(CUBE)).names == ()
 
 
 def test_several_vehicles_have_their_own():

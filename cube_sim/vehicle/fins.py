@@ -1,0 +1,103 @@
+"""The fins of one vehicle, seen together: what turns them, and what they can do at the speed they have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cube_sim.vehicle.laws import fin as law
+from cube_sim.vehicle.laws.body_lift import PRODUCT_COLUMNS, STRIP_COLUMNS
+from cube_sim.vehicle.plugin import layout, packing
+
+
+@dataclass(frozen=True)
+class Fins:
+    """The k fins of a hull that have a servo, in the order of their sites.
+
+    A fin's force depends on the flow, so it is no thruster: it has no limits in newtons. A controller asks for the
+    `effectiveness` at the velocity of the moment, and has a linear actuation in deflections, within their travel.
+
+    Attributes:
+        names: (k,) of their servos.
+        actuators: (k,) indices into ctrl, the angles wanted [rad].
+        activations: (k,) indices into act, the deflections [rad].
+        travel: (k,2) least and largest deflection [rad].
+        lag_s: (k,) time constants of the servos [s].
+        rate: (k,) how fast they turn at most [rad/s].
+        table: (k, 16) the fins as `cube_sim.vehicle.laws.fin` has them.
+    """
+
+    names: tuple[str, ...]
+    actuators: NDArray[np.int_]
+    activations: NDArray[np.int_]
+    travel: NDArray[np.float64]
+    lag_s: NDArray[np.float64]
+    rate: NDArray[np.float64]
+    table: NDArray[np.float64]
+
+    @staticmethod
+    def from_model(model: mujoco.MjModel, hull: int = 0) -> Fins:
+        """Read the fins of a hull.
+
+        Args:
+            model: made by `load_model`.
+            hull: its number among the hulls of the model.
+
+        Raises:
+            ModelError: the model has no water.
+        """
+        table = _table(packing.packed_parameters(model))
+        table = table[(table[:, law.HULL] == hull) & (table[:, law.SERVO] >= 0.0)]
+        activations = table[:, law.SERVO].astype(int)
+        actuators = np.array([np.flatnonzero(model.actuator_actadr == a)[0] for a in activations], dtype=int)
+        return Fins(
+            names=tuple(model.actuator(i).name for i in actuators),
+            actuators=actuators,
+            activations=activations,
+            travel=model.actuator_ctrlrange[actuators].copy(),
+            lag_s=model.actuator_dynprm[actuators, 0].copy(),
+            rate=model.actuator_dynprm[actuators, 1].copy(),
+            table=table,
+        )
+
+    def wrench(self, deflections: ArrayLike, nu_r: ArrayLike) -> NDArray[np.float64]:
+        """(6,) the wrench of all of them together [N, N m], body axes.
+
+        Args:
+            deflections: (k,) [rad].
+            nu_r: (6,) velocity of the hull through the water [m/s, rad/s], body axes.
+        """
+        flow = tuple(np.asarray(nu_r, dtype=float).tolist())
+        angles = np.asarray(deflections, dtype=float).tolist()
+        each = [law.fin_wrench(row, angle, flow) for row, angle in zip(self.table, angles, strict=True)]
+        return np.array(each).reshape(-1, 6).sum(axis=0)
+
+    def effectiveness(self, deflections: ArrayLike, nu_r: ArrayLike, step: float = 1e-4) -> NDArray[np.float64]:
+        """(6,k) derivative of the wrench by each deflection [N/rad, N m/rad], at that flow.
+
+        It is the actuation matrix of the fins: zero at rest, it grows with the square of the speed.
+
+        Args:
+            deflections: (k,) about which [rad].
+            nu_r: (6,) velocity of the hull through the water [m/s, rad/s], body axes.
+            step: of the central difference [rad].
+        """
+        flow = tuple(np.asarray(nu_r, dtype=float).tolist())
+        columns = np.empty((6, len(self.names)))
+        for k, angle in enumerate(np.asarray(deflections, dtype=float).tolist()):
+            ahead, back = (np.array(law.fin_wrench(self.table[k], angle + s, flow)) for s in (step, -step))
+            columns[:, k] = (ahead - back) / (2.0 * step)
+        return columns
+
+
+def _table(packed: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,16) all fins of a model."""
+    start = int(packed[layout.LIFT])
+    if start < 0:
+        return np.empty((0, law.COLUMNS))
+    products, strips, fins = (int(number) for number in packed[start : start + 3])
+    start += 3 + products * PRODUCT_COLUMNS + strips * STRIP_COLUMNS
+    return packed[start : start + fins * law.COLUMNS].reshape(fins, law.COLUMNS).copy()
