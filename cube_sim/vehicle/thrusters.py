@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -101,16 +102,24 @@ class Thrusters:
         return float(np.trapezoid(self.power(force).sum(axis=-1), np.asarray(time, dtype=float)))
 
     def command(self, force: ArrayLike) -> NDArray[np.float64]:
-        """(m,) commands whose steady forces are `force` (m,) [N]: the inverse characteristics."""
+        """(..., m) commands whose steady forces are `force` (..., m) [N]: the inverse characteristics.
+
+        Raises:
+            ValueError: not one number for each thruster.
+        """
         from cube_sim.vehicle.laws.curve_table import commands_of_forces  # only here: it loads the compiler
 
-        return commands_of_forces(*self.curve_table, self._one_each("force", force))
+        return self._each_row(commands_of_forces, self._one_each("force", force))
 
     def force(self, command: ArrayLike) -> NDArray[np.float64]:
-        """(m,) steady forces [N] of `command` (m,)."""
+        """(..., m) steady forces [N] of `command` (..., m).
+
+        Raises:
+            ValueError: not one number for each thruster.
+        """
         from cube_sim.vehicle.laws.curve_table import steady_forces  # only here: it loads the compiler
 
-        return steady_forces(*self.curve_table, self._one_each("command", command))
+        return self._each_row(steady_forces, self._one_each("command", command))
 
     @cached_property
     def curve_table(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -120,14 +129,29 @@ class Thrusters:
         return curve_table(self.characteristics)
 
     def _one_each(self, name: str, values: ArrayLike) -> NDArray[np.float64]:
-        """Numbers (m,), one for each thruster."""
-        numbers = np.ascontiguousarray(values, dtype=np.float64)
-        if numbers.shape != (len(self.names),):
-            raise ValueError(f"{name} has shape {numbers.shape}; the vehicle has {len(self.names)} thrusters")
+        """Numbers (..., m), one for each thruster."""
+        try:
+            numbers = np.ascontiguousarray(values, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ValueError(f"{name} is {values!r:.60}; numbers are right, one for each thruster") from None
+        m = len(self.names)
+        if np.ndim(values) == 0 or numbers.shape[-1] != m:
+            raise ValueError(
+                f"{name} has shape {np.shape(values)}; the vehicle has {m} thrusters: ({m},) or (..., {m})"
+            )
+        if np.isnan(numbers).any():
+            raise ValueError(f"{name} is not a number for {self.names[int(np.argwhere(np.isnan(numbers))[0][-1])]}")
         return numbers
 
+    def _each_row(self, law: Callable[..., NDArray[np.float64]], numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A law of the curves on numbers (..., m)."""
+        if numbers.ndim == 1:
+            return law(*self.curve_table, numbers)
+        rows = [law(*self.curve_table, row) for row in numbers.reshape(-1, len(self.names))]
+        return np.array(rows).reshape(numbers.shape)
+
     def pwm(self, force: ArrayLike) -> NDArray[np.float64]:
-        """(m,) pulse widths [us] whose steady forces are `force` (m,) [N].
+        """(..., m) pulse widths [us] whose steady forces are `force` (..., m) [N].
 
         They are not rounded. Round them yourself where whole microseconds are sent, and away from rest at the edges of
         the dead zone, where the thruster stands still.
@@ -137,29 +161,35 @@ class Thrusters:
         """
         commands = self.command(force)
         widths = self.pwm_of_command(commands)
-        rows = zip(self.characteristics, self._pulse_ranges(), commands.tolist(), widths.tolist(), strict=True)
-        return np.array([_outside_dead_zone(*row) for row in rows])
+        for i, (curve, pulses) in enumerate(zip(self.characteristics, self._pulse_ranges(), strict=True)):
+            for at in np.ndindex(commands.shape[:-1]):
+                widths[(*at, i)] = _outside_dead_zone(curve, pulses, float(commands[(*at, i)]), float(widths[(*at, i)]))
+        return widths
 
     def pwm_of_command(self, command: ArrayLike) -> NDArray[np.float64]:
-        """(m,) pulse widths [us] of normalised commands (m,); beyond -1 and 1 they saturate.
+        """(..., m) pulse widths [us] of normalised commands (..., m); beyond -1 and 1 they saturate.
 
         Raises:
             ModelError: a thruster has no `thruster_pwm`.
         """
-        c = np.asarray(command, dtype=float)
-        return np.array([float(r.pulse(x)) for r, x in zip(self._pulse_ranges(), c, strict=True)])
+        c, pulses = self._one_each("command", command), self._pulse_ranges()
+        rows = [[float(r.pulse(x)) for r, x in zip(pulses, row, strict=True)] for row in c.reshape(-1, len(pulses))]
+        return np.array(rows).reshape(c.shape)
 
     def command_of_pwm(self, pulse_us: ArrayLike) -> NDArray[np.float64]:
-        """(m,) normalised commands, as MuJoCo's `ctrl` takes them, of pulse widths (m,) [us].
+        """(..., m) normalised commands, as MuJoCo's `ctrl` takes them, of pulse widths (..., m) [us].
 
         Raises:
             ModelError: a thruster has no `thruster_pwm`.
         """
-        widths = np.asarray(pulse_us, dtype=float)
-        return np.array([float(r.command(x)) for r, x in zip(self._pulse_ranges(), widths, strict=True)])
+        widths, pulses = self._one_each("pulse_us", pulse_us), self._pulse_ranges()
+        rows = [
+            [float(r.command(x)) for r, x in zip(pulses, row, strict=True)] for row in widths.reshape(-1, len(pulses))
+        ]
+        return np.array(rows).reshape(widths.shape)
 
     def force_of_pwm(self, pulse_us: ArrayLike) -> NDArray[np.float64]:
-        """(m,) steady forces [N] of pulse widths (m,) [us].
+        """(..., m) steady forces [N] of pulse widths (..., m) [us].
 
         Raises:
             ModelError: a thruster has no `thruster_pwm`.

@@ -12,6 +12,8 @@ from cube_sim.wrench.tolerances import SMALLEST
 
 LARGEST_ERROR_N = 1e300
 """Components of a wrench error beyond this are all the same [N]; it keeps the size of the largest errors a number."""
+LEAST_ARM_M = 1e-14
+"""Lever arms below this are rounding of places in a vehicle [m]."""
 
 
 def actuation_matrix(A: ArrayLike) -> tuple[Matrix, WrenchAxes]:
@@ -65,9 +67,10 @@ def effective_matrix(A: ArrayLike) -> Matrix:
 
 
 def lever_arm(A: Matrix, axes: WrenchAxes) -> float:
-    """Root-mean-square lever arm of the thrusters [m]: torque per force over all columns of A; 1 when undefined."""
+    """Root-mean-square lever arm of the thrusters [m]: torque per force over all columns of A; 1 where it is none."""
     force, torque = np.linalg.norm(A[: axes.forces]), np.linalg.norm(A[axes.forces :])
-    return float(torque / force) if force > 0.0 and torque > 0.0 else 1.0
+    # thrust through the origin leaves torques of rounding, and those are no measure
+    return float(torque / force) if force > 0.0 and torque > LEAST_ARM_M * force else 1.0
 
 
 def positive_length(length_m: float) -> float:

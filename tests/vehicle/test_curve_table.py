@@ -33,7 +33,7 @@ def test_forces_and_commands_are_those_of_each_characteristic(name):
 
 def test_numbers_for_another_number_of_thrusters_are_refused():
     thrusters = vehicle("cube").thrusters
-    for wrong in ([1.0], np.zeros((2, 8)), 0.0):
+    for wrong in ([1.0], np.zeros((8, 2)), 0.0):
         with pytest.raises(ValueError, match="the vehicle has 8 thrusters"):
             thrusters.command(wrong)
         with pytest.raises(ValueError, match="the vehicle has 8 thrusters"):
