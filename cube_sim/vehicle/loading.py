@@ -19,6 +19,7 @@ from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, thruster_elements
 from cube_sim.vehicle.mjcf.time_step import require_time_step
+from cube_sim.vehicle.mjcf.unused import unused_thruster_words
 from cube_sim.vehicle.plugin import hook, layout, packing, structs, user_forces
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
 from cube_sim.vehicle.plugin.user_forces import UserForce
@@ -107,6 +108,7 @@ def _immerse(
 ) -> mujoco.MjModel:
     hook.install()
     numerics = {n.name: np.array(n.data, dtype=float) for n in spec.numerics}
+    in_file = tuple(numerics)
     of_elements: dict[str, NDArray[np.float64]] = {}
     for name, values in overrides.items():
         require_parameter(name)
@@ -119,6 +121,9 @@ def _immerse(
     sites = {site.name: site.parent.name for site in spec.sites if site.name}
     servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics])
     parameters = read_parameters(numerics, bodies, thrusters, sites, servos)
+    hulls = [hull.body for hull in parameters.hulls]
+    for text in unused_thruster_words(spec, in_file, hulls, thrusters, servos.values()):
+        warnings.warn(text, stacklevel=4)
     set_elements(spec, of_elements, [hull.body for hull in parameters.hulls], thrusters)
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
     for text in spec.texts:

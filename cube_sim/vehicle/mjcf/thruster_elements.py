@@ -141,11 +141,16 @@ def _carrier(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> str:
     if site is None:
         sites = ", ".join(s.name for s in spec.sites if s.name) or "none"
         raise ModelError(name, f"no site '{actuator.target}'; the model has {sites}")
-    body = site.parent
+    body = root_body(site.parent)
+    if body in ("", "world"):
+        raise ModelError(name, f"its site '{actuator.target}' is on no body that has a name; a thruster pushes a hull")
+    return body
+
+
+def root_body(body: mujoco.MjsBody) -> str:
+    """Name of the body of the world that carries a body of a spec, or that it is."""
     while body.parent is not None and body.parent.name != "world":
         body = body.parent
-    if body.name in ("", "world"):
-        raise ModelError(name, f"its site '{actuator.target}' is on no body that has a name; a thruster pushes a hull")
     return body.name
 
 
