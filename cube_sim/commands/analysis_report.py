@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +29,11 @@ from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ActuationError
 from cube_sim.mission.parameter_values import parameter_values
 from cube_sim.scenario.document import parse_value
+from cube_sim.spatial import Vector
+from cube_sim.vehicle.fins import Fins
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.mjcf.what_if import parameters_of, read_setting, set_sites
+from cube_sim.vehicle.pushes import hull_number
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, Matrix
@@ -54,6 +57,7 @@ class Report:
         stuck: every single thruster dead and stuck; None where that was not asked for.
         table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
             was wanted.
+        fins: name of each fin with a servo -> the wrench (6,) it adds at full deflection, at 1 m/s ahead [N, N m].
     """
 
     model: Path
@@ -64,6 +68,7 @@ class Report:
     critical: CriticalSpeed | None
     table: Survivability | None
     stuck: tuple[FaultCase, ...] | None = None
+    fins: Mapping[str, Vector] = field(default_factory=dict)
 
 
 def report_on(
@@ -109,7 +114,8 @@ def report_on(
         raise ActuationError("--stuck looks at all six components: leave --planar out")
     if picture is not None:
         check_path(picture)
-    vehicle = Vehicle.from_model(_loaded(model, settings), hull)
+    loaded = _loaded(model, settings)
+    vehicle = Vehicle.from_model(loaded, hull)
     A, limits, names = vehicle.actuation_matrix, vehicle.thrusters.limits, vehicle.thrusters.names
     if not names:
         raise ActuationError(f"{model}: {vehicle.name} has no thrusters")
@@ -155,7 +161,16 @@ def report_on(
     cases = None
     if stuck:
         cases = fault_cases(vehicle, requirements.speed_m_s, lost=gone, cost_limit=cost_limit, progress=progress)
-    return Report(model, title, vehicle, analysis, turning, critical, table, cases)
+    return Report(model, title, vehicle, analysis, turning, critical, table, cases, _fins(loaded, vehicle.body))
+
+
+def _fins(model: mujoco.MjModel, body: int) -> dict[str, Vector]:
+    """What each fin of a hull adds at full deflection, at 1 m/s ahead (6,)."""
+    fins, ahead = Fins.from_model(model, hull_number(model, body)), np.eye(6)[0]
+    still = np.zeros(len(fins.names))
+    straight = fins.wrench(still, ahead)
+    full = np.diag(fins.travel[:, 1])
+    return {name: fins.wrench(full[k], ahead) - straight for k, name in enumerate(fins.names)}
 
 
 def _loaded(model: Path, settings: Sequence[str]) -> mujoco.MjModel:

@@ -14,7 +14,7 @@ from cube_sim.commands.analysis_report import Report
 from cube_sim.commands.output import console_for_tables
 from cube_sim.commands.stuck_tables import faults_in_words, faults_table
 from cube_sim.control.critical_speed import FASTEST_M_S, CriticalSpeed
-from cube_sim.wrench.axes import PLANAR
+from cube_sim.wrench.axes import PLANAR, SPATIAL
 
 NOSE_AHEAD_DEG = 3.0
 """Angles of less than this are not worth a word."""
@@ -39,6 +39,11 @@ def print_report(report: Report) -> None:
     if a.unreachable:
         forces, torques = s.pure_forces.shape[1], s.pure_torques.shape[1]
         line(f"  isolated: {forces} force{'s' * (forces != 1)} and {torques} torque{'s' * (torques != 1)}")
+    if report.fins:
+        line("  fins are not among them; what each adds at full deflection and 1 m/s ahead [N, N m]:")
+    for name, wrench in report.fins.items():
+        parts = [f"{axis} {value:.3g}" for axis, value in zip(SPATIAL.names, wrench, strict=True) if abs(value) > 1e-9]
+        line(f"    {name}: {', '.join(parts)}")
     console.print(_components(a))
     console.print(_directions(a))
     for why in sorted(set(a.dropped) - {""}):

@@ -29,6 +29,14 @@ def test_text_says_what_is_lost_and_what_remains():
     assert result.output.count(">= 1 ") == 7
 
 
+def test_fins_are_told_beside_the_thrusters():
+    """9.64 N/rad and 6.15 N m/rad at 1 m/s, for 13.6 degrees."""
+    lines = analyze("models/remus100.xml").output.splitlines()
+    start = next(i for i, line in enumerate(lines) if "fins are not among them" in line)
+    assert lines[start + 1 : start + 3] == ["    stern_planes: Fz 2.29, My 1.46", "    rudder: Fy -2.29, Mz 1.46"]
+    assert "fins" not in analyze("models/torpedo.xml").output
+
+
 def test_json_is_the_whole_analysis():
     result = analyze(CUBE, "--json", "--lost", "T4")
     assert result.exit_code == 0
