@@ -68,8 +68,9 @@ def known_thruster(name: str, voltage: float | None = None, tables: Tables | Non
     voltages = sorted(by_voltage)
     volts = 16.0 if voltage is None else voltage
     if not voltages[0] <= volts <= voltages[-1]:
+        there = f"from {voltages[0]:g} to {voltages[-1]:g} V" if len(voltages) > 1 else f"at {voltages[0]:g} V alone"
         raise ModelError(
-            name, f"has tables from {voltages[0]:g} to {voltages[-1]:g} V, not at {volts:g}; give a curve of your own"
+            name, f"has tables {there}, not at {volts:g}; take such a voltage, or give a curve of your own"
         )
     below, above = max(v for v in voltages if v <= volts), min(v for v in voltages if v >= volts)
     share = (volts - below) / (above - below) if above > below else 0.0
@@ -86,7 +87,8 @@ def known_thruster(name: str, voltage: float | None = None, tables: Tables | Non
         sides = [_shaped(side, reverse) for side, reverse in zip(sides, (True, False), strict=True)]
         source += f"; full throttle is known, the shape of the curve is that of a {LIKE[0]} at {LIKE[1]:g} V (estimate)"
     (back, ahead) = sides
-    last, first = back[-1, 0] + _ZERO_AFTER, ahead[0, 0] - _ZERO_AFTER  # where it rests again
+    zero_after = min(_ZERO_AFTER, (ahead[0, 0] - back[-1, 0]) / 3.0)
+    last, first = back[-1, 0] + zero_after, ahead[0, 0] - zero_after  # where it rests again
     commands = np.concatenate([back[:, 0], [last, first], ahead[:, 0]])
     forces = NEWTONS_IN_KGF * np.concatenate([back[:, 1], [0.0, 0.0], ahead[:, 1]])
     power = (_power(back), _power(ahead))
@@ -100,7 +102,7 @@ def known_names(tables: Tables | None = None) -> tuple[str, ...]:
 
 
 _ZERO_AFTER = 4.0 / FULL_US
-"""Published rows are 4 us apart: beside the first thrust stands a row of none."""
+"""Published rows are 4 us apart: beside the first thrust stands a row of none; nearer where there is less room."""
 
 
 @cache

@@ -104,6 +104,21 @@ def test_tables_of_ones_own_are_interpolated_alike(tmp_path):
         known_thruster("M2", 12.0, tables)
 
 
+def test_a_table_without_a_dead_zone_gives_a_curve_that_goes_on_rising(tmp_path):
+    close = OWN.replace("M1,12,1450,", "M1,12,1498,").replace("M1,12,1550,", "M1,12,1502,")
+    (tmp_path / "own.csv").write_text(close)
+    of = known_thruster("M1", 12.0, read_tables(tmp_path / "own.csv"))
+    assert (np.diff(of.commands) > 0.0).all()
+    made = curve(of).force(np.array([-0.0051, 0.0, 0.0051])) / NEWTONS_IN_KGF
+    np.testing.assert_allclose(made, [-0.1, 0.0, 0.2], rtol=2e-3)
+
+
+def test_a_table_of_one_voltage_serves_that_one(tmp_path):
+    (tmp_path / "own.csv").write_text("".join(line for line in OWN.splitlines(True) if "M1,14" not in line))
+    with pytest.raises(ModelError, match="M1: has tables at 12 V alone, not at 16; take such a voltage"):
+        known_thruster("M1", None, read_tables(tmp_path / "own.csv"))
+
+
 @pytest.mark.parametrize(
     ("row", "told"),
     [
