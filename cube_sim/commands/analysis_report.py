@@ -34,6 +34,7 @@ from cube_sim.vehicle.fins import Fins
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.mjcf.what_if import parameters_of, read_setting, set_sites
 from cube_sim.vehicle.pushes import hull_number
+from cube_sim.vehicle.remarks import remarks
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, Matrix
@@ -55,6 +56,7 @@ class Report:
         turning: how tightly it turns, where it follows a path; None where it follows none.
         critical: up to which speed it keeps margins, likewise; None in the plane, too, where other laws fly it.
         stuck: every single thruster dead and stuck; None where that was not asked for.
+        remarks: on the vehicle left to itself.
         table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
             was wanted.
         fins: name of each fin with a servo -> the wrench (6,) it adds at full deflection, at 1 m/s ahead [N, N m].
@@ -69,6 +71,7 @@ class Report:
     table: Survivability | None
     stuck: tuple[FaultCase, ...] | None = None
     fins: Mapping[str, Vector] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
 
 
 def report_on(
@@ -161,7 +164,8 @@ def report_on(
     cases = None
     if stuck:
         cases = fault_cases(vehicle, requirements.speed_m_s, lost=gone, cost_limit=cost_limit, progress=progress)
-    return Report(model, title, vehicle, analysis, turning, critical, table, cases, _fins(loaded, vehicle.body))
+    fins, noted = _fins(loaded, vehicle.body), tuple(remarks(loaded, vehicle))
+    return Report(model, title, vehicle, analysis, turning, critical, table, cases, fins, noted)
 
 
 def _fins(model: mujoco.MjModel, body: int) -> dict[str, Vector]:
@@ -241,6 +245,7 @@ def to_dict(report: Report) -> dict[str, Any]:
     content = {
         "model": str(report.model),
         "hull": report.vehicle.name,
+        "remarks": report.remarks,
         "thrusters": a.names,
         "lost": a.lost,
         "components": s.axes.names,

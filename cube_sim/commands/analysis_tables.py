@@ -32,6 +32,8 @@ def print_report(report: Report) -> None:
     lost = f", without {', '.join(a.lost)}" if a.lost else ""
     line(f"{report.title}: {len(a.names)} thrusters{lost}; torques divided by {s.length_m:.3g} m")
     line(f"rank {a.rank} of {len(s.axes.names)}, {a.redundancy} redundant")
+    for remark in report.remarks:
+        line(f"  {remark}")
     if s.axes is PLANAR:
         line("  looked at are Fx, Fy and Mz only: depth, roll and pitch are taken to be kept by other means")
     for combination in a.unreachable:
