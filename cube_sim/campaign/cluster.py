@@ -8,7 +8,7 @@ from itertools import islice
 from typing import Any
 
 from cube_sim.campaign.identity import identity_of
-from cube_sim.campaign.sample_flight import FlownSample, SampleFlights, Task
+from cube_sim.campaign.sample_flight import FlownSample, SampleFlights, Task, died
 from cube_sim.errors import CubeSimError
 
 MISSING = "a cluster takes Dask: pip install 'cube-sim[cluster]'"
@@ -81,7 +81,7 @@ def on_cluster(task: Task, samples: Iterable[int], address: str) -> Iterator[Flo
                 except KilledWorker:
                     # What waited on a worker that died is named with what killed it: each is flown by itself again.
                     if len(piece) == 1 and piece[0] in tried_alone:
-                        yield flights.died(piece[0], DIED, "")
+                        yield died(piece[0], DIED, "", flights.drawn(piece[0]))
                     else:
                         suspects += piece
                 else:

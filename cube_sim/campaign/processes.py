@@ -8,15 +8,16 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from itertools import islice
 from math import inf
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
+from typing import Any, Literal
 
-from cube_sim.campaign.sample_flight import FlownSample, SampleFlights, Task
+from cube_sim.campaign.sample_flight import FlownSample, SampleFlights, Task, died
 from cube_sim.errors import CubeSimError, SweepError
 
 _POOLS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -42,7 +43,7 @@ def in_processes(task: Task, samples: Iterable[int], workers: int) -> Iterator[F
     Raises:
         CubeSimError: a process does not come up.
     """
-    flights, waiting = SampleFlights(task), iter(samples)
+    waiting = iter(samples)
     with tempfile.TemporaryDirectory(prefix="cube-sim-sweep-") as folder:
         crew: list[_Worker] = []
         try:
@@ -56,14 +57,15 @@ def in_processes(task: Task, samples: Iterable[int], workers: int) -> Iterator[F
                     landed = None if late else worker.answer()
                     if isinstance(landed, SweepError):
                         raise landed
-                    if isinstance(landed, str):  # it is up
+                    if landed == "goes on":
                         continue
                     if late:
-                        yield flights.died(worker.sample, task.too_long, worker.where_it_is(), worker.flying_s)
+                        where, spent_s = worker.where_it_is(), worker.flying_s
+                        yield died(worker.sample, task.too_long, where, worker.drawn, spent_s)
                         worker.kill()
                         crew[place] = _Worker(task, Path(folder))
                     elif landed is None:
-                        yield flights.died(worker.sample, worker.how_it_died(), worker.last_words())
+                        yield died(worker.sample, worker.how_it_died(), worker.last_words(), worker.drawn)
                         crew[place] = _Worker(task, Path(folder))
                     else:
                         yield landed
@@ -92,6 +94,7 @@ class _Worker:
         there.close()
         self._here.send(task)
         self.sample, self.busy, self._up = -1, False, False
+        self.drawn: Mapping[str, Any] = {}
         self._begun, self._most_s = time.monotonic(), inf
         if task.limit_s is not None:  # what fails is flown once more where it is kept
             self._most_s = (1 if task.keep == "none" else 2) * task.limit_s + GRACE_S
@@ -103,7 +106,7 @@ class _Worker:
     def told(self, k: int) -> _Worker:
         with suppress(BrokenPipeError):  # it has died; that is found when its answer is read
             self._here.send(k)
-        self.sample, self.busy, self._begun = k, True, time.monotonic()
+        self.sample, self.busy, self.drawn, self._begun = k, True, {}, time.monotonic()
         return self
 
     @property
@@ -128,14 +131,20 @@ class _Worker:
             before, now = now, self.last_words()
         return now
 
-    def answer(self) -> FlownSample | SweepError | str | None:
-        """The sample it has flown, `_IS_UP`, or why nothing more can be; None where it has died."""
+    def answer(self) -> FlownSample | SweepError | Literal["goes on"] | None:
+        """The sample it has flown, or why nothing more can be; None where it has died.
+
+        "goes on" where it has only said that it is up, or what it has drawn.
+        """
         try:
             answer = self._here.recv()
-            if isinstance(answer, str):
+            if isinstance(answer, FlownSample | SweepError):
+                return answer
+            if answer == _IS_UP:
                 self._up, self._begun = True, time.monotonic()
-                return _IS_UP
-            return answer
+            else:
+                self.drawn = answer
+            return "goes on"
         except (EOFError, ConnectionResetError):
             self._process.join()
             if not self._up:
@@ -194,6 +203,6 @@ def _fly_what_is_asked(connection: Connection, words: Path) -> None:
         while True:
             k = connection.recv()
             try:
-                connection.send(flights.fly(k))
+                connection.send(flights.fly(k, tell=connection.send))
             except SweepError as error:
                 connection.send(error)

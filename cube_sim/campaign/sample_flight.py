@@ -6,7 +6,7 @@ import json
 import threading
 import time
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -93,12 +93,18 @@ class SampleFlights:
         self._turn = threading.Lock()  # samples are drawn one at a time
         install()
 
-    def fly(self, k: int, stop: threading.Event | None = None) -> FlownSample:
+    def fly(
+        self,
+        k: int,
+        stop: threading.Event | None = None,
+        tell: Callable[[Mapping[str, Any]], None] | None = None,
+    ) -> FlownSample:
         """Fly sample k; whatever goes wrong in it is its row.
 
         Args:
             k: its number.
             stop: once it is set, the flight is left, within a simulated second or ten; so it is at its time limit.
+            tell: called with the columns of what is drawn, before it flies.
 
         Raises:
             StoppedFlightError: it was stopped.
@@ -110,7 +116,10 @@ class SampleFlights:
         try:
             with self._turn:
                 sample = self._plan.sample(k)
-                row |= drawn_columns(sample)
+                columns = drawn_columns(sample)
+                row |= columns
+                if tell is not None:
+                    tell(columns)
                 loaded = self._plan.scenario_of(sample)
             row["seed"] = loaded.scenario.seed
             outcome = flown(unconfirmed(loaded), sample.values, stop=limit, around=clock)
@@ -130,20 +139,16 @@ class SampleFlights:
             row |= {"reason": f"{type(error).__name__}: {_one_line(error)}", "traceback": _below_here(error)}
         return FlownSample(row, clock.seconds, time.perf_counter() - begun)
 
-    def died(self, k: int, reason: str, said: str, wall_s: float = 0.0) -> FlownSample:
-        """What became of a sample whose process died.
+    def drawn(self, k: int) -> Mapping[str, Any]:
+        """Columns of what is drawn for sample k, without flying it; none where code of the user's own draws it.
 
-        Args:
-            k: its number.
-            reason: of what.
-            said: what the process said of itself at its end.
-            wall_s: of the clock, until then [s].
+        That code may be what a process has died of.
         """
-        row: dict[str, Any] = {"sample": k, "verdict": "ERROR", "reason": reason, "seed": None}
+        if self._plan.block.generator is not None:
+            return {}
         with suppress(CubeSimError), self._turn:
-            sample = self._plan.sample(k)
-            row |= drawn_columns(sample)
-        return FlownSample(row | {"traceback": said}, 0.0, wall_s)
+            return drawn_columns(self._plan.sample(k))
+        return {}
 
     def _keep_recording(self, k: int, loaded: AnyLoaded, outcome: FlightOutcome) -> None:
         """Fly it once more, with a recording, where that is wanted: what passes has cost nothing for it."""
@@ -154,6 +159,20 @@ class SampleFlights:
                 raise SweepError(f"the recording of sample {k} cannot be kept: {_one_line(error)}; {GO_ON}") from None
             if again.checks != outcome.checks:
                 raise CubeSimError(f"flown again with a recording, it is another flight: {_words(again.checks)}")
+
+
+def died(k: int, reason: str, said: str, drawn: Mapping[str, Any], wall_s: float = 0.0) -> FlownSample:
+    """What became of a sample whose process died.
+
+    Args:
+        k: its number.
+        reason: of what.
+        said: what the process said of itself at its end.
+        drawn: columns of what was drawn, as far as that is known.
+        wall_s: of the clock, until then [s].
+    """
+    row: dict[str, Any] = {"sample": k, "verdict": "ERROR", "reason": reason, "seed": None}
+    return FlownSample(row | dict(drawn) | {"traceback": said}, 0.0, wall_s)
 
 
 def sharing(loaded: AnyLoaded) -> AnyLoaded:

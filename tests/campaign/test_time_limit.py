@@ -38,6 +38,30 @@ def test_a_process_that_hangs_ends_and_its_row_says_where_it_was(tmp_path):
     assert rows[1]["guidance.speed_m_s"] == 0.5
 
 
+DRAWING = """\
+import os
+
+
+def drawn(k, rng):
+    if k == 1:
+        os._exit(3)
+    while k == 2:
+        pass
+    return {"guidance.speed_m_s": 0.3}
+"""
+
+
+def test_a_generator_that_hangs_or_ends_its_process_costs_its_samples_only(tmp_path):
+    (tmp_path / "draw.py").write_text(DRAWING)
+    file = written(tmp_path, "samples: {count: 4, generator: {python: 'draw.py:drawn'}}\n")
+    rows = rows_of(swept(file, tmp_path / "out", workers=2, limit_s=20.0).folder)
+    assert [row["verdict"] for row in rows] == ["PASS", "ERROR", "ERROR", "PASS"]
+    assert rows[1]["reason"] == "its process died: exit code 3"
+    assert rows[2]["reason"].startswith("not landed after 20 s")
+    assert 'draw.py", line 7 in drawn' in rows[2]["traceback"]
+    assert rows[3]["guidance.speed_m_s"] == 0.3
+
+
 @pytest.mark.parametrize("way", ["threads", "processes"])
 def test_a_compiled_flight_is_left_at_its_limit(tmp_path, way):
     long = FLIGHT.replace("duration_s: 0.5", "duration_s: 40")
