@@ -49,7 +49,7 @@ class Counted:
 
 
 def counted(rows: pa.Table, required: RequiredBlock | None) -> Counted:
-    """Count what passes.
+    """Count what passes; an error of which no note is known, as of one that could not be drawn, is in no case left out.
 
     Args:
         rows: of a sweep.
@@ -61,7 +61,8 @@ def counted(rows: pa.Table, required: RequiredBlock | None) -> Counted:
     notes = rows.select(names).to_pylist() if names else [{}] * len(told)
     groups: dict[Any, list[tuple[_Told, bool | None]]] = {}
     for one, noted in zip(told, notes, strict=True):
-        if any(noted.get(f"{NOTE}.{name}") != value for name, value in asked.where.items()):
+        undrawn = one.verdict == "ERROR" and all(said is None for said in noted.values())
+        if not undrawn and any(noted.get(f"{NOTE}.{name}") != value for name, value in asked.where.items()):
             continue
         group = one.sample if asked.each is None else (noted.get(f"{NOTE}.{asked.each}"),)
         groups.setdefault(group, []).append((one, _should(noted, asked)))

@@ -50,6 +50,15 @@ def test_only_some_count():
     assert judged(0, 0, 0, RequiredBlock(where={"a": 1}), "samples, a 1, pass").verdict == "ERROR"
 
 
+def test_an_error_that_nothing_is_known_of_counts_wherever_some_do():
+    """Its generator has failed: nobody can say that it would not have counted."""
+    rows = pa.table({"sample": range(3), "verdict": ["PASS", "ERROR", "FAIL"], "note.forecast": [True, None, False]})
+    came = counted(rows, RequiredBlock(where={"forecast": True}))
+    assert ((came.passed, came.failed, came.errors), came.against) == ((1, 0, 1), {1})
+    undrawn = pa.table({"sample": range(2), "verdict": ["ERROR"] * 2})
+    assert counted(undrawn, RequiredBlock(where={"forecast": True})).errors == 2
+
+
 def test_what_comes_out_as_foretold_has_passed():
     """One that should not pass, and could not be judged, has not passed."""
     assert found(forecast="forecast") == ((4, 2, 1), [1, 4, 6], "samples come out as forecast says")
