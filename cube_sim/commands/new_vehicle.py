@@ -81,7 +81,7 @@ def vehicle(
     from cube_sim.hull_shape.reading import FRAMES, UNITS
     from cube_sim.vehicle.known_thrusters import known_names, known_thruster
     from cube_sim.vehicle.thruster_tables import read_tables
-    from cube_sim.vehicle_draft.thruster_places import places_of_file, places_of_flags, require_near
+    from cube_sim.vehicle_draft.thruster_places import places_from, places_of_file, places_of_flags, require_near
 
     if not _NAME.fullmatch(name):
         stop(BAD_INPUT, f"{name}: is no name of a vehicle; letters, digits and _ are right, a letter first")
@@ -127,6 +127,7 @@ def vehicle(
         )
         kinds = {kind: known_thruster(kind, voltage_v, tables) for kind in dict.fromkeys(at.kind for at in places)}
         hull = _hull(mass_kg, mesh, size_m, unit, turn, centre_of_mass_m, neutral, urdf)
+        places = places_from(hull.origin, places)
         require_near(places, hull.middle, hull.size)
         _write(name, folder, hull, places, kinds)
     except CubeSimError as error:

@@ -53,14 +53,15 @@ def mass_of(mass: float, centre_of_mass: Vector | None = None) -> WeighedMass:
 
 @dataclass(frozen=True)
 class HullDraft:
-    """What an MJCF says of a hull, about its origin, body axes.
+    """What an MJCF says of a hull, about its centre of buoyancy, body axes: there drag has the least coupling.
 
     Attributes:
         mass: [kg].
+        origin: (3,) of the body axes, from the origin of what was given [m].
         centre_of_mass: (3,) [m].
         inertia: (3,3) about the centre of mass [kg m^2].
         volume: displaced [m^3].
-        centre_of_buoyancy: (3,) [m].
+        centre_of_buoyancy: (3,) [m]: zeros.
         added_mass: (6,6) [kg, kg m, kg m^2].
         linear_damping: (6,) [N s/m, N m s].
         quadratic_damping: (6,) [N s^2/m^2, N m s^2].
@@ -72,6 +73,7 @@ class HullDraft:
     """
 
     mass: float
+    origin: Vector
     centre_of_mass: Vector
     inertia: Matrix
     volume: float
@@ -92,22 +94,24 @@ def hull_of_box(weighed: WeighedMass, size: Sequence[float]) -> HullDraft:
     The origin of the body axes is the middle of the box.
     """
     what = f"a closed box of {' x '.join(f'{x:g}' for x in size)} m"
-    return _hull(box_mesh(size), weighed, True, what, None)
+    return _hull(box_mesh(size), weighed, True, what, False)
 
 
 def hull_of_mesh(mesh: ClosedMesh, name: str, weighed: WeighedMass, neutral: bool) -> HullDraft:
     """A hull known by its surface.
 
     Args:
-        mesh: its surface; the origin of the body axes is the mesh's.
+        mesh: its surface; the origin of the body axes is moved to its centroid.
         name: of the file, for the sources.
-        weighed: its mass.
+        weighed: its mass, centre of mass from the origin of the mesh.
         neutral: whether it displaces what it weighs, whatever the mesh encloses.
     """
-    return _hull(mesh, weighed, neutral, name, mesh)
+    return _hull(mesh, weighed, neutral, name, True)
 
 
-def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, surface: ClosedMesh | None) -> HullDraft:
+def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, drawn: bool) -> HullDraft:
+    origin = solid_of(mesh).centre
+    mesh = mesh.moved(np.eye(3), origin)
     solid = solid_of(mesh)
     likely = 1.0 / UNLIKELY <= DENSITY * solid.volume / weighed.mass <= UNLIKELY
     if not neutral and not likely:
@@ -118,7 +122,7 @@ def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, surf
     water, drag = added_mass(mesh, DENSITY), drag_of(silhouettes_of(mesh), solid.size, DENSITY)
     lower = np.array([0.0, 0.0, -LOWER * solid.size[2]])
     mass, given = weighed.mass, weighed.centre_of_mass
-    centre = solid.centre + lower if given is None else np.asarray(given, dtype=float)
+    centre = lower if given is None else np.asarray(given, dtype=float) - origin
     inertia = mass * solid.inertia_per_mass if weighed.inertia is None else weighed.inertia
     volume = mass / DENSITY if neutral else solid.volume
     axes = ("surge", "sway", "heave")
@@ -128,7 +132,7 @@ def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, surf
             if neutral
             else f"what {what} encloses"
         ),
-        "centre_of_buoyancy": f"centroid of {what}",
+        "centre_of_buoyancy": f"centroid of {what}, which is the origin of the body axes",
         "centre_of_mass": (
             f"{LOWER:.0%} of the height below the centre of buoyancy (choice: measure yours)"
             if given is None
@@ -164,26 +168,26 @@ def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, surf
             f"added mass: the last step of refinement still changed {water.error:.1%}; thin or many-edged hulls "
             "converge slowly"
         )
-    aside = centre - solid.centre
-    if np.hypot(*aside[:2]) > 0.2 * abs(aside[2]) + 1e-9:
+    if np.hypot(*centre[:2]) > 0.2 * abs(centre[2]) + 1e-9:
         remarks.append(
             "the centre of buoyancy is not above the centre of mass: at rest the hull leans until it is, unless its "
             "thrusters hold it"
         )
-    if aside[2] > 0.0:
+    if centre[2] > 0.0:
         remarks.append("the centre of buoyancy is below the centre of mass: the hull turns upside down by itself")
     return HullDraft(
         mass=mass,
+        origin=origin,
         centre_of_mass=centre,
         inertia=inertia,
         volume=volume,
-        centre_of_buoyancy=solid.centre,
+        centre_of_buoyancy=np.zeros(3),
         added_mass=water.matrix,
         linear_damping=drag.linear,
         quadratic_damping=drag.quadratic,
         middle=0.5 * (solid.low + solid.high),
         size=solid.size,
-        surface=surface,
+        surface=mesh if drawn else None,
         sources=sources,
         remarks=tuple(remarks),
     )

@@ -40,6 +40,12 @@ def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds
             "marked as a choice or an estimate is to be replaced by what you measure: weigh it, time its roll, let it "
             "drift, tow it.",
         ),
+        *_comment(
+            "  ",
+            "The origin of the body axes is the centre of buoyancy, for drag is given without coupling: it stands at "
+            f"({', '.join(_of(hull.origin).split())}) m, x forward, y left, z up, from the origin of what was given; "
+            "places here are given ones less that.",
+        ),
         '  <compiler angle="radian" autolimits="true"/>',
         "",
         f'  <option timestep="0.01" integrator="RK4" gravity="0 0 -{GRAVITY:g}" wind="0 0 0"/>',
@@ -104,7 +110,7 @@ def mesh_text(hull: HullDraft) -> str | None:
     """The hull's surface as an OBJ file, for pictures; None where it is a box."""
     if hull.surface is None or len(hull.surface.faces) > _MOST_DRAWN:
         return None
-    lines = ["# The hull as it was read, metres, x forward, y left, z up; for pictures."]
+    lines = ["# The hull about its centre of buoyancy, metres, x forward, y left, z up; for pictures."]
     lines += [f"v {_of(vertex, 7)}" for vertex in hull.surface.vertices]
     lines += [f"f {a} {b} {c}" for a, b, c in hull.surface.faces + 1]
     return "\n".join(lines) + "\n"

@@ -22,7 +22,7 @@ import cube_sim
 MODEL = Path(__file__).parents[1] / "models" / "{name}.xml"
 MASS_KG = {mass!r}
 LIFT_LESS_WEIGHT_N = {lift!r}
-# Places [m] and axes of the thrusters, x forward, y left, z up.
+# Places [m], from the centre of buoyancy, and axes of the thrusters, x forward, y left, z up.
 THRUSTERS = {{
 {rows}
 }}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +97,11 @@ def places_of_file(file: Path, frame: str, types: Sequence[str]) -> list[Thruste
         raise ShapeError(f"{file}: has no thruster below its first line")
     _require_names_apart(str(file), places)
     return places
+
+
+def places_from(origin: Vector, places: Sequence[ThrusterPlace]) -> list[ThrusterPlace]:
+    """The same thrusters, their places from another origin (3,) [m]."""
+    return [replace(place, place=place.place - origin) for place in places]
 
 
 def require_near(places: Sequence[ThrusterPlace], middle: Vector, size: Vector) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 
@@ -88,18 +89,53 @@ def test_a_mesh_gives_all_of_the_hull(here, unflown, monkeypatch, capsys):
     turn = np.zeros(9)
     mujoco.mju_quat2Mat(turn, drawn.quat)
     corners = drawn.pos + model.mesh_vert @ turn.reshape(3, 3).T
-    np.testing.assert_allclose(corners.max(axis=0), [0.5, 0.2, 0.25], atol=0.005)
+    np.testing.assert_allclose(corners.max(axis=0), [0.4, 0.2, 0.2], atol=0.005)
     volume = 4 / 3 * np.pi * axes.prod()
     assert vehicle.displaced_mass == pytest.approx(1000 * volume, rel=0.01)
-    np.testing.assert_allclose(vehicle.centre_of_buoyancy, [0.1, 0.0, 0.05], atol=1e-5)  # FRD: z was down
-    np.testing.assert_allclose(vehicle.centre_of_mass, [0.1, 0.0, 0.03], atol=1e-4)
+    np.testing.assert_allclose(vehicle.centre_of_buoyancy, 0.0, atol=1e-9)  # the origin is moved there
+    np.testing.assert_allclose(vehicle.centre_of_mass, [0.0, 0.0, -0.02], atol=1e-4)
     exact = 1000 * ellipsoid_added_mass(axes)
     np.testing.assert_allclose(vehicle.added_mass.diagonal()[:3], exact[:3], rtol=0.02)
-    assert vehicle.added_mass[0, 4] == pytest.approx(0.05 * exact[0], rel=0.02)  # the origin is not the middle
+    assert "it stands at (0.1, 0, 0.05) m" in (here / "egg/models/egg.xml").read_text().replace("\n      ", "")
     assert vehicle.thrusters.limits[0, 3] == pytest.approx(known_thruster("T200", 14).forces[-1], rel=1e-4)
     column = vehicle.actuation_matrix[:, 0]
     half = 0.5**0.5
-    np.testing.assert_allclose(column, [half, half, 0, 0, 0, (0.14 + 0.09) * half], atol=1e-9)
+    place = np.array([0.14 - 0.1, -0.09, -0.05])  # FRD: z of the mesh was down
+    np.testing.assert_allclose(column, [half, half, 0, *np.cross(place, [half, half, 0])], atol=1e-5)
+
+
+NUMBER = re.compile(r"(?<![\w.:])-?\d+\.?\d*(?:e-?\d+)?")
+
+
+def numbers_of(model):
+    """All numbers of a model but those of its remarks."""
+    return np.array([float(told) for told in NUMBER.findall(re.sub(r"<!--.*?-->", "", model.read_text(), flags=re.S))])
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("mass_there", [False, True])
+def test_the_point_that_all_is_measured_from_is_of_no_account(mass_there, here, unflown, monkeypatch, capsys):
+    """A hull without any symmetry fore and aft, and its thrusters, moved together are the same vehicle."""
+    shape = ellipsoid((0.4, 0.25, 0.2), 2)
+    shape[..., 2] *= 1.0 + 0.5 * shape[..., 0]
+    found = []
+    for name, by in (("near", [0.0, 0.0, 0.0]), ("aside", [0.1, 0.0, 0.3]), ("far", [-2.0, 1.0, 5.0])):
+        write_stl(here / f"{name}.stl", shape + np.array(by))
+        flags = [f"{flag.partition('=')[0]}={moved(flag, by)}:{flag.partition(':')[2]}" for flag in SIX]
+        told = [word for flag in flags for word in ("--thruster", flag)]
+        if mass_there:
+            told += ["--centre-of-mass-m", ",".join(map(str, np.array([0.01, 0.0, -0.03]) + by))]
+        given = ["--mass-kg", 83, "--mesh", f"{name}.stl", *told]
+        assert call(monkeypatch, capsys, "new", "vehicle", name, *given)[0] == 0
+        found.append(numbers_of(here / f"{name}/models/{name}.xml"))
+    assert len(found[0]) > 150
+    np.testing.assert_allclose(found[1], found[0], rtol=2e-4, atol=2e-6)
+    np.testing.assert_allclose(found[2], found[0], rtol=2e-4, atol=2e-6)
+
+
+def moved(flag, by):
+    place = np.array([float(word) for word in flag.partition("=")[2].partition(":")[0].split(",")])
+    return ",".join(f"{value:.9g}" for value in place + by)
 
 
 @pytest.mark.flight
