@@ -58,7 +58,10 @@ def vehicle(
         Path | None,
         typer.Option(metavar="FILE", help="CSV of more types: thruster,voltage_V,pulse_us,force_kgf,power_W."),
     ] = None,
-    voltage_v: Annotated[float, typer.Option(metavar="V", help="Of the thrusters' curves.")] = 16.0,
+    voltage_v: Annotated[
+        float | None,
+        typer.Option(metavar="V", help="Of the thrusters' curves. Default: that of your own table, if it is one; 16."),
+    ] = None,
     centre_of_mass_m: Annotated[
         str | None,
         typer.Option(metavar="X,Y,Z", help="Default: below the centre of buoyancy by a twentieth of the height."),
@@ -125,7 +128,10 @@ def vehicle(
             if thrusters is None
             else places_of_file(thrusters, turn, types)
         )
-        kinds = {kind: known_thruster(kind, voltage_v, tables) for kind in dict.fromkeys(at.kind for at in places)}
+        named = dict.fromkeys(at.kind for at in places)
+        own = {volts for kind in named for volts in (tables or {}).get(kind, ())}
+        volts = next(iter(own)) if voltage_v is None and len(own) == 1 else voltage_v
+        kinds = {kind: known_thruster(kind, volts, tables) for kind in named}
         hull = _hull(mass_kg, mesh, size_m, unit, turn, centre_of_mass_m, neutral, urdf)
         places = places_from(hull.origin, places)
         require_near(places, hull.middle, hull.size)
@@ -215,7 +221,7 @@ def _write(
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
         typer.echo(file)
-    for remark in hull.remarks:
+    for remark in (*hull.remarks, *(remark for kind in kinds.values() for remark in kind.remarks)):
         typer.echo(f"NOTE: {remark}", err=True)
     model, scenario = folder / "models" / f"{name}.xml", folder / "scenarios" / f"{name}_first.yaml"
     scenario.parent.mkdir()

@@ -15,14 +15,17 @@ import numpy as np
 
 from cube_sim.errors import ModelError
 from cube_sim.spatial import Matrix, Vector
-from cube_sim.vehicle.thruster_tables import FULL_US, Tables, read_tables
+from cube_sim.vehicle.thruster_tables import FULL_US, REST_US, Tables, read_tables
 
 _FILE = Path(__file__).with_name("known_thrusters.csv")
 NEWTONS_IN_KGF = 9.80665
 LAG_S = 0.02
 """63 % of a T200's response (von Benzon et al. 2022, JMSE 10(12):1898); for others a choice."""
 LIKE = "T200", 16.0
-"""Whose curve gives the shape where only full throttle is published."""
+"""Whose curve gives the shape where only full throttle is published, and below the lowest row of a table that begins at
+much throttle."""
+LOWEST = 0.2
+"""Command of the lowest row up to which that row counts as first thrust (a choice; a T200's is 0.08)."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +38,10 @@ class KnownThruster:
         commands: (n,) from -1 to 1, (pulse width - 1500 us) / 400 us.
         forces: (n,) [N], never decreasing; 0 in the dead zone.
         force_dead_zone: (F_DZ-, F_DZ+), first thrusts [N].
-        power: (k_P-, k_P+) of the electrical power k_P |F|^1.5 [W/N^1.5], least squares.
+        power: (k_P-, k_P+) of the electrical power k_P |F|^1.5 [W/N^1.5], least squares; None where it is not known.
         lag_s: time constant of its motor [s].
         source: of the numbers, and what is an estimate, in words.
+        remarks: what its owner should know.
     """
 
     name: str
@@ -45,9 +49,10 @@ class KnownThruster:
     commands: Vector
     forces: Vector
     force_dead_zone: tuple[float, float]
-    power: tuple[float, float]
+    power: tuple[float, float] | None
     lag_s: float
     source: str
+    remarks: tuple[str, ...] = ()
 
 
 def known_thruster(name: str, voltage: float | None = None, tables: Tables | None = None) -> KnownThruster:
@@ -79,21 +84,35 @@ def known_thruster(name: str, voltage: float | None = None, tables: Tables | Non
     )
     if above > below:
         source += f", interpolated between {below:g} and {above:g} V"
-    sides = []
+    sides, remarks, alone = [], [], True
     for reverse in (True, False):
         low, high = (_side(by_voltage[v], reverse) for v in (below, above))
-        sides.append(_between(low, high, share))
-    if max(map(len, sides)) == 1:  # full throttle alone
-        sides = [_shaped(side, reverse) for side, reverse in zip(sides, (True, False), strict=True)]
+        side = _between(low, high, share)
+        lowest = side[-1 if reverse else 0, 0]
+        alone = alone and len(side) == 1
+        rests = len(side) > 1 and any(_rests(by_voltage[v], reverse) for v in (below, above))
+        if abs(lowest) > LOWEST and not rests:
+            if len(side) > 1:
+                remarks.append(
+                    f"{name.upper()} at {volts:g} V: {'back' if reverse else 'ahead'}, its table begins at "
+                    f"{REST_US + FULL_US * lowest:g} us; nearer to rest the curve has the shape of a {LIKE[0]}'s "
+                    "(estimate), first thrust as well. A row of 0 kgf says where it is at rest"
+                )
+            side = _shaped(side, reverse)
+        sides.append(side)
+    if alone:  # full throttle
         source += f"; full throttle is known, the shape of the curve is that of a {LIKE[0]} at {LIKE[1]:g} V (estimate)"
     (back, ahead) = sides
     zero_after = min(_ZERO_AFTER, (ahead[0, 0] - back[-1, 0]) / 3.0)
     last, first = back[-1, 0] + zero_after, ahead[0, 0] - zero_after  # where it rests again
     commands = np.concatenate([back[:, 0], [last, first], ahead[:, 0]])
     forces = NEWTONS_IN_KGF * np.concatenate([back[:, 1], [0.0, 0.0], ahead[:, 1]])
-    power = (_power(back), _power(ahead))
+    each = _power(back), _power(ahead)
+    power = None if min(each) <= 0.0 else each
+    if power is None:
+        remarks.append(f"{name.upper()} at {volts:g} V: its table has no power, so there is no model of a battery")
     zone = (float(NEWTONS_IN_KGF * back[-1, 1]), float(NEWTONS_IN_KGF * ahead[0, 1]))
-    return KnownThruster(name.upper(), volts, commands, forces, zone, power, LAG_S, source)
+    return KnownThruster(name.upper(), volts, commands, forces, zone, power, LAG_S, source, tuple(remarks))
 
 
 def known_names(tables: Tables | None = None) -> tuple[str, ...]:
@@ -112,8 +131,13 @@ def published() -> Tables:
 
 
 def _side(table: Matrix, reverse: bool) -> Matrix:
-    """Rows of one direction, by command."""
-    return table[(table[:, 1] < 0.0) == reverse]
+    """Rows of one direction that push, by command."""
+    return table[(table[:, 1] < 0.0) if reverse else (table[:, 1] > 0.0)]
+
+
+def _rests(table: Matrix, reverse: bool) -> bool:
+    """Whether a row says how far it makes no thrust."""
+    return bool((table[table[:, 1] == 0.0, 0] * (-1.0 if reverse else 1.0) > 0.0).any())
 
 
 def _between(low: Matrix, high: Matrix, share: float) -> Matrix:
@@ -135,15 +159,21 @@ def _along(side: Matrix) -> Vector:
     return (side[:, 0] - side[0, 0]) / (side[-1, 0] - side[0, 0])
 
 
-def _shaped(full: Matrix, reverse: bool) -> Matrix:
-    """Rows of a whole direction from that of full throttle."""
+def _shaped(side: Matrix, reverse: bool) -> Matrix:
+    """Rows of a whole direction from those that there are: below the lowest, in proportion to it, those of `LIKE`."""
     name, volts = LIKE
     like = _side(published()[name][volts], reverse)
-    of_full = like[0] if reverse else like[-1]
-    return np.column_stack([like[:, 0], like[:, 1:] / of_full[1:] * full[0, 1:]])
+    lowest = side[-1 if reverse else 0]
+    at_lowest = np.array([np.interp(lowest[0], like[:, 0], like[:, column]) for column in (1, 2)])
+    nearer = like[np.abs(like[:, 0]) < abs(lowest[0])]
+    below = np.column_stack([nearer[:, 0], nearer[:, 1:] / at_lowest * lowest[1:]])
+    return np.vstack([side, below] if reverse else [below, side])
 
 
 def _power(side: Matrix) -> float:
-    """k_P of P = k_P |F|^1.5, in W/N^1.5."""
+    """k_P of P = k_P |F|^1.5, in W/N^1.5, of the rows whose power is known; 0 where there is none."""
+    side = side[np.isfinite(side[:, 2])]
+    if not len(side):
+        return 0.0
     raised = np.abs(NEWTONS_IN_KGF * side[:, 1]) ** 1.5
     return float(raised @ side[:, 2] / (raised @ raised))

@@ -3,7 +3,8 @@
     thruster,voltage_V,pulse_us,force_kgf,power_W
     T200,16,1100,-4.07,388.8
 
-Lines that begin with # are remarks; a power that is not known is left empty. 1500 us is rest, 1100 and 1900 us are full
+Lines that begin with # are remarks; a power that is not known is left empty. Force of more than 500 kgf is
+refused, for it is one in grams. 1500 us is rest, 1100 and 1900 us are full
 throttle.
 """
 
@@ -21,10 +22,14 @@ from cube_sim.spatial import Matrix
 COLUMNS = ("thruster", "voltage_V", "pulse_us", "force_kgf", "power_W")
 REST_US, FULL_US = 1500.0, 400.0
 """Pulse width at rest, and from there to full throttle [us]."""
-LARGEST_KGF = 1e6
+LARGEST_KGF = 500.0
+"""About 5 kN (a choice): a table of more is in grams, or newtons."""
+READING = 0.005
+"""Share of its range by which a measured curve may fall from one row to the next: readings are rounded (a choice)."""
 
 Tables = Mapping[str, Mapping[float, Matrix]]
-"""Name -> voltage [V] -> rows (n,3) by command: command, force [kgf], power [W]; rows without force are left out."""
+"""Name -> voltage [V] -> rows (n,3) by command: command, force [kgf], power [W], nan where it is not known; the row at
+rest is left out."""
 
 
 def read_tables(file: Path) -> Tables:
@@ -46,12 +51,13 @@ def read_tables(file: Path) -> Tables:
     found: dict[str, dict[float, list[tuple[float, float, float]]]] = {}
     for (number, _), row in zip(numbered[1:], rows[1:], strict=True):
         name, volts, command, force, power = _row(f"{file}:{number}", row)
-        if force != 0.0:
+        if force != 0.0 or command != 0.0:
             found.setdefault(name, {}).setdefault(volts, []).append((command, force, power))
     tables = {name: {volts: np.array(sorted(each)) for volts, each in of.items()} for name, of in found.items()}
     for name, of in tables.items():
         for volts, table in of.items():
-            back, ahead = table[table[:, 0] < 0.0], table[table[:, 0] > 0.0]
+            pushes = table[table[:, 1] != 0.0]
+            back, ahead = pushes[pushes[:, 0] < 0.0], pushes[pushes[:, 0] > 0.0]
             if not len(back) or not len(ahead) or back[:, 1].max() > 0.0 or ahead[:, 1].min() < 0.0:
                 raise ModelError(
                     str(file),
@@ -65,23 +71,41 @@ def read_tables(file: Path) -> Tables:
                         f"{name} at {volts:g} V has one row a side, at {REST_US + FULL_US * side[0, 0]:g} us; full "
                         "throttle is right where there is one only",
                     )
+                _require_rising(str(file), f"{name} at {volts:g} V", side, READING * np.ptp(pushes[:, 1]))
     if not tables:
         raise ModelError(str(file), "has no row with a force")
     return tables
+
+
+def _require_rising(file: str, what: str, side: Matrix, allowed: float) -> None:
+    falls = np.diff(side[:, 1])
+    if falls.min(initial=0.0) < -allowed:
+        i = int(np.argmin(falls))
+        (one, two), (high, low) = REST_US + FULL_US * side[i : i + 2, 0], side[i : i + 2, 1]
+        raise ModelError(
+            file,
+            f"{what} falls from {high:g} kgf at {one:g} us to {low:g} kgf at {two:g} us; force rises with the pulse, "
+            "from full reverse (below 0) to full ahead",
+        )
 
 
 def _row(where: str, row: list[str]) -> tuple[str, float, float, float, float]:
     if len(row) != len(COLUMNS):
         raise ModelError(where, f"has {len(row)} values; {len(COLUMNS)} are right")
     try:
-        volts, pulse, force, power = (float(cell or "0") for cell in row[1:])
+        volts, pulse, force = (float(cell or "0") for cell in row[1:4])
+        power = float(row[4]) if row[4] else np.nan
     except ValueError:
         raise ModelError(where, f"'{','.join(row[1:])}' are not four numbers") from None
     command = (pulse - REST_US) / FULL_US
-    if not row[0] or not 0.0 < volts < 1e6 or not abs(command) <= 1.0 or not abs(force) < LARGEST_KGF:
+    if not row[0] or not 0.0 < volts < 1e6 or not abs(command) <= 1.0 or not abs(force) < np.inf:
         raise ModelError(
             where, f"a name, a voltage above 0, a pulse of {REST_US - FULL_US:g} to {REST_US + FULL_US:g} us are right"
         )
-    if not 0.0 <= power < 1e9:
+    if abs(force) > LARGEST_KGF:
+        raise ModelError(
+            where, f"{force:g} kgf is more than a thruster makes ({LARGEST_KGF:g}); kilograms-force are right"
+        )
+    if row[4] and not 0.0 <= power < 1e9:
         raise ModelError(where, f"a power of {power:g} W; 0 or more is right")
     return row[0].upper(), volts, command, force, power

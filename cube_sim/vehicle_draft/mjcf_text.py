@@ -64,14 +64,18 @@ def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds
     for key, (unit, values) in numbers.items():
         lines += _comment("    ", f"{unit}: {hull.sources[key]}")
         lines += _numeric(f"hull:{key}", values, 6)
+    powers = all(of.power is not None for of in kinds.values())  # a hull's would serve those without as well
     for owner, of in [("hull", first), *((p.name, kinds[p.kind]) for p in places if p.kind != first.name)]:
         lines += _comment("    ", f"{of.source}: pairs of command and thrust [N], command = (pulse - 1500 us)/400 us")
         lines += _numeric(f"{owner}:thruster_characteristic", np.column_stack([of.commands, of.forces]).ravel(), 10)
         lines += _comment(
-            "    ", "first thrusts [N]; k of the electrical power k |F|^1.5 [W]; their voltage; pulses [us]"
+            "    ",
+            f"first thrusts [N]; {'k of the electrical power k |F|^1.5 [W]; ' if powers else ''}their voltage; "
+            "pulses [us]",
         )
         lines += _numeric(f"{owner}:thruster_dead_zone", of.force_dead_zone, 6)
-        lines += _numeric(f"{owner}:thruster_power", of.power, 6)
+        if powers and of.power is not None:
+            lines += _numeric(f"{owner}:thruster_power", of.power, 6)
         lines += _numeric(f"{owner}:thruster_voltage", [of.voltage], 6)
         lines += _numeric(f"{owner}:thruster_pwm", [REST_US - FULL_US, REST_US, REST_US + FULL_US], 6)
     inertia = hull.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]

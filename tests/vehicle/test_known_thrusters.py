@@ -126,6 +126,8 @@ def test_a_table_of_one_voltage_serves_that_one(tmp_path):
         ("M1,12,one,-1,0", ":12: '12,one,-1,0' are not four numbers"),
         ("M1,12,1100", ":12: has 3 values; 5 are right"),
         ("M2,12,1100,-1,0\nM2,12,1800,2,0", ": M2 at 12 V has one row a side, at 1800 us; full throttle is right"),
+        ("M1,12,1100,18500,0", ":12: 18500 kgf is more than a thruster makes (500); kilograms-force are right"),
+        ("M1,12,1800,2.1,0", ": M1 at 12 V falls from 2.1 kgf at 1800 us to 2 kgf at 1900 us; force rises with"),
         ("M1,12,1800,-1.9,0", ": M1 at 12 V does not push back below 1500 us and ahead above"),
     ],
 )
@@ -156,3 +158,37 @@ def test_a_table_that_falls_further_is_refused_with_the_row():
     given = {"hull:thruster_characteristic": pairs.ravel(), "hull:thruster_dead_zone": [-28.0, 0.4]}
     with pytest.raises(ModelError, match=r"fall from 36.38\d* to 35.18\d* N at pair 8 \(command 0.99\)"):
         cube_sim.load_model(CUBE, given)
+
+
+def test_below_a_table_that_begins_at_much_throttle_it_has_the_shape_of_a_t200(tmp_path):
+    """Rows at 30, 60 and 100 %, twice a T200's: all of the curve is twice a T200's, first thrust as well."""
+    like = known_thruster("T200")
+    rows = [-1.0, -0.6, -0.3, 0.3, 0.6, 1.0]
+    kgf = 2.0 * np.interp(rows, like.commands, like.forces) / NEWTONS_IN_KGF
+    lines = [f"M1,12,{1500 + 400 * at:g},{force:.9g}," for at, force in zip(rows, kgf, strict=True)]
+    own = tmp_path / "own.csv"
+    own.write_text("\n".join([OWN.splitlines()[0], *lines]))
+    of = known_thruster("M1", 12.0, read_tables(own))
+    low = np.linspace(-0.3, 0.3, 61)
+    np.testing.assert_allclose(curve(of).force(low), 2.0 * curve(like).force(low), rtol=1e-6, atol=1e-6)
+    assert of.force_dead_zone == pytest.approx(tuple(2.0 * np.array(like.force_dead_zone)))
+    assert [remark.partition(";")[0] for remark in of.remarks[:2]] == [
+        "M1 at 12 V: back, its table begins at 1380 us",
+        "M1 at 12 V: ahead, its table begins at 1620 us",
+    ]
+    own.write_text(own.read_text() + "\nM1,12,1600,0,\nM1,12,1400,0,\n")
+    measured = known_thruster("M1", 12.0, read_tables(own))
+    assert measured.force_dead_zone == pytest.approx((NEWTONS_IN_KGF * kgf[2], NEWTONS_IN_KGF * kgf[3]))
+    assert len(measured.remarks) == 1  # of its power
+
+
+def test_power_that_is_left_empty_is_not_none(tmp_path):
+    own = tmp_path / "own.csv"
+    own.write_text(OWN.replace("M1,12,1900,2.0,", "M1,12,1900,2.0,90"))
+    of = known_thruster("M1", 12.0, read_tables(own))
+    assert of.power is None  # of one direction nothing is known
+    assert of.remarks == ("M1 at 12 V: its table has no power, so there is no model of a battery",)
+    own.write_text(own.read_text().replace("M1,12,1100,-1.0,", "M1,12,1100,-1.0,95"))
+    assert known_thruster("M1", 12.0, read_tables(own)).power == pytest.approx(
+        (95 / NEWTONS_IN_KGF**1.5, 90 / (2 * NEWTONS_IN_KGF) ** 1.5)
+    )

@@ -51,9 +51,7 @@ from cube_sim.vehicle.mjcf.numeric_names import (
     one_water,
 )
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
-
-READING = 0.005
-"""Share of its range by which a measured curve may fall from one pair to the next: readings are rounded (a choice)."""
+from cube_sim.vehicle.thruster_tables import READING
 
 
 @dataclass(frozen=True)
