@@ -27,6 +27,16 @@ def law(setup):
 SPEEDS = "samples:\n  vary:\n    guidance.speed_m_s: {distribution: grid, values: [0.3, 0.5, 0.2]}\n"
 
 
+@pytest.fixture(autouse=True, scope="module")
+def warm(tmp_path_factory):
+    """What compiles at the first flight after a change must not count against a sample's limit."""
+    folder = tmp_path_factory.mktemp("warm")
+    (folder / "own.py").write_text(PID)
+    file = written(folder, "samples: {count: 1}\n", FLIGHT + "control: {law: {python: 'own.py:pid'}}\n")
+    assert rows_of(swept(file, folder / "own_law", workers_as="processes").folder)[0]["verdict"] == "PASS"
+    assert rows_of(swept(written(folder, "samples: {count: 1}\n"), folder / "ours").folder)[0]["verdict"] == "PASS"
+
+
 def test_a_process_that_hangs_ends_and_its_row_says_where_it_was(tmp_path):
     (tmp_path / "own.py").write_text(PID)
     (tmp_path / "hang.py").write_text(HANGING)

@@ -25,6 +25,14 @@ STRIP_COLUMNS = 4
 
 
 @compiled
+def _component(nu, axis):
+    """Component of a 6-tuple by a number known at run time only; to index would be able to raise, here nothing can."""
+    if axis < 3.0:
+        return nu[0] if axis < 1.0 else (nu[1] if axis < 2.0 else nu[2])
+    return nu[3] if axis < 4.0 else (nu[4] if axis < 5.0 else nu[5])
+
+
+@compiled
 def products_wrench(products, hull, nu_r):
     """The wrench of a hull's products of velocities, a 6-tuple [N, N m], body axes.
 
@@ -38,10 +46,10 @@ def products_wrench(products, hull, nu_r):
         p = products[row]
         if p[HULL] != hull:
             continue
-        second = nu_r[int(p[SECOND])]
+        second = _component(nu_r, p[SECOND])
         if p[ABSOLUTE] != 0.0:
             second = abs(second)
-        force = p[COEFFICIENT] * nu_r[int(p[FIRST])] * second
+        force = p[COEFFICIENT] * _component(nu_r, p[FIRST]) * second
         axis = int(p[AXIS])
         if axis == 0:
             fx += force

@@ -86,8 +86,9 @@ def _under_water(hull, room, position, R, surface):
     depth = surface - double(position, 2) - (up[0] * r_CB[0] + up[1] * r_CB[1] + up[2] * r_CB[2])
     share, centre, gradient = hull_under_water(depth, up, half_axes, r_CB)
     put(room, layout.DISPLACED_MASS, share * double(hull, layout.DISPLACED_MASS))
-    for i in range(3):
-        put(room, layout.CENTRE + i, centre[i])
+    put(room, layout.CENTRE, centre[0])
+    put(room, layout.CENTRE + 1, centre[1])
+    put(room, layout.CENTRE + 2, centre[2])
     for i in range(layout.ADDED_MASS, layout.FORCE):
         put(room, i, share * double(hull, i))
     return room, share, gradient
