@@ -13,6 +13,7 @@ from cube_sim.commands.ending import BAD_INPUT, stop
 from cube_sim.commands.output import open_no_windows, to_paste
 from cube_sim.commands.progress import begin_compiling
 from cube_sim.errors import CubeSimError
+from cube_sim.whole_file import written_whole
 
 EPILOG = (
     "Exit code: 0 written, 2 there is a file already, or the model flies none of what is tried; nothing is written."
@@ -66,14 +67,19 @@ def write_scenario(model: Path, file: Path, hull: str | None) -> str:
         OSError: the file cannot be written.
     """
     from cube_sim.commands.analysis_report import report_on
-    from cube_sim.commands.starter import head_of, starter_for, text_of
+    from cube_sim.commands.starter import NoStarterError, head_of, starter_for, text_of
 
     report = report_on(model, hull=hull)
+    if report.fins and not report.analysis.verdict.follows:
+        raise NoStarterError(
+            f"{model}: scenarios command thrusters only, and this vehicle needs its fins ({', '.join(report.fins)}): "
+            "its thrusters alone follow no path, and nothing is tried"
+        )
     chosen = starter_for(model, hull)
     thrusters, head = report.vehicle.thrusters.names, head_of(report)
     text = text_of(chosen.candidate, model, hull, chosen.limits, file.parent, head, chosen.measured, thrusters)
-    with file.open("x", encoding="utf-8") as written:
-        written.write(text)
+    with written_whole(file) as part:
+        part.write_text(text, encoding="utf-8")
     return chosen.candidate.what
 
 

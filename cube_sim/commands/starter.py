@@ -17,9 +17,12 @@ from cube_sim.errors import CubeSimError
 
 if TYPE_CHECKING:
     from cube_sim.commands.analysis_report import Report
+    from cube_sim.verdict import CheckResult
 
 DEPTH_M = -5.0
 _PLAIN = re.compile(r"(?:\.\./)*[A-Za-z_][A-Za-z0-9_./-]*")
+_LINE = re.compile(r"^(\d+(:\d+)?:)?")
+"""Of a file that is gone when its error is read."""
 _SLACK = 2.0
 """The limits of the checks that are written over what was measured."""
 _LEAST_LIMIT_M = 0.05
@@ -105,16 +108,30 @@ def starter_for(model: Path, hull: str | None, tried: Sequence[Candidate] | None
             try:
                 run = simulation.fly(scenario, out=Path(folder, str(number)), record="none")
             except CubeSimError as error:
-                reason = str(error).splitlines()[0].removeprefix(f"{scenario}:")
-                refused.append(f"{candidate.what} at {candidate.speed_m_s:g} m/s: {reason}")
+                reason = _LINE.sub("", str(error).splitlines()[0].removeprefix(f"{scenario}:")).strip()
+                refused.append(f"{_told(candidate)}: {reason}")
                 continue
             if run.verdict == "PASS":
                 values = [check.value or 0.0 for check in run.checks]
                 measured = dict(zip(_checked(candidate), values, strict=False))
                 return Starter(candidate, {name: _limit(value) for name, value in measured.items()}, measured)
             failed = next(check for check in run.checks if check.verdict != "PASS")
-            refused.append(f"{candidate.what} at {candidate.speed_m_s:g} m/s: {failed.name}: {failed.detail}")
+            refused.append(f"{_told(candidate)}: {_failure(failed)}")
     raise NoStarterError("\n".join([f"{model}: flies none of the paths that were tried", *refused]))
+
+
+def _told(candidate: Candidate) -> str:
+    free = ", attitude free" if candidate.control else ""
+    return f"{candidate.what} at {candidate.speed_m_s:g} m/s{free}"
+
+
+def _failure(failed: CheckResult) -> str:
+    """What a check saw, and what it should have seen."""
+    if failed.value is None:
+        return f"{failed.name}: {failed.detail}"
+    unit = "" if failed.unit in ("", "1") else f" {failed.unit}"
+    limit = "at most" if failed.relation == "<=" else "at least"
+    return f"{failed.name}: {failed.value:.3g}{unit}, {limit} {failed.limit:g}{unit} is right"
 
 
 def _checked(candidate: Candidate) -> tuple[str, ...]:

@@ -78,6 +78,15 @@ def test_a_vehicle_that_flies_nothing_is_told_what_was_tried(tmp_path, monkeypat
     assert not (tmp_path / "first.yaml").exists()
 
 
+def test_a_vehicle_that_needs_its_fins_is_told_at_once(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(starter, "starter_for", lambda *_: pytest.fail("it is flown"))
+    code, stdout, stderr = call(monkeypatch, capsys, "new", CUBE.with_name("remus100.xml"))
+    assert (code, stdout, stderr.count("\n")) == (2, "", 1)
+    assert "remus100.xml: scenarios command thrusters only, and this vehicle needs its fins (" in stderr
+    assert not list(tmp_path.iterdir())
+
+
 def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there.yaml").write_text("mine\n")
