@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +15,7 @@ from cube_sim.commands.ending import BAD_INPUT, stop
 from cube_sim.commands.output import to_paste
 from cube_sim.commands.progress import begin_compiling
 from cube_sim.errors import CubeSimError, ShapeError
+from cube_sim.whole_file import undone_if_left
 
 if TYPE_CHECKING:
     from cube_sim.vehicle.known_thrusters import KnownThruster
@@ -73,7 +76,7 @@ def vehicle(
         ),
     ] = None,
     neutral: Annotated[
-        bool, typer.Option("--neutral", help="Displace what it weighs, whatever the mesh encloses.")
+        bool, typer.Option("--neutral", help="Displace what it weighs, whatever mesh or box enclose.")
     ] = False,
 ) -> None:
     """Write a vehicle: a commented MJCF, a scenario that it passes, and a test.
@@ -97,6 +100,8 @@ def vehicle(
         stop(BAD_INPUT, f"--unit {unit}: {', '.join(UNITS)} are right")
     if mesh is not None and size_m is not None:
         stop(BAD_INPUT, "--mesh and --size-m: one of the two says what the hull is")
+    if mass_kg is not None and urdf is not None:
+        stop(BAD_INPUT, "--mass-kg and --urdf: one of the two says what the vehicle weighs")
     if thruster and thrusters is not None:
         stop(BAD_INPUT, "--thruster and --thrusters: one of the two says where they are")
     turn = frame.upper()
@@ -179,9 +184,9 @@ def _hull(
 
         links = read_urdf(urdf)
         weighed = WeighedMass(
-            links.mass if mass is None else mass,
+            links.mass,
             links.centre_of_mass if centre_of_mass is None else centre_of_mass,
-            links.inertia * (1.0 if mass is None else mass / links.mass),
+            links.inertia,
             f"{links.links} links of {urdf.name}",
         )
     if mesh is not None:
@@ -189,7 +194,7 @@ def _hull(
     extent = _numbers("--size-m", size or "")
     if min(extent) <= 0.0:
         raise ShapeError(f"--size-m {size}: length, width and height [m] are positive")
-    return hull_of_box(weighed, extent)
+    return hull_of_box(weighed, extent, neutral)
 
 
 def _numbers(option: str, text: str) -> list[float]:
@@ -202,9 +207,19 @@ def _numbers(option: str, text: str) -> list[float]:
     return values
 
 
+def _take_away(files: Sequence[Path], folders: Sequence[Path]) -> None:
+    for file in files:
+        with suppress(OSError):
+            file.unlink(missing_ok=True)
+    for folder in folders:
+        with suppress(OSError):
+            folder.rmdir()
+
+
 def _write(
     name: str, folder: Path, hull: HullDraft, places: list[ThrusterPlace], kinds: dict[str, KnownThruster]
 ) -> None:
+    from cube_sim.commands.new import write_scenario
     from cube_sim.vehicle_draft.hull import DENSITY, GRAVITY
     from cube_sim.vehicle_draft.mjcf_text import mesh_text, mjcf_text
     from cube_sim.vehicle_draft.own_tests import own_tests
@@ -217,24 +232,30 @@ def _write(
     }
     if (surface := mesh_text(hull)) is not None:
         files[folder / "models" / f"{name}.obj"] = surface
-    for file, text in files.items():
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text, encoding="utf-8")
+    model, scenario = folder / "models" / f"{name}.xml", folder / "scenarios" / f"{name}_first.yaml"
+    whole = [*files, scenario]
+    parents = sorted({file.parent for file in whole} - {folder})
+    made = parents if folder.is_dir() else [*parents, folder]
+    what, refused = "", None
+    with undone_if_left(lambda: _take_away(whole, made)):
+        for parent in parents:
+            parent.mkdir(parents=True, exist_ok=True)
+        for file, text in files.items():
+            file.write_text(text, encoding="utf-8")
+        try:
+            what = write_scenario(model, scenario, None)
+        except CubeSimError as error:
+            refused = error
+    for file in files:
         typer.echo(file)
     for remark in (*hull.remarks, *(remark for kind in kinds.values() for remark in kind.remarks)):
         typer.echo(f"NOTE: {remark}", err=True)
-    model, scenario = folder / "models" / f"{name}.xml", folder / "scenarios" / f"{name}_first.yaml"
-    scenario.parent.mkdir()
-    from cube_sim.commands.new import write_scenario
-
-    try:
-        what = write_scenario(model, scenario, None)
-    except CubeSimError:
+    if refused is not None:
         scenario.parent.rmdir()
         typer.echo(
             f"{model}: no scenario is written; `{to_paste('analyze', model)}` says what its thrusters can do", err=True
         )
-        raise
+        raise refused
     typer.echo(f"{scenario}: {what}")
     typer.echo()
     typer.echo(f"look at it:  {to_paste('analyze', model)}")

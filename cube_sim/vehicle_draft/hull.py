@@ -23,6 +23,8 @@ LOWER = 0.05
 choice: vehicles are ballasted to float upright)."""
 UNLIKELY = 20.0
 """A mesh that displaces so many times what the vehicle weighs, or so many times less, is in another unit."""
+FURTHEST = 1.0
+"""Lengths of the hull that its centre of mass may be from its middle (a choice)."""
 COARSE = 0.05
 """Added mass that refinement changes by more is worth a word."""
 NEUTRAL = 0.02
@@ -88,13 +90,21 @@ class HullDraft:
     remarks: tuple[str, ...]
 
 
-def hull_of_box(weighed: WeighedMass, size: Sequence[float]) -> HullDraft:
-    """A hull known by its size (3,) [m]: neutrally buoyant, everything else as of a closed box.
+def hull_of_box(weighed: WeighedMass, size: Sequence[float], sure: bool) -> HullDraft:
+    """A hull known by its size: neutrally buoyant, everything else as of a closed box.
 
     The origin of the body axes is the middle of the box.
+
+    Args:
+        weighed: its mass.
+        size: (3,) [m].
+        sure: whether a size that is unlikely for the mass is meant.
+
+    Raises:
+        ShapeError: size and mass, or centre of mass, are not of one vehicle.
     """
     what = f"a closed box of {' x '.join(f'{x:g}' for x in size)} m"
-    return _hull(box_mesh(size), weighed, True, what, False)
+    return _hull(box_mesh(size), weighed, True, what, False, sure)
 
 
 def hull_of_mesh(mesh: ClosedMesh, name: str, weighed: WeighedMass, neutral: bool) -> HullDraft:
@@ -105,24 +115,34 @@ def hull_of_mesh(mesh: ClosedMesh, name: str, weighed: WeighedMass, neutral: boo
         name: of the file, for the sources.
         weighed: its mass, centre of mass from the origin of the mesh.
         neutral: whether it displaces what it weighs, whatever the mesh encloses.
+
+    Raises:
+        ShapeError: mesh and mass, or centre of mass, are not of one vehicle.
     """
-    return _hull(mesh, weighed, neutral, name, True)
+    return _hull(mesh, weighed, neutral, name, True, neutral)
 
 
-def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, drawn: bool) -> HullDraft:
+def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, drawn: bool, sure: bool) -> HullDraft:
     origin = solid_of(mesh).centre
     mesh = mesh.moved(np.eye(3), origin)
     solid = solid_of(mesh)
     likely = 1.0 / UNLIKELY <= DENSITY * solid.volume / weighed.mass <= UNLIKELY
-    if not neutral and not likely:
+    if not sure and not likely:
+        unit = "--unit mm" if drawn else "--size-m is in metres"
         raise ShapeError(
             f"{what}: displaces {DENSITY * solid.volume:.3g} kg of water, and the vehicle weighs {weighed.mass:.3g} "
-            "kg; is the unit right (--unit mm)? Say --neutral if it is"
+            f"kg; is the unit right ({unit})? Say --neutral if it is"
         )
     water, drag = added_mass(mesh, DENSITY), drag_of(silhouettes_of(mesh), solid.size, DENSITY)
     lower = np.array([0.0, 0.0, -LOWER * solid.size[2]])
     mass, given = weighed.mass, weighed.centre_of_mass
     centre = lower if given is None else np.asarray(given, dtype=float) - origin
+    aside = centre - 0.5 * (solid.low + solid.high)
+    if np.linalg.norm(aside) > FURTHEST * solid.size.max():
+        raise ShapeError(
+            f"centre of mass at {', '.join(f'{x:g}' for x in centre + origin)} m: is far outside {what}, which is "
+            f"{' x '.join(f'{x:.3g}' for x in solid.size)} m; metres from the same origin are right"
+        )
     inertia = mass * solid.inertia_per_mass if weighed.inertia is None else weighed.inertia
     volume = mass / DENSITY if neutral else solid.volume
     axes = ("surge", "sway", "heave")
@@ -173,6 +193,8 @@ def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, draw
             "the centre of buoyancy is not above the centre of mass: at rest the hull leans until it is, unless its "
             "thrusters hold it"
         )
+    if (np.abs(aside) > 0.5 * solid.size).any():
+        remarks.append(f"the centre of mass is outside the box around {what}")
     if centre[2] > 0.0:
         remarks.append("the centre of buoyancy is below the centre of mass: the hull turns upside down by itself")
     return HullDraft(

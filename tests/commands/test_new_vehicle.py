@@ -140,13 +140,16 @@ def moved(flag, by):
 
 @pytest.mark.flight
 def test_a_vehicle_that_flies_nothing_leaves_its_model_and_a_word(here, monkeypatch, capsys):
-    given = ["--mass-kg", 27, "--size-m", "0.3,0.3,0.3", "--thruster", "A=0,0.1,0:y:T200"]
+    given = ["--mass-kg", 27, "--size-m", "0.3,0.3,0.3", "--thruster", "A=0,0.1,0:z:T200"]
     code, _, stderr = call(monkeypatch, capsys, "new", "vehicle", "one", *given)
     assert code == 2
     assert stderr.splitlines()[0].startswith(
         "one/models/one.xml: no scenario is written; `cube-sim analyze one/models/one"
     )
     assert stderr.splitlines()[1] == "one/models/one.xml: flies none of the paths that were tried"
+    tried = stderr.splitlines()[2:]
+    assert len(set(tried)) == len(tried) == 8
+    assert all(re.search(r": -?[0-9.e+-]+ m, at most [0-9.]+ m is right$|: [a-z]", line) for line in tried), tried
     assert sorted(path.name for path in here.glob("one/*")) == ["conftest.py", "models", "tests"]
 
 
@@ -225,6 +228,16 @@ def test_a_urdf_gives_mass_and_inertia_of_its_links(here, unflown, monkeypatch, 
         (("rov", "--mass-kg", "-1", *SIZE, *FLAGS), "--mass-kg -1: a mass [kg] is positive"),
         (("rov", *MASS, *SIZE, "--mesh", "x.stl", *FLAGS), "--mesh and --size-m: one of the two says what the hull is"),
         (("rov", *MASS, "--mesh", "mm.stl", *FLAGS), "mm.stl: displaces 9.13e+10 kg of water, and the vehicle weighs"),
+        (
+            ("rov", *MASS, "--size-m", "460,340,250", *FLAGS),
+            "a closed box of 460 x 340 x 250 m: displaces 3.91e+10 kg of water, and the vehicle weighs 11.5 kg; is the "
+            "unit right (--size-m is in metres)?",
+        ),
+        (
+            ("rov", *MASS, *SIZE, *FLAGS, "--centre-of-mass-m", "0,0,-5"),
+            "centre of mass at 0, 0, -5 m: is far outside a closed box of 0.46 x 0.34 x 0.25 m",
+        ),
+        (("rov", *MASS, "--urdf", "r.urdf", *SIZE, *FLAGS), "--mass-kg and --urdf: one of the two says what the"),
         (("rov", *MASS, "--mesh", "x.stl", *FLAGS), "x.stl: cannot be read: No such file or directory"),
         (("rov", "--urdf", "cut.urdf", *SIZE, *FLAGS), "cut.urdf:7:20: is no XML"),
         (("rov", "--urdf", "none.urdf", *SIZE, *FLAGS), "none.urdf: cannot be read: No such file or directory"),
@@ -267,6 +280,52 @@ def test_a_mistake_is_one_line_and_nothing_is_written(given, told, here, unflown
     code, stdout, stderr = call(monkeypatch, capsys, "new", "vehicle", *given)
     assert (code, stdout, stderr.count("\n")) == (2, "", 1), stderr
     assert stderr.startswith(told), stderr
+    assert sorted(here.rglob("*")) == before
+
+
+OWN = """thruster,voltage_V,pulse_us,force_kgf,power_W
+M1,12,1100,-2,
+M1,12,1380,-0.4,
+M1,12,1620,0.5,
+M1,12,1900,2.5,
+"""
+
+
+def test_a_table_of_ones_own_is_taken_at_its_voltage_and_without_power(here, unflown, monkeypatch, capsys):
+    (here / "own.csv").write_text(OWN)
+    flags = [flag.replace("T200", "M1").replace("t200", "M1") for flag in FLAGS]
+    given = [*MASS, *SIZE, *flags, "--thruster-table", "own.csv"]
+    code, _, stderr = call(monkeypatch, capsys, "new", "vehicle", "rov", *given)
+    assert code == 0
+    assert [note.partition(",")[0].partition(";")[0] for note in stderr.splitlines()] == [
+        "NOTE: M1 at 12 V: back",
+        "NOTE: M1 at 12 V: ahead",
+        "NOTE: M1 at 12 V: its table has no power",
+    ]
+    text = (here / "rov/models/rov.xml").read_text()
+    assert "thruster_power" not in text
+    assert 'name="hull:thruster_voltage" data="12"' in text
+    low, dead_low, dead_high, high = cube_sim.Vehicle.from_model(
+        cube_sim.load_model("rov/models/rov.xml")
+    ).thrusters.limits[0]
+    np.testing.assert_allclose([low, high], [-2 * 9.80665, 2.5 * 9.80665], rtol=1e-4)
+    assert -0.5 < dead_low < 0.0 < dead_high < 0.5
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_where_writing_fails_nothing_stays(there, here, monkeypatch, capsys):
+    def write(model, file, hull):
+        assert model.exists()
+        file.write_text("half")
+        raise OSError(28, "No space left on device", str(file))
+
+    monkeypatch.setattr("cube_sim.commands.new.write_scenario", write)
+    if there:
+        (here / "rov").mkdir()
+    before = sorted(here.rglob("*"))
+    code, stdout, stderr = call(monkeypatch, capsys, "new", "vehicle", "rov", *MASS, *SIZE, *FLAGS)
+    assert (code, stdout) == (2, "")
+    assert stderr == "rov/scenarios/rov_first.yaml: cannot be written: No space left on device\n"
     assert sorted(here.rglob("*")) == before
 
 
