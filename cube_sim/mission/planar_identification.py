@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cube_sim.control.planar.model import PlanarModel
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.current import still_water
+from cube_sim.vehicle.plugin.endless_water import endless_water
 from cube_sim.vehicle.vehicle import Vehicle
 
 PLANE = (0, 1, 5)  # surge, sway, yaw
@@ -137,7 +138,7 @@ def _acceleration(model: mujoco.MjModel, vehicle: Vehicle, u: float, v: float, r
     at, dof = vehicle.qpos_address, vehicle.dof_address
     data.qpos[at + 3 : at + 7] = (1.0, 0.0, 0.0, 0.0)
     data.qvel[dof : dof + 6] = (u, v, 0.0, 0.0, 0.0, r)
-    with still_water(model):
+    with still_water(model), endless_water(model):
         mujoco.mj_forward(model, data)
     a = data.qacc[dof : dof + 6]
     # MuJoCo's is the classical acceleration, u' and v' are taken in turning axes

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from support.places import REPO
+from support.places import MODELS, REPO
 from support.plain_callbacks import callbacks
 from support.water_bodies import DENSITY, GRAVITY, Body, flown, random_body, set_state, tumbling
 
 import cube_sim
 from cube_sim.errors import ModelError
+from cube_sim.mission.planar_identification import identify_planar_model
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 
 HALF_AXES = np.array([0.8, 0.25, 0.15])
@@ -285,3 +286,15 @@ def test_the_compiled_law_at_the_surface_is_the_plain_one():
 def test_a_surface_that_cannot_be_is_refused(given, said):
     with pytest.raises(ModelError, match=said):
         cube_sim.load_model(REPO / "models" / "cube.xml", given)
+
+
+@pytest.mark.parametrize("name", ["infante", "cube"])
+def test_what_is_read_off_a_model_is_read_under_water(name):
+    """At its reference pose each lies half out of the water."""
+    file = MODELS / f"{name}.xml"
+    deep, awash = cube_sim.load_model(file), cube_sim.load_model(file, {"water:surface": [0.0]})
+    np.testing.assert_array_equal(awash.body_invweight0, deep.body_invweight0)
+    np.testing.assert_array_equal(awash.dof_invweight0, deep.dof_invweight0)
+    if name == "infante":
+        of = [identify_planar_model(model, cube_sim.Vehicle.from_model(model)) for model in (deep, awash)]
+        assert of[0] == of[1]

@@ -8,6 +8,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.vehicle.plugin.endless_water import endless_water
+
 _BLOCKS = {int(mujoco.mjtJoint.mjJNT_FREE): (3, 3), int(mujoco.mjtJoint.mjJNT_BALL): (3,)}  # hinge and slide: (1,)
 
 
@@ -15,7 +17,7 @@ def set_inverse_weights(model: mujoco.MjModel, data: mujoco.MjData, hulls: Itera
     """Recompute them for everything in the hulls' trees, and for all tendons.
 
     MuJoCo itself computes them before the water has touched M. The definitions are its own (mj_setConst), at the
-    reference pose, each from the diagonal of J M^-1 J':
+    reference pose and under water, each from the diagonal of J M^-1 J':
 
     - body: the mean over its three translations [1/kg], and over its three rotations [1/(kg m^2)];
     - joint: the mean over its own axes, three by three;
@@ -28,7 +30,8 @@ def set_inverse_weights(model: mujoco.MjModel, data: mujoco.MjData, hulls: Itera
     """
     roots = set(hulls)
     data.qpos[:] = model.qpos0
-    mujoco.mj_forward(model, data)
+    with endless_water(model):
+        mujoco.mj_forward(model, data)
     J = np.zeros((6, model.nv))
     for body in range(1, model.nbody):
         if model.body_rootid[body] in roots:
