@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from math import inf
 
+import mujoco
 import numpy as np
 
 from cube_sim.actuation.directions.selection_criteria import final_approach
@@ -84,7 +85,7 @@ def controller_of(
         setup = LawSetup(
             scenario=scenario,
             period_s=scenario.control_period_s,
-            model=copy.copy(believed.model),
+            model=_in_place(believed, scenario),
             vehicle=believed.vehicle,
             dynamics=dynamics,
             A=ability.A,
@@ -129,6 +130,13 @@ def controller_of(
         capability=within_limit,
         path_first=is_path_first(control),
     )
+
+
+def _in_place(believed: CompiledHull, scenario: Scenario) -> mujoco.MjModel:
+    """A copy of a model, whose reference position is where the mission begins: at its own, a hull may be half dry."""
+    model, at = copy.copy(believed.model), believed.vehicle.qpos_address
+    model.qpos0[at : at + 3] = scenario.initial.position_m
+    return model
 
 
 def _costs(A: Matrix, whole: Capability) -> str:

@@ -157,10 +157,11 @@ def _say_in_the_model(spec: mujoco.MjSpec, numerics: dict[str, NDArray[np.float6
     """Put numerics into a spec, in place of its own: a compiled model says what it was made with."""
     there = {numeric.name: numeric for numeric in spec.numerics}
     for name, values in numerics.items():
+        flat = values.ravel()
         if name in there:
-            there[name].data, there[name].size = values, values.size
+            there[name].data, there[name].size = flat, flat.size
         else:
-            spec.add_numeric(name=name, size=values.size, data=values)
+            spec.add_numeric(name=name, size=flat.size, data=flat)
 
 
 def _register(model: mujoco.MjModel, forces: dict[str, UserForce], hulls: list[str]) -> list[int]:

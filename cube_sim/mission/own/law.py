@@ -32,7 +32,8 @@ class LawSetup:
     Attributes:
         scenario: what is flown.
         period_s: the control period [s].
-        model: the MuJoCo model with its water, a copy; step it or linearise it as you like.
+        model: the MuJoCo model with its water, a copy, its reference position where the mission begins; step it or
+            linearise it as you like.
         vehicle: where the hull stands in the model, and its thrusters.
         dynamics: the hull's equations of motion.
         A: (6,m) actuation matrix [1, m].
