@@ -137,12 +137,16 @@ def _once_for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _as_if_missing(load: Callable[[str], Any]) -> Callable[[str], Any]:
-    """Read code from a cache, what is damaged like what is not there: numba makes it again then."""
+    """Read code from a cache, what is damaged like what is not there: numba makes it again then.
+
+    Code holds the name of its function's module. A file of the user's goes by one name as a program, and by another
+    where a scenario names it: the module is then not to be found.
+    """
 
     def load_or_miss(name: str) -> Any:
         try:
             return load(name)
-        except (EOFError, ValueError, pickle.UnpicklingError) as error:
+        except (AttributeError, ImportError, EOFError, ValueError, pickle.UnpicklingError) as error:
             raise FileNotFoundError(name) from error
 
     return load_or_miss
