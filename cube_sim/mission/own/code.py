@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import inspect
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -242,19 +243,24 @@ def _module_of_file(file: Path) -> ModuleType:
     content = file.read_bytes()
     texts = [str(file).encode(), content, *_beside(str(file)).values()]
     name = PREFIX + sha256(b"\0".join(texts)).hexdigest()[:16]
-    if name in sys.modules:
-        return sys.modules[name]
-    module = ModuleType(name)
-    module.__file__ = str(file)
-    # What is defined in it looks for its module there: dataclasses, pickles.
-    sys.modules[name] = module
-    try:
-        with importable(file):
-            exec(compile(importlib.util.decode_source(content), str(file), "exec"), module.__dict__)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return module
+    with _running:
+        if name in sys.modules:
+            return sys.modules[name]
+        module = ModuleType(name)
+        module.__file__ = str(file)
+        # What is defined in it looks for its module there: dataclasses, pickles.
+        sys.modules[name] = module
+        try:
+            with importable(file):
+                exec(compile(importlib.util.decode_source(content), str(file), "exec"), module.__dict__)
+        except BaseException:
+            del sys.modules[name]
+            raise
+        return module
+
+
+_running = threading.RLock()
+"""Held while a file is run: another thread must not take for whole a module that is there by name alone."""
 
 
 def _beside(file: str) -> dict[str, bytes]:
