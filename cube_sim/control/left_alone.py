@@ -39,7 +39,7 @@ def carried_m(hull: Record, held: Vector, rotation: Matrix, nu: Vector, current_
 @compiled
 def _carry(hull, mobility, held, R, nu, current_W, steps, farthest):
     """Fill the largest distances [m] of each so many steps, by the midpoint rule; R and nu are moved on."""
-    x = y = z = most = 0.0
+    place, most = np.zeros(3), 0.0
     current, push = triple(current_W), sextuple(held)
     still, middle = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), np.empty(6)
     for k in range(len(farthest)):
@@ -53,12 +53,24 @@ def _carry(hull, mobility, held, R, nu, current_W, steps, farthest):
             for i in range(6):
                 for j in range(6):
                     nu[i] += STEP_S * mobility[i, j] * missing[j]
-            velocity, rates = to_world(R, triple(nu)), triple(nu[3:])
-            spin = length(rates)
-            if not (length(velocity) < FASTEST and spin < FASTEST):
+            if not gone_on(R, place, nu, STEP_S):
                 return
-            x, y, z = x + STEP_S * velocity[0], y + STEP_S * velocity[1], z + STEP_S * velocity[2]
-            if spin > 0.0:
-                put_matrix(R, rotated(R, times(1.0 / spin, rates), spin * STEP_S))
-            most = max(most, length((x, y, z)))
+            most = max(most, length(triple(place)))
         farthest[k] = most
+
+
+@compiled
+def gone_on(R, place, nu, step_s):
+    """Move a place (3,) [m] and an attitude R_WB (3,3) by a velocity for a step; whether what becomes of it is told.
+
+    Faster than `FASTEST` nothing is moved any more.
+    """
+    velocity, rates = to_world(R, triple(nu)), triple(nu[3:])
+    spin = length(rates)
+    if not (length(velocity) < FASTEST and spin < FASTEST):
+        return False
+    for i in range(3):
+        place[i] += step_s * velocity[i]
+    if spin > 0.0:
+        put_matrix(R, rotated(R, times(1.0 / spin, rates), spin * step_s))
+    return True

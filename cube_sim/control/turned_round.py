@@ -14,6 +14,7 @@ import numpy as np
 
 from cube_sim.control.force_first import TORQUE, ForceFirst, serve_force_first
 from cube_sim.control.holding import carried_off_m
+from cube_sim.control.left_alone import gone_on
 from cube_sim.control.loop_times import LoopTimes
 from cube_sim.control.loops import MotionLoops, loop_wrench
 from cube_sim.control.pace import ForceBudget
@@ -24,12 +25,9 @@ from cube_sim.spatial import Vector, rotation_about
 from cube_sim.tuples import (
     length,
     minus6,
-    put_matrix,
     quaternion_from_matrix,
-    rotated,
     sextuple,
     times,
-    to_world,
     triple,
 )
 from cube_sim.vehicle.dynamics import Dynamics
@@ -53,8 +51,6 @@ OVER = 2.0
 """It is told of a hull that stays level where that leads so many times as far as to be turned over (a choice)."""
 LEAST_TOLD_M = 0.01
 """To less nobody can tell (a choice)."""
-FASTEST = 20.0
-"""A hull that moves faster [m/s, rad/s] has left what can be integrated so."""
 STEADIED = 0.5
 """Share of the time looked ahead after which it counts how far off it is: by then it turns as it goes on turning."""
 DRIFTS = 0.5
@@ -166,12 +162,6 @@ def _turn(hull, loops, parts, normals, held_shares, mobility, lateral_time, R, c
         for i in range(6):
             for j in range(6):
                 nu[i] += STEP_S * mobility[i, j] * missing[j]
-        velocity, rates = to_world(R, triple(nu)), triple(nu[3:])
-        spin = length(rates)
-        if not (length(velocity) < FASTEST and spin < FASTEST):
+        if not gone_on(R, position, nu, STEP_S):
             return
-        for i in range(3):
-            position[i] += STEP_S * velocity[i]
-        if spin > 0.0:
-            put_matrix(R, rotated(R, times(1.0 / spin, rates), spin * STEP_S))
         off[k] = length(triple(position))

@@ -114,14 +114,21 @@ class BellBlock(DistributionBlock):
     at_least: float | None = Field(default=None, description="Nothing below is drawn. Default: no bound.")
     at_most: float | None = Field(default=None, description="Nothing above is drawn. Default: no bound.")
 
-    def _cut(self, low: list[float], high: list[float]) -> tuple[Any, ...]:
-        """Numbers six standard deviations out, or the bounds."""
+    def _far_out(self) -> tuple[list[float], list[float]]:
+        """Lowest and highest numbers, six standard deviations out, of each entry."""
+        raise NotImplementedError
+
+    @property
+    def ends(self) -> tuple[Any, ...]:
+        """Its bounds, or six standard deviations from the middle: of the logarithm where that is drawn."""
+        low, high = self._far_out()
         lowest = tuple(each if self.at_least is None else self.at_least for each in low)
         highest = tuple(each if self.at_most is None else self.at_most for each in high)
         return _one_or_list(lowest), _one_or_list(highest)
 
-    def _require_something_between(self, low: list[float], high: list[float]) -> None:
+    def _require_something_between(self) -> None:
         """Refuse bounds that are out of order, or beyond all that is drawn."""
+        low, high = self._far_out()
         if self.at_least is not None and self.at_most is not None and self.at_least >= self.at_most:
             refuse(f"must be above at_least: {self.at_most:g} against {self.at_least:g}", "at_most")
         if self.at_least is not None and self.at_least > min(high):
@@ -142,17 +149,12 @@ class NormalBlock(BellBlock):
         _require_as_many(self, "mean", "std")
         if min(self.std) < 0.0:
             refuse(f"must be at least 0, got {min(self.std):g}", "std")
-        self._require_something_between(*self._far_out())
+        self._require_something_between()
         return self
 
     def _far_out(self) -> tuple[list[float], list[float]]:
         pairs = list(zip(self.mean, self.std, strict=True))
         return [m - FARTHEST * s for m, s in pairs], [m + FARTHEST * s for m, s in pairs]
-
-    @property
-    def ends(self) -> tuple[Any, ...]:
-        """Its bounds, or six standard deviations from the mean."""
-        return self._cut(*self._far_out())
 
 
 class LogNormalBlock(BellBlock):
@@ -169,17 +171,12 @@ class LogNormalBlock(BellBlock):
             refuse(f"must be greater than 0, got {min(self.median):g}", "median")
         if not 0.0 <= min(self.log_std) <= max(self.log_std) <= 10.0:
             refuse(f"is of the logarithm: from 0 to 10, got {list(self.log_std)}", "log_std")
-        self._require_something_between(*self._far_out())
+        self._require_something_between()
         return self
 
     def _far_out(self) -> tuple[list[float], list[float]]:
         pairs = list(zip(self.median, self.log_std, strict=True))
         return [m * exp(-FARTHEST * s) for m, s in pairs], [m * exp(FARTHEST * s) for m, s in pairs]
-
-    @property
-    def ends(self) -> tuple[Any, ...]:
-        """Its bounds, or six standard deviations of the logarithm from the median."""
-        return self._cut(*self._far_out())
 
 
 class IntegersBlock(DistributionBlock):

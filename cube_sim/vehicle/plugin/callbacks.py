@@ -15,6 +15,7 @@ from collections.abc import Mapping
 import numba
 from numba import types
 
+from cube_sim.tuples import plus6
 from cube_sim.vehicle.laws.current import accelerating_water, current_at
 from cube_sim.vehicle.laws.fin import servo_rate
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
@@ -39,11 +40,6 @@ from cube_sim.vehicle.plugin.memory import (
 
 _factor_mass_matrix = types.ExternalFunction("mj_factorM", types.void(types.int64, types.int64))
 _project_constraints = types.ExternalFunction("mj_projectConstraint", types.void(types.int64, types.int64))
-
-
-@numba.njit
-def _plus(a, b):
-    return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5])
 
 
 @numba.njit
@@ -209,21 +205,21 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 r_CB,
             )
             if at_surface:
-                F = _plus(F, fading_wrench(columns_times(hull + 8 * layout.ADDED_MASS, nu_r), gradient, nu, nu_r))
+                F = plus6(F, fading_wrench(columns_times(hull + 8 * layout.ADDED_MASS, nu_r), gradient, nu, nu_r))
             if profile >= 0:
-                F = _plus(F, accelerating_water(M_A, displaced, r_CB, R, surge))
+                F = plus6(F, accelerating_water(M_A, displaced, r_CB, R, surge))
             if pushes >= 0:
                 table = packed + 8 * pushes
                 from_outside = matrix(table + 8, int(double(table, 0)), COLUMNS)
-                F = _plus(F, push_wrench(from_outside, float(k), R, time, double(m + opt_timestep, 0)))
+                F = plus6(F, push_wrench(from_outside, float(k), R, time, double(m + opt_timestep, 0)))
             if lift >= 0:
                 lifted = lift_wrench(packed + 8 * lift, float(k), field(d, act), nu_r)
                 if at_surface:
                     lifted = faded(share, lifted)
-                F = _plus(F, lifted)
+                F = plus6(F, lifted)
             function = int(double(hull, layout.FORCE))
             if function >= 0:
-                F = _plus(F, _user_wrench(function, double(packed, layout.PROCESS), time, position, rotation, nu, nu_r))
+                F = plus6(F, _user_wrench(function, double(packed, layout.PROCESS), time, position, rotation, nu, nu_r))
             if double(m + opt_density, 0) != 0.0 or double(m + opt_viscosity, 0) != 0.0:
                 F = _not_a_number()  # MuJoCo's own fluid model was switched on later: every force twice
             force = field(d, qfrc_passive) + 8 * dof
