@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from support.command_line import cube_sim
 from support.own_code import PID
@@ -44,7 +46,7 @@ def test_a_process_that_hangs_ends_and_its_row_says_where_it_was(tmp_path):
     rows = rows_of(swept(file, tmp_path / "out", workers=2, limit_s=20.0).folder)
     assert [row["verdict"] for row in rows] == ["PASS", "ERROR", "PASS"]
     assert rows[1]["reason"] == "not landed after 20 s of the clock, the limit of a sample"
-    assert 'hang.py", line 8 in answer' in rows[1]["traceback"]
+    assert re.search(r'hang\.py", line [89] in answer', rows[1]["traceback"])  # at either line of its loop
     assert rows[1]["guidance.speed_m_s"] == 0.5
 
 
@@ -68,7 +70,7 @@ def test_a_generator_that_hangs_or_ends_its_process_costs_its_samples_only(tmp_p
     assert [row["verdict"] for row in rows] == ["PASS", "ERROR", "ERROR", "PASS"]
     assert rows[1]["reason"] == "its process died: exit code 3"
     assert rows[2]["reason"].startswith("not landed after 20 s")
-    assert 'draw.py", line 7 in drawn' in rows[2]["traceback"]
+    assert re.search(r'draw\.py", line [78] in drawn', rows[2]["traceback"])
     assert rows[3]["guidance.speed_m_s"] == 0.3
 
 
