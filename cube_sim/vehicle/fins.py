@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.vehicle.laws import fin as law
-from cube_sim.vehicle.laws.body_lift import PRODUCT_COLUMNS, STRIP_COLUMNS
+from cube_sim.vehicle.laws.body_lift import HULL, PRODUCT_COLUMNS, STRIP_COLUMNS, deflected_wrench
 from cube_sim.vehicle.plugin import layout, packing
 
 
@@ -28,6 +28,8 @@ class Fins:
         lag_s: (k,) time constants of the servos [s].
         rate: (k,) how fast they turn at most [rad/s].
         table: (k, 16) the fins as `cube_sim.vehicle.laws.fin` has them.
+        linear: (n, 6) products of velocities and a deflection, see `cube_sim.vehicle.laws.body_lift.deflected_wrench`.
+        square: (n, 6) products of velocities and the square of one.
     """
 
     names: tuple[str, ...]
@@ -37,6 +39,8 @@ class Fins:
     lag_s: NDArray[np.float64]
     rate: NDArray[np.float64]
     table: NDArray[np.float64]
+    linear: NDArray[np.float64]
+    square: NDArray[np.float64]
 
     @staticmethod
     def from_model(model: mujoco.MjModel, hull: int = 0) -> Fins:
@@ -49,8 +53,9 @@ class Fins:
         Raises:
             ModelError: the model has no water.
         """
-        table = _table(packing.packed_parameters(model))
-        table = table[(table[:, law.HULL] == hull) & (table[:, law.SERVO] >= 0.0)]
+        table, linear, square = _tables(packing.packed_parameters(model))
+        moved = np.flatnonzero((table[:, law.HULL] == hull) & (table[:, law.SERVO] >= 0.0))
+        table, linear, square = table[moved], _of_fins(linear, moved), _of_fins(square, moved)
         activations = table[:, law.SERVO].astype(int)
         actuators = np.array([np.flatnonzero(model.actuator_actadr == a)[0] for a in activations], dtype=int)
         return Fins(
@@ -61,6 +66,8 @@ class Fins:
             lag_s=model.actuator_dynprm[actuators, 0].copy(),
             rate=model.actuator_dynprm[actuators, 1].copy(),
             table=table,
+            linear=linear,
+            square=square,
         )
 
     def wrench(self, deflections: ArrayLike, nu_r: ArrayLike) -> NDArray[np.float64]:
@@ -72,7 +79,7 @@ class Fins:
         """
         flow = tuple(np.asarray(nu_r, dtype=float).tolist())
         angles = np.asarray(deflections, dtype=float).tolist()
-        each = [law.fin_wrench(row, angle, flow) for row, angle in zip(self.table, angles, strict=True)]
+        each = [self._wrench(k, angle, flow) for k, angle in zip(range(len(self.table)), angles, strict=True)]
         return np.array(each).reshape(-1, 6).sum(axis=0)
 
     def effectiveness(self, deflections: ArrayLike, nu_r: ArrayLike, step: float = 1e-4) -> NDArray[np.float64]:
@@ -88,16 +95,30 @@ class Fins:
         flow = tuple(np.asarray(nu_r, dtype=float).tolist())
         columns = np.empty((6, len(self.names)))
         for k, angle in enumerate(np.asarray(deflections, dtype=float).tolist()):
-            ahead, back = (np.array(law.fin_wrench(self.table[k], angle + s, flow)) for s in (step, -step))
+            ahead, back = (self._wrench(k, angle + s, flow) for s in (step, -step))
             columns[:, k] = (ahead - back) / (2.0 * step)
         return columns
 
+    def _wrench(self, k: int, angle: float, flow: tuple[float, ...]) -> NDArray[np.float64]:
+        lift = law.fin_wrench(self.table[k], angle, flow)
+        return np.add(lift, deflected_wrench(self.linear, self.square, k, angle, flow))
 
-def _table(packed: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n,16) all fins of a model."""
+
+def _tables(packed: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """(n,16) all fins of a model, and (n,6) the products with a deflection and with its square."""
     start = int(packed[layout.LIFT])
-    if start < 0:
-        return np.empty((0, law.COLUMNS))
-    products, strips, fins = (int(number) for number in packed[start : start + 3])
-    start += 3 + products * PRODUCT_COLUMNS + strips * STRIP_COLUMNS
-    return packed[start : start + fins * law.COLUMNS].reshape(fins, law.COLUMNS).copy()
+    columns = PRODUCT_COLUMNS, STRIP_COLUMNS, law.COLUMNS, PRODUCT_COLUMNS, PRODUCT_COLUMNS
+    counts = packed[start : start + len(columns)].astype(int).tolist() if start >= 0 else [0] * len(columns)
+    start += len(columns)
+    tables = []
+    for count, width in zip(counts, columns, strict=True):
+        tables.append(packed[start : start + count * width].reshape(count, width).copy())
+        start += count * width
+    return tables[2], tables[3], tables[4]
+
+
+def _of_fins(products: NDArray[np.float64], fins: NDArray[np.int_]) -> NDArray[np.float64]:
+    """The products of some fins, by their numbers among these."""
+    kept = products[np.isin(products[:, HULL], fins)]
+    kept[:, HULL] = np.searchsorted(fins, kept[:, HULL])
+    return kept

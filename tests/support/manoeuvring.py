@@ -16,12 +16,13 @@ FLIP = np.array([1.0, -1.0, -1.0])
 
 @dataclass(frozen=True)
 class RigidBody:
-    """Mass and moments of inertia about the origin; centre of mass."""
+    """Mass; moments (I_x, I_y, I_z) and products (I_xy, I_xz, I_yz) of inertia about the origin; centre of mass."""
 
     mass: float
     inertia: tuple[float, float, float]
     centre: tuple[float, float, float]
     added: dict[str, float] = field(default_factory=dict)
+    products: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def matrix(self) -> np.ndarray:
         """What multiplies the accelerations (u', v', w', p', q', r'); X_udot and the like on their places."""
@@ -29,15 +30,17 @@ class RigidBody:
         M = np.diag([m, m, m, *self.inertia])
         M[0, 4], M[0, 5], M[1, 3], M[1, 5], M[2, 3], M[2, 4] = m * z, -m * y, -m * z, m * x, m * y, -m * x
         M[3:, :3] = M[:3, 3:].T
+        M[3:, 3:] -= self._off_diagonal()
         for name, value in self.added.items():
             M["XYZKMN".index(name[0]), "uvwpqr".index(name[1])] -= value
         return M
 
     def turning(self, nu: np.ndarray) -> np.ndarray:
-        """What else stands on their left side (Prestero 2001, equation 3.8)."""
+        """What else stands on their left side (Prestero 2001, equation 3.8; with products of inertia, w x I w)."""
         m, (xg, yg, zg), (Ix, Iy, Iz) = self.mass, self.centre, self.inertia
         u, v, w, p, q, r = nu.tolist()
-        return np.array(
+        lopsided = np.concatenate([np.zeros(3), np.cross(nu[3:], -self._off_diagonal() @ nu[3:])])
+        return lopsided + np.array(
             [
                 m * (-v * r + w * q - xg * (q * q + r * r) + yg * p * q + zg * p * r),
                 m * (-w * p + u * r - yg * (r * r + p * p) + zg * q * r + xg * q * p),
@@ -47,6 +50,10 @@ class RigidBody:
                 (Iy - Ix) * p * q + m * (xg * (-w * p + u * r) - yg * (-v * r + w * q)),
             ]
         )
+
+    def _off_diagonal(self) -> np.ndarray:
+        Ixy, Ixz, Iyz = self.products
+        return np.array([[0.0, Ixy, Ixz], [Ixy, 0.0, Iyz], [Ixz, Iyz, 0.0]])
 
 
 def hydrostatics(rotation: np.ndarray, W: float, B: float, centre, buoyant) -> np.ndarray:

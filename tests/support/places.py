@@ -7,7 +7,7 @@ MODELS = REPO / "models"
 SCENARIOS = REPO / "scenarios"
 
 MODEL_FILES = sorted(MODELS.glob("*.xml"))
-STEERED_BY_FINS = ("remus100",)
+STEERED_BY_FINS = ("remus100", "nps_auv2")
 """Models whose thrusters alone fly nothing."""
 FLOWN_MODEL_FILES = [path for path in MODEL_FILES if path.stem not in STEERED_BY_FINS]
 FLEET_FILES = [path for path in sorted(SCENARIOS.glob("*.yaml")) if "\nvehicles:\n" in path.read_text()]

@@ -67,6 +67,28 @@ def products_wrench(products, hull, nu_r):
 
 
 @compiled
+def deflected_wrench(linear, square, fin, deflection, nu_r):
+    """The wrench of the products of velocities and a fin's deflection, a 6-tuple [N, N m], body axes.
+
+    Args:
+        linear: (n, `PRODUCT_COLUMNS`) products with the deflection, the number of the fin in the hull's place.
+        square: (n, `PRODUCT_COLUMNS`) products with its square.
+        fin: number of the fin.
+        deflection: [rad].
+        nu_r: relative velocity, a 6-tuple, body axes [m/s, rad/s].
+    """
+    a, b = products_wrench(linear, fin, nu_r), products_wrench(square, fin, nu_r)
+    return (
+        deflection * (a[0] + deflection * b[0]),
+        deflection * (a[1] + deflection * b[1]),
+        deflection * (a[2] + deflection * b[2]),
+        deflection * (a[3] + deflection * b[3]),
+        deflection * (a[4] + deflection * b[4]),
+        deflection * (a[5] + deflection * b[5]),
+    )
+
+
+@compiled
 def strips_wrench(strips, hull, nu_r):
     """The wrench of the flow across a hull, a 6-tuple [N, N m], body axes.
 

@@ -36,16 +36,25 @@ def velocity_products(numerics: Numerics, body: str, added_mass: NDArray[np.floa
     name = f"{body}:{PRODUCTS}"
     found: dict[tuple[int, int, int, bool], float] = {}
     for axis, first, second, coefficient in rows(numerics, name, 4, "axis, j, k, coefficient").tolist():
-        numbers = axis, first, abs(second)
-        if any(number != int(number) or not 1 <= number <= _DEGREES_OF_FREEDOM for number in numbers):
-            told = f"{axis:g} {first:g} {second:g} {coefficient:g}"
-            raise ModelError(name, f"has the row {told}; axis, j and k are 1 to 6 (k with a minus: |nu_k|)")
-        i, j, k = (int(number) - 1 for number in numbers)
-        _add(found, i, j, k, second < 0.0, coefficient)
+        _add(found, *product_of(name, axis, first, second), coefficient)
     if not _keeps_coriolis(numerics, body):
         for i, j, k, coefficient in _coriolis_products(added_mass):
             _add(found, i, j, k, False, coefficient)
     return np.array([[*key, value] for key, value in sorted(found.items()) if value]).reshape(-1, 5)
+
+
+def product_of(name: str, axis: float, first: float, second: float) -> tuple[int, int, int, bool]:
+    """axis, j and k (0 to 5), and whether |nu_k| is meant, of a row that has them from 1, k with a minus for |nu_k|.
+
+    Raises:
+        ModelError: they are not 1 to 6; names the numeric.
+    """
+    numbers = axis, first, abs(second)
+    if any(number != int(number) or not 1 <= number <= _DEGREES_OF_FREEDOM for number in numbers):
+        told = f"{axis:g} {first:g} {second:g}"
+        raise ModelError(name, f"has a row that begins {told}; axis, j and k are 1 to 6 (k with a minus: |nu_k|)")
+    i, j, k = (int(number) - 1 for number in numbers)
+    return i, j, k, second < 0.0
 
 
 def strips(numerics: Numerics, body: str, density: float) -> NDArray[np.float64]:

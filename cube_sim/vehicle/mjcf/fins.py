@@ -5,7 +5,9 @@
     <site>:fin_aspect_ratio   span^2 / area, twice that of a fin whose root the hull closes
     <site>:fin_stall          angle of stall [rad]; left out, the fin has the linear form of manoeuvring derivatives
     <site>:fin_drag           C_D0 and e of C_D = C_D0 + C_L^2 / (pi e AR); with an angle of stall
-    <body>:fin_...            each of these but the area for all fins of a hull, where they have none of their own
+    <site>:fin_products       rows axis, j, k, n, c: F_axis += c nu_j nu_k delta^n besides, n 1 or 2, the rest as in
+                              `velocity_products`: derivatives of a table by the deflection delta that no lift has
+    <body>:fin_...            each of these but area and products for all fins of a hull that have none of their own
 
 A fin's site is on the hull itself, where the lift acts: x ahead along the chord, y along the span, z along the normal.
 A servo is an actuator at that site, ``dyntype="user" dynprm="lag rate"`` [s, rad/s], its `ctrlrange` the fin's travel
@@ -20,12 +22,15 @@ from math import inf, pi, sqrt
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.mjcf.numbers import Numerics, either, scalar, vector
+from cube_sim.vehicle.mjcf.body_lift import product_of
+from cube_sim.vehicle.mjcf.numbers import Numerics, either, rows, scalar, vector
 
-AREA = "fin_area"
-FIN_PARAMETERS = (AREA, "fin_lift_slope", "fin_aspect_ratio", "fin_stall", "fin_drag")
+AREA, PRODUCTS = "fin_area", "fin_products"
+_SHAPE = ("fin_lift_slope", "fin_aspect_ratio", "fin_stall", "fin_drag")
+FIN_PARAMETERS = (AREA, *_SHAPE, PRODUCTS)
 
 
 @dataclass(frozen=True)
@@ -41,6 +46,7 @@ class FinParameters:
         drag: C_D0.
         induced: 1 / (pi e AR).
         servo: index of the actuator that turns it; None for a fixed fin.
+        products: (n,6) axis, j, k (0 to 5), whether |nu_k| is meant, c, and the power of the deflection.
     """
 
     site: str
@@ -51,6 +57,7 @@ class FinParameters:
     drag: float
     induced: float
     servo: int | None
+    products: NDArray[np.float64]
 
 
 def read_fins(
@@ -69,7 +76,7 @@ def read_fins(
     """
     for name in numerics:
         owner, _, parameter = name.rpartition(":")
-        if parameter == AREA and owner not in sites:
+        if parameter in (AREA, PRODUCTS) and owner not in sites:
             raise ModelError(name, f"no site '{owner}'; the model has {', '.join(sites) or 'none'}")
         if parameter in FIN_PARAMETERS and owner in sites and f"{owner}:{AREA}" not in numerics:
             raise ModelError(f"{owner}:{AREA}", f"is missing; fin '{owner}' needs its area [m^2]")
@@ -130,7 +137,8 @@ def _fin(numerics: Numerics, site: str, body: str, hulls: Sequence[str], servo: 
     if body not in hulls:
         raise ModelError(site, f"is a fin on '{body}', which is no hull; a fin's site is on the hull itself")
     area = _positive(numerics, f"{site}:{AREA}", "an area [m^2]")
-    slope, ratio, stall, drag = (either(numerics, site, body, parameter) for parameter in FIN_PARAMETERS[1:])
+    slope, ratio, stall, drag = (either(numerics, site, body, parameter) for parameter in _SHAPE)
+    products = _products(numerics, f"{site}:{PRODUCTS}")
     aspect = _positive(numerics, ratio, "an aspect ratio") if ratio else None
     if slope is None and aspect is None:
         raise ModelError(f"{site}:fin_lift_slope", f"is missing; fin '{site}' needs it, or 'fin_aspect_ratio'")
@@ -138,7 +146,7 @@ def _fin(numerics: Numerics, site: str, body: str, hulls: Sequence[str], servo: 
     if stall is None:
         if drag is not None:
             raise ModelError(drag, "belongs to a fin that stalls; give 'fin_stall' too (the linear form has no drag)")
-        return FinParameters(site, body, area, lift_slope, inf, 0.0, 0.0, servo)
+        return FinParameters(site, body, area, lift_slope, inf, 0.0, 0.0, servo, products)
     angle = _positive(numerics, stall, "an angle of stall [rad]")
     if angle > 0.5 * pi:
         raise ModelError(stall, f"is {angle:g}; an angle of stall [rad] is below pi/2")
@@ -150,7 +158,17 @@ def _fin(numerics: Numerics, site: str, body: str, hulls: Sequence[str], servo: 
     least, efficiency = vector(numerics, drag, 2).tolist()
     if least < 0.0 or not 0.0 < efficiency <= 1.0:
         raise ModelError(drag, f"is {least:g} {efficiency:g}; C_D0 >= 0 and 0 < e <= 1 are right")
-    return FinParameters(site, body, area, lift_slope, angle, least, 1.0 / (pi * efficiency * aspect), servo)
+    induced = 1.0 / (pi * efficiency * aspect)
+    return FinParameters(site, body, area, lift_slope, angle, least, induced, servo, products)
+
+
+def _products(numerics: Numerics, name: str) -> NDArray[np.float64]:
+    found = []
+    for axis, first, second, power, coefficient in rows(numerics, name, 5, "axis, j, k, n, coefficient").tolist():
+        if power not in (1.0, 2.0):
+            raise ModelError(name, f"has a row with n = {power:g}; 1, the deflection, or 2, its square, is right")
+        found.append([*product_of(name, axis, first, second), coefficient, power])
+    return np.array(found, dtype=float).reshape(-1, 6)
 
 
 def helmbold(aspect_ratio: float) -> float:

@@ -16,8 +16,9 @@ doubles from the array's beginning:
                     voltage [V], pulse widths of the commands -1, 0 and 1 [us], c_1..c_n, F_1..F_n [N];
                     stuck is NaN for a thruster that is free; voltage and pulses are NaN where not known
     pushes          n, and n rows as `cube_sim.vehicle.laws.push` has them
-    lift            numbers of velocity products, strips and fins, and a row for each as the laws `body_lift` and `fin`
-                    of `cube_sim.vehicle.laws` have them
+    lift            numbers of velocity products, strips, fins, products with a fin's deflection and with its square,
+                    and a row for each as the laws `body_lift` and `fin` of `cube_sim.vehicle.laws` have them; where a
+                    deflection is in it, the fin's number stands for the hull's
     current         n_t, n_z, t_1.. [s], z_1.. [m], (v_x, v_y, v_z) [m/s] time by time
 
 `cube_sim.vehicle.plugin.packing` writes it. Efficiency, supply, stuck, the velocities of the current and the

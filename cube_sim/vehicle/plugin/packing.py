@@ -122,15 +122,21 @@ def _lift_record(parameters: WaterParameters, fins: NDArray[np.float64] | None) 
     products = _of_hulls([hull.products for hull in parameters.hulls], PRODUCT_COLUMNS)
     strips = _of_hulls([hull.strips for hull in parameters.hulls], STRIP_COLUMNS)
     table = np.zeros((len(parameters.fins), FIN_COLUMNS)) if fins is None else fins
-    sizes = [len(products), len(strips), len(table)]
-    if not any(sizes):
+    linear, square = (_of_fins(parameters, power) for power in (1.0, 2.0))
+    tables = products, strips, table, linear, square
+    if not any(len(each) for each in tables):
         return np.empty(0)
-    return np.concatenate([np.array(sizes, dtype=float), products.ravel(), strips.ravel(), table.ravel()])
+    return np.concatenate([np.array([len(each) for each in tables], dtype=float), *(each.ravel() for each in tables)])
+
+
+def _of_fins(parameters: WaterParameters, power: float) -> NDArray[np.float64]:
+    """(n, columns) products with that power of a deflection, the number of the fin before each."""
+    return _of_hulls([fin.products[fin.products[:, -1] == power, :-1] for fin in parameters.fins], PRODUCT_COLUMNS)
 
 
 def _of_hulls(rows: list[NDArray[np.float64]], columns: int) -> NDArray[np.float64]:
-    """(n, columns) the rows of all hulls, the number of the hull before each."""
-    numbered = [np.insert(each, 0, float(k), axis=1) for k, each in enumerate(rows)]
+    """(n, columns) the rows of all hulls, or fins, the number of it before each."""
+    numbered = [np.empty((0, columns)), *(np.insert(each, 0, float(k), axis=1) for k, each in enumerate(rows))]
     return np.concatenate(numbered).reshape(-1, columns)
 
 
