@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from support.dask_cluster import cluster_of
 from support.fleets import PAIR, write
 
 from cube_sim.campaign.sampling import SamplePlan, count, sample, variation
@@ -49,9 +50,11 @@ def test_a_sample_is_a_scenario_of_all_vehicles_without_samples(tmp_path):
 def test_a_sweep_of_several_vehicles_is_the_same_whoever_flies(tmp_path):
     whole = loaded(tmp_path)
     one = sweep(whole, tmp_path / "one", workers=1, workers_as="threads")
-    two = sweep(whole, tmp_path / "two", workers=2, keep="all")
+    sweep(whole, tmp_path / "two", workers=2, keep="all")
+    with cluster_of(tmp_path, 2) as (address, _):
+        sweep(whole, tmp_path / "cluster", cluster=address)
     for name in ("rows.parquet", "sweep.json"):
-        assert (one.folder / name).read_bytes() == (two.folder / name).read_bytes()
+        assert len({(tmp_path / way / name).read_bytes() for way in ("one", "two", "cluster")}) == 1
     rows = one.rows.to_pylist()
     assert [row["sample"] for row in rows] == [0, 1, 2]
     alone = fly(sample(whole, 2), out=tmp_path / "alone", record="mcap")
@@ -59,7 +62,7 @@ def test_a_sweep_of_several_vehicles_is_the_same_whoever_flies(tmp_path):
         name = f"check.{check.name}"
         assert (rows[2][f"{name}.value"], rows[2][f"{name}.verdict"]) == (check.value, check.verdict)
     assert [check["name"] for check in one.head["checks"]] == [check.name for check in alone.checks]
-    kept = two.folder / "runs" / "2" / "run.mcap"
+    kept = tmp_path / "two" / "runs" / "2" / "run.mcap"
     assert kept.read_bytes() == (tmp_path / "alone" / "run.mcap").read_bytes()
 
 
