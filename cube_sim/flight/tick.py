@@ -70,7 +70,7 @@ def tick(
     if mission.estimation is None:
         known = state
     elif known is None:
-        known = mission.estimation.estimate(state, mission.data, store, t)
+        known = mission.estimation.estimate(state, store, t)
     decision = mission.controller.decide(known, applied, mission.scenario.control_period_s, mission.supply.force_ratio)
     if action.wrench is not None:
         decision = decision._replace(wrench=action.wrench, secondary=np.zeros(6))

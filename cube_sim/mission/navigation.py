@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import radians
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from cube_sim.guidance.path import Path
@@ -16,7 +15,7 @@ from cube_sim.navigation.estimating import NavigationMemory, NavigationParameter
 from cube_sim.navigation.faults import SensorFaults
 from cube_sim.navigation.heading import LEAST_LEVEL_PART, Heading
 from cube_sim.navigation.imu import ImuErrors
-from cube_sim.navigation.motion import Motion, Truth, felt
+from cube_sim.navigation.motion import Motion
 from cube_sim.navigation.navigator import InitialErrors, Navigator
 from cube_sim.navigation.observability import what_drifts
 from cube_sim.navigation.own_aid import OwnAid
@@ -30,6 +29,7 @@ from cube_sim.scenario import Scenario
 from cube_sim.scenario import navigation_blocks as blocks
 from cube_sim.scenario.attitude_blocks import AlongPathBlock, AnyAttitude, FixedAttitudeBlock
 from cube_sim.spatial import Matrix, Record, State, Vector, quaternion_from_euler, rotation_from_quaternion
+from cube_sim.tuples import turned_to_world
 from cube_sim.vehicle.vehicle import Vehicle
 
 STATIONS = 501
@@ -89,21 +89,20 @@ class StateEstimation:
         self._seed, self._navigator = seed, None
         self._in_doubt.clear()
 
-    def estimate(self, true: State, data: mujoco.MjData, recorder: SignalStore, t: float) -> State:
+    def estimate(self, true: State, recorder: SignalStore, t: float) -> State:
         """The estimated state; once per tick.
 
         Args:
             true: the vehicle's state.
-            data: MuJoCo's, up to date at t, accelerations too.
             recorder: gets the estimate, its error and the readings that have arrived.
             t: simulated time [s].
 
         Raises:
             OwnCodeError: a sensor of the user's own has no answer.
         """
-        truth = read_truth(true, data, self._vehicle)
+        truth = motion_of(true)
         if self._navigator is None:
-            self._navigator = self._start(truth.motion, recorder, t)
+            self._navigator = self._start(truth, recorder, t)
         navigator = self._navigator
         arrived = navigator.update(truth)
         failures = [error for sensor in self.own for error in sensor.failures]
@@ -131,7 +130,7 @@ class StateEstimation:
             t: (n,) simulated time [s].
             answers: (n,) of `cube_sim.navigation.estimating.ESTIMATE`.
             errors: (n,) of `ERROR`.
-            inertial: (n,6) readings of the inertial unit.
+            inertial: (n,9) readings of the inertial unit.
         """
         tables = _columns(t, answers), _columns(t, errors), np.column_stack([t, inertial])
         names = "navigation", "navigation_error", "sensor_imu"
@@ -217,11 +216,9 @@ def _level_parts(path: Path) -> Vector:
     return np.array([np.hypot(*path.at(s).rotation[:2, 0]) for s in np.linspace(0.0, path.length, STATIONS)])
 
 
-def read_truth(state: State, data: mujoco.MjData, vehicle: Vehicle) -> Truth:
-    """What sensors at the body origin feel; a free joint's linear acceleration is its origin's, in world axes."""
-    acceleration = data.qacc[vehicle.dof_address : vehicle.dof_address + 3]
-    velocity, specific_force = felt(state.rotation, state.velocity, acceleration, vehicle.gravity)
-    return Truth(Motion(state.position, velocity, state.rotation, state.rates), specific_force)
+def motion_of(state: State) -> Motion:
+    """A state as sensors at the body origin feel it."""
+    return Motion(state.position, turned_to_world(state.rotation, state.velocity), state.rotation, state.rates)
 
 
 def _imu(block: blocks.ImuBlock) -> ImuErrors:

@@ -23,7 +23,7 @@ from cube_sim.mission.events import Events
 from cube_sim.mission.fault_finding import FaultFinding
 from cube_sim.mission.hull import CompiledHull, believed_hull, flown_hull, initial_state
 from cube_sim.mission.knowledge import believed_dynamics
-from cube_sim.mission.navigation import StateEstimation, read_truth
+from cube_sim.mission.navigation import StateEstimation, motion_of
 from cube_sim.mission.own.code import Codes, codes_of, refused
 from cube_sim.mission.own.compiled_law import CompiledLaw
 from cube_sim.mission.own.others import NOBODY, Others
@@ -151,7 +151,7 @@ def mission_of(
     if phases:
         outline = phases.outline(PATH_POINTS)
     mujoco.mj_kinematics(model, data)
-    start = read_truth(read_state(vehicle, data), data, vehicle).motion
+    start = motion_of(read_state(vehicle, data))
     faults = sensor_faults(scenario)
     mission = Mission(
         scenario=scenario,

@@ -5,7 +5,7 @@ Types of arguments depend neither on which sensors there are nor on how many: it
 
 from __future__ import annotations
 
-from math import atan2, sqrt
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -13,13 +13,12 @@ import numpy as np
 from cube_sim.native.compiled import compiled, inlined
 from cube_sim.navigation.faults import spoil
 from cube_sim.navigation.filtering import FilterMemory, open_tick, run_since
-from cube_sim.navigation.imu import IMU_NORMALS, read_imu
+from cube_sim.navigation.imu import IMU_NORMALS, INERTIAL, read_imu
 from cube_sim.navigation.normals import Normals
 from cube_sim.navigation.reading import ARRIVED
 from cube_sim.navigation.sensing import receive, take_readings
-from cube_sim.navigation.strapdown import rotation
+from cube_sim.navigation.strapdown import rotation, rotation_vector
 from cube_sim.spatial import Matrix, Record
-from cube_sim.tuples import quaternion_from_matrix
 
 ESTIMATE = np.dtype(
     [
@@ -91,27 +90,18 @@ class NavigationMemory(NamedTuple):
 
 @inlined
 def tell(answer, x, P, inertial):
-    """Fill a record `ESTIMATE` from the filter's state and covariance and the inertial unit's reading (6,)."""
+    """Fill a record `ESTIMATE` from the filter's state and covariance and the inertial unit's reading (9,)."""
     a, R = answer[0], rotation(x[6:10])
     for i in range(4):
         a.quaternion[i] = x[6 + i]
     for i in range(3):
-        a.position[i], a.velocity[i], a.rates[i] = x[i], 0.0, inertial[i] - x[10 + i]
+        a.position[i], a.velocity[i], a.rates[i] = x[i], 0.0, inertial[6 + i] - x[10 + i]
         a.gyro_bias[i], a.accelerometer_bias[i] = x[10 + i], x[13 + i]
         for j in range(3):
             a.rotation[i, j] = R[i, j]
             a.velocity[i] += x[3 + j] * R[j, i]
         a.position_sigma[i], a.velocity_sigma[i] = sqrt(P[i, i]), sqrt(P[3 + i, 3 + i])
         a.attitude_sigma[i] = sqrt(P[6 + i, 6 + i])
-
-
-@compiled
-def rotation_vector(R):
-    """The rotation vector, a 3-tuple [rad], of R (3,3), at most pi long."""
-    w, x, y, z = quaternion_from_matrix(R)
-    size = sqrt(x * x + y * y + z * z)
-    scale = 2.0 * atan2(size, w) / size if size > 0.0 else 2.0
-    return (scale * x, scale * y, scale * z)
 
 
 @inlined
@@ -131,7 +121,7 @@ def compare(error, answer, position, velocity, R, biases):
 
 
 @compiled
-def estimate(parameters, memory, position, velocity, R, rates, specific_force, answer, error, arrived):
+def estimate(parameters, memory, position, velocity, R, rates, answer, error, arrived):
     """Go on by one tick (at the first call: to t = 0): read the sensors, fuse what has arrived.
 
     Args:
@@ -141,7 +131,6 @@ def estimate(parameters, memory, position, velocity, R, rates, specific_force, a
         velocity: of the body origin over ground (3,) [m/s], world axes.
         R: R_WB (3,3).
         rates: w (3,) [rad/s], body axes.
-        specific_force: f (3,) [m/s^2], body axes.
         answer: record `ESTIMATE`, filled.
         error: record `ERROR`, filled.
         arrived: (k,) of `cube_sim.navigation.reading.READING`; the first of them are filled, in the order of the
@@ -151,15 +140,17 @@ def estimate(parameters, memory, position, velocity, R, rates, specific_force, a
         How many readings have arrived.
     """
     aids, filter_ = parameters.aids, memory.filter
+    gravity, period_s = parameters.filter[0].gravity, parameters.filter[0].period_s
     first = memory.normals.used[0]
-    read_imu(parameters.imu, memory.imu, rates, specific_force, memory.normals.values[0, first : first + IMU_NORMALS])
+    normals = memory.normals.values[0, first : first + IMU_NORMALS]
+    read_imu(parameters.imu, memory.imu, velocity, R, rates, gravity, period_s, normals)
     memory.normals.used[0] = first + IMU_NORMALS
-    spoil(memory.faults[0], memory.imu[0].reading, 6, memory.normals)
-    inertial = np.empty(6)
-    for i in range(6):
+    spoil(memory.faults[0], memory.imu[0].reading, INERTIAL, memory.normals)
+    inertial = np.empty(INERTIAL)
+    for i in range(INERTIAL):
         inertial[i] = memory.imu[0].reading[i]
     open_tick(filter_, inertial)
-    tick, readings, period_s = filter_.tick[0], filter_.readings, parameters.filter[0].period_s
+    tick, readings = filter_.tick[0], filter_.readings
     take_readings(
         aids, memory.sensors, memory.faults, memory.motions, memory.normals,
         readings, tick, period_s, position, velocity, R, rates,

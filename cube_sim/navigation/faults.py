@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cube_sim.native.compiled import inlined
+from cube_sim.navigation.imu import INERTIAL
 from cube_sim.spatial import Record
 
 FAULT = np.dtype(
@@ -21,7 +22,7 @@ FAULT = np.dtype(
         ("zeros", np.bool_),
         ("frozen", np.bool_),
         ("given", np.bool_),
-        ("last", np.float64, 6),
+        ("last", np.float64, INERTIAL),
         ("late", np.int64),
         ("outlier_below", np.float64),
         ("size", np.float64),
@@ -122,7 +123,7 @@ def spoil(fault, value, n, normals):
                 value[j] += fault.size * normals.values[fault.row, first + 1 + j]
         normals.used[fault.row] = first + 1 + n
     for j in range(n):
-        value[j] += fault.offset[j]
+        value[j] += fault.offset[j % 6]  # of the inertial unit's nine numbers the last are rates like the first
         if fault.frozen and fault.given:
             value[j] = fault.last[j]
         if fault.zeros:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cube_sim.navigation.aid import Aid, aid_records
 from cube_sim.navigation.filtering import FILTER, FilterMemory, open_tick, run_since
-from cube_sim.navigation.imu import ImuErrors
+from cube_sim.navigation.imu import INERTIAL, ImuErrors
 from cube_sim.navigation.reading import ARRIVED, READING, Fusion, Reading, fusion_of
 from cube_sim.navigation.strapdown import CONSTANTS
 from cube_sim.spatial import Matrix, Record, Vector
@@ -46,14 +46,14 @@ class Filter:
         self.settings["period_s"], self.settings["gravity"] = period_s, gravity
         self.settings["noise"], self.settings["walk"] = imu.noise, imu.bias_walk
         self._longest = int(self.aids["delay"].max(initial=0))
-        k, ticks = len(aids), max(self._longest, 1) + 1  # a prediction reads the inertial unit's of two ticks
+        k, ticks = len(aids), self._longest + 1
         self.memory = FilterMemory(
             tick=np.full(1, -1),
             x=np.array(x, dtype=float),
             P=np.array(P, dtype=float),
             rejections=np.zeros(k, np.int64),
             rejected=np.zeros((k, 3)),
-            inertials=np.zeros((ticks, 6)),
+            inertials=np.zeros((ticks, INERTIAL)),
             states=np.zeros((ticks, size + 1)),
             covariances=np.zeros((ticks, size, size)),
             rejections_before=np.zeros((ticks, k), np.int64),
@@ -75,7 +75,7 @@ class Filter:
         """Go on to the next tick (at the first call: to tick 0) and fuse what has arrived by then.
 
         Args:
-            inertial: (6,) reading of the inertial unit at this tick [rad/s, m/s^2].
+            inertial: (9,) reading of the inertial unit at this tick, as `cube_sim.navigation.imu.INERTIAL` says.
             readings: of the other sensors, each of this tick or an earlier one, at most one of a sensor and a tick.
 
         Returns:

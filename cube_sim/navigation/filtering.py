@@ -23,6 +23,7 @@ from cube_sim.navigation.gate import (
     UNKNOWN_ACCELERATION,
     UNKNOWN_RATE,
 )
+from cube_sim.navigation.imu import INERTIAL
 from cube_sim.navigation.reading import ACCEPTED_AFTER_REJECTIONS, ARRIVED, FUSED, NONE, REJECTED
 from cube_sim.navigation.strapdown import predict, rotation
 from cube_sim.spatial import Matrix, Record, Vector
@@ -43,7 +44,7 @@ class FilterMemory(NamedTuple):
         P: (15 + c, 15 + c) covariance of its error.
         rejections: readings of each sensor rejected in a row that agree (k,).
         rejected: innovation of the last of them (k, 3).
-        inertials: (N, 6) readings of the inertial unit.
+        inertials: (N, 9) readings of the inertial unit.
         states: (N, 16 + c) of each tick before its readings.
         covariances: (N, 15 + c, 15 + c) likewise.
         rejections_before: (N, k) likewise.
@@ -179,11 +180,11 @@ def fuse(aid, memory, reading, inertial):
         aid: element of `cube_sim.navigation.aid.AID`.
         memory: `FilterMemory`; x, P and rejections are moved on.
         reading: element of `cube_sim.navigation.reading.READING`; innovation, NIS and outcome are filled.
-        inertial: (6,) reading of the inertial unit at that tick.
+        inertial: (9,) reading of the inertial unit at that tick.
     """
     x, n, size = memory.x, aid.components, len(memory.P)
     expected, H_motion, H_constants = np.empty(3), np.empty((3, 12)), np.empty((3, 4))
-    w = (inertial[0] - x[10], inertial[1] - x[11], inertial[2] - x[12])
+    w = (inertial[6] - x[10], inertial[7] - x[11], inertial[8] - x[12])
     p, v, R = triple(x), (x[3], x[4], x[5]), rotation(x[6:10])
     constants = estimated_constants(aid, x)
     reading.nis, reading.outcome = 0.0, REJECTED
@@ -224,13 +225,13 @@ def fuse(aid, memory, reading, inertial):
 
 @inlined
 def falls_freely(reading):
-    """Whether an inertial unit reads (6,) what only a hull in a vacuum would make it read."""
+    """Whether an inertial unit reads (9,) what only a hull in a vacuum would make it read."""
     return reading[3] ** 2 + reading[4] ** 2 + reading[5] ** 2 < FREE_FALL**2
 
 
 @inlined
 def of_no_motion(x, gravity):
-    """What an inertial unit (6,) would read of a vehicle that goes on as it is estimated to move by a state x."""
+    """The means (6,) that an inertial unit would read of a vehicle that goes on as a state x says that it moves."""
     reading, R = np.empty(6), rotation(x[6:10])
     for i in range(3):
         reading[i] = x[10 + i]
@@ -255,11 +256,11 @@ def open_tick(memory, inertial):
 
     Args:
         memory: `FilterMemory`, moved on.
-        inertial: (6,) reading of the inertial unit at that tick [rad/s, m/s^2].
+        inertial: (9,) reading of the inertial unit at that tick.
     """
     memory.tick[0] += 1
     at = memory.tick[0] % len(memory.states)
-    for i in range(6):
+    for i in range(INERTIAL):
         memory.inertials[at, i] = inertial[i]
     for i in range(len(memory.rejections)):
         memory.readings[at, i].whereabouts = NONE
@@ -282,12 +283,11 @@ def run_since(settings, aids, memory, first):
             recall(memory, at)
         else:
             if tick > 0:
-                last, this = memory.inertials[(tick - 1) % ticks], memory.inertials[at]
-                dead = falls_freely(last) or falls_freely(this)
+                mean = memory.inertials[at]
+                dead = falls_freely(mean)
                 if dead:
-                    last = this = of_no_motion(memory.x, s.gravity)
-                noise = noise_of(s, dead)
-                x, P = predict(memory.x, memory.P, last, this, s.gravity, s.period_s, noise, s.walk)
+                    mean = of_no_motion(memory.x, s.gravity)
+                x, P = predict(memory.x, memory.P, mean, s.gravity, s.period_s, noise_of(s, dead), s.walk)
                 set_estimate(memory.x, memory.P, x, P)
                 hold_speed(memory.x)
             remember(memory, at)

@@ -1,4 +1,9 @@
-"""The inertial unit: angular rates and specific force at every tick, with noise and wandering biases."""
+"""The inertial unit: how the hull turned and was pushed since the tick before, with noise and wandering biases.
+
+Such a unit samples at a kilohertz or more and adds up what it reads, the turning of its own axes taken account of
+(coning and sculling compensated; P. Savage 1998, "Strapdown inertial navigation integration algorithm design", J. of
+Guidance, Control and Dynamics 21). So nothing is lost between two ticks, however the thrusters' forces change there.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +13,30 @@ from math import sqrt
 import numpy as np
 
 from cube_sim.native.compiled import inlined
+from cube_sim.navigation.strapdown import rotation_vector
 from cube_sim.spatial import Record, Vector
+from cube_sim.tuples import put, put_matrix
 
 IMU = np.dtype([("noise", np.float64, 6), ("walk", np.float64, 6)])
 """Standard deviations of the noise of a reading and of the biases' steps from one to the next [rad/s, m/s^2]."""
-IMU_MEMORY = np.dtype([("bias", np.float64, 6), ("reading", np.float64, 6), ("started", np.int64)])
-"""The true biases and the latest reading [rad/s, m/s^2], and whether there is one."""
+INERTIAL = 9
+"""Numbers in a reading, in body axes: mean angular velocity [rad/s] and mean specific force [m/s^2] since the tick
+before, and the angular velocity at this one [rad/s].
+
+The means are the rotation vector of the turn over dt, and what was gained of velocity beside gravity over dt, in the
+axes that the body had at the tick before.
+"""
+IMU_MEMORY = np.dtype(
+    [
+        ("bias", np.float64, 6),
+        ("reading", np.float64, INERTIAL),
+        ("rotation", np.float64, (3, 3)),
+        ("velocity", np.float64, 3),
+        ("started", np.int64),
+    ]
+)
+"""The true biases [rad/s, m/s^2] and the latest reading; the true R_WB and velocity over ground [m/s], world axes, at
+that tick; and whether there is one."""
 IMU_NORMALS = 12
 """Standard normal numbers a reading takes: six steps of the biases, six of noise."""
 
@@ -65,20 +88,42 @@ class ImuErrors:
 
 
 @inlined
-def read_imu(imu, memory, rates, specific_force, normals):
-    """The next reading [w; f] + bias + noise of a unit at the body origin, aligned with the body axes.
+def read_imu(imu, memory, velocity, R, rates, gravity, period_s, normals):
+    """The next reading of a unit at the body origin, aligned with the body axes.
+
+    The first is that of a motion that has been steady.
 
     Args:
         imu: record `IMU`.
         memory: record `IMU_MEMORY`, moved on.
+        velocity: true v over ground (3,) [m/s], world axes.
+        R: true R_WB (3,3).
         rates: true w (3,) [rad/s], body axes.
-        specific_force: true f (3,) [m/s^2], body axes.
+        gravity: (3,) world axes [m/s^2].
+        period_s: since the tick before.
         normals: (12,) standard normal numbers.
     """
     k, m = imu[0], memory[0]
+    if not m.started:
+        put(m.velocity, velocity)
+        put_matrix(m.rotation, R)
+    gained, turn, true = np.empty(3), np.zeros((3, 3)), np.zeros(6)
+    for i in range(3):
+        gained[i] = (velocity[i] - m.velocity[i]) / period_s - gravity[i]
+        for j in range(3):
+            for n in range(3):
+                turn[i, j] += m.rotation[n, i] * R[n, j]
+    angle = rotation_vector(turn)
+    for i in range(3):
+        true[i] = angle[i] / period_s if m.started else rates[i]
+        for j in range(3):
+            true[3 + i] += m.rotation[j, i] * gained[j]
     for i in range(6):
         if m.started:
             m.bias[i] += k.walk[i] * normals[i]
-        true = rates[i] if i < 3 else specific_force[i - 3]
-        m.reading[i] = true + m.bias[i] + k.noise[i] * normals[6 + i]
+        m.reading[i] = true[i] + m.bias[i] + k.noise[i] * normals[6 + i]
+    for i in range(3):
+        m.reading[6 + i] = rates[i] + m.bias[i] + k.noise[i] * normals[6 + i]
+    put(m.velocity, velocity)
+    put_matrix(m.rotation, R)
     m.started = 1

@@ -12,7 +12,7 @@ from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, Na
 from cube_sim.navigation.faults import SensorFaults
 from cube_sim.navigation.filter import Filter
 from cube_sim.navigation.imu import IMU_MEMORY, ImuErrors
-from cube_sim.navigation.motion import Motion, Truth
+from cube_sim.navigation.motion import Motion
 from cube_sim.navigation.normals import DrawnAhead
 from cube_sim.navigation.own_aid import tell_laws
 from cube_sim.navigation.reading import READING
@@ -103,7 +103,7 @@ class Navigator:
 
     @property
     def inertial(self) -> Vector:
-        """The inertial unit's latest reading (6,) [rad/s, m/s^2]."""
+        """The inertial unit's latest reading (9,), as `cube_sim.navigation.imu.INERTIAL` says."""
         return self._imu["reading"][0]
 
     @property
@@ -123,9 +123,9 @@ class Navigator:
         memory = NavigationMemory(self._imu, self._sensors, *faulty, self._drawn.normals, self.filter.memory)
         return self._parameters, memory
 
-    def update(self, truth: Truth) -> Record:
+    def update(self, truth: Motion) -> Record:
         """Go on by one tick (at the first call: to t = 0); the readings that have arrived, of `READING`."""
         self.answer, self.error = np.zeros(1, ESTIMATE), np.zeros(1, ERROR)
         into = self.answer, self.error, self._arrived
-        count = estimate(*self.stage(1), *truth.motion, truth.specific_force, *into)
+        count = estimate(*self.stage(1), *truth, *into)
         return self._arrived[:count]

@@ -7,11 +7,12 @@ R_true = Exp(phi) R: the attitude error is a rotation vector in world axes, with
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import atan2, cos, sin, sqrt
 
 import numpy as np
 
 from cube_sim.native.compiled import compiled
+from cube_sim.tuples import quaternion_from_matrix
 
 POSITION, VELOCITY, ATTITUDE = slice(0, 3), slice(3, 6), slice(6, 9)
 GYRO_BIAS, ACCELEROMETER_BIAS = slice(9, 12), slice(12, 15)
@@ -48,6 +49,15 @@ def rotation(q):
 
 
 @compiled
+def rotation_vector(R):
+    """The rotation vector, a 3-tuple [rad], of R (3,3), at most pi long."""
+    w, x, y, z = quaternion_from_matrix(R)
+    size = sqrt(x * x + y * y + z * z)
+    scale = 2.0 * atan2(size, w) / size if size > 0.0 else 2.0
+    return (scale * x, scale * y, scale * z)
+
+
+@compiled
 def carried_on(P, D):
     """(I + D) P (I + D)', a new array, where only the first rows of D, which are given, are not zero.
 
@@ -70,20 +80,20 @@ def carried_on(P, D):
 
 
 @compiled
-def predict(x, P, before, now, gravity, dt, noise, walk):
+def predict(x, P, mean, gravity, dt, noise, walk):
     """State and covariance one tick later.
 
-    Rates and acceleration run straight between two readings, which is exact to second order in dt:
-    q+ = q exp(mean w dt / 2), v+ = v + (mean a + g) dt, p+ = p + v dt + (2 a + a+) dt^2 / 6 + g dt^2 / 2, a = R f.
-    The error obeys dp' = dv, dv' = -S(a) phi - R db_a - n_a, phi' = -R db_g - n_g: phi is constant but for the gyro's
-    errors, because it is taken in world axes (J. Sola 2017, "Quaternion kinematics for the error-state Kalman filter",
-    section 7, gives the same with `global` angular errors).
+    q+ = q exp(w dt / 2) and v+ = v + (R f + g) dt hold exactly, w and f being means as the unit makes them; of position
+    p+ = p + (v + v+) dt / 2 is exact to second order in dt. The error obeys dp' = dv, dv' = -S(a) phi - R db_a - n_a,
+    phi' = -R db_g - n_g, a = R f: phi is constant but for the gyro's errors, because it is taken in world axes (J. Sola
+    2017, "Quaternion kinematics for the error-state Kalman filter", section 7, gives the same with `global` angular
+    errors).
 
     Args:
         x: (16 + c,) state at the earlier tick.
         P: (15 + c, 15 + c) covariance of its error.
-        before: (6,) reading of the inertial unit at the earlier tick [rad/s, m/s^2].
-        now: (6,) the same at the later tick.
+        mean: (6,) angular velocity [rad/s] and specific force [m/s^2] over the tick, or more numbers behind them, as in
+            a reading of `cube_sim.navigation.imu`.
         gravity: (3,) world axes [m/s^2].
         dt: length of the tick [s].
         noise: (6,) densities of the noise [rad/s/sqrt(Hz), m/s^2/sqrt(Hz)].
@@ -92,40 +102,34 @@ def predict(x, P, before, now, gravity, dt, noise, walk):
     Returns:
         The later x and P, new arrays.
     """
-    angle, mean, a = np.empty(3), np.zeros(3), np.zeros(3)
+    angle, a = np.empty(3), np.zeros(3)
     for i in range(3):
-        angle[i] = dt * (0.5 * (before[i] + now[i]) - x[10 + i])
+        angle[i] = dt * (mean[i] - x[10 + i])
     q_now = turned(x[6:10], angle)
     R, R_now = rotation(x[6:10]), rotation(q_now)
     for i in range(3):
         for j in range(3):
-            a[i] += R[i, j] * (before[3 + j] - x[13 + j])
-            mean[i] += 0.5 * R_now[i, j] * (now[3 + j] - x[13 + j])
-        mean[i] += 0.5 * a[i]
+            a[i] += R[i, j] * (mean[3 + j] - x[13 + j])
     later = x.copy()
     for i in range(3):
-        later[i] += dt * x[3 + i] + dt * dt * ((a[i] + 2.0 * mean[i]) / 6.0 + 0.5 * gravity[i])
-        later[3 + i] += dt * (mean[i] + gravity[i])
+        later[i] += dt * x[3 + i] + 0.5 * dt * dt * (a[i] + gravity[i])
+        later[3 + i] += dt * (a[i] + gravity[i])
     for i in range(4):
         later[6 + i] = q_now[i]
 
     # D: what the error's first nine rows gain over the tick from its rows 3 to 14
     D = np.zeros((9, 15))
     S = np.zeros((3, 3))
-    S[0, 1], S[0, 2], S[1, 2] = -mean[2], mean[1], -mean[0]
-    S[1, 0], S[2, 0], S[2, 1] = mean[2], -mean[1], mean[0]
+    S[0, 1], S[0, 2], S[1, 2] = -a[2], a[1], -a[0]
+    S[1, 0], S[2, 0], S[2, 1] = a[2], -a[1], a[0]
     for i in range(3):
         D[i, 3 + i] = dt
         for j in range(3):
-            middle = 0.5 * (R[i, j] + R_now[i, j])
             D[3 + i, 6 + j] = -dt * S[i, j]
-            D[3 + i, 12 + j] = -dt * middle
-            D[6 + i, 9 + j] = -dt * middle
+            D[3 + i, 12 + j] = -dt * R[i, j]
+            D[6 + i, 9 + j] = -0.5 * dt * (R[i, j] + R_now[i, j])
             D[i, 6 + j] = 0.5 * dt * D[3 + i, 6 + j]
             D[i, 12 + j] = 0.5 * dt * D[3 + i, 12 + j]
-            # S(a) R db_g dt^2 / 2: a gyro bias tilts the estimate, and the tilted estimate misjudges gravity
-            for k in range(3):
-                D[3 + i, 9 + j] += 0.25 * dt * dt * S[i, k] * (R[k, j] + R_now[k, j])
     whole, size = carried_on(P, D), len(P)
     for i in range(3):
         n_a = noise[3 + i] ** 2

@@ -78,8 +78,15 @@ def navigation_channels(
         Channel(
             "sensor_imu",
             (
-                Field("rates", 3, "rad/s", "angular velocity as read, body axes", XYZ),
-                Field("specific_force", 3, "m/s^2", "acceleration less gravity as read, body axes", XYZ),
+                Field("mean_rates", 3, "rad/s", "turn since the tick before as read, over the time, body axes", XYZ),
+                Field(
+                    "specific_force",
+                    3,
+                    "m/s^2",
+                    "mean acceleration less gravity since the tick before as read, body axes of then",
+                    XYZ,
+                ),
+                Field("rates", 3, "rad/s", "angular velocity at the tick as read, body axes", XYZ),
             ),
         ),
         *(_sensor(name, rate, own[name] if name in own else READINGS[name].field) for name, rate in rates_hz.items()),

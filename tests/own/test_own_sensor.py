@@ -52,7 +52,7 @@ OWN_FIX = own(FIX, lambda motion: motion.position.copy())
 
 def flown(aids, motions, seed=3):
     """States and covariances of a navigator after each tick."""
-    navigator = Navigator(IMU, aids, INITIAL, motions[0].motion, seed, GRAVITY, DT)
+    navigator = Navigator(IMU, aids, INITIAL, motions[0], seed, GRAVITY, DT)
     states = []
     for true in motions:
         navigator.update(true)
@@ -75,7 +75,7 @@ def test_the_same_law_in_python_gives_the_same_estimate(motion):
 @pytest.mark.parametrize("aid", AIDS, ids=lambda aid: aid.name)
 def test_differences_are_the_derivative(aid):
     """Also with respect to the rates, which the DVL's lever arm sees."""
-    motion = weaving(1.3).motion
+    motion = weaving(1.3)
     constants = np.zeros(len(aid.constants))
     ours = expected(aid, motion, constants)
     assert ours is not None
@@ -105,7 +105,7 @@ def test_a_jacobian_of_ones_own_is_used():
 def test_where_there_is_nothing_to_read_there_is_no_reading():
     motions = truths(weaving, 2.0)
     silent = own(DEPTH, lambda motion: None)
-    navigator = Navigator(IMU, (DVL, silent), INITIAL, motions[0].motion, 3, GRAVITY, DT)
+    navigator = Navigator(IMU, (DVL, silent), INITIAL, motions[0], 3, GRAVITY, DT)
     assert {int(reading["aid"]) for true in motions for reading in navigator.update(true)} == {0}
 
 

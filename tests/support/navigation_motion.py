@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from cube_sim.navigation.aid import Aid, aid_records
 from cube_sim.navigation.depth import Depth
@@ -14,7 +15,7 @@ from cube_sim.navigation.dvl import Dvl
 from cube_sim.navigation.expectation import expect
 from cube_sim.navigation.heading import Heading
 from cube_sim.navigation.imu import ImuErrors
-from cube_sim.navigation.motion import Motion, Truth
+from cube_sim.navigation.motion import Motion
 from cube_sim.navigation.navigator import InitialErrors, Navigator
 from cube_sim.navigation.position import PositionFix
 from cube_sim.navigation.reading import Fusion, fusion_of
@@ -37,8 +38,8 @@ INITIAL = InitialErrors(0.5, 0.05, 1.0 * DEG, 3.0 * DEG)
 KNOWN = InitialErrors(0.0, 0.0, 0.0, 0.0)
 
 
-def truth(position, velocity, acceleration, angles, turning) -> Truth:
-    """From position and its derivatives (world axes) and roll, pitch, yaw and theirs."""
+def truth(position, velocity, angles, turning) -> Motion:
+    """From position and velocity (world axes), roll, pitch, yaw and their derivatives."""
     roll, pitch, _ = angles
     R = rotation_from_quaternion(quaternion_from_euler(*angles))
     d_roll, d_pitch, d_yaw = turning
@@ -49,37 +50,43 @@ def truth(position, velocity, acceleration, angles, turning) -> Truth:
             -d_pitch * np.sin(roll) + d_yaw * np.cos(pitch) * np.cos(roll),
         ]
     )
-    motion = Motion(np.array(position), np.array(velocity), R, rates)
-    return Truth(motion, R.T @ (np.array(acceleration) - GRAVITY))
+    return Motion(np.array(position), np.array(velocity), R, rates)
 
 
-def weaving(t: float) -> Truth:
+def weaving(t: float) -> Motion:
     """A helix of 3 m radius at 0.4 m/s, swaying in heave, roll and pitch."""
     c, s = np.cos(0.13 * t), np.sin(0.13 * t)
     return truth(
         [3 * c, 3 * s, -8 + 0.05 * t + 0.3 * np.sin(0.4 * t)],
         [-0.39 * s, 0.39 * c, 0.05 + 0.12 * np.cos(0.4 * t)],
-        [-0.0507 * c, -0.0507 * s, -0.048 * np.sin(0.4 * t)],
         [0.4 * np.sin(0.31 * t), 0.3 * np.sin(0.25 * t), 1.5 + 0.13 * t],
         [0.124 * np.cos(0.31 * t), 0.075 * np.cos(0.25 * t), 0.13],
     )
 
 
-def tumbling(t: float) -> Truth:
+def tumbling(t: float) -> Motion:
     """The same place, over and over: pitch and roll run through all angles."""
-    m, f = weaving(t)
-    spun = truth(m.position, m.velocity, [0, 0, 0], [0.3 * t, 0.5 * t, 0.2 * t], [0.3, 0.5, 0.2])
-    acceleration = m.rotation @ f + GRAVITY
-    return Truth(spun.motion, spun.motion.rotation.T @ (acceleration - GRAVITY))
+    m = weaving(t)
+    return truth(m.position, m.velocity, [0.3 * t, 0.5 * t, 0.2 * t], [0.3, 0.5, 0.2])
 
 
-def straight(t: float) -> Truth:
+def straight(t: float) -> Motion:
     """Level, ahead and northwards at 0.5 m/s."""
-    return truth([0, 0.5 * t, -5], [0, 0.5, 0], [0, 0, 0], [0, 0, np.pi / 2], [0, 0, 0])
+    return truth([0, 0.5 * t, -5], [0, 0.5, 0], [0, 0, np.pi / 2], [0, 0, 0])
 
 
-def truths(motion: Callable[[float], Truth], seconds: float, dt: float = DT) -> list[Truth]:
+def truths(motion: Callable[[float], Motion], seconds: float, dt: float = DT) -> list[Motion]:
     return [motion(k * dt) for k in range(round(seconds / dt) + 1)]
+
+
+def flawless_readings(motions: Sequence[Motion], dt: float = DT) -> list[np.ndarray]:
+    """What an inertial unit without errors reads (9,) at each tick of a motion."""
+    found = []
+    for before, now in zip([motions[0], *motions[:-1]], motions, strict=True):
+        turn = Rotation.from_matrix(before.rotation.T @ now.rotation).as_rotvec() / dt
+        force = before.rotation.T @ ((now.velocity - before.velocity) / dt - GRAVITY)
+        found.append(np.concatenate([turn if found else now.rates, force, now.rates]))
+    return found
 
 
 def on_time(aids: Sequence[Aid]) -> list[Aid]:
@@ -107,7 +114,7 @@ class Tick(NamedTuple):
 
 
 def navigate(motions, seed=0, imu=IMU, aids=AIDS, initial=INITIAL, dt=DT) -> list[Tick]:
-    navigator = Navigator(imu, aids, initial, motions[0].motion, seed, GRAVITY, dt)
+    navigator = Navigator(imu, aids, initial, motions[0], seed, GRAVITY, dt)
     ticks = []
     for true in motions:
         fusions = [fusion_of(reading, aids[reading["aid"]].components) for reading in navigator.update(true)]
@@ -115,7 +122,7 @@ def navigate(motions, seed=0, imu=IMU, aids=AIDS, initial=INITIAL, dt=DT) -> lis
         state = State(*(answer[name] for name in State._fields))
         sigmas = (answer[name] for name in Estimate._fields[1:-1])
         estimate = Estimate(state, *sigmas, navigator.filter.P.copy())
-        ticks.append(Tick(estimate, fusions, error_of(navigator, true.motion, estimate)))
+        ticks.append(Tick(estimate, fusions, error_of(navigator, true, estimate)))
     return ticks
 
 

@@ -21,6 +21,7 @@ from cube_sim.mission.disturbance import pushes_of
 from cube_sim.mission.surface_watch import Boxes
 from cube_sim.native.compiled import prepare
 from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters
+from cube_sim.navigation.imu import INERTIAL
 from cube_sim.navigation.reading import READING
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.current import current_table
@@ -139,26 +140,23 @@ def _sensing(mission: Mission, count: int) -> Sensing | None:
     if estimation is None:
         return _no_sensing()
     stage = estimation.stage(count)
-    return None if stage is None else _sensing_by(stage, True, mission.vehicle.gravity, count)
+    return None if stage is None else _sensing_by(stage, True, count)
 
 
 @cache
 def _no_sensing() -> Sensing:
     """That of a flight whose controller sees the true state."""
-    return _sensing_by(nothing_sensed(), False, np.zeros(3), 0)
+    return _sensing_by(nothing_sensed(), False, 0)
 
 
-def _sensing_by(
-    stage: tuple[NavigationParameters, NavigationMemory], navigated: bool, gravity: Vector, count: int
-) -> Sensing:
+def _sensing_by(stage: tuple[NavigationParameters, NavigationMemory], navigated: bool, count: int) -> Sensing:
     k = len(stage[0].aids)
     return Sensing(
         navigated,
         *stage,
-        gravity,
         np.zeros(count, ESTIMATE),
         np.zeros(count, ERROR),
-        np.zeros((count, 6)),
+        np.zeros((count, INERTIAL)),
         np.zeros((count, k), READING),
         np.zeros(count, np.int64),
     )

@@ -50,7 +50,7 @@ STEERING = Callee(
 
 ESTIMATING = Callee(
     estimate,
-    lambda: (*nothing_sensed(), _THREE, _THREE, _ROTATION, _THREE, _THREE, *_records(ESTIMATE, ERROR, READING)),
+    lambda: (*nothing_sensed(), _THREE, _THREE, _ROTATION, _THREE, *_records(ESTIMATE, ERROR, READING)),
     answers=np.int64,
 )
 """The navigation."""

@@ -26,7 +26,6 @@ from cube_sim.mission.surface_watch import CLEAR_M, top_of
 from cube_sim.native.callee import call_at
 from cube_sim.native.compiled import compiled, unlocked
 from cube_sim.native.published import publish, published
-from cube_sim.navigation.motion import felt
 from cube_sim.tuples import angle_of_turn, put, sextuple, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
@@ -49,7 +48,7 @@ FLOWN, STOP, MET = range(3)
 
 
 @compiled
-def sense(code, sensing, k, state, acceleration, known):
+def sense(code, sensing, k, state, known):
     """Estimate the state at one tick.
 
     Args:
@@ -57,12 +56,10 @@ def sense(code, sensing, k, state, acceleration, known):
         sensing: `Sensing`, moved on; its k-th rows are filled.
         k: which tick it is.
         state: (22,) the true one, of `hull_state`.
-        acceleration: of the body origin (3,) [m/s^2], world axes.
         known: (22,) out: the estimate.
     """
     s, R = sensing, state[7:16].reshape(3, 3)
-    velocity, force = felt(R, state[16:19], acceleration, s.gravity)
-    truth = state[:3], velocity, R, state[19:], force
+    truth = state[:3], turned_to_world(R, state[16:19]), R, state[19:]
     into = s.answers[k : k + 1], s.errors[k : k + 1], s.arrived[k]
     s.counts[k] = call_at(ESTIMATING, code, (s.parameters, s.memory, *truth, *into))
     put(s.inertial[k], s.memory.imu[0].reading)
@@ -164,7 +161,7 @@ def fly(
         known = state
         if sensing.navigated:
             known = np.empty(22)
-            sense(codes[4], sensing, k, state, e.qacc[e.hull[1] : e.hull[1] + 3], known)
+            sense(codes[4], sensing, k, state, known)
             R = known[7:16].reshape(3, 3)
         velocity_W = turned_to_world(R, known[16:19])
         s = course.arc_length[0]

@@ -158,10 +158,9 @@ class Sensing(NamedTuple):
         navigated: whether it is.
         parameters: of `cube_sim.navigation.estimating.estimate`, like the next.
         memory: of it, moved on.
-        gravity: (3,) [m/s^2], world axes.
         answers: (n,) of `ESTIMATE`, filled, like all that follow.
         errors: (n,) of `ERROR`.
-        inertial: (n,6) readings of the inertial unit.
+        inertial: (n,9) readings of the inertial unit.
         arrived: (n,k) of `cube_sim.navigation.reading.READING`.
         counts: (n,) how many of these there are.
     """
@@ -169,7 +168,6 @@ class Sensing(NamedTuple):
     navigated: bool
     parameters: NavigationParameters
     memory: NavigationMemory
-    gravity: Vector
     answers: Record
     errors: Record
     inertial: Matrix
