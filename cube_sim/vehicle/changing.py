@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.laws.push import COLUMNS
 from cube_sim.vehicle.mjcf.elements import element_values, is_of_element, require_possible, set_compiled_element
 from cube_sim.vehicle.mjcf.fins import fin_rows
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
 from cube_sim.vehicle.mjcf.numeric_names import CURRENT, require_parameter
 from cube_sim.vehicle.mjcf.parameters import WaterParameters, read_parameters
-from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement, carrier, is_thruster
+from cube_sim.vehicle.mjcf.thruster_elements import is_thruster, thruster_element
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
@@ -71,6 +72,8 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
     for i, thruster in enumerate(read.thrusters):
         if thruster is not None:
             model.actuator_ctrlrange[i] = thruster.characteristic.commands[[0, -1]]
+            if thruster.propeller is not None:
+                model.actuator_gear[i, 5] = thruster.propeller.arm
     data = mujoco.MjData(model)
     if elements:
         mujoco.mj_setConst(model, data)
@@ -88,10 +91,7 @@ def _read(model: mujoco.MjModel, numerics: Mapping[str, NDArray[np.float64]]) ->
     """What the numerics say of a compiled model's elements."""
     named = [i for i in range(1, model.nbody) if model.body(i).name]
     bodies = {model.body(i).name: _is_free(model, i) for i in named}
-    thrusters = [
-        ThrusterElement(model.actuator(i).name, model.body(carrier(model, i)).name) if is_thruster(model, i) else None
-        for i in range(model.nu)
-    ]
+    thrusters = [thruster_element(model, i) if is_thruster(model, i) else None for i in range(model.nu)]
     sites = {
         model.site(i).name: model.body(model.site_bodyid[i]).name for i in range(model.nsite) if model.site(i).name
     }
@@ -135,6 +135,7 @@ def _packed(
         float(before[layout.PROCESS]),
         pushes,
         fin_rows(model, read.fins, [hull.body for hull in read.hulls], read.density),
+        model,
     )
     fixed = [i for i in range(layout.HEADER_SIZE) if i != layout.SURFACE]
     if packed.size != before.size or not np.array_equal(packed[fixed], before[fixed]):
@@ -144,7 +145,7 @@ def _packed(
         for state in _STATES:
             packed[at + state] = before[at + state]
     if pushes_at >= 0:
-        end = int(before[layout.LIFT]) if before[layout.LIFT] >= 0.0 else before.size
+        end = pushes_at + 1 + pushes * COLUMNS
         packed[pushes_at:end] = before[pushes_at:end]
     if current_at >= 0 and not current_given:
         n_t, n_z = int(before[current_at]), int(before[current_at + 1])

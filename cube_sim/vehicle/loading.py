@@ -17,7 +17,7 @@ from cube_sim.vehicle.mjcf.fins import AREA, fin_rows, servo_elements
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
 from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
-from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, thruster_elements
+from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, set_gears, thruster_elements
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.mjcf.unused import unused_thruster_words
 from cube_sim.vehicle.plugin import hook, layout, packing, structs, user_forces
@@ -126,6 +126,7 @@ def _immerse(
         warnings.warn(text, stacklevel=4)
     set_elements(spec, of_elements, [hull.body for hull in parameters.hulls], thrusters)
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
+    set_gears(spec, [each and each.propeller and each.propeller.arm for each in parameters.thrusters])
     for text in spec.texts:
         if (owner := force_owner(text.name, text.data, list(bodies))) is not None:
             forces.setdefault(owner, user_forces.resolve(text.data, text.name))
@@ -146,7 +147,7 @@ def _immerse(
     mujoco.mj_kinematics(model, data)
     half_axes = half_axes_of_all(model, data, ids, parameters.hulls)
     process = user_forces.process_number()
-    packed = packing.pack_parameters(parameters, ids, dofs, half_axes, table, process, pushes, fins)
+    packed = packing.pack_parameters(parameters, ids, dofs, half_axes, table, process, pushes, fins, model)
     model.numeric_data[start : start + packed.size] = packed
     structs.verify(model, data)
     set_inverse_weights(model, data, ids)

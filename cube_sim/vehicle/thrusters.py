@@ -28,7 +28,7 @@ class Thrusters:
             from the commands alone, as MuJoCo integrates them (delay, lag, steps of its integrator): whatever fails in
             a thruster, fails behind them.
         characteristics: (m,) steady command-to-force curves.
-        lag_s: (m,) time constants of the motors [s].
+        lag_s: (m,) time constants of the motors [s]; of two lags in a row, their sum.
         power_coefficients: (m,2) k_P-, k_P+ of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 where not known.
         voltage: (m,) the voltage at which each characteristic holds [V]; NaN where not known.
         pulse_ranges: (m,) what stands for the commands on the wire; None where not known.
@@ -67,7 +67,7 @@ class Thrusters:
             ),
             characteristics=tuple(_characteristic(curve) for curve in curves),
             power_coefficients=np.array([curve[layout.POWER :][:2] for curve in curves]).reshape(-1, 2),
-            lag_s=np.array([model.actuator_dynprm[i, 0] for i in actuators]),
+            lag_s=np.array([_lag_s(model, i) for i in actuators]),
             voltage=np.array([curve[layout.VOLTAGE] for curve in curves]),
             pulse_ranges=tuple(_pulse_range(curve) for curve in curves),
         )
@@ -202,6 +202,11 @@ class Thrusters:
             name = self.names[self.pulse_ranges.index(None)]
             raise ModelError(f"{name}:thruster_pwm", "is not in the model, for this thruster or for its hull")
         return known
+
+
+def _lag_s(model: mujoco.MjModel, actuator: int) -> float:
+    two = model.actuator_dyntype[actuator] == mujoco.mjtDyn.mjDYN_USER
+    return float(model.actuator_dynprm[actuator, : 2 if two else 1].sum())
 
 
 def _curve_start(packed: NDArray[np.float64], actuator: int) -> int:

@@ -114,6 +114,7 @@ _PLAIN = (
     "cube_sim.vehicle.plugin.inertia",
     "cube_sim.vehicle.plugin.curve_record",
     "cube_sim.vehicle.plugin.lift_record",
+    "cube_sim.vehicle.plugin.propeller_wrench",
     "cube_sim.guidance.",
     "cube_sim.navigation.",
     "cube_sim.control.",

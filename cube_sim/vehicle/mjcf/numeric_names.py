@@ -23,6 +23,7 @@ from cube_sim.errors import ModelError
 from cube_sim.vehicle.mjcf.body_lift import CORIOLIS, CROSS_FLOW, PRODUCTS, STATIONS
 from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS
 from cube_sim.vehicle.mjcf.fins import FIN_PARAMETERS
+from cube_sim.vehicle.mjcf.propellers import PROPELLER_PARAMETERS
 
 DENSITY, CURRENT, SURFACE = WATER_PARAMETERS = ("water:density", "water:current", "water:surface")
 HULL_PARAMETERS = (
@@ -43,6 +44,7 @@ THRUSTER_PARAMETERS = (
     "thruster_power",
     "thruster_voltage",
     "thruster_pwm",
+    *PROPELLER_PARAMETERS,
 )
 
 _KNOWN = HULL_PARAMETERS + THRUSTER_PARAMETERS + FIN_PARAMETERS

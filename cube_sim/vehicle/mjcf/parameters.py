@@ -16,6 +16,8 @@
     <body>:thruster_voltage             the voltage of the characteristic [V]; may be left out
     <body>:thruster_pwm                 pulse widths of the commands -1, 0 and 1 [us]; may be left out
     <actuator>:thruster_...             each of these for one thruster, before its hull's
+    <actuator>:propeller_...            a thruster in its inflow in place of a characteristic, see
+                                        `cube_sim.vehicle.mjcf.propellers`
     <body>:velocity_products ...        lift and cross-flow drag, see `cube_sim.vehicle.mjcf.body_lift`
     <site>:fin_...                      fins, see `cube_sim.vehicle.mjcf.fins`
     water:current                       rows time [s], height z [m], v_x, v_y, v_z [m/s] (world axes) on a full grid of
@@ -50,6 +52,7 @@ from cube_sim.vehicle.mjcf.numeric_names import (
     hulls_in_water,
     one_water,
 )
+from cube_sim.vehicle.mjcf.propellers import PropellerParameters, propeller_of
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
 from cube_sim.vehicle.thruster_tables import READING
 
@@ -92,12 +95,15 @@ class ThrusterParameters:
         power: (k_P-, k_P+) of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 when not known.
         voltage: at which the characteristic holds [V]; None when not known.
         pulse_us: (3,) pulse widths of the commands -1, 0 and 1 [us]; None when not known.
+        propeller: in whose inflow its force depends; None where the characteristic is all there is. With one, the
+            characteristic is that of water that does not flow.
     """
 
     characteristic: Characteristic
     power: tuple[float, float]
     voltage: float | None
     pulse_us: tuple[float, float, float] | None
+    propeller: PropellerParameters | None = None
 
 
 @dataclass(frozen=True)
@@ -171,7 +177,7 @@ def read_parameters(
     if density <= 0.0:
         raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
     hulls = tuple(_hull(numerics, name, density) for name in names)
-    described = tuple(_thruster(numerics, element.name, element.body) if element else None for element in thrusters)
+    described = tuple(_thruster(numerics, element, density) if element else None for element in thrusters)
     fins = read_fins(numerics, sites, names, servos)
     surface = _scalar(numerics, SURFACE) if SURFACE in numerics else np.inf
     return WaterParameters(hulls, described, _current(numerics), fins, density, surface)
@@ -235,12 +241,17 @@ def _current(numerics: Mapping[str, NDArray[np.float64]]) -> CurrentProfile | No
     return CurrentProfile(times_s, heights, rows[order, 2:].reshape(times_s.size, heights.size, 3))
 
 
-def _thruster(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str) -> ThrusterParameters:
+def _thruster(
+    numerics: Mapping[str, NDArray[np.float64]], element: ThrusterElement, density: float
+) -> ThrusterParameters:
+    actuator, body = element.name, element.body
+    propeller = propeller_of(numerics, actuator, body, element.site, element.site_body, density)
     return ThrusterParameters(
-        characteristic=_characteristic(numerics, actuator, body),
+        characteristic=_characteristic(numerics, actuator, body) if propeller is None else propeller.curve(),
         power=_power(numerics, _either(numerics, actuator, body, "thruster_power")),
         voltage=_voltage(numerics, _either(numerics, actuator, body, "thruster_voltage")),
         pulse_us=_pulse_us(numerics, _either(numerics, actuator, body, "thruster_pwm")),
+        propeller=propeller,
     )
 
 

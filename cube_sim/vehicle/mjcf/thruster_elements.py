@@ -16,7 +16,12 @@ import numpy as np
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
 
-_LAGS = {mujoco.mjtDyn.mjDYN_FILTER: "filter", mujoco.mjtDyn.mjDYN_FILTEREXACT: "filterexact"}
+_LAGS = {
+    mujoco.mjtDyn.mjDYN_FILTER: "filter",
+    mujoco.mjtDyn.mjDYN_FILTEREXACT: "filterexact",
+    mujoco.mjtDyn.mjDYN_USER: "user",
+}
+"""One lag, one that MuJoCo integrates exactly, or two in a row: of the speed controller and of the rotor."""
 _FREE_GEAR = [2, 5]  # thrust along the site's z axis, reaction torque about it
 
 
@@ -27,10 +32,14 @@ class ThrusterElement:
     Attributes:
         name: of the actuator.
         body: the body of the world that carries its site.
+        site: that it pushes at.
+        site_body: the body that the site is on.
     """
 
     name: str
     body: str
+    site: str
+    site_body: str
 
 
 def thruster_elements(spec: mujoco.MjSpec) -> list[ThrusterElement | None]:
@@ -69,6 +78,14 @@ def carrier(model: mujoco.MjModel, actuator: int) -> int:
     return int(model.body_rootid[model.site_bodyid[model.actuator_trnid[actuator, 0]]])
 
 
+def thruster_element(model: mujoco.MjModel, actuator: int) -> ThrusterElement:
+    """One of `thruster_elements` of a compiled model."""
+    site = int(model.actuator_trnid[actuator, 0])
+    bodies = carrier(model, actuator), model.site_bodyid[site]
+    body, site_body = (model.body(each).name for each in bodies)
+    return ThrusterElement(model.actuator(actuator).name, body, model.site(site).name, site_body)
+
+
 def limit_commands(spec: mujoco.MjSpec, curves: Sequence[Characteristic | None]) -> None:
     """Hold every command to the ends of its curve, also where the MJCF allows more.
 
@@ -85,6 +102,8 @@ def limit_commands(spec: mujoco.MjSpec, curves: Sequence[Characteristic | None])
     for actuator, curve in zip(spec.actuators, curves, strict=True):
         if curve is None:
             continue
+        if actuator.dyntype == mujoco.mjtDyn.mjDYN_USER:
+            actuator.actdim = 2
         commands, forces = (float(curve.commands[0]), float(curve.commands[-1])), curve.limits[[0, -1]]
         if _is_limited(spec, actuator.ctrllimited, actuator.ctrlrange):
             _require_inside(actuator.name, "ctrlrange", actuator.ctrlrange, commands, "leave it out or widen it")
@@ -93,6 +112,28 @@ def limit_commands(spec: mujoco.MjSpec, curves: Sequence[Characteristic | None])
             _require_inside(actuator.name, "actrange", actuator.actrange, commands, "leave it out or widen it")
         if _is_limited(spec, actuator.forcelimited, actuator.forcerange):
             _require_inside(actuator.name, "forcerange", actuator.forcerange, forces, "the curve is the limit")
+
+
+def set_gears(spec: mujoco.MjSpec, arms: Sequence[float | None]) -> None:
+    """Let propellers turn the hull by their torque at rest.
+
+    Args:
+        spec: changed here.
+        arms: torque per newton of each actuator [m]; None for one that is no propeller.
+
+    Raises:
+        ModelError: a propeller with a gear of its own.
+    """
+    for actuator, arm in zip(spec.actuators, arms, strict=True):
+        if arm is None:
+            continue
+        if not np.array_equal(actuator.gear, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]):
+            raise ModelError(
+                actuator.name,
+                f'has gear "{" ".join(f"{g:g}" for g in actuator.gear)}"; "0 0 1 0 0 0" is right for a propeller: its '
+                "torque follows from K_Q and propeller_hand",
+            )
+        actuator.gear = [0.0, 0.0, 1.0, 0.0, 0.0, arm]
 
 
 def _element(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator, index: int) -> ThrusterElement:
@@ -104,7 +145,8 @@ def _element(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator, index: int) -> T
     if not gain_is_zero:
         raise ModelError(name, 'has a gain of MuJoCo beside its characteristic; put gaintype="fixed" gainprm="0"')
     _require_push_along_z(actuator)
-    return ThrusterElement(name, _carrier(spec, actuator))
+    body = _carrier(spec, actuator)
+    return ThrusterElement(name, body, actuator.target, spec.site(actuator.target).parent.name)
 
 
 def _require_lag(actuator: mujoco.MjsActuator) -> None:
@@ -115,9 +157,15 @@ def _require_lag(actuator: mujoco.MjsActuator) -> None:
         raise ModelError(
             actuator.name, f'has dyntype "{kind}"; the lag of a motor is {" or ".join(map(repr, _LAGS.values()))}'
         )
-    lag_s = float(actuator.dynprm[0])
-    if not 0.0 < lag_s < np.inf:
-        raise ModelError(actuator.name, f"has a lag (dynprm) of {lag_s:g} s; it is positive and finite")
+    two = actuator.dyntype == mujoco.mjtDyn.mjDYN_USER
+    for lag_s in np.array(actuator.dynprm[: 2 if two else 1]).tolist():
+        if not 0.0 < lag_s < np.inf:
+            them = ' of two; with dyntype "user" both are' if two else "; it is"
+            raise ModelError(actuator.name, f"has a lag (dynprm) of {lag_s:g} s{them} positive and finite")
+    if two and actuator.delay:
+        raise ModelError(
+            actuator.name, 'has a delay beside two lags, which dyntype "user" cannot have; put it into them'
+        )
 
 
 def _require_push_along_z(actuator: mujoco.MjsActuator) -> None:

@@ -10,7 +10,7 @@ With x = step / lag, one step leaves of a difference between activation and comm
     filterexact  Euler, implicit, implicitfast  exp(-x)
     filterexact  RK4                            1 + (R(x) - 1) (1 - exp(-x)) / x
 
-and of a servo of a fin, within its rate, what it leaves of `filter`.
+and of a servo of a fin, within its rate, and of each of two lags in a row, what it leaves of `filter`.
 
 The last is no misprint: RK4 averages the rate over its stages, and MuJoCo carries that average over the step by the
 exponential. It is stable where R is.
@@ -44,19 +44,21 @@ def require_time_step(model: mujoco.MjModel) -> None:
     """
     for i in (i for i in range(model.nu) if is_thruster(model, i)):
         name = model.actuator(i).name
-        _require_stable_lag(model, i, name)
+        lags = 2 if model.actuator_dyntype[i] == mujoco.mjtDyn.mjDYN_USER else 1
+        for lag_s in model.actuator_dynprm[i, :lags].tolist():
+            _require_stable_lag(model, i, name, lag_s)
         _require_whole_delay(model, i, name)
     for i in np.flatnonzero(model.actuator_dyntype == mujoco.mjtDyn.mjDYN_USER).tolist():
-        if model.actuator_dynprm[i, 0] > 0.0:  # the servo of a fin
-            _require_stable_lag(model, i, model.actuator(i).name or f"actuator {i}")
+        if model.actuator_dynprm[i, 0] > 0.0 and not is_thruster(model, i):  # the servo of a fin
+            _require_stable_lag(model, i, model.actuator(i).name or f"actuator {i}", float(model.actuator_dynprm[i, 0]))
 
 
-def _require_stable_lag(model: mujoco.MjModel, i: int, name: str) -> None:
+def _require_stable_lag(model: mujoco.MjModel, i: int, name: str, lag: float) -> None:
     rk4 = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
     exact = model.actuator_dyntype[i] == mujoco.mjtDyn.mjDYN_FILTEREXACT
     if exact and not rk4:
         return
-    step, lag = model.opt.timestep, float(model.actuator_dynprm[i, 0])
+    step = model.opt.timestep
     limit = _RK4_LIMIT if rk4 else _EULER_LIMIT
     if step >= limit * lag:
         method = mujoco.mjtIntegrator(model.opt.integrator).name.removeprefix("mjINT_")

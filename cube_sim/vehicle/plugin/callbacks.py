@@ -2,7 +2,8 @@
 
 `passive` replaces the inertia of every hull by M_RB + M_A and adds the remaining water forces to `qfrc_passive`. MuJoCo
 itself then solves for the acceleration: added mass is implicit, never lagged. `thrust` evaluates the thruster
-characteristic on the lagged command. `servo` turns the fins.
+characteristic on the lagged command, or a propeller in its inflow. `servo` turns the fins, and the rotors that follow
+their command through two lags.
 
 They keep no state and find their parameters inside the model (`cube_sim.vehicle.plugin.layout`). For a model that is
 not ours they return at once, also while it is being compiled.
@@ -16,9 +17,11 @@ import numba
 from numba import types
 
 from cube_sim.tuples import plus6
-from cube_sim.vehicle.laws.current import accelerating_water, current_at
+from cube_sim.vehicle.laws.current import accelerating_water, current_at, velocity_at
 from cube_sim.vehicle.laws.fin import servo_rate
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
+from cube_sim.vehicle.laws.propeller import ACTIVATION, ACTUATOR, AXIS, CURVE, lag_rates
+from cube_sim.vehicle.laws.propeller import HULL as OF_HULL
 from cube_sim.vehicle.laws.push import COLUMNS, push_wrench
 from cube_sim.vehicle.laws.surface import faded, fading_wrench, hull_under_water, share_of_depth
 from cube_sim.vehicle.plugin import layout
@@ -37,6 +40,7 @@ from cube_sim.vehicle.plugin.memory import (
     room_for_hull,
     vector,
 )
+from cube_sim.vehicle.plugin.propeller_wrench import propeller_force, table_of, unheld_torque
 
 _factor_mass_matrix = types.ExternalFunction("mj_factorM", types.void(types.int64, types.int64))
 _project_constraints = types.ExternalFunction("mj_projectConstraint", types.void(types.int64, types.int64))
@@ -112,7 +116,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
     actuator_actnum, actuator_ctrlrange = model["actuator_actnum"], model["actuator_ctrlrange"]
     actuator_dynprm, dynprm = model["actuator_dynprm"], codes["dynprm"]
     time_, qvel, xpos, xmat, act = data["time"], data["qvel"], data["xpos"], data["xmat"], data["act"]
-    ctrl = data["ctrl"]
+    ctrl, act_dot = data["ctrl"], data["act_dot"]
     cdof, crb, mass, qfrc_passive = data["cdof"], data["crb"], data["M"], data["qfrc_passive"]
     actuator_trnid, site_size, site_xpos = model["actuator_trnid"], model["site_size"], data["site_xpos"]
     nv, qld, qldiaginv = model["nv"], data["qLD"], data["qLDiagInv"]
@@ -131,6 +135,54 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             return 0
         return address
 
+    @numba.njit
+    def share_under_water(m, d, packed, actuator):
+        """Share of a thruster that is under water, by the depth and the size of its site."""
+        site = integer(field(m, actuator_trnid), 2 * actuator)
+        depth = double(packed, layout.SURFACE) - double(field(d, site_xpos), 3 * site + 2)
+        radius = double(field(m, site_size), 3 * site)
+        return share_of_depth(depth, radius) if depth < radius else 1.0
+
+    @numba.njit
+    def through_water(m, d, packed, hull):
+        """Velocity of a hull through the water, a 6-tuple, body axes; by the address of its record."""
+        body, dof = int(double(hull, layout.BODY)), int(double(hull, layout.DOF))
+        R, v = matrix(field(d, xmat) + 72 * body, 3, 3), field(d, qvel) + 8 * dof
+        current = (double(m + opt_wind, 0), double(m + opt_wind, 1), double(m + opt_wind, 2))
+        profile = int(double(packed, layout.CURRENT))
+        if profile >= 0:
+            table = packed + 8 * profile
+            n_t, n_z = int(double(table, 0)), int(double(table, 1))
+            times, heights = vector(table + 16, n_t), vector(table + 16 + 8 * n_t, n_z)
+            velocities = matrix(table + 16 + 8 * (n_t + n_z), n_t * n_z, 3)
+            height = double(field(d, xpos) + 24 * body, 2)
+            there = velocity_at(double(d + time_, 0), height, times, heights, velocities)
+            current = (current[0] + there[0], current[1] + there[1], current[2] + there[2])
+        x, y, z = double(v, 0) - current[0], double(v, 1) - current[1], double(v, 2) - current[2]
+        return (
+            R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
+            R[0, 1] * x + R[1, 1] * y + R[2, 1] * z,
+            R[0, 2] * x + R[1, 2] * y + R[2, 2] * z,
+            double(v, 3),
+            double(v, 4),
+            double(v, 5),
+        )
+
+    @numba.njit
+    def torques_of_propellers(m, d, packed, hull, nu_r):
+        """What the propellers of a hull, by its number, turn it by beside their gears, a 6-tuple [N, N m]."""
+        total = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        rows, points = table_of(packed + 8 * int(double(packed, layout.PROPELLERS)))
+        for k in range(rows.shape[0]):
+            row = rows[k]
+            if row[OF_HULL] == hull:
+                curve, state = packed + 8 * int(row[CURVE]), double(field(d, act), int(row[ACTIVATION]))
+                turning = unheld_torque(row, points, curve, state, nu_r)
+                turning *= share_under_water(m, d, packed, int(row[ACTUATOR]))
+                torque = (0.0, 0.0, 0.0, turning * row[AXIS], turning * row[AXIS + 1], turning * row[AXIS + 2])
+                total = plus6(total, torque)
+        return total
+
     def passive(m, d):
         packed = parameters_of(m)
         if packed == 0:
@@ -143,7 +195,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         profile = int(double(packed, layout.CURRENT))
         count, pushes = int(double(packed, layout.COUNT)), int(double(packed, layout.PUSHES))
         lift = int(double(packed, layout.LIFT))
-        surface = double(packed, layout.SURFACE)
+        surface, propellers = double(packed, layout.SURFACE), double(packed, layout.PROPELLERS) >= 0.0
         factored = field(m, nv) == 6 * count  # no arms: hulls are all there is, each a block of its own
         for k in range(count):
             hull = packed + 8 * (int(double(packed, layout.HULLS)) + k * layout.HULL_SIZE)
@@ -217,6 +269,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 if at_surface:
                     lifted = faded(share, lifted)
                 F = plus6(F, lifted)
+            if propellers:
+                F = plus6(F, torques_of_propellers(m, d, packed, float(k), nu_r))
             function = int(double(hull, layout.FORCE))
             if function >= 0:
                 F = plus6(F, _user_wrench(function, double(packed, layout.PROCESS), time, position, rotation, nu, nu_r))
@@ -243,15 +297,17 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             return float("nan")  # MuJoCo skips `passive`: the hull would be dry without a word
         curve = packed + 8 * start
         stuck = double(curve, layout.STUCK)
-        site = integer(field(m, actuator_trnid), 2 * actuator)
-        depth = double(packed, layout.SURFACE) - double(field(d, site_xpos), 3 * site + 2)
-        radius = double(field(m, site_size), 3 * site)
-        under_water = 1.0
-        if depth < radius:
-            under_water = share_of_depth(depth, radius)
+        under_water = share_under_water(m, d, packed, actuator)
         if stuck == stuck:  # a number: the thruster holds that force whatever the command
             return stuck * double(curve, layout.SUPPLY) * under_water
         adr = integer(field(m, actuator_actadr), actuator) + integer(field(m, actuator_actnum), actuator) - 1
+        propeller = int(double(curve, layout.PROPELLER))
+        if propeller >= 0:
+            rows, points = table_of(packed + 8 * int(double(packed, layout.PROPELLERS)))
+            row = rows[propeller]
+            hull = packed + 8 * (int(double(packed, layout.HULLS)) + int(row[OF_HULL]) * layout.HULL_SIZE)
+            nu_r = through_water(m, d, packed, hull)
+            return propeller_force(row, points, curve, double(field(d, act), adr), nu_r) * under_water
         force = steady_force(double(field(d, act), adr), curve)
         return force * double(curve, layout.EFFICIENCY) * double(curve, layout.SUPPLY) * under_water
 
@@ -259,12 +315,19 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         packed = parameters_of(m)
         if packed == 0:
             return 0.0
-        if int(double(packed, int(double(packed, layout.THRUSTERS)) + actuator)) != layout.FIN_SERVO:
+        record = int(double(packed, int(double(packed, layout.THRUSTERS)) + actuator))
+        if record == layout.NO_THRUSTER:
             return 0.0
         travel, parameters = field(m, actuator_ctrlrange) + 16 * actuator, dynprm * actuator
         target = min(max(double(field(d, ctrl), actuator), double(travel, 0)), double(travel, 1))
-        deflection = double(field(d, act), integer(field(m, actuator_actadr), actuator))
-        prm = field(m, actuator_dynprm)
+        adr, prm = integer(field(m, actuator_actadr), actuator), field(m, actuator_dynprm)
+        deflection = double(field(d, act), adr)
+        if record >= 0:
+            lags = double(prm, parameters), double(prm, parameters + 1)
+            first, second = lag_rates(target, deflection, double(field(d, act), adr + 1), lags[0], lags[1])
+            put(field(d, act_dot), adr, first)
+            put(field(d, act_dot), adr + 1, second)
+            return 0.0
         return servo_rate(target, deflection, double(prm, parameters), double(prm, parameters + 1))
 
     # With numpy's error model a division by zero gives inf, as in C: nothing here can raise, so no exception code.

@@ -6,19 +6,22 @@ doubles from the array's beginning:
     header          MAGIC, number of hulls, start of the hull records, start of the thruster table,
                     start of the current's table or -1, number of the process whose user forces it names,
                     start of the table of pushes or -1, start of the tables of lift or -1, height of the water's surface
-                    [m] or inf where there is none
+                    [m] or inf where there is none, start of the propellers or -1
     hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric;
                     REACH [m] is the height above its origin that no part of it is beyond in any attitude, -inf for a
                     hull without extent
     thruster table  one value per actuator of the model: the start of its curve record, -1 for no thruster, -2 for the
                     servo of a fin
     curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
-                    voltage [V], pulse widths of the commands -1, 0 and 1 [us], c_1..c_n, F_1..F_n [N];
-                    stuck is NaN for a thruster that is free; voltage and pulses are NaN where not known
+                    voltage [V], pulse widths of the commands -1, 0 and 1 [us], number of its propeller or -1,
+                    c_1..c_n, F_1..F_n [N]; stuck is NaN for a thruster that is free; voltage and pulses are NaN where
+                    not known; of a propeller the curve is that of water that does not flow
     pushes          n, and n rows as `cube_sim.vehicle.laws.push` has them
     lift            numbers of velocity products, strips, fins, products with a fin's deflection and with its square,
                     and a row for each as the laws `body_lift` and `fin` of `cube_sim.vehicle.laws` have them; where a
                     deflection is in it, the fin's number stands for the hull's
+    propellers      n, number of values in open-water points, n rows as `cube_sim.vehicle.laws.propeller` has them, and
+                    these points
     current         n_t, n_z, t_1.. [s], z_1.. [m], (v_x, v_y, v_z) [m/s] time by time
 
 `cube_sim.vehicle.plugin.packing` writes it. Efficiency, supply, stuck, the velocities of the current and the
@@ -37,8 +40,8 @@ MAGIC_BITS = struct.unpack("=q", struct.pack("=d", MAGIC))[0]  # the same as the
 FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's table of user forces
 
 # the header
-COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES, LIFT, SURFACE = 1, 2, 3, 4, 5, 6, 7, 8
-HEADER_SIZE = 9
+COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES, LIFT, SURFACE, PROPELLERS = 1, 2, 3, 4, 5, 6, 7, 8, 9
+HEADER_SIZE = 10
 # in the thruster table
 NO_THRUSTER, FIN_SERVO = -1, -2
 # one hull record
@@ -47,4 +50,4 @@ REACH, HALF_AXES = 115, 116
 HULL_SIZE = 119
 # one curve record
 DEAD_LOW, DEAD_HIGH, ZONE_LOW, ZONE_HIGH, POINTS = 0, 1, 2, 3, 4
-EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, CURVE = 5, 6, 7, 8, 10, 11, 14
+EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, PROPELLER, CURVE = 5, 6, 7, 8, 10, 11, 14, 15

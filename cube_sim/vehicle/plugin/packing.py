@@ -18,6 +18,7 @@ from cube_sim.vehicle.laws.fin import COLUMNS as FIN_COLUMNS
 from cube_sim.vehicle.laws.push import COLUMNS, HULL
 from cube_sim.vehicle.mjcf.parameters import CurrentProfile, HullParameters, ThrusterParameters, WaterParameters
 from cube_sim.vehicle.plugin import layout
+from cube_sim.vehicle.plugin.propeller_record import place_propellers, propeller_rows
 
 
 def pack_parameters(
@@ -29,6 +30,7 @@ def pack_parameters(
     process: float,
     pushes: int = 0,
     fins: NDArray[np.float64] | None = None,
+    model: mujoco.MjModel | None = None,
 ) -> NDArray[np.float64]:
     """(n,) values as `cube_sim.vehicle.plugin.layout` says.
 
@@ -41,29 +43,35 @@ def pack_parameters(
         process: number of this process.
         pushes: for how many there is to be room.
         fins: (n,16) the table of `cube_sim.vehicle.laws.fin`; zeros where it is not known yet.
+        model: compiled, for the places of propellers; None where there is none yet.
     """
     hulls = [_hull_record(*row) for row in zip(parameters.hulls, bodies, dofs, half_axes, forces, strict=True)]
     table_start = layout.HEADER_SIZE + layout.HULL_SIZE * len(hulls)
     end = table_start + len(parameters.thrusters)
     table: list[float] = []
     curves: list[NDArray[np.float64]] = []
+    propellers = 0
     servos = {fin.servo for fin in parameters.fins}
     for actuator, thruster in enumerate(parameters.thrusters):
         if thruster is None:
             table.append(float(layout.FIN_SERVO if actuator in servos else layout.NO_THRUSTER))
             continue
         table.append(float(end))
-        curves.append(_curve_record(thruster))
+        number, propellers = (-1, propellers) if thruster.propeller is None else (propellers, propellers + 1)
+        curves.append(_curve_record(thruster, number))
         end += curves[-1].size
     current = _current_record(parameters.current)
     current_start = end if current.size else -1.0
     pushed = _push_record(pushes)
     pushes_start = end + current.size if pushed.size else -1.0
     lift = _lift_record(parameters, fins)
-    lift_start = end + current.size + pushed.size if lift.size else -1.0
+    end += current.size + pushed.size
+    lift_start = end if lift.size else -1.0
+    turning = _propeller_record(parameters, table, model)
+    propellers_start = end + lift.size if turning.size else -1.0
     starts = layout.HEADER_SIZE, table_start, current_start, process, pushes_start, lift_start, parameters.surface
-    header = np.array([layout.MAGIC, len(hulls), *starts])
-    return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed, lift])
+    header = np.array([layout.MAGIC, len(hulls), *starts, propellers_start])
+    return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed, lift, turning])
 
 
 def packed_size(parameters: WaterParameters, pushes: int = 0) -> int:
@@ -102,12 +110,12 @@ def _hull_record(
     return record
 
 
-def _curve_record(thruster: ThrusterParameters) -> NDArray[np.float64]:
+def _curve_record(thruster: ThrusterParameters, propeller: int) -> NDArray[np.float64]:
     curve = thruster.characteristic
     healthy = (1.0, 1.0, np.nan)  # efficiency, supply, not stuck
     head = [*curve.command_dead_zone, *curve.force_dead_zone, curve.commands.size, *healthy, *thruster.power]
     wires = [np.nan if thruster.voltage is None else thruster.voltage, *(thruster.pulse_us or [np.nan] * 3)]
-    return np.concatenate([np.array([*head, *wires]), curve.commands, curve.forces])
+    return np.concatenate([np.array([*head, *wires, propeller]), curve.commands, curve.forces])
 
 
 def _push_record(pushes: int) -> NDArray[np.float64]:
@@ -132,6 +140,18 @@ def _lift_record(parameters: WaterParameters, fins: NDArray[np.float64] | None) 
 def _of_fins(parameters: WaterParameters, power: float) -> NDArray[np.float64]:
     """(n, columns) products with that power of a deflection, the number of the fin before each."""
     return _of_hulls([fin.products[fin.products[:, -1] == power, :-1] for fin in parameters.fins], PRODUCT_COLUMNS)
+
+
+def _propeller_record(
+    parameters: WaterParameters, curves: Sequence[float], model: mujoco.MjModel | None
+) -> NDArray[np.float64]:
+    propellers = [None if thruster is None else thruster.propeller for thruster in parameters.thrusters]
+    rows, points = propeller_rows(propellers, [hull.body for hull in parameters.hulls], [int(at) for at in curves])
+    if not len(rows):
+        return np.empty(0)
+    if model is not None:
+        place_propellers(model, propellers, rows)
+    return np.concatenate([[float(len(rows)), float(points.size)], rows.ravel(), points])
 
 
 def _of_hulls(rows: list[NDArray[np.float64]], columns: int) -> NDArray[np.float64]:

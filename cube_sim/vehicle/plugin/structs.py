@@ -22,7 +22,8 @@ MODEL_FIELDS = (
     "actuator_ctrlrange", "actuator_dynprm", "actuator_trnid", "site_size",
 )  # fmt: skip
 DATA_FIELDS = (
-    "time", "qvel", "xpos", "xmat", "site_xpos", "act", "ctrl", "cdof", "crb", "M", "qLD", "qLDiagInv", "qfrc_passive",
+    "time", "qvel", "xpos", "xmat", "site_xpos", "act", "act_dot", "ctrl", "cdof", "crb", "M", "qLD", "qLDiagInv",
+    "qfrc_passive",
 )  # fmt: skip
 
 _SCALARS = {
