@@ -245,7 +245,7 @@ def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
     pushed = any(force_events(one.scenario) for one in loaded)
     phased = ("1",) * any(one.scenario.phases for one in loaded)
     timed = any(is_timed(one.scenario.phases) for one in loaded)
-    channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed, phased, timed)
+    channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed, phased, timed, ("F1",))
     known = dict.fromkeys(f"{channel.name}.{field.name}" for channel in channels for field in channel.fields)
     for one in loaded:
         sensed = channels_of(one.scenario.navigation)

@@ -16,23 +16,27 @@ EXACT = 0
 """Value of allocation.status at a tick whose wrench is attainable."""
 
 FORCE, WRENCH, STATUS, MATRIX = "thrusters.force_demanded", "wrench.demanded", "allocation.status", "actuation.matrix"
+FINS = "fins.wrench"
+"""Recorded of a vehicle with fins only: they make a part of the wrench."""
 
 
 class ExactWrench:
     """Judges an `ExactWrenchCheckBlock`."""
 
-    needs: tuple[str, ...] = FORCE, WRENCH, STATUS, MATRIX
+    needs: tuple[str, ...] = FORCE, WRENCH, STATUS, MATRIX, FINS
 
     def __init__(self, check: ExactWrenchCheckBlock) -> None:
         self._check, self._reasons = check, Reasons()
-        self._force, self._wrench, self._status, self._matrix = (Samples(name) for name in self.needs)
+        self._force, self._wrench, self._status, self._matrix = (Samples(name) for name in self.needs[:-1])
         self._held = Held(self._matrix, self._reasons)
         self._worst, self._attainable = Largest(), 0
 
     def take(self, block: Signals) -> None:
         """See `Judge`."""
         none = np.empty((0, 2))
-        force, wrench, status, changed = (block.get(name, none) for name in self.needs)
+        force, wrench, status, changed, fins = (block.get(name, none) for name in self.needs)
+        if len(fins) == len(wrench) and len(fins):
+            wrench = np.column_stack([wrench[:, 0], wrench[:, 1:] - fins[:, 1:]])  # what is left to the thrusters
         sampled = zip((self._force, self._wrench, self._status), (force, wrench, status), strict=True)
         self._matrix.take(changed)
         taken = [samples.take(rows) for samples, rows in sampled]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,13 +27,13 @@ from cube_sim.control.transient import Transient
 from cube_sim.control.turning_limit import turning_of
 from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ActuationError
+from cube_sim.mission.ability import with_fins
 from cube_sim.mission.parameter_values import parameter_values
 from cube_sim.scenario.document import parse_value
-from cube_sim.spatial import Vector
-from cube_sim.vehicle.fins import Fins
+from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.fins import FinsAtSpeed
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.mjcf.what_if import parameters_of, read_setting, set_sites
-from cube_sim.vehicle.pushes import hull_number
 from cube_sim.vehicle.remarks import remarks
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.allowed_forces import AllowedForces
@@ -59,7 +59,7 @@ class Report:
         remarks: on the vehicle left to itself.
         table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
             was wanted.
-        fins: name of each fin with a servo -> the wrench (6,) it adds at full deflection, at 1 m/s ahead [N, N m].
+        fins: what the fins do at the speed of the verdict, the last columns of the matrix; None for none.
     """
 
     model: Path
@@ -70,7 +70,7 @@ class Report:
     critical: CriticalSpeed | None
     table: Survivability | None
     stuck: tuple[FaultCase, ...] | None = None
-    fins: Mapping[str, Vector] = field(default_factory=dict)
+    fins: FinsAtSpeed | None = None
     remarks: tuple[str, ...] = ()
 
 
@@ -128,6 +128,11 @@ def report_on(
     gone = _names(lost)
     body = vehicle.dynamics
     requirements = PathRequirements() if speed_m_s is None else PathRequirements(speed_m_s=speed_m_s)
+    fins = None
+    if vehicle.fins is not None:
+        fins, requirements = vehicle.fins.at_speed(requirements.speed_m_s), replace(requirements, nose_ahead=True)
+        names, limits = (*names, *vehicle.fins.names), np.vstack([limits, fins.limits])
+        A = np.column_stack([A, _in_plane(fins.matrix) if planar else fins.matrix])
 
     def analysis_of(matrix: Matrix) -> Analysis:
         return analyse(
@@ -139,9 +144,9 @@ def report_on(
         analysis = replace(analysis, verdict=_with_hint(analysis.verdict))
     turning, critical = None, None
     if analysis.verdict.follows:
-        left = _left(analysis, vehicle, requirements.speed_m_s, cost_limit)
-        turning = _turning(analysis, vehicle, requirements.speed_m_s, left)
-        delay = mean_delay(vehicle.thrusters.lag_s, USUAL_PERIOD_S)
+        left = _left(analysis, vehicle, fins, requirements.speed_m_s, cost_limit)
+        turning = _turning(analysis, vehicle.dynamics, names, limits, requirements.speed_m_s, left)
+        delay = mean_delay(vehicle.lag_s, USUAL_PERIOD_S)
         critical = None if left is None else critical_speed(left, body, delay)
     most = MOST_LOSSES if picture is not None else losses
     table = (
@@ -164,17 +169,8 @@ def report_on(
     cases = None
     if stuck:
         cases = fault_cases(vehicle, requirements.speed_m_s, lost=gone, cost_limit=cost_limit, progress=progress)
-    fins, noted = _fins(loaded, vehicle.body), tuple(remarks(loaded, vehicle))
+    noted = tuple(remarks(loaded, vehicle))
     return Report(model, title, vehicle, analysis, turning, critical, table, cases, fins, noted)
-
-
-def _fins(model: mujoco.MjModel, body: int) -> dict[str, Vector]:
-    """What each fin of a hull adds at full deflection, at 1 m/s ahead (6,)."""
-    fins, ahead = Fins.from_model(model, hull_number(model, body)), np.eye(6)[0]
-    still = np.zeros(len(fins.names))
-    straight = fins.wrench(still, ahead)
-    full = np.diag(fins.travel[:, 1])
-    return {name: fins.wrench(full[k], ahead) - straight for k, name in enumerate(fins.names)}
 
 
 def _loaded(model: Path, settings: Sequence[str]) -> mujoco.MjModel:
@@ -189,26 +185,37 @@ def _loaded(model: Path, settings: Sequence[str]) -> mujoco.MjModel:
     return load_model(spec, parameters_of(others, known))
 
 
-def _turning(analysis: Analysis, vehicle: Vehicle, speed_m_s: float, left: Capability | None) -> TurningTrim | None:
+def _turning(
+    analysis: Analysis,
+    hull: Dynamics,
+    names: tuple[str, ...],
+    limits: Matrix,
+    speed_m_s: float,
+    left: Capability | None,
+) -> TurningTrim | None:
     """How tightly what is left of a vehicle turns, as a run judges it; in the plane by the matrix alone."""
-    hull, known = vehicle.dynamics, next(t.condition for t in analysis.verdict.trims if not t.condition.inclination_rad)
+    known = next(t.condition for t in analysis.verdict.trims if not t.condition.inclination_rad)
     if analysis.subspaces.axes is PLANAR:
-        works = [name not in analysis.lost for name in vehicle.thrusters.names]
-        allowed = AllowedForces.from_limits(vehicle.thrusters.limits[works], len(analysis.names), dead_zones=False)
+        works = [name not in analysis.lost for name in names]
+        allowed = AllowedForces.from_limits(limits[works], len(analysis.names), dead_zones=False)
         straight = CourseAttitudes.on(hull, analysis.subspaces, speed_m_s, 0.0)
         return turning_trim(straight, attainable_set(analysis.subspaces, allowed), known)
     return None if left is None else turning_of(left, hull, speed_m_s, known)
 
 
-def _left(analysis: Analysis, vehicle: Vehicle, speed_m_s: float, cost_limit: float | None) -> Capability | None:
+def _left(
+    analysis: Analysis, vehicle: Vehicle, fins: FinsAtSpeed | None, speed_m_s: float, cost_limit: float | None
+) -> Capability | None:
     """What a run judges to be left; None where it follows no path, and in the plane by the matrix alone."""
     if analysis.subspaces.axes is PLANAR:
         return None
-    names, hold = vehicle.thrusters.names, WaterHold.of(vehicle.dynamics, speed_m_s)
-    health = Health.whole(len(names))
+    thrusters, hold = vehicle.thrusters, WaterHold.of(vehicle.dynamics, speed_m_s, None if fins is None else (0.0,))
+    judged = with_fins(vehicle.actuation_matrix, thrusters.limits, Health.whole(len(thrusters.names)), fins)
+    A, limits, health = judged
+    names = thrusters.names if vehicle.fins is None else (*thrusters.names, *vehicle.fins.names)
     for lost in analysis.lost:
         health = health.with_thruster(names.index(lost), 0.0)
-    left = remaining_capability(vehicle.actuation_matrix, vehicle.thrusters.limits, health, cost_limit, hold)
+    left = remaining_capability(A, limits, health, cost_limit, hold)
     return None if left.authority is Authority.SAFE else left
 
 
@@ -247,6 +254,7 @@ def to_dict(report: Report) -> dict[str, Any]:
         "hull": report.vehicle.name,
         "remarks": report.remarks,
         "thrusters": a.names,
+        "fins": _fins_at(report),
         "lost": a.lost,
         "components": s.axes.names,
         "actuation_matrix": a.matrix,
@@ -280,6 +288,16 @@ def to_dict(report: Report) -> dict[str, Any]:
         "losses": None if report.table is None else [_case(case) for case in report.table.cases],
     }
     return _plain(content)
+
+
+def _fins_at(report: Report) -> dict[str, Any] | None:
+    if report.fins is None or report.vehicle.fins is None:
+        return None
+    return {
+        "names": report.vehicle.fins.names,
+        "speed_m_s": report.fins.speed_m_s,
+        "limits": report.fins.limits[:, [0, 3]],
+    }
 
 
 def _extent(e: Extent) -> dict[str, Any]:

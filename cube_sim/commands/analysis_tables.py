@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 
 import numpy as np
 from rich.table import Table
@@ -30,7 +31,10 @@ def print_report(report: Report) -> None:
         console.print(text, markup=False, highlight=False, soft_wrap=True)
 
     lost = f", without {', '.join(a.lost)}" if a.lost else ""
-    line(f"{report.title}: {len(a.names)} thrusters{lost}; torques divided by {s.length_m:.3g} m")
+    fins = () if report.vehicle.fins is None else report.vehicle.fins.names
+    beside = f" and {len(fins)} fin{'s' * (len(fins) != 1)}" if fins else ""
+    count = sum(name not in a.lost for name in report.vehicle.thrusters.names)
+    line(f"{report.title}: {count} thrusters{beside}{lost}; torques divided by {s.length_m:.3g} m")
     line(f"rank {a.rank} of {len(s.axes.names)}, {a.redundancy} redundant")
     for remark in report.remarks:
         line(f"  {remark}")
@@ -41,11 +45,8 @@ def print_report(report: Report) -> None:
     if a.unreachable:
         forces, torques = s.pure_forces.shape[1], s.pure_torques.shape[1]
         line(f"  isolated: {forces} force{'s' * (forces != 1)} and {torques} torque{'s' * (torques != 1)}")
-    if report.fins:
-        line("  fins are not among them; what each adds at full deflection and 1 m/s ahead [N, N m]:")
-    for name, wrench in report.fins.items():
-        parts = [f"{axis} {value:.3g}" for axis, value in zip(SPATIAL.names, wrench, strict=True) if abs(value) > 1e-9]
-        line(f"    {name}: {', '.join(parts)}")
+    for text in _fins(report):
+        line(f"  {text}")
     console.print(_components(a))
     console.print(_directions(a))
     for why in sorted(set(a.dropped) - {""}):
@@ -64,6 +65,18 @@ def print_report(report: Report) -> None:
         line(f"turning: {_turning(report)}")
         if report.critical is not None:
             line(f"margins: {_margins(report.critical)}")
+
+
+def _fins(report: Report) -> Iterator[str]:
+    """What the fins do, and at which speed."""
+    fins, at = report.vehicle.fins, report.fins
+    if fins is None or at is None:
+        return
+    yield f"fins count by what they make at {at.speed_m_s:g} m/s straight ahead (--speed), at most [N, N m]:"
+    for name, column, (low, _, _, high) in zip(fins.names, at.matrix.T, at.limits, strict=True):
+        wrench = max(-low, high) * column
+        parts = [f"{axis} {value:.3g}" for axis, value in zip(SPATIAL.names, wrench, strict=True) if abs(value) > 1e-9]
+        yield f"  {name}: {', '.join(parts) or 'nothing'}"
 
 
 def _turning(report: Report) -> str:

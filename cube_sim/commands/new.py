@@ -67,14 +67,18 @@ def write_scenario(model: Path, file: Path, hull: str | None) -> str:
         OSError: the file cannot be written.
     """
     from cube_sim.commands.analysis_report import report_on
-    from cube_sim.commands.starter import NoStarterError, head_of, starter_for, text_of
+    from cube_sim.commands.starter import NoStarterError, candidates, head_of, starter_for, text_of
 
     report = report_on(model, hull=hull)
-    if report.fins and not report.analysis.verdict.follows:
-        raise NoStarterError(
-            f"{model}: scenarios command thrusters only, and this vehicle needs its fins ({', '.join(report.fins)}): "
-            "its thrusters alone follow no path, and nothing is tried"
-        )
+    if report.vehicle.fins is not None and not report.analysis.verdict.follows:
+        speeds = sorted({each.speed_m_s for each in candidates()})
+        judged = [report_on(model, hull=hull, speed_m_s=speed).analysis.verdict for speed in speeds]
+        if not any(verdict.follows for verdict in judged):
+            names = ", ".join(report.vehicle.fins.names)
+            raise NoStarterError(
+                f"{model}: with its fins ({names}) it follows paths at none of the speeds that are tried, "
+                f"{speeds[0]:g} to {speeds[-1]:g} m/s: {judged[-1].reason}"
+            )
     chosen = starter_for(model, hull)
     thrusters, head = report.vehicle.thrusters.names, head_of(report)
     text = text_of(chosen.candidate, model, hull, chosen.limits, file.parent, head, chosen.measured, thrusters)

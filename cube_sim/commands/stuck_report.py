@@ -21,6 +21,7 @@ from cube_sim.control.transient import Transient, keeps, transient
 from cube_sim.control.turned_round import LOOKED_AHEAD_S as TURNED_FOR_S
 from cube_sim.control.turned_round import NEAR_M, wanders_m
 from cube_sim.control.yielding import WaterHold
+from cube_sim.mission.ability import with_fins
 from cube_sim.mission.fault_finding import found_within_s
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.vehicle import Vehicle
@@ -121,14 +122,19 @@ class _Beside:
             lost,
             cost_limit,
         )
-        self._hold, self._speed = WaterHold.of(hull, speed_m_s), speed_m_s
+        self._fins = None if vehicle.fins is None else vehicle.fins.at_speed(speed_m_s)
+        self._hold, self._speed = WaterHold.of(hull, speed_m_s, None if self._fins is None else (0.0,)), speed_m_s
         self._velocity = np.array([speed_m_s, 0.0, 0.0])
         self._health = Health.whole(len(self._names))
         for name in lost:
-            self._health = self._health.with_thruster(self._names.index(name), 0.0)
+            if name in self._names:
+                self._health = self._health.with_thruster(self._names.index(name), 0.0)
+            elif vehicle.fins is not None and self._fins is not None:
+                self._fins.limits[vehicle.fins.names.index(name)] = 0.0
         self._whole = self._left(self._health)
-        delay = mean_delay(thrusters.lag_s, USUAL_PERIOD_S)
-        turning = angular_acceleration(self._A, self._limits, hull.total_mass[3:, 3:], hull.righting_moment)
+        delay = mean_delay(vehicle.lag_s, USUAL_PERIOD_S)
+        A, limits, _ = with_fins(self._A, self._limits, self._health, self._fins)
+        turning = angular_acceleration(A, limits, hull.total_mass[3:, 3:], hull.righting_moment)
         times = LoopTimes.behind(delay, turning, self._whole.authority in (Authority.PLANE, Authority.LINE))
         self._loops = LoopSpeeds(times.velocity, times.attitude, times.rate, OBSERVER_S, delay)
         self._verdicts: dict[str, tuple[bool, str]] = {}
@@ -158,7 +164,8 @@ class _Beside:
         )
 
     def _left(self, health: Health) -> Capability:
-        return remaining_capability(self._A, self._limits, health, self._cost_limit, self._hold)
+        judged = with_fins(self._A, self._limits, health, self._fins)
+        return remaining_capability(*judged, self._cost_limit, self._hold)
 
     def _transient(self, left: Capability, index: int, fault: Fault, velocity: Vector) -> tuple[float, Transient]:
         """By when the fault is found, and the bound of the transient, level and nose ahead."""
@@ -203,13 +210,15 @@ class _Beside:
             kept = left.turned.wanders_m <= NEAR_M
             return kept, "" if kept else left.turned.words
         if fault.thruster not in self._verdicts:
+            fins = () if self._vehicle.fins is None else self._vehicle.fins.names
+            A, limits, _ = with_fins(self._A, self._limits, self._health, self._fins)
             verdict = analyse(
-                self._A,
-                self._limits,
-                names=self._names,
+                A,
+                limits,
+                names=(*self._names, *fins),
                 lost=(*self._lost, fault.thruster),
                 hull=self._hull,
-                requirements=PathRequirements(speed_m_s=self._speed),
+                requirements=PathRequirements(speed_m_s=self._speed, nose_ahead=bool(fins)),
                 cost_limit=self._cost_limit,
             ).verdict
             self._verdicts[fault.thruster] = verdict.follows, verdict.reason

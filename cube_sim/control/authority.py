@@ -237,6 +237,12 @@ def remaining_capability(
         return left
     # Slower than asked is slower, not lost: the analysis is asked at a speed that any vehicle should keep. But a hull
     # that is poorly steered there, where its level attitude is about to become unstable, may be well at its own speed.
+    if hold.inclinations is not None:  # no slower: fins make less then
+        required = PathRequirements(hold.speed, hold.inclinations, nose_ahead=True)
+        verdict = judge(found, hold.hull, allowed, required)
+        if verdict.follows:
+            return left
+        return replace(left, authority=Authority.SAFE, reason=f"{verdict.reason}: the path cannot be followed")
     slow = min(hold.speed, FASTEST_JUDGED_M_S)
     verdict = judge(found, hold.hull, allowed, PathRequirements(speed_m_s=slow))
     if verdict.follows:

@@ -42,15 +42,18 @@ class WaterHold(NamedTuple):
         force: the sizes of the forces (3,) that its missions ask for [N], body axes, positive.
         hull: whose it is; None where only the righting moment is known.
         speed: of its missions [m/s].
+        inclinations: (n,) angles of its courses above the horizontal [rad], where some of what moves it does so at that
+            speed only, straight ahead: fins. None where nothing does.
     """
 
     righting: Vector
     force: Vector
     hull: Dynamics | None = None
     speed: float = 0.0
+    inclinations: tuple[float, ...] | None = None
 
     @staticmethod
-    def of(dynamics: Dynamics, speed_m_s: float) -> WaterHold:
+    def of(dynamics: Dynamics, speed_m_s: float, inclinations: tuple[float, ...] | None = None) -> WaterHold:
         """Of a hull whose missions ask for its drag at this speed, its weight less its buoyancy on top.
 
         Along each axis it is the drag of moving that way: a slender hull that is pushed sideways meets more of it, but
@@ -59,7 +62,7 @@ class WaterHold(NamedTuple):
         drag = np.array([np.linalg.norm(dynamics.damping(speed_m_s * axis)[:3]) for axis in np.eye(6)[:3]])
         force = drag + abs(dynamics.weight - dynamics.buoyancy)
         size = np.hypot(force, SMALL_FORCE * max(1.0, dynamics.weight))
-        return WaterHold(dynamics.righting_moment, size, dynamics, speed_m_s)
+        return WaterHold(dynamics.righting_moment, size, dynamics, speed_m_s, inclinations)
 
     def weights(self, up: Vector) -> Matrix:
         """W (6,6) [1, m^2]: how readily each force and torque gives way; W^-1 is the price of a change.

@@ -37,6 +37,7 @@ class TickRows(NamedTuple):
     health: Table
     water: Table
     disturbance: Table
+    fins: Table
 
     def named(self) -> Iterator[tuple[str, Table]]:
         """Channel and rows, for `SignalStore.extend`."""
@@ -138,6 +139,26 @@ def write_disturbance(rows, k, t, wrench):
     rows.disturbance[k, 0] = t
     for i in range(6):
         rows.disturbance[k, 1 + i] = wrench[i]
+
+
+@compiled
+def write_fins(rows, k, t, wanted, deflections, made):
+    """The row of the fins.
+
+    Args:
+        rows: `TickRows`.
+        k: which of them.
+        t: simulated time [s].
+        wanted: (n,) deflections asked for [rad].
+        deflections: (n,) [rad].
+        made: (6,) what the fins are to make [N, N m].
+    """
+    n = len(wanted)
+    rows.fins[k, 0] = t
+    for i in range(n):
+        rows.fins[k, 1 + i], rows.fins[k, 1 + n + i] = wanted[i], deflections[i]
+    for i in range(6):
+        rows.fins[k, 1 + 2 * n + i] = made[i]
 
 
 @compiled

@@ -36,7 +36,9 @@ def _row(rows, table, k):
         return rows.health[k]
     if table == 10:
         return rows.water[k]
-    return rows.disturbance[k]
+    if table == 11:
+        return rows.disturbance[k]
+    return rows.fins[k]
 
 
 @compiled

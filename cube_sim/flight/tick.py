@@ -11,10 +11,11 @@ from cube_sim.allocation import Allocation
 from cube_sim.control.controller import Decision
 from cube_sim.control.following import FOLLOWED
 from cube_sim.flight.action import Action
-from cube_sim.flight.rows import TickRows, write_actuation, write_disturbance, write_motion
+from cube_sim.flight.rows import TickRows, write_actuation, write_disturbance, write_fins, write_motion
 from cube_sim.guidance.view_record import record_of
 from cube_sim.mission import Mission
 from cube_sim.mission.disturbance import pushes_of
+from cube_sim.mission.fins import FinAnswer
 from cube_sim.mission.supply import allocate_at
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.spatial import State, Vector
@@ -79,20 +80,38 @@ def tick(
         raise NotANumberError("the controller's answer is not a number")
     allocator, thrusters, ratio = mission.allocator, mission.vehicle.thrusters, mission.supply.force_ratio
     commands = action.commands if action.forces is None else thrusters.command(action.forces)
+    steered = None if commands is not None else _steer(mission, decision, known)
     if commands is not None:
         allocation = allocator.made_by(ratio * thrusters.force(commands))
         decision = decision._replace(wrench=allocation.wrench, secondary=np.zeros(6))
     else:
-        allocation, force = allocate_at(ratio, allocator, decision.wrench, decision.secondary)
+        left = decision.wrench if steered is None else steered.rest
+        allocation, force = allocate_at(ratio, allocator, left, decision.secondary)
+        if steered is not None:
+            allocation = allocation._replace(wrench=allocation.wrench + steered.made)
         if mission.fault_finding is not None:
             force = mission.fault_finding.probed(force)
         commands = thrusters.command(force)
+    if mission.fins is not None:
+        turned = np.zeros(len(mission.fins.fins.names)) if steered is None else steered.wanted
+        made = np.zeros(6) if steered is None else steered.made
+        mission.data.ctrl[mission.fins.fins.actuators] = turned
+        write_fins(rows, 0, t, turned, mission.data.act[mission.fins.fins.activations], made)
     mission.data.ctrl[thrusters.actuators] = commands
     # The errors recorded are those of the true state, not of the estimate.
     attitude_error = decision.attitude_error if known is state else angle_of_turn(decision.quaternion, state.quaternion)
     _write(mission, rows, t, state, decision, attitude_error, allocation, commands)
     store.extend(t, t, rows.named())
     return Tick(decision, allocation, known)
+
+
+def _steer(mission: Mission, decision: Decision, known: State) -> FinAnswer | None:
+    """What the fins are asked for; None for a vehicle that has none."""
+    if mission.fins is None:
+        return None
+    deflections = mission.data.act[mission.fins.fins.activations]
+    seen = decision.wrench, known, decision.current, deflections, mission.supply.force_ratio
+    return mission.fins.share(mission.fins.parts(mission.allocator), *seen)
 
 
 def _write(

@@ -18,6 +18,7 @@ from cube_sim.mission.water import initial_currents
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.fins import FinsAtSpeed
 from cube_sim.wrench.health import Health
 
 COURSES = 60
@@ -40,6 +41,7 @@ class Ability:
         cost_limit: `control.cost_limit` [N/N].
         whole: what it can do at any cost that is not `DEAR`.
         within_limit: what it can do within `cost_limit`; `whole` where there is none.
+        fins: what the fins do at that speed; None for a vehicle without.
         critical: the critical speed of `within_limit`, where many flights look at it; None where it is not known yet.
     """
 
@@ -54,10 +56,19 @@ class Ability:
     cost_limit: float | None
     whole: Capability
     within_limit: Capability
+    fins: FinsAtSpeed | None = None
     critical: CriticalSpeed | None = None
 
     @classmethod
-    def of(cls, allocator: FaultTolerant, dynamics: Dynamics, scenario: Scenario, path: Path, lag_s: Vector) -> Ability:
+    def of(
+        cls,
+        allocator: FaultTolerant,
+        dynamics: Dynamics,
+        scenario: Scenario,
+        path: Path,
+        lag_s: Vector,
+        fins: FinsAtSpeed | None = None,
+    ) -> Ability:
         """Judge a vehicle.
 
         Args:
@@ -65,16 +76,19 @@ class Ability:
             dynamics: the equations of motion the controller reckons with.
             scenario: whose speed, current, control period and cost limit count.
             path: whose turns it is asked for.
-            lag_s: (m,) of its thrusters [s].
+            lag_s: (m + k,) of its thrusters and of the servos of its fins [s].
+            fins: what its k fins do at the scenario's speed.
         """
         A, limits, cost_limit = allocator.A, allocator.limits, scenario.control.cost_limit
-        hold = WaterHold.of(dynamics, scenario.guidance.speed_m_s)
+        courses = courses_of(path)
+        hold = WaterHold.of(dynamics, scenario.guidance.speed_m_s, None if fins is None else inclinations_of(courses))
         everything = Health.whole(A.shape[1])
-        whole = remaining_capability(A, limits, everything, hold=hold)
-        within = whole if cost_limit is None else remaining_capability(A, limits, everything, cost_limit, hold)
+        judged = with_fins(A, limits, everything, fins)
+        whole = remaining_capability(*judged, hold=hold)
+        within = whole if cost_limit is None else remaining_capability(*judged, cost_limit, hold)
         speed, radius = scenario.guidance.speed_m_s, tightest_radius(path)
-        delay, courses = mean_delay(lag_s, scenario.control_period_s), courses_of(path)
-        ability = cls(A, limits, hold, speed, radius, courses, 0.0, delay, cost_limit, whole, within)
+        delay = mean_delay(lag_s, scenario.control_period_s)
+        ability = cls(A, limits, hold, speed, radius, courses, 0.0, delay, cost_limit, whole, within, fins)
         return ability.in_currents(initial_currents(scenario))
 
     def in_currents(self, currents: Matrix) -> Ability:
@@ -84,7 +98,7 @@ class Ability:
 
     def left(self, health: Health) -> Capability:
         """What it can do, within the cost limit, with thrusters in the state believed."""
-        return remaining_capability(self.A, self.limits, health, self.cost_limit, self.hold)
+        return remaining_capability(*with_fins(self.A, self.limits, health, self.fins), self.cost_limit, self.hold)
 
     def too_tight(self, left: Capability) -> str | None:
         """Words for turns of the path that are too tight for what is left; None where they are kept."""
@@ -104,11 +118,34 @@ class Ability:
         return replace(self, critical=critical_speed(self.within_limit, self.hold.hull, self.delay_s))
 
 
+def with_fins(A: Matrix, limits: Matrix, health: Health, fins: FinsAtSpeed | None) -> tuple[Matrix, Matrix, Health]:
+    """Matrix (6,m+k), limits (m+k,4) and health of thrusters and fins; nobody says that a fin has failed.
+
+    Args:
+        A: (6,m) of the thrusters.
+        limits: (m,4) of them [N].
+        health: of them.
+        fins: the k fins; None for none.
+    """
+    if fins is None:
+        return A, limits, health
+    whole = Health.whole(len(fins.limits))
+    together = Health(*(np.concatenate(pair) for pair in zip(health, whole, strict=True)))
+    return np.column_stack([A, fins.matrix]), np.vstack([limits, fins.limits]), together
+
+
 def courses_of(path: Path) -> Matrix:
     """Directions of a path (n,3), evenly along it, world axes; none at a point."""
     if path.length <= 0.0:
         return np.empty((0, 3))
     return np.array([path.at(s).rotation[:, 0] for s in np.linspace(0.0, path.length, COURSES)])
+
+
+def inclinations_of(courses: Matrix) -> tuple[float, ...]:
+    """The steepest courses (n,3) downwards and upwards, as angles above the horizontal [rad], and the level one."""
+    angles = np.arcsin(np.clip(courses[:, 2], -1.0, 1.0))
+    ends = float(np.min(angles, initial=0.0)), float(np.max(angles, initial=0.0))
+    return tuple(sorted({0.0, *(round(angle, 9) for angle in ends)}))
 
 
 def fastest_through_water(courses: Matrix, speed_m_s: float, current: Vector) -> float:

@@ -30,6 +30,7 @@ def recorded_channels(scenario: Scenario, vehicle: Vehicle) -> tuple[Channel, ..
         bool(force_events(scenario)),
         tuple(phase.name for phase in scenario.phases),
         is_timed(scenario.phases),
+        () if vehicle.fins is None else vehicle.fins.names,
     ) + channels_of(scenario.navigation)
 
 

@@ -19,7 +19,7 @@ from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.safe_mode import SafeMode
 from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
-from cube_sim.mission.ability import Ability
+from cube_sim.mission.ability import Ability, with_fins
 from cube_sim.mission.attitude import attitude_of, is_path_first
 from cube_sim.mission.guidance import guidance_of
 from cube_sim.mission.hull import CompiledHull
@@ -38,6 +38,7 @@ from cube_sim.spatial import Matrix
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.floating import floating_height, weighs_less
 from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.wrench.health import Health
 
 REST = 3.0
 """How many times the force at which the widest dead zone ends is asked for again where it could not be made."""
@@ -66,12 +67,13 @@ def controller_of(
     """
     scenario = loaded.scenario
     control = scenario.control
-    dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
+    dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge, believed.vehicle.lift)
     time, flow = control.disturbance_time_s, control.current_time_s
     whole, within_limit = ability.whole, ability.within_limit
-    if control.law == "planar_lapierre_2007" or (control.law is None and whole.authority is Authority.UNICYCLE):
+    in_plane = whole.authority is Authority.UNICYCLE and ability.fins is None
+    if control.law == "planar_lapierre_2007" or (control.law is None and in_plane):
         return planar_follower(loaded, believed, path)
-    times = _times(scenario, believed.vehicle, dynamics, whole)
+    times = _times(scenario, believed.vehicle, dynamics, ability)
     target, approach = guidance_of(scenario, path, times.lateral)
     part = PartSetup(scenario, path, dynamics, within_limit, times, others)
     if (code := codes.get("guidance.law")) is not None:
@@ -126,7 +128,7 @@ def controller_of(
         most_rest=REST * float(np.abs(believed.vehicle.thrusters.limits[:, 1:3]).max(initial=0.0)),
         speed=scenario.guidance.speed_m_s if control.attitude_time_s is None else 0.0,
         radius=ability.radius_m,
-        waits=scenario.guidance.wait_for_thrusters,
+        waits=scenario.guidance.wait_for_thrusters and ability.fins is None,  # slower, fins make less
         capability=within_limit,
         path_first=is_path_first(control),
     )
@@ -145,16 +147,13 @@ def _costs(A: Matrix, whole: Capability) -> str:
     return f"its directions cost {', '.join(f'{cost:.3g}' for cost in costs)} N/N"
 
 
-def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics, whole: Capability) -> LoopTimes:
+def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics, ability: Ability) -> LoopTimes:
     """How fast each loop of the law for all axes is."""
-    control = scenario.control
-    delay = mean_delay(vehicle.thrusters.lag_s, scenario.control_period_s)
-    turning = angular_acceleration(
-        scenario.knowledge.thrust * vehicle.actuation_matrix,
-        vehicle.thrusters.limits,
-        dynamics.total_mass[3:, 3:],
-        dynamics.righting_moment,
-    )
+    control, whole, m = scenario.control, ability.whole, len(vehicle.thrusters.names)
+    delay = mean_delay(vehicle.lag_s, scenario.control_period_s)
+    A = scenario.knowledge.thrust * vehicle.actuation_matrix
+    A, limits, _ = with_fins(A, vehicle.thrusters.limits, Health.whole(m), ability.fins)
+    turning = angular_acceleration(A, limits, dynamics.total_mass[3:, 3:], dynamics.righting_moment)
     pointing = whole.authority in (Authority.PLANE, Authority.LINE)
     default = LoopTimes.behind(delay, turning, pointing, whole.level)
     velocity = default.velocity if control.velocity_time_s is None else control.velocity_time_s

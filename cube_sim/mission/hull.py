@@ -95,6 +95,10 @@ def believed_hull(loaded: Loaded, flown: CompiledHull) -> CompiledHull:
     if names != there:
         text = f"has the thrusters {', '.join(there)}; the vehicle that flies has {', '.join(names)}"
         raise ScenarioError([loaded.mistake("knowledge.model", f"{file}: {text}")])
+    fins, there = (() if hull.vehicle.fins is None else hull.vehicle.fins.names for hull in (flown, believed))
+    if fins != there:
+        text = f"has the fins {', '.join(there) or 'of none'}; the vehicle that flies has {', '.join(fins) or 'none'}"
+        raise ScenarioError([loaded.mistake("knowledge.model", f"{file}: {text}")])
     return believed
 
 

@@ -7,12 +7,19 @@ from dataclasses import replace
 from cube_sim.control.planar.model import PlanarModel
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.lift import HullLift
 from cube_sim.vehicle.vehicle import Vehicle
 
 
-def believed_dynamics(true: Dynamics, knowledge: KnowledgeBlock) -> Dynamics:
-    """The equations of motion the controller reckons with."""
-    return replace(
+def believed_dynamics(true: Dynamics, knowledge: KnowledgeBlock, lift: HullLift | None = None) -> Dynamics:
+    """The equations of motion the controller reckons with.
+
+    Args:
+        true: those of the vehicle.
+        knowledge: factors on its numbers.
+        lift: what the flow lifts of it.
+    """
+    dynamics = replace(
         true,
         mass_matrix=knowledge.mass * true.mass_matrix,
         displaced_mass=knowledge.mass * true.displaced_mass,
@@ -20,6 +27,7 @@ def believed_dynamics(true: Dynamics, knowledge: KnowledgeBlock) -> Dynamics:
         linear_damping=knowledge.drag * true.linear_damping,
         quadratic_damping=knowledge.drag * true.quadratic_damping,
     )
+    return dynamics if lift is None else lift.known_as(dynamics, knowledge.drag, knowledge.fins)
 
 
 def believed_planar_model(true: PlanarModel, vehicle: Vehicle, knowledge: KnowledgeBlock) -> PlanarModel:

@@ -17,6 +17,7 @@ from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.mission.ability import Ability
 from cube_sim.mission.control import controller_of
+from cube_sim.mission.fins import fins_at
 from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.own.code import Codes
@@ -151,8 +152,10 @@ def _leg(loaded: Loaded, index: int, believed: CompiledHull, allocator: FaultTol
     start = tuple(path.at(0.0).position.tolist())
     initial = one.scenario.initial.model_copy(update={"position_m": start})
     one = replace(one, scenario=one.scenario.model_copy(update={"initial": initial}))
-    dynamics = believed_dynamics(believed.vehicle.dynamics, one.scenario.knowledge)
-    ability = Ability.of(allocator, dynamics, one.scenario, path, believed.vehicle.thrusters.lag_s)
+    dynamics = believed_dynamics(believed.vehicle.dynamics, one.scenario.knowledge, believed.vehicle.lift)
+    vehicle = believed.vehicle
+    fins = fins_at(vehicle, one.scenario)
+    ability = Ability.of(allocator, dynamics, one.scenario, path, vehicle.lag_s, fins)
     try:
         follower = controller_of(one, believed, path, ability, codes)
         mistakes = wrong_depth(one, path, loaded.scenario.initial.position_m[2]) if _is_level(follower) else []

@@ -21,6 +21,7 @@ from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.events import Events
 from cube_sim.mission.fault_finding import FaultFinding
+from cube_sim.mission.fins import FinSteering, fins_at
 from cube_sim.mission.hull import CompiledHull, believed_hull, flown_hull, initial_state
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.navigation import StateEstimation, motion_of
@@ -39,7 +40,7 @@ from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.attitude_blocks import AlongPathBlock
 from cube_sim.scenario.path_blocks import PythonPathBlock
-from cube_sim.spatial import Matrix, Vector
+from cube_sim.spatial import Matrix
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.power_supply import PowerSupply
 from cube_sim.vehicle.state import read_state
@@ -59,6 +60,7 @@ class Mission:
         ability: what its thrusters can do.
         controller: state to wrench.
         allocator: wrench to thruster forces.
+        fins: wrench to deflections; None for a vehicle that has none.
         supply: what feeds the thrusters.
         events: what happens on the way.
         fault_finding: finds thruster faults; None when the scenario tells the controller, or lets it ignore them.
@@ -79,6 +81,7 @@ class Mission:
     ability: Ability
     controller: Controller
     allocator: FaultTolerant
+    fins: FinSteering | None
     supply: PowerSupply
     events: Events
     fault_finding: FaultFinding | None
@@ -145,8 +148,8 @@ def mission_of(
     require_possible_events(loaded, vehicle)
     require_a_value_per_thruster(loaded, vehicle)
     allocator = allocator_of(loaded, believed.vehicle, codes)
-    dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge)
-    ability = _ability(loaded, allocator, dynamics, path, believed.vehicle.thrusters.lag_s)
+    dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge, believed.vehicle.lift)
+    ability = _ability(loaded, allocator, dynamics, path, believed.vehicle)
     phases = phases_of(loaded, believed, allocator, codes)
     if phases:
         outline = phases.outline(PATH_POINTS)
@@ -162,6 +165,7 @@ def mission_of(
         ability=ability,
         controller=controller_of(loaded, believed, path, ability, codes, others),
         allocator=allocator,
+        fins=FinSteering.of(vehicle, believed.vehicle, allocator, scenario),
         supply=supply_of(loaded, model, vehicle),
         events=Events(scenario, model, vehicle, faults),
         fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
@@ -193,15 +197,23 @@ def _path(loaded: Loaded, codes: Codes) -> tuple[Path, Matrix]:
     return loaded.shared.get(("path", block.model_dump_json()), made)
 
 
-def _ability(loaded: Loaded, allocator: FaultTolerant, dynamics: Dynamics, path: Path, lag_s: Vector) -> Ability:
+def _ability(loaded: Loaded, allocator: FaultTolerant, dynamics: Dynamics, path: Path, believed: Vehicle) -> Ability:
     """What the vehicle can do, shared by flights of one vehicle along one path, whatever the current of each."""
-    scenario = loaded.scenario
+    scenario, lag_s, fins = loaded.scenario, believed.lag_s, fins_at(believed, loaded.scenario)
     if loaded.shared is None or isinstance(scenario.path, PythonPathBlock):
-        return Ability.of(allocator, dynamics, scenario, path, lag_s)
-    arrays = allocator.A, allocator.limits, lag_s, *(getattr(dynamics, each.name) for each in fields(dynamics))
+        return Ability.of(allocator, dynamics, scenario, path, lag_s, fins)
+    arrays = (
+        allocator.A,
+        allocator.limits,
+        lag_s,
+        *(fins or ()),
+        *(getattr(dynamics, each.name) for each in fields(dynamics)),
+    )
     asked = scenario.guidance.speed_m_s, scenario.control_period_s, scenario.control.cost_limit
     key = "ability", scenario.path.model_dump_json(), asked, tuple(np.asarray(each).tobytes() for each in arrays)
-    ability = loaded.shared.get(key, lambda: Ability.of(allocator, dynamics, scenario, path, lag_s).of_many_flights())
+    ability = loaded.shared.get(
+        key, lambda: Ability.of(allocator, dynamics, scenario, path, lag_s, fins).of_many_flights()
+    )
     return ability.in_currents(initial_currents(scenario))
 
 

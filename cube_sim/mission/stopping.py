@@ -32,6 +32,7 @@ WATCHED = (
     "health",
     "water",
     "disturbance",
+    "fins",
 )
 """Channels with a row at every tick that the loop itself writes, in the order of their tables."""
 SIGNAL, PATH_END, TIMED, RESTING = range(4)

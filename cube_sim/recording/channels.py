@@ -130,6 +130,8 @@ def why_absent(signal: str) -> str:
     channel, _, quantity = signal.partition(".")
     if channel == "power" and quantity in SUPPLY:
         return WHY_NOT_SUPPLIED[quantity]
+    if channel == "fins":
+        return "the vehicle has no fin that a servo turns"
     if channel == DISTURBANCE.name:
         return "the scenario has no event of kind force"
     if channel == "phase":
@@ -151,6 +153,18 @@ def _power(thrusters: tuple[str, ...], known: tuple[str, ...]) -> tuple[Channel,
     return (Channel("power", recorded),) if recorded else ()
 
 
+def _fins(fins: tuple[str, ...]) -> tuple[Channel, ...]:
+    if not fins:
+        return ()
+    made = "what the fins are to make by these deflections, a part of wrench.allocated, body axes"
+    fields = (
+        Field("deflection_wanted", len(fins), "rad", "angle each fin is to turn to", fins),
+        Field("deflection", len(fins), "rad", "angle each fin stands at", fins),
+        Field("wrench", 6, "N, N m", made, WRENCH),
+    )
+    return (Channel("fins", fields),)
+
+
 @lru_cache(maxsize=16)  # of many flights it is the same
 def _phase(names: tuple[str, ...], timed: bool) -> tuple[Channel, ...]:
     flown = Field("index", 1, "1", "which phase is flown, a code", (), names)
@@ -168,6 +182,7 @@ def channel_table(
     pushed: bool = False,
     phases: tuple[str, ...] = (),
     timed: bool = False,
+    fins: tuple[str, ...] = (),
 ) -> tuple[Channel, ...]:
     """Declare what a run of a vehicle with these thrusters records.
 
@@ -180,11 +195,14 @@ def channel_table(
         pushed: whether something pushes the vehicle.
         phases: names of the phases, if there are any.
         timed: whether any of them has a time limit.
+        fins: names of the fins that servos turn, if there are any.
 
     Returns:
         The channels in the order in which they are written.
     """
     m = len(thrusters)
+    and_fins = ", with what fins make" if fins else ""
+    with_fins = " + fins.wrench" if fins else ""
     thruster_wrench = tuple(f"{component}/{thruster}" for component in WRENCH for thruster in thrusters)
     thruster_limits = tuple(f"{thruster}/{limit}" for thruster in thrusters for limit in LIMITS)
     path_columns = tuple(f"{i}/{axis}" for i in range(path_points) for axis in XYZ)
@@ -253,14 +271,14 @@ def channel_table(
             "wrench",
             (
                 Field("demanded", 6, "N, N m", "F_B asked for by the control law, body axes", WRENCH),
-                Field("allocated", 6, "N, N m", "A f of the allocated forces, body axes", WRENCH),
+                Field("allocated", 6, "N, N m", f"A f of the allocated forces{and_fins}, body axes", WRENCH),
                 Field("disturbance", 6, "N, N m", "estimated disturbance, body axes", WRENCH),
             ),
         ),
         Channel(
             "allocation",
             (
-                Field("residual", 1, "N", "norm of A f - F_B"),
+                Field("residual", 1, "N", f"norm of A f{with_fins} - F_B"),
                 Field("cost", 1, "N^2", "f' f, what the allocation minimises"),
                 Field("status", 1, "1", "how the allocation ended, a code", (), allocation_status),
                 Field("subset", m, "1", "side of the dead zone each motor works on, -1, 0 or +1", thrusters),
@@ -291,5 +309,6 @@ def channel_table(
             ),
         ),
         *((DISTURBANCE,) if pushed else ()),
+        *_fins(fins),
         *_phase(phases, timed),
     )

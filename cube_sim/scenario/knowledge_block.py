@@ -22,9 +22,17 @@ class KnowledgeBlock(Block):
         " weighs.",
     )
     added_mass: float = Field(default=1.0, ge=0, le=1e3, description="Factor on the added mass.")
-    drag: float = Field(default=1.0, ge=0, le=1e3, description="Factor on linear and quadratic damping.")
+    drag: float = Field(
+        default=1.0,
+        ge=0,
+        le=1e3,
+        description="Factor on linear and quadratic damping, and on what the flow lifts of the hull but for its fins.",
+    )
     thrust: Factor = Field(
         default=1.0, description="Factor on the actuation matrix: on what a newton of a thruster does."
+    )
+    fins: Factor = Field(
+        default=1.0, description="Factor on the area of the fins: on what an angle of attack makes of the flow."
     )
     current_m_s: WaterVelocity = Field(
         default=(0.0, 0.0, 0.0),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -32,6 +32,9 @@ class Dynamics:
         centre_of_mass: r_CG (3,) [m].
         centre_of_buoyancy: r_CB (3,) [m].
         gravity: (3,) [m/s^2], world axes.
+        velocity_products: P (6,6,6) and
+        absolute_products: Q (6,6,6) of what the flow lifts, F_i = sum P_ijk nu_j nu_k + Q_ijk nu_j |nu_k|, relative to
+            the water; default nothing.
     """
 
     mass_matrix: Matrix
@@ -42,6 +45,8 @@ class Dynamics:
     centre_of_mass: Vector
     centre_of_buoyancy: Vector
     gravity: Vector
+    velocity_products: Matrix = field(default_factory=lambda: np.zeros((6, 6, 6)))
+    absolute_products: Matrix = field(default_factory=lambda: np.zeros((6, 6, 6)))
 
     @staticmethod
     def neutral(length_m: float) -> Dynamics:
@@ -61,6 +66,11 @@ class Dynamics:
         for name in HULL.names or ():
             record[name] = getattr(self, name)
         return record
+
+    @property
+    def lifts(self) -> bool:
+        """Whether the flow lifts it."""
+        return bool(self.velocity_products.any() or self.absolute_products.any())
 
     @cached_property
     def total_mass(self) -> Matrix:
@@ -111,7 +121,7 @@ class Dynamics:
     def steady_wrenches(self, velocities: Matrix, ups: Matrix) -> Matrix:
         """The wrenches (q,6) [N, N m] that keep q motions without rotation steady, in still water.
 
-        `wrench` of many states at once: drag, Munk moment, weight and lift.
+        `wrench` of many states at once: drag, Munk moment, what the flow lifts, weight and buoyancy.
 
         Args:
             velocities: v (q,3) [m/s], body axes.
@@ -134,6 +144,8 @@ class Dynamics:
 
     def steady_wrench_slope(self, nu: Vector, swing: Vector | None = None) -> Matrix:
         """(6,6) derivative by nu of the wrench that keeps nu steady in still water: of C(nu) nu + D nu + D_q |nu| nu.
+
+        What the flow lifts is taken off.
 
         Args:
             nu: [v; w] (6,) [m/s, rad/s], body axes.

@@ -2,15 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.vehicle.laws import fin as law
-from cube_sim.vehicle.laws.body_lift import HULL, PRODUCT_COLUMNS, STRIP_COLUMNS, deflected_wrench
+from cube_sim.vehicle.laws.body_lift import (
+    COEFFICIENT,
+    HULL,
+    PRODUCT_COLUMNS,
+    STRIP_COLUMNS,
+    deflected_wrench,
+)
 from cube_sim.vehicle.plugin import layout, packing
+
+ANGLES = 65
+"""Deflections at which it is looked at what a fin makes over its travel."""
+
+
+class FinsAtSpeed(NamedTuple):
+    """What k fins do at one speed straight ahead, as the columns and limits of thrusters.
+
+    Attributes:
+        speed_m_s: through the water.
+        matrix: (6,k) wrench for a newton of each [1, m]; zero at rest.
+        limits: (k,4) least and largest force each makes over its travel, like [F_max-, F_DZ-, F_DZ+, F_max+] [N].
+    """
+
+    speed_m_s: float
+    matrix: NDArray[np.float64]
+    limits: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -53,7 +77,7 @@ class Fins:
         Raises:
             ModelError: the model has no water.
         """
-        table, linear, square = _tables(packing.packed_parameters(model))
+        _, _, table, linear, square = lift_tables(packing.packed_parameters(model))
         moved = np.flatnonzero((table[:, law.HULL] == hull) & (table[:, law.SERVO] >= 0.0))
         table, linear, square = table[moved], _of_fins(linear, moved), _of_fins(square, moved)
         activations = table[:, law.SERVO].astype(int)
@@ -82,6 +106,36 @@ class Fins:
         each = [self._wrench(k, angle, flow) for k, angle in zip(range(len(self.table)), angles, strict=True)]
         return np.array(each).reshape(-1, 6).sum(axis=0)
 
+    def at_speed(self, speed_m_s: float) -> FinsAtSpeed:
+        """The fins as actuators whose force is asked for, for a hull that moves straight ahead.
+
+        Args:
+            speed_m_s: through the water.
+        """
+        ahead = np.array([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0])
+        k = len(self.names)
+        still = np.zeros(k)
+        slopes = self.effectiveness(still, ahead)
+        force = np.linalg.norm(slopes[:3], axis=0)
+        matrix = slopes / np.where(force > 0.0, force, 1.0)
+        limits = np.zeros((k, 4))
+        for i in range(k):
+            made = [0.0]
+            for angle in np.linspace(self.travel[i, 0], self.travel[i, 1], ANGLES):
+                more = self.wrench(np.where(np.arange(k) == i, angle, 0.0), ahead) - self.wrench(still, ahead)
+                made.append(float(more[:3] @ matrix[:3, i]))
+            limits[i, 0], limits[i, 3] = min(made), max(made)
+        return FinsAtSpeed(speed_m_s, matrix, limits)
+
+    def with_area(self, factor: float) -> Fins:
+        """The same with so many times the area."""
+        table = self.table.copy()
+        table[:, law.HALF_DENSITY_AREA] *= factor
+        linear, square = self.linear.copy(), self.square.copy()
+        linear[:, COEFFICIENT] *= factor
+        square[:, COEFFICIENT] *= factor
+        return replace(self, table=table, linear=linear, square=square)
+
     def effectiveness(self, deflections: ArrayLike, nu_r: ArrayLike, step: float = 1e-4) -> NDArray[np.float64]:
         """(6,k) derivative of the wrench by each deflection [N/rad, N m/rad], at that flow.
 
@@ -104,8 +158,12 @@ class Fins:
         return np.add(lift, deflected_wrench(self.linear, self.square, k, angle, flow))
 
 
-def _tables(packed: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """(n,16) all fins of a model, and (n,6) the products with a deflection and with its square."""
+def lift_tables(packed: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """What lifts the hulls of a model, by its packed parameters.
+
+    Products of velocities (n,6), strips (n,4), all fins (n,16), fixed ones too, and the products with a deflection and
+    with its square (n,6).
+    """
     start = int(packed[layout.LIFT])
     columns = PRODUCT_COLUMNS, STRIP_COLUMNS, law.COLUMNS, PRODUCT_COLUMNS, PRODUCT_COLUMNS
     counts = packed[start : start + len(columns)].astype(int).tolist() if start >= 0 else [0] * len(columns)
@@ -114,7 +172,7 @@ def _tables(packed: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[n
     for count, width in zip(counts, columns, strict=True):
         tables.append(packed[start : start + count * width].reshape(count, width).copy())
         start += count * width
-    return tables[2], tables[3], tables[4]
+    return tuple(tables)
 
 
 def _of_fins(products: NDArray[np.float64], fins: NDArray[np.int_]) -> NDArray[np.float64]:

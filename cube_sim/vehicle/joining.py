@@ -77,6 +77,7 @@ def vehicle_in(model: mujoco.MjModel, alone: Vehicle, prefix: str) -> Vehicle:
     there = Vehicle.from_model(model, f"{prefix}{alone.name}")
     names = tuple(name.removeprefix(prefix) for name in there.thrusters.names)
     thrusters = _with_indices(alone.thrusters, there.thrusters, prefix)
+    fins = None if alone.fins is None or there.fins is None else replace(there.fins, names=alone.fins.names)
     if names != alone.thrusters.names:
         raise ModelError(there.name, f"has the thrusters {', '.join(names)} among others, and others alone")
     return replace(
@@ -86,6 +87,7 @@ def vehicle_in(model: mujoco.MjModel, alone: Vehicle, prefix: str) -> Vehicle:
         qpos_address=there.qpos_address,
         dof_address=there.dof_address,
         thrusters=thrusters,
+        fins=fins,
     )
 
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.spatial import skew
+from cube_sim.vehicle.fins import Fins
+from cube_sim.vehicle.lift import HullLift
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.thrusters import Thrusters
 
@@ -37,6 +39,8 @@ class Vehicle:
         gravity: (3,) world axes [m/s^2].
         actuation_matrix: A (6,m) [1, m], F_B = A F_m, read from the compiled transmission.
         thrusters: names, indices, limits, characteristics, pulses and power of the m thrusters.
+        fins: the k fins that servos turn; None for none.
+        lift: what the flow lifts of the hull; None for nothing.
     """
 
     name: str
@@ -53,6 +57,8 @@ class Vehicle:
     gravity: NDArray[np.float64]
     actuation_matrix: NDArray[np.float64]
     thrusters: Thrusters
+    fins: Fins | None = None
+    lift: HullLift | None = None
 
     @property
     def mass(self) -> float:
@@ -60,11 +66,16 @@ class Vehicle:
         return float(self.mass_matrix[0, 0])
 
     @property
+    def lag_s(self) -> NDArray[np.float64]:
+        """(m + k,) time constants of motors and servos [s]."""
+        return self.thrusters.lag_s if self.fins is None else np.append(self.thrusters.lag_s, self.fins.lag_s)
+
+    @property
     def dynamics(self) -> Dynamics:
         """The equations of motion with these numbers: what a controller knows when it knows the vehicle exactly."""
         from cube_sim.vehicle.dynamics import Dynamics  # only here: it loads the compiler
 
-        return Dynamics(
+        dynamics = Dynamics(
             mass_matrix=self.mass_matrix,
             added_mass=self.added_mass,
             linear_damping=self.linear_damping,
@@ -74,6 +85,7 @@ class Vehicle:
             centre_of_buoyancy=self.centre_of_buoyancy,
             gravity=self.gravity,
         )
+        return dynamics if self.lift is None else self.lift.known_as(dynamics)
 
     @staticmethod
     def from_model(model: mujoco.MjModel, name: str | None = None) -> Vehicle:
@@ -94,7 +106,7 @@ class Vehicle:
         chosen = next(iter(names)) if name is None else name
         if chosen not in names:
             raise ModelError(chosen, f"is no hull; the model has {', '.join(names)}")
-        return _vehicle(model, names[chosen], chosen)
+        return _vehicle(model, names[chosen], chosen, list(names).index(chosen))
 
 
 def hull_names(model: mujoco.MjModel) -> tuple[str, ...]:
@@ -113,7 +125,7 @@ def _hull_records(packed: NDArray[np.float64]) -> NDArray[np.float64]:
     return packed[start : start + count * layout.HULL_SIZE].reshape(count, layout.HULL_SIZE)
 
 
-def _vehicle(model: mujoco.MjModel, record: NDArray[np.float64], name: str) -> Vehicle:
+def _vehicle(model: mujoco.MjModel, record: NDArray[np.float64], name: str, number: int) -> Vehicle:
     body, dof = int(record[layout.BODY]), int(record[layout.DOF])
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
@@ -124,13 +136,15 @@ def _vehicle(model: mujoco.MjModel, record: NDArray[np.float64], name: str) -> V
     moment = np.zeros((model.nu, model.nv))
     mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
     joint_axes = moment[thrusters.actuators, dof : dof + 6].T
+    added_mass = record[layout.ADDED_MASS : layout.LINEAR].reshape(6, 6)
+    fins = Fins.from_model(model, number)
     return Vehicle(
         name=name,
         body=body,
         qpos_address=int(model.jnt_qposadr[model.body_jntadr[body]]),
         dof_address=dof,
         mass_matrix=mass_matrix,
-        added_mass=record[layout.ADDED_MASS : layout.LINEAR].reshape(6, 6),
+        added_mass=added_mass,
         linear_damping=np.ascontiguousarray(record[layout.LINEAR : layout.QUADRATIC].reshape(6, 6).T),
         quadratic_damping=np.ascontiguousarray(record[layout.QUADRATIC : layout.FORCE].reshape(6, 6).T),
         displaced_mass=float(record[layout.DISPLACED_MASS]),
@@ -139,6 +153,8 @@ def _vehicle(model: mujoco.MjModel, record: NDArray[np.float64], name: str) -> V
         gravity=np.array(model.opt.gravity),
         actuation_matrix=np.vstack([R.T @ joint_axes[:3], joint_axes[3:]]),
         thrusters=thrusters,
+        fins=fins if fins.names else None,
+        lift=HullLift.from_model(model, number, added_mass),
     )
 
 

@@ -30,10 +30,27 @@ def test_text_says_what_is_lost_and_what_remains():
 
 
 def test_fins_are_told_beside_the_thrusters():
-    """9.64 N/rad and 6.15 N m/rad at 1 m/s, for 13.6 degrees."""
-    lines = analyze("models/remus100.xml").output.splitlines()
-    start = next(i for i, line in enumerate(lines) if "fins are not among them" in line)
+    """9.64 N/rad and 6.15 N m/rad at 1 m/s, for 13.6 degrees; a ninth of it by default, at 0.3 m/s."""
+    lines = analyze("models/remus100.xml", "--speed", "1").output.splitlines()
+    start = next(i for i, line in enumerate(lines) if "fins count by what they make at 1 m/s straight ahead" in line)
     assert lines[start + 1 : start + 3] == ["    stern_planes: Fz 2.29, My 1.46", "    rudder: Fy -2.29, Mz 1.46"]
+    told = json.loads(analyze("models/remus100.xml", "--json").output)
+    assert told["fins"]["names"] == ["stern_planes", "rudder"]
+    assert told["fins"]["speed_m_s"] == 0.3
+    assert np.allclose(told["fins"]["limits"], np.array([[-1.0, 1.0]] * 2) * 9.64 * 0.09 * np.radians(13.6))
+    assert told["rank"] == 3
+    assert told["verdict"]["outcome"] == "stuck"
+
+
+def test_fins_steer_from_a_speed_on():
+    """With 3 N to spare REMUS 100 keeps no course at 0.3 m/s, and all at 1.2 m/s."""
+    ballasted = "models/remus100.xml", "--set", "hull:volume=0.029888", "--json", "--speed"
+    slow, fast = (json.loads(analyze(*ballasted, speed).output) for speed in ("0.3", "1.2"))
+    assert not slow["verdict"]["follows"]
+    assert "needs more force than thrusters and fins have" in slow["verdict"]["reason"]
+    assert fast["verdict"]["follows"]
+    assert all(course["velocity"][0] > 1.0 for course in fast["verdict"]["courses"])  # nose ahead
+    assert fast["turning"]["radius_m"] < 8.0
     assert "fins" not in analyze("models/torpedo.xml").output
 
 

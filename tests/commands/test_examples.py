@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 from support.command_line import call
-from support.places import FLOWN_MODEL_FILES, REPO
+from support.places import MODEL_FILES, REPO
 
 from cube_sim.commands.examples import SCENARIOS, copy_examples, example_files
 from cube_sim.scenario import load
@@ -26,7 +26,7 @@ def test_every_vehicle_has_a_scenario_that_loads_where_it_is_copied_to(tmp_path,
     assert stdout.splitlines()[-1] == f"fly one:  cube-sim run '{target}/scenarios/{SCENARIOS[0]}.yaml'"
     flown = {load(path).scenario.model for path in (target / "scenarios").glob("*.yaml")}
     # The CUBE as built differs from the CUBE by its thrusters' numbers only, and is there to be analysed.
-    named = {path.name for path in FLOWN_MODEL_FILES} - {"cube_as_built.xml"}
+    named = {path.name for path in MODEL_FILES} - {"cube_as_built.xml"}
     assert flown == {str(target / "models" / name) for name in named}
     assert {path.name for path in (target / "models").iterdir()} == {path.name for path in (REPO / "models").iterdir()}
     for name, content in copied.items():

@@ -46,6 +46,8 @@ def test_what_is_written_for_every_model_passes(model, tmp_path, monkeypatch, ca
     assert run.verdict == "PASS"
     # It starts beside its path and has to join it: a vehicle that stays where it is does not pass.
     rms = run.checks[0]
+    assert rms.value is not None
+    assert rms.limit is not None
     assert rms.value <= starter._FURTHEST_M
     assert rms.value < rms.limit
     assert "T1" not in text or "thrusters: [T1]" in text
@@ -83,7 +85,9 @@ def test_a_vehicle_that_needs_its_fins_is_told_at_once(tmp_path, monkeypatch, ca
     monkeypatch.setattr(starter, "starter_for", lambda *_: pytest.fail("it is flown"))
     code, stdout, stderr = call(monkeypatch, capsys, "new", CUBE.with_name("remus100.xml"))
     assert (code, stdout, stderr.count("\n")) == (2, "", 1)
-    assert "remus100.xml: scenarios command thrusters only, and this vehicle needs its fins (" in stderr
+    assert "remus100.xml: with its fins (stern_planes, rudder) it follows paths at none of the speeds" in stderr
+    assert "0.3 to 1.5 m/s: 3 of 6 components are left" in stderr
+    assert "a course sinking at 15 deg at 1.5 m/s needs more force than thrusters and fins have" in stderr
     assert not list(tmp_path.iterdir())
 
 

@@ -33,6 +33,7 @@ WITHOUT_UNIT = {
     "laps",
     "periods",
     "efficiency",
+    "fins",
     "scale_error",
     "gain_tolerance",
     "gain",

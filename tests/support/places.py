@@ -8,7 +8,7 @@ SCENARIOS = REPO / "scenarios"
 
 MODEL_FILES = sorted(MODELS.glob("*.xml"))
 STEERED_BY_FINS = ("remus100", "nps_auv2")
-"""Models whose thrusters alone fly nothing."""
+"""Models that their fins steer: at the speeds of the catalogue, some 0.3 m/s, they fly nothing."""
 FLOWN_MODEL_FILES = [path for path in MODEL_FILES if path.stem not in STEERED_BY_FINS]
 FLEET_FILES = [path for path in sorted(SCENARIOS.glob("*.yaml")) if "\nvehicles:\n" in path.read_text()]
 """Scenarios of several vehicles."""

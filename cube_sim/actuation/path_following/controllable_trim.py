@@ -11,7 +11,7 @@ from cube_sim.actuation.attainable.attainable_set import AttainableSet, holding_
 from cube_sim.actuation.directions.subspaces import Subspaces
 from cube_sim.actuation.path_following.best_trim import best_trims
 from cube_sim.actuation.path_following.linear_motion import linearise
-from cube_sim.actuation.path_following.requirements import PathRequirements
+from cube_sim.actuation.path_following.requirements import ASLANT_RAD, PathRequirements
 from cube_sim.actuation.path_following.side_step import SideStepBounds, side_step
 from cube_sim.actuation.path_following.trim import TrimCondition, trim_conditions
 from cube_sim.vehicle.dynamics import Dynamics
@@ -82,7 +82,8 @@ def controllable_trim(
     found: list[ControllableTrim] = []
     best: ControllableTrim | None = None
     for attempt in _attempts(hull, actuation, attainable, required, inclination_rad):
-        more = [c for c in attempt if not any(_is_same(c, other.condition) for other in found)]
+        able = [c for c in attempt if not required.nose_ahead or _is_nose_ahead(c)]
+        more = [c for c in able if not any(_is_same(c, other.condition) for other in found)]
         shares = [float("inf") if attainable is None else float(attainable.share(c.wrench[None, :])[0]) for c in more]
         new = [ControllableTrim(c, share, (), 0.0) for c, share in zip(more, shares, strict=True)]
         found += new
@@ -108,6 +109,11 @@ def _is_same(one: TrimCondition, other: TrimCondition) -> bool:
     """Whether two attempts have led to one attitude."""
     off = np.concatenate([(one.velocity - other.velocity) / np.linalg.norm(other.velocity), one.up - other.up])
     return bool(np.max(np.abs(off)) < _SAME)
+
+
+def _is_nose_ahead(condition: TrimCondition) -> bool:
+    """Whether the flow comes from ahead."""
+    return bool(condition.velocity[0] >= np.cos(ASLANT_RAD) * np.linalg.norm(condition.velocity))
 
 
 def _attempts(

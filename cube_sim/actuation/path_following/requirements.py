@@ -11,6 +11,9 @@ from cube_sim.errors import ActuationError
 SPEEDS_M_S = (0.001, 100.0)
 """Between these speeds [m/s] a course can be judged: below, hardly anything but round-off damps."""
 
+ASLANT_RAD = 0.6
+"""Farther than this from the flow a hull is not steered by its fins as it is straight ahead (a choice)."""
+
 
 @dataclass(frozen=True)
 class PathRequirements:
@@ -22,6 +25,7 @@ class PathRequirements:
         horizon_s: the time a side step may take.
         side_step_m: displacement that must be made good to either side of the course, in 3-D also up and down.
         most_turn_rad: largest rotation about each body axis on the way.
+        nose_ahead: whether only attitudes count in which the flow comes from ahead, within `ASLANT_RAD`: fins.
     """
 
     speed_m_s: float = 0.3
@@ -29,6 +33,7 @@ class PathRequirements:
     horizon_s: float = 20.0
     side_step_m: float = 0.5
     most_turn_rad: float = float(np.radians(30.0))
+    nose_ahead: bool = False
 
     def check(self) -> None:
         """Refuse requirements that make no sense.

@@ -96,7 +96,8 @@ def judge(
         trims.append(trim)
         if not trim.within_limits:
             held = f"{percent(trim.share)} of it {_best_where(able)}"
-            text = f"{at_speed} needs more force than the thrusters have: they hold {held}"
+            who = "thrusters and fins" if required.nose_ahead else "the thrusters"
+            text = f"{at_speed} needs more force than {who} have: they hold {held}"
             return Verdict(Outcome.STUCK, f"{left}; {text}", tuple(trims))
     missing = None
     if attainable is not None and able.rank == len(able.matrix):

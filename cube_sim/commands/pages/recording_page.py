@@ -63,6 +63,7 @@ WRITTEN_BY = {
     "health": "the scenario's events (the truth), the fault diagnosis and control (the belief)",
     "water": "the water (the truth) and the current observer (the estimate)",
     "disturbance": "the scenario's events of kind `force`",
+    "fins": "the allocation, and MuJoCo",
     "phase": "the scenario's phases, at the tick at which one begins",
     "navigation": "the estimator",
     "navigation_error": "the estimator against MuJoCo",
@@ -243,7 +244,7 @@ def recording_page() -> str:
 
 
 def _tables(m: int) -> tuple[Channel, ...]:
-    """The channels of a vehicle with m thrusters, T1 to Tm."""
+    """The channels of a vehicle with m thrusters, T1 to Tm, and as many fins."""
     names = tuple(f"T{i + 1}" for i in range(m - 1))
     return channel_table(
         (*names, "Tm"),
@@ -253,6 +254,7 @@ def _tables(m: int) -> tuple[Channel, ...]:
         pushed=True,
         phases=("the names of the phases",),
         timed=True,
+        fins=(*(f"F{i + 1}" for i in range(m - 1)), "Fk"),
     )
 
 
@@ -274,15 +276,16 @@ def _section(channel: Channel, wider: Channel) -> Iterator[str]:
         wider: the same of a vehicle with two: what has grown is per thruster.
     """
     yield heading(3, code(channel.name))
-    rows = [_row(one, two) for one, two in zip(channel.fields, wider.fields, strict=True)]
+    many = "k" if channel.name == "fins" else "m"
+    rows = [_row(one, two, many) for one, two in zip(channel.fields, wider.fields, strict=True)]
     yield table(("field", "columns", "unit", "what it is"), rows)
 
 
-def _row(field: Field, wider: Field) -> tuple[str, str, str, str]:
+def _row(field: Field, wider: Field, many: str) -> tuple[str, str, str, str]:
     per_thruster = wider.width - field.width
     count = str(field.width)
     if per_thruster:
-        count = "m" if per_thruster == 1 else f"{per_thruster} m"
+        count = many if per_thruster == 1 else f"{per_thruster} {many}"
     named = _elided(wider.columns if per_thruster else field.columns)
     meaning = field.doc
     if field.labels:
@@ -291,6 +294,6 @@ def _row(field: Field, wider: Field) -> tuple[str, str, str, str]:
 
 
 def _elided(columns: tuple[str, ...]) -> str:
-    if len(columns) <= _FEW and "Tm" not in columns:
+    if len(columns) <= _FEW and not {"Tm", "Fk"} & set(columns):
         return ", ".join(columns)
     return f"{columns[0]} ... {columns[-1]}"

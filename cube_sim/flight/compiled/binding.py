@@ -9,9 +9,19 @@ import numpy as np
 
 from cube_sim.allocation.flown import FlownAllocator, SearchCodes
 from cube_sim.control.diagnosis import Diagnosis
-from cube_sim.flight.compiled.callees import ESTIMATING, nothing_sensed
+from cube_sim.flight.compiled.callees import ESTIMATING, SHARING, no_fins, nothing_sensed
 from cube_sim.flight.compiled.loop import fly
-from cube_sim.flight.compiled.parts import Answering, Course, Engine, FaultWatch, Feed, Hull, Notes, Sensing
+from cube_sim.flight.compiled.parts import (
+    Answering,
+    Course,
+    Engine,
+    FaultWatch,
+    Feed,
+    FinServos,
+    Hull,
+    Notes,
+    Sensing,
+)
 from cube_sim.flight.compiled.steering import Steering
 from cube_sim.flight.compiled.stretch import FlyArguments, Stretch
 from cube_sim.flight.rows import rows_for
@@ -34,7 +44,7 @@ NO_PUSHES = np.zeros((0, COLUMNS))
 NO_TABLE = np.zeros(1), np.zeros(1), np.zeros((1, 3))
 LEAST_ARENA_BYTES = 1_000_000
 """With less, contacts may need more memory than there is; MuJoCo ends the process then, where nothing guards it."""
-NO_CODES = 0, 0, 0, SearchCodes(0, 0, 0), 0
+NO_CODES = 0, 0, 0, SearchCodes(0, 0, 0), 0, 0
 NOTHING_WATCHED = Diagnosis(1.0, 1.0, 1.0, np.zeros(1))
 
 
@@ -60,7 +70,8 @@ def begin_ticks(
         return None
     given, by, allocator = found
     navigating = estimating_address() if given.sensing.navigated else 0
-    codes = *by.addresses, allocator.codes(), navigating
+    sharing = sharing_address() if given.fins.steered else 0
+    codes = *by.addresses, allocator.codes(), navigating, sharing
     return Stretch(mission, allocator, by.target, given._replace(codes=codes))
 
 
@@ -114,6 +125,7 @@ def _arguments(
         engine if moving else engine._replace(steps=0),
         _hull(mission, boxes),
         _feed(mission),
+        _fins(mission),
         evidence,
         sensing,
         course,
@@ -132,6 +144,27 @@ def _arguments(
 def estimating_address() -> int:
     """Where the code of the navigation lies; it is compiled only for those who navigate."""
     return ESTIMATING.address()
+
+
+@cache
+def sharing_address() -> int:
+    """Where the code lies that shares wrenches with fins; it is compiled only for those who have some."""
+    return SHARING.address()
+
+
+def _fins(mission: Mission) -> FinServos:
+    if mission.fins is None:
+        return _no_fins()
+    fins = mission.fins.fins
+    n = len(fins.names)
+    room = np.zeros(n), np.zeros(n), np.zeros(6), np.zeros(6)
+    return FinServos(True, fins.actuators, fins.activations, mission.fins.parts(mission.allocator), *room)
+
+
+def _no_fins() -> FinServos:
+    """Those of a vehicle that has none."""
+    none, room = np.zeros(0, np.int_), (np.zeros(0), np.zeros(0), np.zeros(6), np.zeros(6))
+    return FinServos(False, none, none, no_fins(), *room)
 
 
 def _sensing(mission: Mission, count: int) -> Sensing | None:

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from cube_sim.allocation.fin_shares import FinParts, steer_fins
 from cube_sim.control.answering import answer
 from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.compiled_parts import resting_law
@@ -19,6 +20,8 @@ from cube_sim.navigation.motion import Motion
 from cube_sim.navigation.navigator import InitialErrors, Navigator
 from cube_sim.navigation.reading import READING
 from cube_sim.spatial import Record
+from cube_sim.vehicle.laws.body_lift import PRODUCT_COLUMNS
+from cube_sim.vehicle.laws.fin import COLUMNS
 
 
 @cache
@@ -47,6 +50,21 @@ STEERING = Callee(
     lambda: (resting_planar_law(), *_records(*_TICK), _ROTATION, _THREE, _THREE, _SIX, 1.0),
 )
 """The planar law."""
+
+
+def no_fins() -> FinParts:
+    """Arguments of `steer_fins` of the right types, for a vehicle without fins."""
+    pairs, products = np.zeros((0, 2)), np.zeros((0, PRODUCT_COLUMNS))
+    return FinParts(
+        np.zeros((0, COLUMNS)), products, products, pairs, np.zeros(0), np.zeros((6, 0)), pairs, np.eye(6), np.ones(6)
+    )
+
+
+SHARING = Callee(
+    steer_fins,
+    lambda: (no_fins(), _SIX, _ROTATION, _THREE, _THREE, _THREE, np.zeros(0), 1.0, np.zeros(0), _SIX, _SIX),
+)
+"""What shares a wrench between fins and thrusters."""
 
 ESTIMATING = Callee(
     estimate,

@@ -14,8 +14,8 @@ from cube_sim.control.priority import yield_attitude
 from cube_sim.control.probing import put_probe
 from cube_sim.control.safe_mode import loses_target
 from cube_sim.control.shortage import watch_shortage
-from cube_sim.flight.compiled.callees import ANSWERING, ESTIMATING, STEERING
-from cube_sim.flight.rows import write_actuation, write_disturbance, write_motion, write_power
+from cube_sim.flight.compiled.callees import ANSWERING, ESTIMATING, SHARING, STEERING
+from cube_sim.flight.rows import write_actuation, write_disturbance, write_fins, write_motion, write_power
 from cube_sim.flight.stop_law import condition_met
 from cube_sim.guidance.path_record import path_row
 from cube_sim.guidance.speed import speed_at
@@ -79,20 +79,22 @@ def _top(e, hull):
 
 @unlocked
 def fly(
-    codes, first, count, tick, engine, hull, feed, evidence, sensing, course, law, planar, answering, thrusters, rows,
-    notes, stops,
+    codes, first, count, tick, engine, hull, feed, fins, evidence, sensing, course, law, planar, answering, thrusters,
+    rows, notes, stops,
 ):  # fmt: skip
     """Fly up to so many ticks.
 
     Args:
         codes: addresses of code: of `answer` or of `cube_sim.control.planar.steering.steer`, 0 for the other one, and
-            of what `answer` calls; `SearchCodes`; and that of `estimate`, where the state is estimated.
+            of what `answer` calls; `SearchCodes`; that of `estimate`, where the state is estimated; and that of
+            `cube_sim.allocation.fin_shares.steer_fins`, where there are fins.
         first: number, among them, of the one to begin with; 0 but for those among others.
         count: how many.
         tick: number of the first of all.
         engine: `Engine`.
         hull: `Hull`.
         feed: `Feed`.
+        fins: `FinServos`.
         evidence: `FaultWatch`.
         sensing: `Sensing`.
         course: `Course`.
@@ -112,7 +114,7 @@ def fly(
     view, desired, followed = np.zeros(1, VIEW), np.zeros(1, DESIRED), np.zeros(1, FOLLOWED)
     given, activation, force, current = np.empty(m), np.empty(m), np.empty(m), np.zeros(3)
     secondary, parts, sides = np.zeros(6), np.empty(12), np.empty(len(thrusters.which), np.int8)
-    disturbance, water, nobody = np.zeros(6), np.empty(3), np.zeros(m, np.bool_)
+    disturbance, water, nobody, wrench = np.zeros(6), np.empty(3), np.zeros(m, np.bool_), np.empty(6)
     for k in range(first, count):
         publish(notes.told, FLOWN, k)
         if published(notes.told, STOP):
@@ -198,14 +200,28 @@ def fly(
             put(secondary, law.own.secondary)
         elif answering.yields:
             yield_attitude(answering.coupling, out.wrench, secondary)
+        put(fins.rest, out.wrench)
+        if fins.steered:
+            for i in range(len(fins.actuators)):
+                fins.deflections[i] = e.act[fins.activations[i]]
+            motion_seen = R, speed, rates, current
+            shared = fins.wanted, fins.made, fins.rest
+            put(wrench, out.wrench)
+            call_at(SHARING, codes[5], (fins.parts, wrench, *motion_seen, fins.deflections, force_ratio, *shared))
         before = sextuple(answering.applied)
         asked, residual, cost, status = allocate_responsive(
-            codes[3], thrusters, out.wrench, secondary, force_ratio, parts,
+            codes[3], thrusters, fins.rest, secondary, force_ratio, parts,
             notes.demands[k], notes.answers[k % len(notes.answers)], sides, answering.applied, notes.effort,
         )  # fmt: skip
         if isnan(residual):
             put(answering.applied, before)
             return k, UNANSWERED
+        if fins.steered:
+            for i in range(6):
+                answering.applied[i] += fins.made[i]
+            for i in range(len(fins.actuators)):
+                e.ctrl[fins.actuators[i]] = fins.wanted[i]
+            write_fins(rows, k, t, fins.wanted, fins.deflections, fins.made)
         if evidence.watched:
             w = evidence.window
             put_probe(evidence.probes, w.efficiency, w.stuck, nobody, asked)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.allocation.fin_shares import FinParts
 from cube_sim.control.diagnosis import Window
 from cube_sim.control.probing import ProbeMemory
 from cube_sim.guidance.path_record import Parts as PathParts
@@ -131,6 +132,30 @@ class Feed(NamedTuple):
     supply: Record
     supply_at: NDArray[np.int64]
     efficiency: Vector
+
+
+class FinServos(NamedTuple):
+    """The fins that servos turn.
+
+    Attributes:
+        steered: whether there are any.
+        actuators: (n,) indices into ctrl.
+        activations: (n,) indices into act.
+        parts: of `cube_sim.allocation.fin_shares.steer_fins`.
+        deflections: (n,) scratch, like all that follow.
+        wanted: (n,) deflections asked for [rad].
+        made: (6,) what they make [N, N m].
+        rest: (6,) what is left of the wrench for the thrusters.
+    """
+
+    steered: bool
+    actuators: Indices
+    activations: Indices
+    parts: FinParts
+    deflections: Vector
+    wanted: Vector
+    made: Vector
+    rest: Vector
 
 
 class FaultWatch(NamedTuple):

@@ -11,7 +11,17 @@ from cube_sim.control.answering import LawParts
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.planar.steering import PlanarParts
 from cube_sim.flight.compiled.loop import BEGIN, FLOWN, JUDGED, MET, STOP, fly
-from cube_sim.flight.compiled.parts import Answering, Course, Engine, FaultWatch, Feed, Hull, Notes, Sensing
+from cube_sim.flight.compiled.parts import (
+    Answering,
+    Course,
+    Engine,
+    FaultWatch,
+    Feed,
+    FinServos,
+    Hull,
+    Notes,
+    Sensing,
+)
 from cube_sim.flight.rows import TickRows
 from cube_sim.guidance.law import Target
 from cube_sim.mission import Mission
@@ -22,13 +32,14 @@ from cube_sim.vehicle.plugin.clock import held_still
 class FlyArguments(NamedTuple):
     """Those of `cube_sim.flight.compiled.loop.fly`, which says what they are."""
 
-    codes: tuple[int, int, int, SearchCodes, int]
+    codes: tuple[int, int, int, SearchCodes, int, int]
     first: int
     ticks: int
     tick: int
     engine: Engine
     hull: Hull
     feed: Feed
+    fins: FinServos
     evidence: FaultWatch
     sensing: Sensing
     course: Course

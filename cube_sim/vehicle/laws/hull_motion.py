@@ -21,7 +21,8 @@ from cube_sim.tuples import (
     to_world,
     triple,
 )
-from cube_sim.vehicle.laws.hydrodynamics import coriolis, damping, water_wrench
+from cube_sim.vehicle.laws.hull_lift import hull_lift, subtract_lift_slope
+from cube_sim.vehicle.laws.hydrodynamics import coriolis, damping, relative_velocity, water_wrench
 
 HULL = np.dtype(
     [
@@ -35,6 +36,9 @@ HULL = np.dtype(
         ("centre_of_buoyancy", np.float64, 3),
         ("gravity", np.float64, 3),
         ("displaced_mass", np.float64),
+        ("velocity_products", np.float64, (6, 6, 6)),
+        ("absolute_products", np.float64, (6, 6, 6)),
+        ("lifts", np.bool_),
     ]
 )
 """Numbers of a hull: see `cube_sim.vehicle.dynamics.Dynamics`, whose names these are."""
@@ -70,6 +74,8 @@ def inverse_dynamics(hull, R_WB, nu, nu_dot, v_c_W):
     water = water_wrench(
         h.added_mass, h.linear_damping, h.quadratic_damping, R_WB, nu, v_c_W, lift, triple(h.centre_of_buoyancy)
     )
+    if h.lifts:
+        water = plus6(water, hull_lift(hull, relative_velocity(R_WB, nu, v_c_W)))
     m = h.mass_matrix[0, 0]
     weight = to_body(R_WB, (m * gravity[0], m * gravity[1], m * gravity[2]))
     moment = cross_tuples(triple(h.centre_of_mass), weight)
@@ -100,7 +106,7 @@ def hull_damping(hull, nu_r):
 def steady_wrench(hull, v, up):
     """The wrench, a 6-tuple [N, N m], that keeps a motion without rotation steady in still water.
 
-    Drag, Munk moment, weight and lift.
+    Drag, Munk moment, what the flow lifts, weight and buoyancy.
 
     Args:
         hull: record `HULL`.
@@ -110,6 +116,8 @@ def steady_wrench(hull, v, up):
     h = hull[0]
     drag = damping(h.linear_damping, h.quadratic_damping, (v[0], v[1], v[2], 0.0, 0.0, 0.0))
     munk = cross_tuples(v, to_world(h.total_mass, v))
+    if h.lifts:
+        drag = minus6(drag, hull_lift(hull, (v[0], v[1], v[2], 0.0, 0.0, 0.0)))
     lifted = to_world(h.hydrostatics, up), to_world(h.hydrostatics[3:], up)
     return minus6(plus6(drag, stacked((0.0, 0.0, 0.0), munk)), stacked(lifted[0], lifted[1]))
 
@@ -127,7 +135,7 @@ def steady_wrenches(hull, velocities, ups):
 
 @compiled
 def steady_wrench_slope(hull, nu, swing):
-    """(6,6) derivative by nu of C(nu) nu + D nu + D_q |nu| nu.
+    """(6,6) derivative by nu of C(nu) nu + D nu + D_q |nu| nu, less what the flow lifts.
 
     With the momenta [p; h] = M nu, C(nu) nu = [w x p; v x p + w x h] (Fossen 2011, theorem 3.2). Its derivative is
     [[S(w), 0], [S(v), S(w)]] M - [[0, S(p)], [S(p), S(h)]].
@@ -155,6 +163,8 @@ def steady_wrench_slope(hull, nu, swing):
     subtract_skew(slope, 0, 3, p)
     subtract_skew(slope, 3, 0, p)
     subtract_skew(slope, 3, 3, h)
+    if hu.lifts:
+        subtract_lift_slope(hull, nu, slope)
     return slope
 
 

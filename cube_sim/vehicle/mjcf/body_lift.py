@@ -38,7 +38,7 @@ def velocity_products(numerics: Numerics, body: str, added_mass: NDArray[np.floa
     for axis, first, second, coefficient in rows(numerics, name, 4, "axis, j, k, coefficient").tolist():
         _add(found, *product_of(name, axis, first, second), coefficient)
     if not _keeps_coriolis(numerics, body):
-        for i, j, k, coefficient in _coriolis_products(added_mass):
+        for i, j, k, coefficient in coriolis_products(added_mass):
             _add(found, i, j, k, False, coefficient)
     return np.array([[*key, value] for key, value in sorted(found.items()) if value]).reshape(-1, 5)
 
@@ -99,7 +99,7 @@ def _keeps_coriolis(numerics: Numerics, body: str) -> bool:
     return value == 1.0
 
 
-def _coriolis_products(added_mass: NDArray[np.float64]) -> list[tuple[int, int, int, float]]:
+def coriolis_products(added_mass: NDArray[np.float64]) -> list[tuple[int, int, int, float]]:
     """+C_A(nu) nu as products (axis, j, k, c): what takes -C_A(nu) nu out again.
 
     C_A(nu) nu = [w x p; v x p + w x h], [p; h] = M_A nu (`cube_sim.vehicle.laws.hydrodynamics.coriolis`).

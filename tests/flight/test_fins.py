@@ -1,0 +1,73 @@
+"""A vehicle that its fins steer flies scenarios: both loops the same, what is recorded, what wrong knowledge costs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.both_loops import assert_same_flight
+from support.places import SCENARIOS
+
+import cube_sim
+from cube_sim.errors import ScenarioError
+from cube_sim.flight import Flight
+
+LINE, HELIX = SCENARIOS / "remus100_line.yaml", SCENARIOS / "remus100_helix.yaml"
+SHORT = {"duration_s": 4, "checks": [{"kind": "allowed_forces"}]}
+ACROSS = {"current_m_s": [0.0, 0.3, 0.0]}
+SETTLED = [{"kind": "signal", "signal": "path_error.cross_track", "statistic": "rms", "from_s": 80, "at_most": 1}]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [ACROSS, {"navigation": {}}, {"allocation.method": "pseudo_inverse"}],
+    ids=lambda changes: next(iter(changes)),
+)
+def test_both_loops_fly_the_same(changes, monkeypatch):
+    assert assert_same_flight(HELIX, {**SHORT, **changes}, monkeypatch) > 0.9
+
+
+def test_what_the_fins_are_asked_for_is_what_they_come_to():
+    flight = Flight(LINE, SHORT)
+    flight.fly(200)
+    signals = flight.signals
+    wanted, had = signals["fins.deflection_wanted"][:, 1:], signals["fins.deflection"][:, 1:]
+    period, lag, rate = 0.02, 0.1, 0.5
+    expected = had[:-1] + np.clip((wanted[:-1] - had[:-1]) * -np.expm1(-period / lag), -rate * period, rate * period)
+    np.testing.assert_allclose(had[1:], expected, atol=2e-3 * rate)
+    assert np.abs(wanted).max() <= np.radians(13.6) + 1e-9
+    assert np.all(np.abs(wanted - had) <= rate * (lag + period) + 1e-12)
+    made, total = signals["fins.wrench"][:, 1:], signals["wrench.allocated"][:, 1:]
+    thrusters = signals["thrusters.force_demanded"][:, 1:] * [1.0, 0.0, 0.0, -0.543 / 3.86, 0.0, 0.0]
+    np.testing.assert_allclose(made + thrusters, total, atol=1e-12)
+
+
+def test_a_snapshot_flies_on_the_same():
+    one = Flight(LINE, SHORT)
+    one.fly(60)
+    kept = one.snapshot()
+    one.fly(60)
+    first = one.signals["fins.deflection"][-60:].tobytes()
+    one.restore(kept)
+    one.fly(60)
+    assert one.signals["fins.deflection"][-60:].tobytes() == first
+
+
+def test_too_slow_for_its_fins_it_is_told_before_it_flies(tmp_path):
+    run = cube_sim.run(LINE, {**SHORT, "guidance.speed_m_s": 0.3}, out=tmp_path)
+    told = [line.text for line in run.log if line.level == "WARNING" and line.t == 0.0]
+    assert any("path will not be followed" in text and "than thrusters and fins have" in text for text in told)
+
+
+def test_other_fins_are_no_knowledge_of_these(tmp_path):
+    with pytest.raises(ScenarioError, match="has the thrusters"):
+        Flight(LINE, {"knowledge.model": str(SCENARIOS.parent / "models" / "torpedo.xml")})
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("key", ["drag", "fins", "thrust"])
+@pytest.mark.parametrize("factor", [0.7, 1.3])
+def test_it_flies_with_wrong_knowledge(key, factor, tmp_path):
+    changes = {**ACROSS, f"knowledge.{key}": factor, "duration_s": 120, "checks": SETTLED}
+    error = cube_sim.run(LINE, changes, out=tmp_path).checks[0].value
+    assert error is not None
+    assert error < 0.05
