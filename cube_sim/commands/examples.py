@@ -21,6 +21,8 @@ SCENARIOS = (
     "bluerov2_vectored_helix",
     "infante_line",
     "jack_exact",
+    "nps_auv2_line",
+    "remus100_line",
     "rov6_helix",
     "torpedo_line",
 )
