@@ -120,8 +120,6 @@ def _packed(
 ) -> NDArray[np.float64]:
     """The packed values, what is no parameter as before."""
     ids = [model.body(hull.body).id for hull in read.hulls]
-    start, size = int(before[layout.HULLS]), layout.HULL_SIZE
-    forces = [int(before[start + k * size + layout.FORCE]) for k in range(len(ids))]
     pushes_at, current_at = int(before[layout.PUSHES]), int(before[layout.CURRENT])
     pushes = int(before[pushes_at]) if pushes_at >= 0 else 0
     data = mujoco.MjData(model)
@@ -131,11 +129,12 @@ def _packed(
         ids,
         [int(model.body_dofadr[i]) for i in ids],
         half_axes_of_all(model, data, ids, read.hulls),
-        forces,
+        packing.force_records(before),
         float(before[layout.PROCESS]),
         pushes,
         fin_rows(model, read.fins, [hull.body for hull in read.hulls], read.density),
         model,
+        np.flatnonzero(before[int(before[layout.THRUSTERS]) :][: model.nu] == layout.FORCE_STATE).tolist(),
     )
     fixed = [i for i in range(layout.HEADER_SIZE) if i != layout.SURFACE]
     if packed.size != before.size or not np.array_equal(packed[fixed], before[fixed]):

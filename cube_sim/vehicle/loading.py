@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -22,7 +23,7 @@ from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.mjcf.unused import unused_thruster_words
 from cube_sim.vehicle.plugin import hook, layout, packing, structs, user_forces
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
-from cube_sim.vehicle.plugin.user_forces import UserForce
+from cube_sim.vehicle.plugin.user_force_kinds import ForceKind, UserForce, kind_of
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 
 
@@ -131,8 +132,17 @@ def _immerse(
         if (owner := force_owner(text.name, text.data, list(bodies))) is not None:
             forces.setdefault(owner, user_forces.resolve(text.data, text.name))
     _require_usable_options(spec)
-    for hull in parameters.hulls:
-        _prepare(spec, hull.body)
+    for body in forces:
+        if body not in hulls:
+            raise ModelError(f"{body}:force", f"no hull '{body}'; the model has {', '.join(hulls)}")
+    kinds = {hull: kind_of(function, f"{hull}:force") for hull, function in forces.items()}
+    kept = {len(spec.actuators) + k: h for k, h in enumerate(h for h in hulls if h in kinds and kinds[h].states)}
+    parameters = replace(parameters, thrusters=(*parameters.thrusters, *[None] * len(kept)))
+    rates: dict[str, int] = {}
+    for hull in kept.values():
+        rates[hull] = _keep_state(spec, hull, kinds[hull].states)
+    for hull in hulls:
+        _prepare(spec, hull)
     spec.add_numeric(name=layout.PACKED, size=packing.packed_size(parameters, pushes), data=[0.0])
     model = spec.compile()
     require_time_step(model)
@@ -141,13 +151,14 @@ def _immerse(
     ids = [model.body(hull.body).id for hull in parameters.hulls]
     dofs = [int(model.body_dofadr[i]) for i in ids]
     start = model.numeric_adr[model.nnumeric - 1]
-    table = _register(model, forces, [hull.body for hull in parameters.hulls])
-    fins = fin_rows(model, parameters.fins, [hull.body for hull in parameters.hulls], parameters.density)
+    lie = {hull: (int(model.actuator_actadr[index]), rates[hull]) for index, hull in kept.items()}
+    table = [_force(model, hull, forces, kinds, *lie.get(hull, (0, 0))) for hull in hulls]
+    fins = fin_rows(model, parameters.fins, hulls, parameters.density)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     half_axes = half_axes_of_all(model, data, ids, parameters.hulls)
     process = user_forces.process_number()
-    packed = packing.pack_parameters(parameters, ids, dofs, half_axes, table, process, pushes, fins, model)
+    packed = packing.pack_parameters(parameters, ids, dofs, half_axes, table, process, pushes, fins, model, kept)
     model.numeric_data[start : start + packed.size] = packed
     structs.verify(model, data)
     set_inverse_weights(model, data, ids)
@@ -165,19 +176,34 @@ def _say_in_the_model(spec: mujoco.MjSpec, numerics: dict[str, NDArray[np.float6
             spec.add_numeric(name=name, size=flat.size, data=flat)
 
 
-def _register(model: mujoco.MjModel, forces: dict[str, UserForce], hulls: list[str]) -> list[int]:
-    """The place of each hull's own force in the table of this process, -1 where there is none."""
-    for body in forces:
-        if body not in hulls:
-            raise ModelError(f"{body}:force", f"no hull '{body}'; the model has {', '.join(hulls)}")
-    return [_force(model, h, forces[h]) if h in forces else -1 for h in hulls]
-
-
-def _force(model: mujoco.MjModel, hull: str, function: UserForce) -> int:
-    body = model.body(hull)
+def _force(
+    model: mujoco.MjModel, hull: str, forces: dict[str, UserForce], kinds: dict[str, ForceKind], state: int, rates: int
+) -> packing.ForceRecord:
+    """The own force of a hull in the table of this process, and where its state and the rates of that lie."""
+    if hull not in forces:
+        return packing.NO_FORCE
+    body, kind = model.body(hull), kinds[hull]
     rotation = np.zeros(9)
     mujoco.mju_quat2Mat(rotation, body.quat)
-    return user_forces.register(function, f"{hull}:force", body.pos.copy(), rotation.reshape(3, 3))
+    at_rest = user_forces.AtRest(body.pos.copy(), rotation.reshape(3, 3), np.zeros(model.nu), np.zeros(model.na))
+    place = user_forces.register(forces[hull], kind, f"{hull}:force", at_rest)
+    return packing.ForceRecord(place, kind.sees, kind.states, state, rates)
+
+
+def _keep_state(spec: mujoco.MjSpec, hull: str, states: int) -> int:
+    """Give a model an actuator that pushes nothing, whose activations are the state of a hull's own force.
+
+    Returns:
+        Where there is room for its rates among the user data.
+    """
+    name = f"{hull}:force_state"
+    site = spec.body(hull).add_site(name=name)
+    actuator = spec.add_actuator(name=name, trntype=mujoco.mjtTrn.mjTRN_SITE, target=site.name)
+    actuator.dyntype, actuator.gainprm[0], actuator.actdim = mujoco.mjtDyn.mjDYN_USER, 0.0, states
+    actuator.dynprm[0] = 0.0  # no lag
+    begin = max(spec.nuserdata, 0)
+    spec.nuserdata = begin + states
+    return begin
 
 
 def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:

@@ -51,11 +51,12 @@ def _put(address: int, i: int, value: float) -> None:
     vector(address, i + 1)[i] = value
 
 
-def _call_force(address, time, position, rotation, nu, nu_r):
+def _call_force(address, time, position, rotation, nu, nu_r, seen):
     at_rest = [np.array(x) for x in (nu, nu_r, np.zeros(6))]
     pointers = [ctypes.cast(a, user_forces._DOUBLES) for a in (position, rotation)]
     pointers += [a.ctypes.data_as(user_forces._DOUBLES) for a in at_rest]
-    user_forces._SIGNATURE(address)(time, *pointers)
+    others = [each if i in (1, 3, 5) else ctypes.cast(each, user_forces._DOUBLES) for i, each in enumerate(seen)]
+    user_forces._SIGNATURE(address)(time, *pointers, *others)
     return tuple(at_rest[2].tolist())
 
 

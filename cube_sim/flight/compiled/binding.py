@@ -38,6 +38,7 @@ from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.laws.push import COLUMNS
 from cube_sim.vehicle.plugin import structs
 from cube_sim.vehicle.plugin.guard import TEXT_BYTES, guards
+from cube_sim.vehicle.plugin.packing import force_records, packed_parameters
 from cube_sim.vehicle.pushes import hull_number
 
 NO_PUSHES = np.zeros((0, COLUMNS))
@@ -224,9 +225,13 @@ def engine_of(mission: Mission) -> Engine:
 
 
 def is_classical(model: mujoco.MjModel) -> bool:
-    """Whether a step is Runge-Kutta's of fourth order, and goes on from what `mj_forward` has found."""
+    """Whether a step is Runge-Kutta's of fourth order, and goes on from what `mj_forward` has found.
+
+    An own force that sees commands is not what it was when that ran: the tick's commands were not given yet.
+    """
     compared = model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_FWDINV
-    return model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 and not compared
+    seen = any(force.sees for force in force_records(packed_parameters(model)))
+    return model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 and not compared and not seen
 
 
 def _hull(mission: Mission, boxes: Boxes) -> Hull:

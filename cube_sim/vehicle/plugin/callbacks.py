@@ -2,8 +2,8 @@
 
 `passive` replaces the inertia of every hull by M_RB + M_A and adds the remaining water forces to `qfrc_passive`. MuJoCo
 itself then solves for the acceleration: added mass is implicit, never lagged. `thrust` evaluates the thruster
-characteristic on the lagged command, or a propeller in its inflow. `servo` turns the fins, and the rotors that follow
-their command through two lags.
+characteristic on the lagged command, or a propeller in its inflow. `servo` turns the fins, the rotors that follow their
+command through two lags, and the state of own forces.
 
 They keep no state and find their parameters inside the model (`cube_sim.vehicle.plugin.layout`). For a model that is
 not ours they return at once, also while it is being compiled.
@@ -54,15 +54,15 @@ def _not_a_number():
 
 
 @numba.njit
-def _user_wrench(function, process, time, position, rotation, nu, nu_r):
-    """The wrench of the hull's own force, a 6-tuple.
+def _user_wrench(function, process, time, position, rotation, nu, nu_r, seen):
+    """The wrench of the hull's own force, a 6-tuple; the rates of its state are put where they belong.
 
     It is not a number for a model from another process, whose functions are not here.
     """
     table = force_table()
     if double(table, 0) != process:
         return _not_a_number()
-    return call_force(field(table, 8 * (function + 1)), time, position, rotation, nu, nu_r)
+    return call_force(field(table, 8 * (function + 1)), time, position, rotation, nu, nu_r, seen)
 
 
 @numba.njit
@@ -116,10 +116,11 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
     actuator_actnum, actuator_ctrlrange = model["actuator_actnum"], model["actuator_ctrlrange"]
     actuator_dynprm, dynprm = model["actuator_dynprm"], codes["dynprm"]
     time_, qvel, xpos, xmat, act = data["time"], data["qvel"], data["xpos"], data["xmat"], data["act"]
-    ctrl, act_dot = data["ctrl"], data["act_dot"]
+    ctrl = data["ctrl"]
     cdof, crb, mass, qfrc_passive = data["cdof"], data["crb"], data["M"], data["qfrc_passive"]
     actuator_trnid, site_size, site_xpos = model["actuator_trnid"], model["site_size"], data["site_xpos"]
     nv, qld, qldiaginv = model["nv"], data["qLD"], data["qLDiagInv"]
+    nu_, na, act_dot, userdata = model["nu"], model["na"], data["act_dot"], data["userdata"]
 
     @numba.njit
     def parameters_of(m):
@@ -273,7 +274,17 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 F = plus6(F, torques_of_propellers(m, d, packed, float(k), nu_r))
             function = int(double(hull, layout.FORCE))
             if function >= 0:
-                F = plus6(F, _user_wrench(function, double(packed, layout.PROCESS), time, position, rotation, nu, nu_r))
+                seen = (
+                    field(d, ctrl),
+                    field(m, nu_),
+                    field(d, act),
+                    field(m, na),
+                    field(d, act) + 8 * int(double(hull, layout.STATE)),
+                    int(double(hull, layout.STATES)),
+                    field(d, userdata) + 8 * int(double(hull, layout.RATES)),
+                )
+                process = double(packed, layout.PROCESS)
+                F = plus6(F, _user_wrench(function, process, time, position, rotation, nu, nu_r, seen))
             if double(m + opt_density, 0) != 0.0 or double(m + opt_viscosity, 0) != 0.0:
                 F = _not_a_number()  # MuJoCo's own fluid model was switched on later: every force twice
             force = field(d, qfrc_passive) + 8 * dof
@@ -311,11 +322,27 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         force = steady_force(double(field(d, act), adr), curve)
         return force * double(curve, layout.EFFICIENCY) * double(curve, layout.SUPPLY) * under_water
 
+    @numba.njit
+    def put_rates(packed, d, state):
+        """The rates of an own force, which `passive` has found, to the activations from there on; the first of them."""
+        first = 0.0
+        for k in range(int(double(packed, layout.COUNT))):
+            hull = packed + 8 * (int(double(packed, layout.HULLS)) + k * layout.HULL_SIZE)
+            n = int(double(hull, layout.STATES))
+            if n > 0 and int(double(hull, layout.STATE)) == state:
+                rates = int(double(hull, layout.RATES))
+                first = double(field(d, userdata), rates)
+                for i in range(n):
+                    put(field(d, act_dot), state + i, double(field(d, userdata), rates + i))
+        return first
+
     def servo(m, d, actuator):
         packed = parameters_of(m)
         if packed == 0:
             return 0.0
         record = int(double(packed, int(double(packed, layout.THRUSTERS)) + actuator))
+        if record == layout.FORCE_STATE:
+            return put_rates(packed, d, integer(field(m, actuator_actadr), actuator))
         if record == layout.NO_THRUSTER:
             return 0.0
         travel, parameters = field(m, actuator_ctrlrange) + 16 * actuator, dynprm * actuator

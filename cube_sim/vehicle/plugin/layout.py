@@ -9,9 +9,11 @@ doubles from the array's beginning:
                     [m] or inf where there is none, start of the propellers or -1
     hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric;
                     REACH [m] is the height above its origin that no part of it is beyond in any attitude, -inf for a
-                    hull without extent
+                    hull without extent; SEES is 1 where its own force sees commands and activations, STATES how many
+                    numbers that force keeps, STATE where they lie among the activations, RATES where `passive` leaves
+                    their rates among the user data, since MuJoCo clears their place until the actuators' turn
     thruster table  one value per actuator of the model: the start of its curve record, -1 for no thruster, -2 for the
-                    servo of a fin
+                    servo of a fin, -3 for what keeps the state of an own force
     curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
                     voltage [V], pulse widths of the commands -1, 0 and 1 [us], number of its propeller or -1,
                     c_1..c_n, F_1..F_n [N]; stuck is NaN for a thruster that is free; voltage and pulses are NaN where
@@ -43,11 +45,12 @@ FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's tabl
 COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES, LIFT, SURFACE, PROPELLERS = 1, 2, 3, 4, 5, 6, 7, 8, 9
 HEADER_SIZE = 10
 # in the thruster table
-NO_THRUSTER, FIN_SERVO = -1, -2
+NO_THRUSTER, FIN_SERVO, FORCE_STATE = -1, -2, -3
 # one hull record
 BODY, DOF, DISPLACED_MASS, CENTRE, ADDED_MASS, LINEAR, QUADRATIC, FORCE = 0, 1, 2, 3, 6, 42, 78, 114
 REACH, HALF_AXES = 115, 116
-HULL_SIZE = 119
+SEES, STATES, STATE, RATES = 119, 120, 121, 122
+HULL_SIZE = 123
 # one curve record
 DEAD_LOW, DEAD_HIGH, ZONE_LOW, ZONE_HIGH, POINTS = 0, 1, 2, 3, 4
 EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, PROPELLER, CURVE = 5, 6, 7, 8, 10, 11, 14, 15

@@ -119,13 +119,21 @@ def force_table(typingctx):
 
 
 @intrinsic
-def call_force(typingctx, function, time, position, rotation, nu, nu_r):
-    """Call ``void (time, position, rotation, velocity, through_water, wrench)`` at an address; wrench as a 6-tuple."""
+def call_force(typingctx, function, time, position, rotation, nu, nu_r, seen):
+    """Call the wrapper of a user's force at an address, see `cube_sim.vehicle.plugin.user_force_code`.
+
+    Position and rotation are addresses, nu and nu_r 6-tuples. `seen` is a 7-tuple: the address of the commands and
+    their number, of the activations and theirs, of the force's state and its number, and where its rates belong. It
+    returns the wrench as a 6-tuple.
+    """
 
     def codegen(context, builder, signature, args):
-        address, time, position, rotation, nu, nu_r = args
+        address, time, position, rotation, nu, nu_r, seen = args
         pointer = _DOUBLE.as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [_DOUBLE, *[pointer] * 5])
+        rest = [pointer, _INT64, pointer, _INT64, pointer, _INT64, pointer]
+        kind = ir.FunctionType(ir.VoidType(), [_DOUBLE, *[pointer] * 5, *rest])
+        others = [builder.extract_value(seen, i) for i in range(len(rest))]
+        others = [builder.inttoptr(x, t) if t is pointer else x for x, t in zip(others, rest, strict=True)]
         velocity = cgutils.alloca_once(builder, _DOUBLE, size=6)
         through_water = cgutils.alloca_once(builder, _DOUBLE, size=6)
         wrench = cgutils.alloca_once(builder, _DOUBLE, size=6)
@@ -142,12 +150,14 @@ def call_force(typingctx, function, time, position, rotation, nu, nu_r):
                 velocity,
                 through_water,
                 wrench,
+                *others,
             ],
         )
         return cgutils.pack_array(builder, [builder.load(cgutils.gep(builder, wrench, i)) for i in range(6)])
 
     six = types.UniTuple(types.float64, 6)
-    return six(types.int64, types.float64, types.int64, types.int64, six, six), codegen
+    seven = types.UniTuple(types.int64, 7)
+    return six(types.int64, types.float64, types.int64, types.int64, six, six, seven), codegen
 
 
 @intrinsic

@@ -6,7 +6,8 @@ or state, and it travels with every copy of the model into threads, processes an
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -21,16 +22,38 @@ from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.propeller_record import place_propellers, propeller_rows
 
 
+class ForceRecord(NamedTuple):
+    """The own force of a hull, as its record has it.
+
+    Attributes:
+        place: in the table of this process; -1 for none.
+        sees: whether it sees commands and activations.
+        states: how many numbers it keeps.
+        state: where they lie among the activations.
+        rates: where their rates lie among the user data.
+    """
+
+    place: int
+    sees: bool
+    states: int
+    state: int
+    rates: int
+
+
+NO_FORCE = ForceRecord(-1, False, 0, 0, 0)
+
+
 def pack_parameters(
     parameters: WaterParameters,
     bodies: list[int],
     dofs: list[int],
     half_axes: Sequence[NDArray[np.float64]],
-    forces: Sequence[int],
+    forces: Sequence[ForceRecord],
     process: float,
     pushes: int = 0,
     fins: NDArray[np.float64] | None = None,
     model: mujoco.MjModel | None = None,
+    states: Collection[int] = (),
 ) -> NDArray[np.float64]:
     """(n,) values as `cube_sim.vehicle.plugin.layout` says.
 
@@ -39,11 +62,12 @@ def pack_parameters(
         bodies: body index of each hull in the compiled model.
         dofs: address of each hull's first degree of freedom.
         half_axes: (3,) of each hull's ellipsoid [m], see `cube_sim.vehicle.laws.surface`.
-        forces: place of each hull's own force in the table of this process, or -1.
+        forces: the own force of each hull.
         process: number of this process.
         pushes: for how many there is to be room.
         fins: (n,16) the table of `cube_sim.vehicle.laws.fin`; zeros where it is not known yet.
         model: compiled, for the places of propellers; None where there is none yet.
+        states: the actuators that keep the state of an own force.
     """
     hulls = [_hull_record(*row) for row in zip(parameters.hulls, bodies, dofs, half_axes, forces, strict=True)]
     table_start = layout.HEADER_SIZE + layout.HULL_SIZE * len(hulls)
@@ -54,7 +78,8 @@ def pack_parameters(
     servos = {fin.servo for fin in parameters.fins}
     for actuator, thruster in enumerate(parameters.thrusters):
         if thruster is None:
-            table.append(float(layout.FIN_SERVO if actuator in servos else layout.NO_THRUSTER))
+            other = layout.FORCE_STATE if actuator in states else layout.NO_THRUSTER
+            table.append(float(layout.FIN_SERVO if actuator in servos else other))
             continue
         table.append(float(end))
         number, propellers = (-1, propellers) if thruster.propeller is None else (propellers, propellers + 1)
@@ -77,7 +102,7 @@ def pack_parameters(
 def packed_size(parameters: WaterParameters, pushes: int = 0) -> int:
     """Number of values `pack_parameters` will return."""
     n = len(parameters.hulls)
-    return pack_parameters(parameters, [0] * n, [0] * n, [np.zeros(3)] * n, [-1] * n, 0.0, pushes).size
+    return pack_parameters(parameters, [0] * n, [0] * n, [np.zeros(3)] * n, [NO_FORCE] * n, 0.0, pushes).size
 
 
 def packed_parameters(model: mujoco.MjModel) -> NDArray[np.float64]:
@@ -94,8 +119,16 @@ def packed_parameters(model: mujoco.MjModel) -> NDArray[np.float64]:
     raise ModelError("", "the model has no water; compile it with cube_sim.load_model")
 
 
+def force_records(packed: NDArray[np.float64]) -> list[ForceRecord]:
+    """The own force of each hull, by the packed values."""
+    start, count = int(packed[layout.HULLS]), int(packed[layout.COUNT])
+    records = packed[start : start + count * layout.HULL_SIZE].reshape(count, layout.HULL_SIZE)
+    columns = layout.FORCE, layout.SEES, layout.STATES, layout.STATE, layout.RATES
+    return [ForceRecord(int(a), bool(b), int(c), int(d), int(e)) for a, b, c, d, e in records[:, columns].tolist()]
+
+
 def _hull_record(
-    hull: HullParameters, body: int, dof: int, half_axes: NDArray[np.float64], force: int
+    hull: HullParameters, body: int, dof: int, half_axes: NDArray[np.float64], force: ForceRecord
 ) -> NDArray[np.float64]:
     record = np.empty(layout.HULL_SIZE)
     record[layout.BODY], record[layout.DOF], record[layout.DISPLACED_MASS] = body, dof, hull.displaced_mass
@@ -103,10 +136,11 @@ def _hull_record(
     record[layout.ADDED_MASS : layout.LINEAR] = hull.added_mass.ravel()
     record[layout.LINEAR : layout.QUADRATIC] = hull.linear_damping.T.ravel()
     record[layout.QUADRATIC : layout.FORCE] = hull.quadratic_damping.T.ravel()
-    record[layout.FORCE] = force
+    record[layout.FORCE], record[layout.SEES] = force.place, force.sees
+    record[layout.STATES], record[layout.STATE], record[layout.RATES] = force.states, force.state, force.rates
     largest = float(half_axes.max())
     record[layout.REACH] = largest + np.linalg.norm(hull.centre_of_buoyancy) if largest > 0.0 else -np.inf
-    record[layout.HALF_AXES : layout.HULL_SIZE] = half_axes
+    record[layout.HALF_AXES : layout.SEES] = half_axes
     return record
 
 

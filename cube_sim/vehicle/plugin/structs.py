@@ -16,14 +16,14 @@ from mujoco.introspect import ast_nodes, structs
 from cube_sim.errors import ModelError
 
 MODEL_FIELDS = (
-    "nv", "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "opt.density", "opt.viscosity", "opt.solver",
-    "opt.noslip_iterations", "opt.timestep", "numeric_adr", "numeric_data",
+    "nv", "nu", "na", "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "opt.density", "opt.viscosity",
+    "opt.solver", "opt.noslip_iterations", "opt.timestep", "numeric_adr", "numeric_data",
     "dof_armature", "M_rowadr", "actuator_actadr", "actuator_actnum",
     "actuator_ctrlrange", "actuator_dynprm", "actuator_trnid", "site_size",
 )  # fmt: skip
 DATA_FIELDS = (
-    "time", "qvel", "xpos", "xmat", "site_xpos", "act", "act_dot", "ctrl", "cdof", "crb", "M", "qLD", "qLDiagInv",
-    "qfrc_passive",
+    "time", "qvel", "xpos", "xmat", "site_xpos", "act", "act_dot", "userdata", "ctrl", "cdof", "crb", "M", "qLD",
+    "qLDiagInv", "qfrc_passive",
 )  # fmt: skip
 
 _SCALARS = {

@@ -14,6 +14,20 @@ Arguments:
 
 The six values returned are the wrench in body axes at the body origin [N, N m].
 
+A force may take two more arguments, and keep a state besides:
+
+    def bladder(time, position, rotation, velocity, through_water, command, activation, state=(0.0,)):
+        lift = rotation.T @ np.array([0.0, 0.0, 9.81 * 1030.0 * state[0]])
+        return (lift[0], lift[1], lift[2], 0.0, 0.0, 0.0), ((command[0] - state[0]) / 20.0,)
+
+    command: (nu,) `data.ctrl`, of all actuators of the model.
+    activation: (na,) `data.act`, of all of them: lagged commands, deflections of fins.
+    state: (n,) what it keeps; its default says how many numbers, all 0 at the beginning. Such a force returns the
+        wrench and the rates of its state, floats in a tuple or an array. MuJoCo integrates them with all else, as the
+        activations of an actuator `<hull>:force_state` that pushes nothing: they are part of every snapshot.
+
+What counts are the names of these three.
+
 A function that numba can compile is compiled: it runs on every thread and costs what its arithmetic costs. Any other is
 called as Python. It must depend on its arguments only: RK4 calls it four times a step, derivatives more often. What a
 compiled one takes from outside, a global array say, is what it was when the model was loaded. The next `load_model`
@@ -28,7 +42,7 @@ from __future__ import annotations
 import ctypes
 import importlib
 import secrets
-from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import llvmlite.binding
@@ -36,17 +50,27 @@ import numpy as np
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.plugin import layout, user_force_code
-
-UserForce = Callable[[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray], Sequence[float]]
+from cube_sim.vehicle.plugin.user_force_kinds import ForceKind, UserForce
 
 CAPACITY = 4096  # different functions in one process
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
-_SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES)
+_COUNTED = (_DOUBLES, ctypes.c_int64)
+_SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, *[_DOUBLES] * 5, *_COUNTED * 3, _DOUBLES)
 _table = (ctypes.c_int64 * (CAPACITY + 1))()
 _compiled: dict[str, int] = {}  # key of the machine code -> place in the table
 _interpreted: dict[int, tuple[Any, int]] = {}  # id -> what must outlive the pointer, and its place
 _size = 0
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """A hull at rest where it starts: p_WB (3,) [m], R_WB (3,3), commands (nu,) and activations (na,)."""
+
+    position: np.ndarray
+    rotation: np.ndarray
+    command: np.ndarray
+    activation: np.ndarray
 
 
 def publish() -> None:
@@ -63,19 +87,19 @@ def process_number() -> float:
     return ctypes.cast(_table, _DOUBLES)[0]
 
 
-def register(function: UserForce, name: str, position: np.ndarray, rotation: np.ndarray) -> int:
+def register(function: UserForce, kind: ForceKind, name: str, at_rest: AtRest) -> int:
     """The function's place in the table, compiled if that is possible.
 
     Args:
-        function: as in this module's example.
+        function: as in this module's examples.
+        kind: of it.
         name: element to name in errors.
-        position: p_WB (3,) at which the hull starts [m].
-        rotation: R_WB (3,3) there.
+        at_rest: its hull where it starts.
 
     Raises:
-        ModelError: it does not return six finite numbers for a hull at rest there.
+        ModelError: it does not return six finite numbers for a hull at rest there, and the rates of its state.
     """
-    _require_wrench(function, name, position, rotation)
+    _require_wrench(function, kind, name, at_rest)
     if id(function) in _interpreted:
         return _interpreted[id(function)][1]
     key = user_force_code.key_of(function)
@@ -83,9 +107,9 @@ def register(function: UserForce, name: str, position: np.ndarray, rotation: np.
         return _compiled[key]
     if _size >= CAPACITY:
         raise ModelError(name, f"is one too many: a process holds at most {CAPACITY} user forces")
-    address = user_force_code.address(function, key)
+    address = user_force_code.address(function, kind, key)
     if address is None:
-        call = _wrap(function)
+        call = _wrap(function, kind)
         place = _add(int(ctypes.cast(call, ctypes.c_void_p).value or 0))
         _interpreted[id(function)] = (function, call), place
         return place
@@ -126,39 +150,62 @@ def is_compiled(function: UserForce) -> bool:
     return id(function) not in _interpreted
 
 
-def _require_wrench(function: UserForce, name: str, position: np.ndarray, rotation: np.ndarray) -> None:
+def _require_wrench(function: UserForce, kind: ForceKind, name: str, at_rest: AtRest) -> None:
+    plain = getattr(function, "py_func", function)
+    motion = at_rest.position.copy(), at_rest.rotation.copy(), np.zeros(6), np.zeros(6)
     try:
-        plain = getattr(function, "py_func", function)
-        wrench = np.asarray(plain(0.0, position.copy(), rotation.copy(), np.zeros(6), np.zeros(6)), dtype=float)
+        answer = plain(0.0, *motion, *_others(kind, at_rest.command, at_rest.activation, np.zeros(kind.states)))
+        wrench, rates = answer if kind.split else (answer, ())
+        wrench, rates = np.asarray(wrench, dtype=float), np.asarray(rates, dtype=float)
     except Exception as error:
         text = f"fails for the hull at rest where it starts: {type(error).__name__}: {error}"
         raise ModelError(name, text) from error
     if wrench.shape != (6,):
         raise ModelError(name, f"returns shape {wrench.shape}; six values are right: Fx Fy Fz Mx My Mz")
-    if not np.all(np.isfinite(wrench)):
-        listed = " ".join(f"{x:g}" for x in wrench)
-        raise ModelError(name, f"returns {listed} for the hull at rest where it starts; finite numbers are right")
+    if rates.shape != (kind.states,):
+        raise ModelError(name, f"returns rates of shape {rates.shape}; its state has {kind.states}")
+    for values in (wrench, rates):
+        if not np.all(np.isfinite(values)):
+            listed = " ".join(f"{x:g}" for x in values)
+            raise ModelError(name, f"returns {listed} for the hull at rest where it starts; finite numbers are right")
 
 
-def _wrap(function: UserForce) -> Any:
+def _others(kind: ForceKind, command: np.ndarray, activation: np.ndarray, state: np.ndarray) -> tuple[np.ndarray, ...]:
+    """What a force of that kind takes beside the motion, its own to write into."""
+    if not kind.sees:
+        return ()
+    seen = command.copy(), activation.copy()
+    return (*seen, state.copy()) if kind.states else seen
+
+
+def _wrap(function: UserForce, kind: ForceKind) -> Any:
     told = False
 
     @_SIGNATURE
-    def call(time, position, rotation, velocity, through_water, wrench):
+    def call(time, position, rotation, velocity, through_water, wrench, command, nu, activation, na, state, n, rates):
         nonlocal told
-        out = np.ctypeslib.as_array(wrench, (6,))
+        out, moved = _array(wrench, 6), _array(rates, kind.states)
         try:
-            out[:] = function(
+            answer = function(
                 time,
-                np.ctypeslib.as_array(position, (3,)).copy(),
-                np.ctypeslib.as_array(rotation, (3, 3)).copy(),
-                np.ctypeslib.as_array(velocity, (6,)).copy(),
-                np.ctypeslib.as_array(through_water, (6,)).copy(),
+                _array(position, 3).copy(),
+                _array(rotation, 9).reshape(3, 3).copy(),
+                _array(velocity, 6).copy(),
+                _array(through_water, 6).copy(),
+                *_others(kind, _array(command, nu), _array(activation, na), _array(state, n)),
             )
+            if kind.split:
+                out[:], moved[:] = answer
+            else:
+                out[:] = answer
         except BaseException:
-            out[:] = np.nan
+            out[:], moved[:] = np.nan, np.nan
             if not told:  # MuJoCo resets the state and goes on, so that it would be told at every step
                 told = True
                 raise  # nowhere to: ctypes prints it
 
     return call
+
+
+def _array(pointer: Any, n: int) -> np.ndarray:
+    return np.ctypeslib.as_array(pointer, (n,)) if n else np.empty(0)
