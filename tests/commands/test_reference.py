@@ -121,7 +121,10 @@ def test_every_example_can_be_flown(where, tmp_path):
 
 def test_every_channel_says_who_writes_it():
     sensors = dict.fromkeys(READINGS, 1.0)
-    channels = (*channel_table(("T1",), 2, pushed=True, phases=("leg",), timed=True), *navigation_channels(sensors))
+    channels = (
+        *channel_table(("T1",), 2, pushed=True, phases=("leg",), timed=True, fins=("F1",)),
+        *navigation_channels(sensors),
+    )
     assert {channel.name for channel in channels} == WRITTEN_BY.keys()
     text = recording_page()
     for channel in channels:
