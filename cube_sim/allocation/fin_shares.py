@@ -31,8 +31,8 @@ STEP_RAD = 1e-4
 SHORT_OF_STALL_RAD = 0.06
 """So far short of its stall a fin is asked to stay: its lift grows up to there, by how fast the law has it stall."""
 AS_GOOD_AS_MADE = 1e-3
-"""What fins miss of the wrench wanted, where no thruster could make it up, counts as made up to this share: they are
-not as linear as that (a choice)."""
+"""What fins miss of the wrench wanted, where no thruster makes such, is nothing up to this share: they are not linear
+(a choice)."""
 PASSES = 2
 """Times a fin that is not linear is made so: where it is, and where it is to be."""
 
@@ -76,6 +76,9 @@ def share_with_fins(parts, demand, nu_r, deflections, force_ratio, wanted, made,
         wanted: (k,) out: deflections to ask for [rad].
         made: (6,) out: what they make [N, N m].
         rest: (6,) out: what is left.
+
+    Returns:
+        How much of the wrench is missed [N], torques by `scale`.
     """
     p, k, m = parts, len(parts.table), parts.thrusters.shape[1]
     C, target, x = np.zeros((6, k + m)), np.zeros(6), np.zeros(k + m)
@@ -120,7 +123,7 @@ def share_with_fins(parts, demand, nu_r, deflections, force_ratio, wanted, made,
         more = minus6(turned_fin(p, i, wanted[i], nu_r), turned_fin(p, i, 0.0, nu_r))
         for a in range(6):
             made[a] += component(more, a)
-    leave_the_rest(p, demand, made, rest)
+    return leave_the_rest(p, demand, made, rest)
 
 
 @compiled
@@ -134,7 +137,11 @@ def turned_fin(parts, i, deflection, nu_r):
 
 @compiled
 def leave_the_rest(parts, demand, made, rest):
-    """What is wanted less what fins make, without what next to nothing is missing of where no thruster helps."""
+    """What is wanted less what fins make, as far as thrusters make such; how much is missed where none does [N].
+
+    It is not left to the allocation: by its thrusters' own arms, a hundredth of the fins' perhaps, a torque that is
+    missed would count more than any force.
+    """
     wanted, missed, left = 0.0, 0.0, np.zeros(6)
     for a in range(6):
         rest[a] = demand[a] - made[a]
@@ -143,9 +150,9 @@ def leave_the_rest(parts, demand, made, rest):
         for b in range(6):
             left[a] += parts.beyond[a, b] * parts.scale[b] * rest[b]
         missed += left[a] * left[a]
-    if sqrt(missed) <= AS_GOOD_AS_MADE * sqrt(wanted):
-        for a in range(6):
-            rest[a] -= left[a] / parts.scale[a]
+    for a in range(6):
+        rest[a] -= left[a] / parts.scale[a]
+    return 0.0 if sqrt(missed) <= AS_GOOD_AS_MADE * sqrt(wanted) else sqrt(missed)
 
 
 @compiled
@@ -161,6 +168,14 @@ def fin_reach(fin, travel, reach, deflection, nu_r):
             low = min(max(low, meets - (fin[STALL] - SHORT_OF_STALL_RAD)), travel[1])
             high = max(min(high, meets + (fin[STALL] - SHORT_OF_STALL_RAD)), travel[0])
     return min(max(low, deflection - reach), high), max(min(high, deflection + reach), low)
+
+
+@compiled
+def with_missed(residual, status, missed):
+    """Residual [N] and status of an allocation of the rest, with what fins have missed of the whole [N]."""
+    if missed == 0.0:
+        return residual, status
+    return sqrt(residual * residual + missed * missed), 1 if status == 0 else status
 
 
 @compiled
@@ -187,6 +202,9 @@ def steer_fins(parts, demand, R, velocity, rates, current, deflections, force_ra
         wanted: see there.
         made: see there.
         rest: see there.
+
+    Returns:
+        See there.
     """
     nu_r = stacked(minus(triple(velocity), to_body(R, triple(current))), triple(rates))
-    share_with_fins(parts, demand, nu_r, deflections, force_ratio, wanted, made, rest)
+    return share_with_fins(parts, demand, nu_r, deflections, force_ratio, wanted, made, rest)

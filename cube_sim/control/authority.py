@@ -68,10 +68,12 @@ CAPABILITY = np.dtype(
         ("shift", np.float64, 6),
         ("dragged", np.float64, (3, 3)),
         ("by_momentum", np.bool_),
+        ("by_flow", np.bool_),
     ]
 )
 """What compiled laws know of `Capability`: `project_onto_range` as projector w + shift, how a turning drags the hull
-along, (3,3) [m], and whether its attitude points a force that corrects its momentum, not its velocity."""
+along, (3,3) [m], whether its attitude points a force that corrects its momentum, not its velocity, and whether it is
+the flow that steers it."""
 
 
 class Authority(IntEnum):
@@ -115,6 +117,7 @@ class Capability:
         budget: what they can make; None where their limits are not known.
         strongest: force of the strongest of all thrusters, as they were whole [N]; infinite where it is not known.
         turned: how it is turned round, by its equations of motion; None for any other authority.
+        by_flow: whether fins steer it, which without way on make nothing.
     """
 
     authority: Authority
@@ -129,6 +132,7 @@ class Capability:
     budget: ForceBudget | None = None
     strongest: float = inf
     turned: TurnedRound | None = None
+    by_flow: bool = False
 
     @property
     def lost(self) -> Matrix:
@@ -193,6 +197,7 @@ class Capability:
         record = np.zeros(1, CAPABILITY)
         record["projector"], record["shift"] = self.onto_range
         record["dragged"] = np.linalg.solve(total_mass[:3, :3], self.dragged_force @ total_mass[3:, 3:])
+        record["by_flow"] = self.by_flow
         record["by_momentum"] = self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
         return record
 
@@ -241,7 +246,7 @@ def remaining_capability(
         required = PathRequirements(hold.speed, hold.inclinations, nose_ahead=True)
         verdict = judge(found, hold.hull, allowed, required)
         if verdict.follows:
-            return left
+            return replace(left, by_flow=True)
         return replace(left, authority=Authority.SAFE, reason=f"{verdict.reason}: the path cannot be followed")
     slow = min(hold.speed, FASTEST_JUDGED_M_S)
     verdict = judge(found, hold.hull, allowed, PathRequirements(speed_m_s=slow))

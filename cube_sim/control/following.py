@@ -29,13 +29,15 @@ from cube_sim.tuples import (
     triple,
     turn_between,
 )
-from cube_sim.vehicle.laws.hull_motion import inverse_dynamics, steady_wrench
+from cube_sim.vehicle.laws.hull_motion import hull_damping, inverse_dynamics, steady_wrench
 
 MOST_TURN_RAD = 0.3
 """The momentum of the attitude wanted is looked at for turns up to this one (a choice): farther off it says little of
 what comes next."""
 SLOW_M_S = 0.03
 """It counts half at this speed through the water (a choice). Slower, the course turns faster than a hull follows."""
+STEERAGE_WAY = 0.7
+"""Share of the speed wanted at which fins, half as strong, still steer (a choice)."""
 
 FOLLOWED = np.dtype(
     [
@@ -168,6 +170,8 @@ def follow(
         counts = dot(course, course) / (dot(course, course) + SLOW_M_S**2)
         force = plus(force, times(counts / k.velocity_time, gained))
     rest = unmade(m.asked, m.has_asked, applied, most_rest)
+    if left[0].by_flow:
+        tau = with_way_on(hull, k.velocity_time, tau, minus(speed, to_body(R, flow)), minus(velocity, flow))
     asked = in_range(left, plus6(minus6(tau, unknown), rest))
     torque = (0.0, 0.0, 0.0)
     if points:
@@ -180,6 +184,26 @@ def follow(
     for i in range(6):
         m.asked[i] = out.wrench[i] = asked[i]
     out.attitude_error, out.pace, out.enough = angle, pace, enough
+
+
+@compiled
+def with_way_on(hull, velocity_time, tau, flow, wanted_W):
+    """A wrench (6-tuple) [N, N m], pushed ahead where the hull would lose the way on by which its fins steer it.
+
+    It has to turn before it can go where it is to go, and without way on it cannot turn: so it goes on ahead at
+    `STEERAGE_WAY` of the speed wanted, wherever its nose points. Faster than that nothing is changed.
+
+    Args:
+        hull: record of `cube_sim.vehicle.laws.hull_motion.HULL`.
+        velocity_time: of its loop [s].
+        tau: the wrench wanted.
+        flow: velocity through the water, a 3-tuple [m/s], body axes.
+        wanted_W: that wanted, a 3-tuple [m/s], world axes.
+    """
+    way = STEERAGE_WAY * length(wanted_W)
+    ahead = hull_damping(hull, (way, 0.0, 0.0, 0.0, 0.0, 0.0))[0]
+    ahead += hull[0].total_mass[0, 0] / velocity_time * (way - flow[0])
+    return (max(tau[0], ahead), tau[1], tau[2], tau[3], tau[4], tau[5])
 
 
 @compiled

@@ -22,6 +22,7 @@ def turning_of(
     speed_m_s: float,
     known: TrimCondition | None = None,
     radius_m: float = TIGHTEST_M,
+    nose_ahead: bool = False,
 ) -> TurningTrim | None:
     """The trim in which it turns as tightly as asked, or as tightly as it can, with what its demands are projected on.
 
@@ -31,6 +32,7 @@ def turning_of(
         speed_m_s: along the path, positive.
         known: a trim of a level course.
         radius_m: of the turns asked for.
+        nose_ahead: whether no other attitude counts, as of a hull that its fins steer.
 
     Returns:
         None where a level course has no trim within the limits, and of a vehicle in a level plane that has all it needs
@@ -41,7 +43,7 @@ def turning_of(
     lost = lost[:, np.any(lost != 0.0, axis=0)]
     straight = CourseAttitudes.without(hull, lost, tuple(rows), speed_m_s)
     attainable = None if left.budget is None or left.level else left.budget.attainable
-    return turning_trim(straight, attainable, known, radius_m)
+    return turning_trim(straight, attainable, known, radius_m, nose_ahead or left.by_flow)
 
 
 def too_tight(left: Capability, hull: Dynamics, speed_m_s: float, radius_m: float) -> str | None:

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cube_sim.allocation import Allocation
+from cube_sim.allocation import Allocation, Status
+from cube_sim.allocation.fin_shares import with_missed
 from cube_sim.control.controller import Decision
 from cube_sim.control.following import FOLLOWED
 from cube_sim.flight.action import Action
@@ -88,7 +89,9 @@ def tick(
         left = decision.wrench if steered is None else steered.rest
         allocation, force = allocate_at(ratio, allocator, left, decision.secondary)
         if steered is not None:
-            allocation = allocation._replace(wrench=allocation.wrench + steered.made)
+            residual, status = with_missed(allocation.residual, int(allocation.status), steered.missed)
+            made = allocation.wrench + steered.made
+            allocation = allocation._replace(wrench=made, residual=residual, status=Status(status))
         if mission.fault_finding is not None:
             force = mission.fault_finding.probed(force)
         commands = thrusters.command(force)

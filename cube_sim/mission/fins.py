@@ -36,11 +36,13 @@ class FinAnswer(NamedTuple):
         wanted: (k,) deflections [rad].
         made: (6,) what they make by them [N, N m], body axes.
         rest: (6,) what is left of the wrench for the thrusters.
+        missed: how much of it nobody makes [N].
     """
 
     wanted: Vector
     made: Vector
     rest: Vector
+    missed: float
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,5 @@ class FinSteering:
             force_ratio: share of their force that the supply leaves the thrusters.
         """
         given = map(np.ascontiguousarray, (wrench, known.rotation, known.velocity, known.rates, current, deflections))
-        answer = FinAnswer(np.empty(len(deflections)), np.empty(6), np.empty(6))
-        steer_fins(parts, *given, force_ratio, *answer)
-        return answer
+        out = np.empty(len(deflections)), np.empty(6), np.empty(6)
+        return FinAnswer(*out, steer_fins(parts, *given, force_ratio, *out))

@@ -229,7 +229,9 @@ def _to_allowed(subject: Subject, allow_off: bool) -> Rows:
 def _wrench_error(subject: Subject) -> Rows:
     forces, demanded = subject.rows("thrusters.force_demanded"), subject.rows("wrench.demanded")
     status, matrix = subject.rows("allocation.status"), subject.rows("actuation.matrix")
-    m = forces.shape[1] - 1
+    m, fins = forces.shape[1] - 1, subject.rows("fins.wrench")
+    if len(fins) == len(demanded):  # what is left to the thrusters
+        demanded = np.column_stack([demanded[:, 0], demanded[:, 1:] - fins[:, 1:]])
     if not (len(forces) == len(demanded) == len(status)) or not len(matrix) or matrix.shape[1] != 1 + 6 * m:
         return np.empty((0, 2))
     index = np.maximum(np.searchsorted(matrix[:, 0], forces[:, 0], side="right") - 1, 0)

@@ -98,6 +98,17 @@ def thruster_panels(subjects: Subjects) -> Iterator[Panel]:
         yield Panel(name, "N", tuple(curves), _bands(use), tuple(shades), height=110, note=note)
 
 
+def fin_panels(subjects: Subjects) -> Iterator[Panel]:
+    """Deflections wanted and had, and the moment that the fins are to make; none of a vehicle without fins."""
+    traces = [
+        *signal_traces(subjects, "fins.deflection_wanted", "wanted", "dashed"),
+        *signal_traces(subjects, "fins.deflection", "had", "solid"),
+    ]
+    yield from panels(subjects, "Deflection", "rad", traces)
+    traces = signal_traces(subjects, "fins.wrench", only=_MOMENTS)
+    yield from panels(subjects, "Moment by deflection, body axes", "N m", traces, height=110)
+
+
 def power_panels(subjects: Subjects) -> Iterator[Panel]:
     """Power of all motors, what they have drawn, voltage and charge where they change; none of a model without."""
     if not any(np.any(subject.rows("power.motor")[:, 1:] > 0) for subject in subjects):

@@ -30,6 +30,7 @@ from cube_sim.report.markup import element, seconds, text
 from cube_sim.report.motion_panels import (
     depth_panels,
     error_panels,
+    fin_panels,
     navigation_panels,
     power_panels,
     sensor_names,
@@ -163,6 +164,7 @@ def _sections(
     yield "path", "Path", f'<div class="two"><div>{plan}</div><div>{depth}</div></div>' if plan else depth
     yield "errors", "Errors", _drawn(error_panels(subjects), axis)
     yield "thrusters", "Thrusters", _thrusters(subjects, axis, told)
+    yield "fins", "Fins", _drawn(fin_panels(subjects), axis)
     yield "wrench", "Wrench", _drawn(wrench_panels(subjects), axis)
     yield "velocity", "Velocity", _drawn(velocity_panels(subjects), axis)
     yield "power", "Power and charge", _drawn(power_panels(subjects), axis)

@@ -42,7 +42,11 @@ def shared(given, demand, nu_r=AHEAD, deflections=None, ratio=1.0, law=share_wit
     k = len(given.table)
     at = np.zeros(k) if deflections is None else np.array(deflections, dtype=float)
     wanted, made, rest = np.empty(k), np.empty(6), np.empty(6)
-    law(given, np.array(demand, dtype=float), nu_r, at, ratio, wanted, made, rest)
+    missed = law(given, np.array(demand, dtype=float), nu_r, at, ratio, wanted, made, rest)
+    left = given.scale * (np.array(demand, dtype=float) - made - rest)  # no thruster makes that
+    np.testing.assert_allclose(left @ (given.scale[:, None] * given.thrusters), 0.0, atol=1e-9)
+    assert missed == 0.0 or missed == pytest.approx(float(np.linalg.norm(left)))
+    assert missed > 0.0 or np.linalg.norm(left) <= 1.001e-3 * np.linalg.norm(given.scale * demand)
     return wanted, made, rest
 
 
@@ -80,7 +84,15 @@ def test_a_fin_makes_what_it_can_and_leaves_the_rest():
     np.testing.assert_allclose(rest, 2.0 * np.array(PROPELLER), atol=1e-9)
     wanted, made, rest = shared(given, 10.0 * full)
     assert wanted[0] == TRAVEL
-    np.testing.assert_allclose(made + rest, 10.0 * full, rtol=1e-12)
+    np.testing.assert_allclose(made, TRAVEL / 0.1 * full, rtol=1e-9)
+    np.testing.assert_allclose(rest, 0.0, atol=1e-9)
+
+
+def test_what_nobody_makes_is_missed_and_not_asked_of_the_propeller():
+    """A torque that is missed counts by the fins' arm: by the propeller's, of 0.14 m, it would outweigh its force."""
+    given = parts([rudder()], [PROPELLER], [[-2.0, 4.0]])
+    _, _, rest = shared(given, [2.0, 0.0, 0.0, 0.3, 0.0, 0.0])
+    assert rest[0] == pytest.approx(2.0 * (1.0 - 0.14 * 0.3 / 0.5) / (1.0 + (0.14 / 0.5) ** 2), rel=0.1)
 
 
 def test_fins_come_before_thrusters_that_could_do_it_too():
@@ -99,7 +111,7 @@ def test_at_rest_fins_are_asked_for_nothing():
     wanted, made, rest = shared(given, [0.0, 3.0, 0.0, 0.0, 0.0, -2.0], nu_r=(0.0,) * 6)
     assert wanted[0] == 0.0
     assert not made.any()
-    np.testing.assert_array_equal(rest, [0.0, 3.0, 0.0, 0.0, 0.0, -2.0])
+    assert not rest.any()
 
 
 def test_a_fin_is_asked_no_farther_than_its_servo_turns_it():

@@ -71,3 +71,16 @@ def test_it_flies_with_wrong_knowledge(key, factor, tmp_path):
     error = cube_sim.run(LINE, changes, out=tmp_path).checks[0].value
     assert error is not None
     assert error < 0.05
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("heading", [0.0, 180.0])
+def test_it_gathers_way_from_rest_wherever_its_nose_points(heading, tmp_path):
+    """Without way on its fins make nothing: it goes on ahead, turns in a wide bow, and joins its line."""
+    start = {"initial.velocity_m_s": [0.0, 0.0, 0.0], "initial.attitude_deg": [0.0, 0.0, heading]}
+    wide = {"control.safe_mode.distance_limit_m": None, "duration_s": 120, "checks": [{**SETTLED[0], "from_s": 110}]}
+    run = cube_sim.run(LINE, {**start, **wide}, out=tmp_path)
+    error, ahead = run.checks[0].value, run.signals["velocity.linear"][:, 1]
+    assert error is not None
+    assert error < 0.05
+    assert ahead.min() > -0.01

@@ -56,6 +56,7 @@ def turning_trim(
     attainable: AttainableSet | None,
     known: TrimCondition | None = None,
     radius_m: float = TIGHTEST_M,
+    nose_ahead: bool = False,
 ) -> TurningTrim | None:
     """The first trim that goes on into turns as tight as asked; where none does, that of the tightest turns.
 
@@ -66,11 +67,12 @@ def turning_trim(
         attainable: the wrenches the thrusters attain; without them limits are not looked at.
         known: a trim of that course.
         radius_m: of the turns asked for; `TIGHTEST_M` at least.
+        nose_ahead: whether no other attitude counts, as of a hull that its fins steer.
 
     Returns:
         None where a level course has no trim within the limits.
     """
-    starts = _level(2.0 * np.pi * np.arange(HEADINGS) / HEADINGS)
+    starts = _level(2.0 * np.pi * np.arange(1 if nose_ahead else HEADINGS) / HEADINGS)
     if known is not None:
         ahead = known.velocity / np.linalg.norm(known.velocity)
         starts = np.concatenate([starts, np.array([[ahead, cross(known.up, ahead), known.up]])])

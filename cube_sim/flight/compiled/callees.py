@@ -63,6 +63,7 @@ def no_fins() -> FinParts:
 SHARING = Callee(
     steer_fins,
     lambda: (no_fins(), _SIX, _ROTATION, _THREE, _THREE, _THREE, np.zeros(0), 1.0, np.zeros(0), _SIX, _SIX),
+    answers=np.float64,
 )
 """What shares a wrench between fins and thrusters."""
 

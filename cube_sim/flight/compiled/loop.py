@@ -6,6 +6,7 @@ from math import isfinite, isnan
 
 import numpy as np
 
+from cube_sim.allocation.fin_shares import with_missed
 from cube_sim.allocation.responsive import allocate_responsive
 from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.diagnosis import enter_pair, speaks_against
@@ -200,6 +201,7 @@ def fly(
             put(secondary, law.own.secondary)
         elif answering.yields:
             yield_attitude(answering.coupling, out.wrench, secondary)
+        missed = 0.0
         put(fins.rest, out.wrench)
         if fins.steered:
             for i in range(len(fins.actuators)):
@@ -207,7 +209,9 @@ def fly(
             motion_seen = R, speed, rates, current
             shared = fins.wanted, fins.made, fins.rest
             put(wrench, out.wrench)
-            call_at(SHARING, codes[5], (fins.parts, wrench, *motion_seen, fins.deflections, force_ratio, *shared))
+            missed = call_at(
+                SHARING, codes[5], (fins.parts, wrench, *motion_seen, fins.deflections, force_ratio, *shared)
+            )
         before = sextuple(answering.applied)
         asked, residual, cost, status = allocate_responsive(
             codes[3], thrusters, fins.rest, secondary, force_ratio, parts,
@@ -217,6 +221,7 @@ def fly(
             put(answering.applied, before)
             return k, UNANSWERED
         if fins.steered:
+            residual, status = with_missed(residual, status, missed)
             for i in range(6):
                 answering.applied[i] += fins.made[i]
             for i in range(len(fins.actuators)):

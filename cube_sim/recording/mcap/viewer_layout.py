@@ -18,6 +18,7 @@ _PLOTS = (
     ("Path error", ("path_error.cross_track", "path_error.along")),
     ("Thruster forces", ("thrusters.force",)),
     ("Wrench demanded", ("wrench.demanded",)),
+    ("Fin deflections", ("fins.deflection",)),
 )
 
 

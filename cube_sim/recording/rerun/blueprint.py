@@ -18,6 +18,7 @@ from cube_sim.recording.rerun.plots import (
     ATTITUDE,
     BATTERY,
     ERROR,
+    FINS,
     FORCE,
     HEADING,
     HEALTH,
@@ -104,6 +105,7 @@ def _plots(plot: Plots, drawn: Drawn, names: Collection[str]) -> Iterator[rrb.Vi
     )
     yield tabs(
         (THRUSTERS, "Thruster forces [N]"),
+        (FINS, "Fin deflections [deg]"),
         (FORCE, "Force [N]"),
         (MOMENT, "Moment [N m]"),
         (WATER, "Current [m/s]"),

@@ -75,7 +75,7 @@ ERROR, ATTITUDE, FORCE, MOMENT = "/plot/path_error", "/plot/attitude", "/plot/fo
 NAVIGATION, WATER, POWER = "/plot/navigation", "/plot/water", "/plot/power"
 VELOCITY, HEIGHT, HEADING = "/plot/velocity", "/plot/height", "/plot/heading"
 BATTERY, SURPRISE = "/plot/battery", "/plot/surprise"
-THRUSTERS, LANES, HEALTH = "/plot/thrusters", "/state", "/health"
+THRUSTERS, FINS, LANES, HEALTH = "/plot/thrusters", "/plot/fins", "/state", "/health"
 
 _BRIGHT, _DARK = (palette.ORANGE, palette.SKY, palette.GREEN), ((84, 60, 8), (30, 62, 82), (8, 60, 44))
 """Colours of x, y and z: thin bright lines on broad dark ones, so that both are seen where they agree."""
@@ -155,6 +155,17 @@ def _forces(table: _Table) -> Iterator[Curves]:
         force = thrusters["force"]
         names = tuple(f"{name} [{force.unit}]" for name in force.columns)
         yield Curves("thrusters", "force", THRUSTERS, names, tuple(palette.series(force.width)))
+    yield from _fins(table)
+
+
+def _fins(table: _Table) -> Iterator[Curves]:
+    """What each fin stands at on what it is to turn to: a thin bright line on a broad dark one."""
+    for field, what, width, share in (("deflection_wanted", "wanted", 6.0, 0.35), ("deflection", "had", 1.5, 1.0)):
+        if deflection := table.get("fins", {}).get(field):
+            names = tuple(f"{name} {what} [deg]" for name in deflection.columns)
+            series = np.array(palette.series(deflection.width))
+            colours = tuple((int(r), int(g), int(b)) for r, g, b in (share * series).tolist())
+            yield Curves("fins", field, f"{FINS}/{what}", names, colours, width=width, derived=np.degrees)
 
 
 def _supply(table: _Table) -> Iterator[Curves]:
