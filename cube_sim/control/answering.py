@@ -45,7 +45,7 @@ SETTINGS = np.dtype(
         ("current_damping", np.float64),
         ("levelling_time", np.float64),
         ("least_closing", np.float64),
-        ("most_rest", np.float64),
+        ("most_rest", np.float64, 2),
         ("attitude", np.float64, 4),
     ]
 )
@@ -55,8 +55,8 @@ It pursues its target, or approaches the path; which attitude it asks for; the a
 hull along; the thrusters' budget is known; the target waits; it moves in a level plane only; the force is served before
 the torque. Then the times of the observers [s], 0 for none, the time over which what the current is read off is smeared
 [s], 0 where the hull does not spin, the damping of that observer, the levelling time [s], the share of its closing
-speed that the path's own speed is, the force that is asked for again [N],
-the attitude that is held.
+speed that the path's own speed is, the force and the torque that are asked for again
+[N, N m], the attitude that is held.
 """
 
 

@@ -104,7 +104,7 @@ def follow(
         view: record of `cube_sim.guidance.view_record.VIEW`; a target that stands still has no speed.
         applied: wrench (6,) allocated over the tick before.
         force_ratio: share of their force that the supply leaves the thrusters.
-        most_rest: how much of a force that could not be made is asked for again [N].
+        most_rest: how much of a force and of a torque that could not be made is asked for again (2,) [N, N m].
         budgeted: whether what the thrusters can make is known.
         waits: whether the speed along the path falls to what they can keep.
         least_closing: share to which the speed across the path may fall for the same reason; 1 where it is not to.
@@ -272,9 +272,13 @@ def turning_torque(hull, R, speed, along, flow_W):
 
 @compiled
 def unmade(asked, has_asked, applied, most_rest):
-    """What was not made of the last demand (6-tuple), bounded: what a dead zone swallows is asked for again."""
+    """What was not made of the last demand (6-tuple), bounded: what a dead zone swallows is asked for again.
+
+    The torque is bounded by itself, too: where the force is made in full, and it is not, it would wind up.
+    """
     if not has_asked:
         return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     rest = minus6(sextuple(asked), sextuple(applied))
-    share = min(1.0, most_rest / max(length(rest[:3]), 1e-12))
-    return stacked(times(share, rest[:3]), times(share, rest[3:]))
+    share = min(1.0, most_rest[0] / max(length(rest[:3]), 1e-12))
+    of_torque = min(share, most_rest[1] / max(length(rest[3:]), 1e-12))
+    return stacked(times(share, rest[:3]), times(of_torque, rest[3:]))

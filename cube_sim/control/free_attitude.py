@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import atan2
+
 import numpy as np
 
 from cube_sim.control.attitude_mode import DESIRED, DesiredAttitude, Situation
@@ -9,7 +11,7 @@ from cube_sim.control.damped_inverse import damped_inverse
 from cube_sim.control.turning_on import turn_on
 from cube_sim.guidance.view_record import record_of
 from cube_sim.native.compiled import compiled
-from cube_sim.spatial import Matrix, Record
+from cube_sim.spatial import Matrix, Record, rotation_about
 from cube_sim.tuples import (
     cross_tuples,
     dot,
@@ -98,6 +100,18 @@ class FreeAttitude:
             dt,
         )
         return DesiredAttitude(*desired[0])
+
+    def upright(self, rotation: Matrix) -> Matrix:
+        """The attitude (3,3) nearest to another in which the hull's righting moment is at rest."""
+        righting, vertical = self.dynamics.righting_moment, np.array([0.0, 0.0, 1.0])
+        if not righting.any():
+            return rotation
+        up = rotation @ righting / np.linalg.norm(righting)
+        normal = np.cross(up, vertical)
+        angle = atan2(np.linalg.norm(normal), up @ vertical)
+        if not normal.any():
+            normal = np.array([1.0, 0.0, 0.0])  # upright, or any way round
+        return rotation_about(normal / np.linalg.norm(normal), angle) @ rotation
 
     def reckon_with(self, effort: Matrix) -> None:
         """Take Q (6,6) of the thrusters that work from now on."""

@@ -20,6 +20,7 @@ from cube_sim.control.current import CurrentObserver, told_of_water
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.force_first import LITTLE_TORQUE, TORQUE, ForceFirst, serve_force_first
+from cube_sim.control.free_attitude import FreeAttitude
 from cube_sim.control.holding import Holding, Stuck
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
@@ -70,7 +71,8 @@ class PathFollower:
         observer: the disturbance estimate, None for none.
         current_observer: reads that estimate; None to take the water to be at rest.
         safe_mode: what to do when the path cannot be followed.
-        most_rest: how much of a force that could not be made is asked for again at the next tick [N].
+        most_rest: how much of a force and of a torque that could not be made is asked for again at the next tick (2,)
+            [N, N m].
         speed: along the path [m/s], for which that time is found; 0 leaves it as it is.
         radius: of the tightest turn of the path [m]; infinite where it has none.
         waits: whether the speed along the path falls to what the thrusters can keep.
@@ -87,7 +89,7 @@ class PathFollower:
     observer: DisturbanceObserver | None
     current_observer: CurrentObserver | None
     safe_mode: SafeMode
-    most_rest: float = 0.0
+    most_rest: Vector = field(default_factory=lambda: np.zeros(2))
     speed: float = 0.0
     radius: float = inf
     waits: bool = True
@@ -426,8 +428,13 @@ class PathFollower:
         return following
 
     def _is_under_way(self, state: State, force_ratio: float) -> bool:
-        """Whether the hull is far from the attitude its mission asks for, and the thrusters have enough once there."""
+        """Whether the hull is far from the attitude its mission asks for, and the thrusters have enough once there.
+
+        One that is free, which leads the hull from where it lies, asks in the end for an upright one.
+        """
         there = rotation_from_quaternion(self.desired)
+        if isinstance(self._wish, FreeAttitude) and not self.capability.held.any():
+            there = self._wish.upright(there)
         far = np.trace(there.T @ state.rotation) < 1.0 + 2.0 * np.cos(UNDER_WAY_RAD)
         return bool(far) and has_enough(*self.kept(force_ratio), there)
 

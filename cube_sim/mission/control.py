@@ -38,10 +38,13 @@ from cube_sim.spatial import Matrix
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.floating import floating_height, weighs_less
 from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.wrench.axes import SPATIAL
 from cube_sim.wrench.health import Health
+from cube_sim.wrench.matrix import lever_arm
 
 REST = 3.0
-"""How many times the force at which the widest dead zone ends is asked for again where it could not be made."""
+"""How many times the force at which the widest dead zone ends is asked for again where it could not be made; and the
+torque that it makes on the thrusters' rms arm."""
 
 
 def controller_of(
@@ -116,6 +119,7 @@ def controller_of(
         mistakes += wrong_depth(loaded, path)
     if mistakes:
         raise ScenarioError(mistakes)
+    widest = float(np.abs(believed.vehicle.thrusters.limits[:, 1:3]).max(initial=0.0))
     return PathFollower(
         target=target,
         approach=approach,
@@ -125,7 +129,7 @@ def controller_of(
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
         safe_mode=_safe_mode(scenario, believed),
-        most_rest=REST * float(np.abs(believed.vehicle.thrusters.limits[:, 1:3]).max(initial=0.0)),
+        most_rest=REST * widest * np.array([1.0, lever_arm(believed.vehicle.actuation_matrix, SPATIAL)]),
         speed=scenario.guidance.speed_m_s if control.attitude_time_s is None else 0.0,
         radius=ability.radius_m,
         waits=scenario.guidance.wait_for_thrusters and ability.fins is None,  # slower, fins make less

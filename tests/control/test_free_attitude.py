@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from support.catalogue.vehicles import catalogue
+from support.flights import FORCES_ONLY
 from support.vehicles import vehicle
 
+import cube_sim
 from cube_sim.control.attitude_mode import Situation
 from cube_sim.control.authority import capability
 from cube_sim.control.effort import effort_matrix
@@ -182,3 +185,36 @@ def test_when_thrusters_are_lost_it_reckons_with_those_that_are_left(bluerov2):
     before = rates(veteran, effort_matrix(A))
     np.testing.assert_array_equal(rates(veteran, left.effort), rates(fresh, left.effort))
     assert np.linalg.norm(before - rates(fresh, left.effort)) > 0.01
+
+
+def test_upright_is_where_the_righting_moment_rests(bluerov2):
+    for R in random_rotations(7, 20):
+        there = FreeAttitude(bluerov2.dynamics, TIME).upright(R)
+        righting = bluerov2.dynamics.righting_moment
+        np.testing.assert_allclose(there @ righting, [0.0, 0.0, np.linalg.norm(righting)], atol=1e-9)
+        tilt = np.arccos(np.clip((R @ righting)[2] / np.linalg.norm(righting), -1.0, 1.0))
+        assert np.arccos(0.5 * (np.trace(there.T @ R) - 1.0)) == pytest.approx(tilt, abs=1e-6)  # the shortest way
+    upside_down = np.diag([1.0, -1.0, -1.0])
+    assert FreeAttitude(bluerov2.dynamics, TIME).upright(upside_down)[2, 2] == pytest.approx(1.0)
+
+
+@pytest.mark.flight
+def test_a_hull_too_heavy_to_be_held_upside_down_rights_itself_and_flies_on(tmp_path):
+    """1.9 t that rights itself harder than its thrusters turn it: on its way it is short, and was sent back over."""
+    model = tmp_path / "model.xml"
+    model.write_text(catalogue()["rexrov"].make())
+    scenario = {
+        "schema_version": 1,
+        "name": "upside_down",
+        "model": str(model),
+        "duration_s": 40.0,
+        "initial": {"position_m": [1.3, 0.1, -19.8], "attitude_deg": [-164.0, 22.0, -134.0]},
+        "path": {"type": "line", "start_m": [0, 0, -20], "end_m": [8, -60, -26]},
+        "guidance": {"speed_m_s": 0.5},
+        "control": {"attitude": {"mode": "free"}},
+        "checks": FORCES_ONLY,
+    }
+    signals = cube_sim.fly(scenario, out=tmp_path / "run", record="none").signals
+    t, error = signals["path_error.cross_track"].T
+    assert error.max() < 2.0
+    assert error[t > 35.0].max() < 0.01
