@@ -2,6 +2,7 @@
 
     python examples/steer_by_fins.py
 
+Scenarios do it without a line of code (scenarios/remus100_*.yaml); this is an autopilot of one's own beside MuJoCo.
 A fin has no force of its own: what it can do depends on the flow. So the autopilot asks for moments, and the fins'
 effectiveness at the velocity of the moment makes deflections of them. The force of a fin is not asked for: it comes
 along.
