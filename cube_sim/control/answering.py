@@ -227,6 +227,7 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio,
         s.waits,
         s.least_closing,
         s.balanced,
+        p.shortage[0].since,
     )
     if s.force_first:
         serve_force_first(p.force_first, p.normals, p.held_shares, force_ratio, followed[0].wrench)

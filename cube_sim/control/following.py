@@ -9,7 +9,8 @@ import numpy as np
 
 from cube_sim.control.loops import loop_wrench
 from cube_sim.control.oscillation_centre import levelled_turning
-from cube_sim.control.pace import LEAST_PACE, PaceDemand, in_range, is_allowed, largest_share, wrench_at_pace
+from cube_sim.control.pace import LEAST_PACE, RESERVE, PaceDemand, in_range, is_allowed, largest_share, wrench_at_pace
+from cube_sim.control.shortage import PATIENCE_S
 from cube_sim.guidance.view_record import path_turning
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import (
@@ -80,6 +81,7 @@ def follow(
     waits,
     least_closing,
     points,
+    short_s,
 ):
     """One tick of the law.
 
@@ -109,6 +111,7 @@ def follow(
         waits: whether the speed along the path falls to what they can keep.
         least_closing: share to which the speed across the path may fall for the same reason; 1 where it is not to.
         points: whether a balanced attitude reads the torque of the turning.
+        short_s: for how long the thrusters have been short of what the least pace asks for [s].
     """
     m, k, out = memory[0], loops[0], answer[0]
     rates, speed, flow = triple(w), triple(v), triple(current_W)
@@ -152,6 +155,11 @@ def follow(
         )
         if waits:
             pace = largest_share(hull, left, normals, bounds, held_shares, force_ratio, demand, -1.0)
+            if pace < -1.0 and short_s > PATIENCE_S:
+                # Nothing would be gained by standing: what is kept for errors goes into the pace, or it is the least.
+                all_force = force_ratio / (1.0 - RESERVE)
+                pace = largest_share(hull, left, normals, bounds, held_shares, all_force, demand, 0.0)
+                pace = max(pace, LEAST_PACE)
             pace = 0.0 if pace < -1.0 else pace
         if pace < 1.0:
             velocity = plus(velocity, times(pace - 1.0, along_velocity))

@@ -278,6 +278,7 @@ class PathFollower:
             goal is None and self.waits and isinstance(self._approach, Approach),
             self._approach.least_closing if goal is None and isinstance(self._approach, Approach) else 1.0,
             self.balanced is not None,
+            float(self.shortage["since"][0]),
         )
 
     def _motion(self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float) -> DesiredMotion:

@@ -10,6 +10,8 @@ from cube_sim.run_conditions import SPEED_NOT_KEPT
 
 PATIENCE_S = 2.0
 """A change is logged once it has lasted this long: a start or a gust is no news."""
+STANDS_S = 2.0 * PATIENCE_S
+"""One that stands is given so long to go on: it does once it has turned to where it has more, or has found none."""
 SLOWER = 0.95
 """Share of the speed asked for below which the vehicle is said to be slower."""
 
@@ -35,11 +37,11 @@ class PaceLog:
         slower = pace < SLOWER
         if slower == self._logged:
             self._since = t
-        elif t - self._since >= PATIENCE_S:
+        elif t - self._since >= (STANDS_S if slower and pace <= 0.0 else PATIENCE_S):
             self._logged = slower
             if slower:
                 asked, left = f"{self._speed:g} m/s along the path", f"{max(0.0, pace) * self._speed:.2g} m/s"
-                text = f"{SPEED_NOT_KEPT.begins}{asked}: to stay on the path it goes on at {left}"
+                text = f"{SPEED_NOT_KEPT.begins}{asked}: it goes on at {left}, to stay as near to it as it can"
                 self._recorder.log(t, "WARNING", text)
             else:
                 self._recorder.log(t, "INFO", SPEED_NOT_KEPT.ends)

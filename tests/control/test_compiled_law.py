@@ -116,7 +116,7 @@ def test_the_law(rng, hull, room, flags):
 
     def arguments(memory, answer):
         told = hull, loops, left, *of_facets, memory, answer, R, q, v, w, velocity, acceleration, wanted
-        return *told, unknown, flow, view, applied, 0.9, np.array([5.0, 2.0]), *flags
+        return *told, unknown, flow, view, applied, 0.9, np.array([5.0, 2.0]), *flags, 2.0
 
     same("follow", following.follow, arguments, [filled(rng, ASKED), np.zeros(1, following.FOLLOWED)])
 
