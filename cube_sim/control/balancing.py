@@ -8,6 +8,7 @@ import numpy as np
 
 from cube_sim.control.course_wish import wish_for_trim
 from cube_sim.control.damped_inverse import damped_inverse
+from cube_sim.control.oscillation_centre import levelled_turning
 from cube_sim.control.pace import facet_excess
 from cube_sim.control.turning_on import turn_on
 from cube_sim.guidance.view_record import path_turning
@@ -149,8 +150,14 @@ def balance(
     steady = to_world(R_now, steady_wrench(hull, flow, up)[:3])
     if not m.started:
         _begin(m, R_now, out.quaternion)
-    _turn_along(m, path_turning(view), dt)
-    _average(m, flow_W, minus(triple(before.force), steady), triple(before.torque), dt, p.time)
+    turning = path_turning(view)
+    with_path = levelled_turning(view[0].frame, turning)
+    _turn_along(m.slow, turning, dt)
+    _turn_along(m.led, with_path, dt)
+    _turn_along(m.twice, with_path, dt)
+    # What was asked for the tick before has turned on with the path since.
+    now, rest = _turned(flow_W, with_path, dt), _turned(minus(triple(before.force), steady), with_path, dt)
+    _average(m, now, rest, triple(before.torque), with_path, dt, p.time)
     if _held_elsewhere(m, _angle_between(m.rotation, R_now), min(1.0, dt / (WATCHED * p.time))):
         put_matrix(m.rotation, R_now)
     R = m.rotation
@@ -178,21 +185,28 @@ def _held_elsewhere(m, far, share):
 
 
 @compiled
-def _turn_along(m, turning_W, dt):
-    """Turn what is averaged over the time of a shortage as the path turns (3-tuple) [rad/s].
-
-    It has no lead. Left behind by a turning path, it would tell of a slip that the hull does not have, and of the Munk
-    moment that this slip would ask the thrusters for.
-    """
-    for k in range(2):
-        by = times(dt, cross_tuples(turning_W, triple(m.slow[k])))
-        for i in range(3):
-            m.slow[k, i] += by[i]
+def _turned(vector, turning_W, dt):
+    """A vector (3-tuple) a tick later that turns at a rate (3-tuple) [rad/s]."""
+    return plus(vector, times(dt, cross_tuples(turning_W, vector)))
 
 
 @compiled
-def _average(m, flow_W, force, torque, dt, time):
-    """Move the averages on by what is demanded now."""
+def _turn_along(averages, turning_W, dt):
+    """Turn averages (2,3) as the path turns (3-tuple) [rad/s].
+
+    Those over the time of a shortage have no lead. Left behind by a turning path, they would tell of a slip that the
+    hull does not have, and of the Munk moment that this slip would ask the thrusters for. Those that are led would be
+    so only for a force that changes evenly: one that turns at w comes out too large by (w T)^2.
+    """
+    for k in range(2):
+        turned = _turned(triple(averages[k]), turning_W, dt)
+        for i in range(3):
+            averages[k, i] = turned[i]
+
+
+@compiled
+def _average(m, flow_W, force, torque, turning_W, dt, time):
+    """Move the averages on by what is demanded now; they have been turned along with the path (3-tuple) [rad/s]."""
     share, slow_share = min(1.0, dt / time), min(1.0, dt / SHORTAGE_TIME)
     for i in range(3):
         if not m.started:
@@ -211,6 +225,10 @@ def _average(m, flow_W, force, torque, dt, time):
         m.torque_twice[i] += share * (m.torque[i] - m.torque_twice[i])
         for j in range(2):
             m.twice[j, i] += share * (m.led[j, i] - m.twice[j, i])
+    for j in range(2):
+        turned = cross_tuples(turning_W, minus(times(2.0, triple(m.led[j])), triple(m.twice[j])))
+        for i in range(3):
+            m.change[j, i] += turned[i]
     m.started = True
 
 
