@@ -92,9 +92,16 @@ class BalancedAttitude:
         return self.parameters["trim"][0].copy() if self.parameters["trimmed"][0] else None
 
     def wish_for(self, trim: Matrix | None, judged: Record) -> None:
-        """Wish for a trim, None for what the mission wishes, on the course that a record `MEMORY` holds."""
+        """Wish for a trim, None for what the mission wishes, on the course that a record `MEMORY` holds.
+
+        A trim that is wished for anew is where the search goes on from. On the way there may be attitudes in which a
+        turn points no force, and the search would end in them.
+        """
         p = self.parameters
         p["judged_wish"], p["judged_speed"], p["judged_climb"] = judged["course_wish"], judged["speed"], judged["climb"]
+        if trim is not None and not p["trimmed"][0]:
+            ahead, aside = (float(x) for x in judged["heading"])
+            self.memory["rotation"][0] = np.array([[ahead, -aside, 0.0], [aside, ahead, 0.0], [0.0, 0.0, 1.0]]) @ trim
         p["trimmed"] = trim is not None
         if trim is not None:
             p["trim"] = trim

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from cube_sim.actuation.path_following.steady_turn import tightest_turn
 from cube_sim.actuation.path_following.trim import CourseAttitudes
 from cube_sim.control.authority import Authority, Capability
+from cube_sim.control.pointing_zero import zero_time
 from cube_sim.control.roomiest_attitude import spread_attitudes
 from cube_sim.spatial import Matrix, Vector, skew
 from cube_sim.vehicle.dynamics import Dynamics
@@ -32,6 +33,11 @@ FIRM, HARDLY_FIRM = 0.25, 0.0
 chosen, in one that is kept (choices)."""
 SHARP, BLUNT = 2.5, 4.0
 """The turn by which a disturbance is pointed against [rad], per share of the steady force, likewise: 1 for a ball."""
+SLOWER = 2.0
+"""A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
+CAUGHT = 0.8
+"""By how much a slip that grows by itself may grow in the time of the velocity loop, as a logarithm (a choice): below 1
+that loop catches it, see `qualities`."""
 JUDGED_RAD = 1.2
 """A trim that is farther than this from the wish says little about where the search for balance will end (a choice)."""
 FREE_RAD_S = 1e-3
@@ -92,15 +98,16 @@ class CourseTrims:
             before: the trim wished for until now, in those of its course; it is kept as long as it will do.
             radius_m: of the tightest turn of the path; infinite where it has none.
         """
-        R, found, far = self._next_to(wish)
+        R, found, far = self.next_to(wish)
         hastened = False
         along = _near(np.eye(3), wish)
-        searched = far and along and np.isfinite(radius_m) and self.left.authority is Authority.PLANE
-        if found[0] and self.good(R, kept=before is None and not searched)[0]:
+        searched = far and along and self.left.authority is Authority.PLANE
+        turning = searched and np.isfinite(radius_m)
+        if found[0] and self.good(R, kept=before is None and not turning)[0]:
             hastened = self.hastened(R[0])
-            if not hastened and (not searched or self._turns(R[0], radius_m)):
+            if not hastened and (not turning or self._turns(R[0], radius_m)):
                 return None
-        elif before is None and far and not searched:
+        elif before is None and far and not turning and not (searched and found[0] and self.sways(R)[0]):
             return None
         if before is not None:
             R, found = self.attitudes.trimmed(before[None])
@@ -119,7 +126,7 @@ class CourseTrims:
 
         See `nearest` for the arguments, `slowest_rad_s` for the answer.
         """
-        _, _, far = self._next_to(wish)
+        _, _, far = self.next_to(wish)
         trim = self.nearest(wish, None, radius_m) if far else None
         return None if trim is None else self.slowest_rad_s(trim)
 
@@ -147,7 +154,7 @@ class CourseTrims:
         rates = np.abs(np.linalg.eigvals(motion))
         return float(np.min(rates[rates > FREE_RAD_S], initial=np.inf))
 
-    def _next_to(self, wish: Matrix) -> tuple[Matrix, NDArray[np.bool_], bool]:
+    def next_to(self, wish: Matrix) -> tuple[Matrix, NDArray[np.bool_], bool]:
         """Where Newton's method leads from a wish, (1,3,3), whether that is a trim, and whether none is near."""
         R, found = self.attitudes.trimmed(wish[None])
         return R, found, not (found[0] and _near(wish, R[0]))
@@ -163,8 +170,19 @@ class CourseTrims:
         """Whether attitudes (q,3,3) in trim are within the limits, held by the water and steered well, (q,)."""
         share, stiffness, turn, decay = self.qualities(R)
         if kept:
-            return (stiffness > HARDLY_FIRM * self.righting) & (turn <= BLUNT)
+            return ~self.sways(R) & (decay * self.velocity_times(R) > -CAUGHT)
         return (share >= ENOUGH) & (stiffness > FIRM * self.righting) & (turn <= SHARP) & (decay > 0.0)
+
+    def sways(self, R: Matrix) -> NDArray[np.bool_]:
+        """Whether in attitudes (q,3,3) in trim the water does not hold it, or a little force asks for a large turn."""
+        _, stiffness, turn, _ = self.qualities(R)
+        return (stiffness <= HARDLY_FIRM * self.righting) | (turn > BLUNT)
+
+    def velocity_times(self, R: Matrix) -> Vector:
+        """How slow the velocity loop is in attitudes (q,3,3) in trim, (q,) [s]."""
+        motions = ((each.T @ self.attitudes.velocity, each[2]) for each in R)
+        zeros = [zero_time(self.left, self.attitudes.hull, *motion) for motion in motions]
+        return np.maximum(np.array(zeros), SLOWER * self.time)
 
     def qualities(self, R: Matrix) -> tuple[Vector, Vector, Vector, Vector]:
         """Of attitudes (q,3,3) in trim, each (q,).
@@ -201,3 +219,20 @@ class CourseTrims:
 def _near(R: Matrix, other: Matrix) -> bool:
     """Whether attitudes (3,3) differ by less than `JUDGED_RAD`."""
     return bool(np.trace(R.T @ other) >= 1.0 + 2.0 * np.cos(JUDGED_RAD))
+
+
+def slowest_zero_time(left: Capability, hull: Dynamics, speed_m_s: float, time_s: float = 0.0) -> float:
+    """How slow the velocity loop has to be for the zeros of the trim of a level course [s], see `zero_time`.
+
+    Args:
+        left: what the thrusters can do.
+        hull: the body.
+        speed_m_s: of the course, through the water.
+        time_s: of the loop that points the thrust, for the trim that is taken; see `CourseTrims`.
+    """
+    trims = CourseTrims.of(left, hull, speed_m_s, 0.0, time_s)
+    if trims is None:
+        return 0.0
+    trim = trims.nearest(np.eye(3))
+    R, found = trims.attitudes.trimmed((np.eye(3) if trim is None else trim)[None])
+    return zero_time(left, hull, R[0].T @ trims.attitudes.velocity, R[0, 2]) if found[0] else 0.0

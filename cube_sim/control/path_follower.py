@@ -15,7 +15,7 @@ from cube_sim.control.balancing import FARTHEST_RAD
 from cube_sim.control.closing import closing_speed
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
-from cube_sim.control.course_trim import CourseTrims
+from cube_sim.control.course_trim import SLOWER, CourseTrims, slowest_zero_time
 from cube_sim.control.current import CurrentObserver, told_of_water
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
@@ -25,7 +25,6 @@ from cube_sim.control.holding import Holding, Stuck
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
-from cube_sim.control.pointing_zero import slowest_zero_time
 from cube_sim.control.priority import force_with_torque, yield_attitude
 from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.resting import Rest, nearest_rest
@@ -41,8 +40,6 @@ from cube_sim.tuples import turned_to_world
 
 POINTING = (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
 """Ways of flying in which the attitude has to point the thrust."""
-SLOWER = 2.0
-"""A force that waits for the attitude is asked for by a velocity loop this many times slower than the attitude's."""
 SLOWER_ACROSS = 2.0
 """The cross-track error is then removed this many times more slowly than that of the velocity."""
 BALANCING = 0.6

@@ -12,36 +12,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.control.authority import Capability
-from cube_sim.control.course_trim import CourseTrims
 from cube_sim.spatial import Matrix, Vector, skew
 from cube_sim.vehicle.dynamics import Dynamics
 
+HALF_AS_FAST = 2.0
+"""A loop around what it sees is to cross over below half of its slowest zero in the right half plane (S. Skogestad and
+I. Postlethwaite, Multivariable Feedback Control, 2005, section 5.7)."""
+SAME = 1e-3
+"""Share by which two zeros differ that are one."""
 _AT_REST = 1e-9
 """Share below which a zero's inverse counts as none: it is at infinity."""
 
 
-def slowest_zero_time(left: Capability, hull: Dynamics, speed_m_s: float, time_s: float = 0.0) -> float:
-    """1 / z [s], z the slowest zero in the right half plane on a level course in trim; 0 where there is none.
+def zero_time(left: Capability, hull: Dynamics, velocity: Vector, up: Vector) -> float:
+    """How slow a velocity loop has to be for the zeros in the right half plane of a steady motion [s].
 
-    Args:
-        left: what the thrusters can do.
-        hull: the body.
-        speed_m_s: of the course, through the water.
-        time_s: of the loop that points the thrust, for the trim that is taken; see `CourseTrims`.
+    1 / z for the slowest of the hull's place, 2 / z for one that its centre of oscillation has alone; 0 where there is
+    none. Arguments as for `inverse_zeros`.
     """
-    trims = CourseTrims.of(left, hull, speed_m_s, 0.0, time_s)
-    if trims is None:
-        return 0.0
-    wish = np.eye(3)
-    trim = trims.nearest(wish)
-    R, found = trims.attitudes.trimmed((wish if trim is None else trim)[None])
-    if not found[0]:
-        return 0.0
-    x = inverse_zeros(left, hull, R[0].T @ trims.attitudes.velocity, R[0, 2])
-    return float(np.max(np.abs(x[x.real > _AT_REST * np.max(np.abs(x), initial=1.0)]), initial=0.0))
+    of_hull = inverse_zeros(left, hull, velocity, up)
+    of_centre = inverse_zeros(left, hull, velocity, up, centre=True)
+    apart = np.abs(of_centre[:, None] - of_hull).min(axis=1) > SAME * np.abs(of_centre)
+    return max(_slowest(of_hull), HALF_AS_FAST * _slowest(of_centre[apart]))
 
 
-def inverse_zeros(left: Capability, hull: Dynamics, velocity: Vector, up: Vector) -> NDArray[np.complex128]:
+def _slowest(inverse: NDArray[np.complex128]) -> float:
+    """The largest of these inverses of zeros that is in the right half plane [s]; 0 where none is."""
+    return float(np.max(np.abs(inverse[inverse.real > _AT_REST * np.max(np.abs(inverse), initial=1.0)]), initial=0.0))
+
+
+def inverse_zeros(
+    left: Capability, hull: Dynamics, velocity: Vector, up: Vector, centre: bool = False
+) -> NDArray[np.complex128]:
     """Inverses [s] of the zeros from attitude to place, of a steady motion.
 
     The place e of the hull, in the directions in which forces give way, and its small rotation theta about the axes
@@ -49,12 +51,16 @@ def inverse_zeros(left: Capability, hull: Dynamics, velocity: Vector, up: Vector
     of a wrench w that gives way. So the polynomial of theta is
         n' (M_t s^2 + (M_v S(v) + D_t) s + D_v S(v) - K),
     v and t for velocities and rotations; its zeros are those of its part that moves the hull in the end, s = 0.
+    The place that the loops see and correct is that of the centre of oscillation, e - d theta, d what a turn drags
+    along. It is not pushed by the turn itself, which takes M_t s^2 away with M_v d s^2; but what the hull is pushed by
+    meets drag, D_v d s. That is a zero of its own, the slower, the less force a turn brings in the end.
 
     Args:
         left: what the thrusters can do.
         hull: the body.
         velocity: v (3,) [m/s], body axes.
         up: (3,) world up in body axes.
+        centre: of the place of the centre of oscillation.
     """
     given_way = np.linalg.solve(left.lost.T @ left.yielding, left.lost.T)
     by_water = np.linalg.norm(left.yielding[3:], axis=0) > 0.0
@@ -62,7 +68,9 @@ def inverse_zeros(left: Capability, hull: Dynamics, velocity: Vector, up: Vector
     M, S = hull.total_mass, skew(velocity)
     D = hull.steady_wrench_slope(np.concatenate([velocity, np.zeros(3)]))
     steady = np.linalg.pinv(n @ (D[:, :3] @ S - hull.restoring_slope(up)) @ axes)
-    first, second = n @ (M[:, :3] @ S + D[:, 3:]) @ axes @ steady, n @ M[:, 3:] @ axes @ steady
+    dragged = np.linalg.solve(M[:3, :3], left.dragged_force @ M[3:, 3:]) if centre else np.zeros((3, 3))
+    first = n @ (M[:, :3] @ S + D[:, 3:] + D[:, :3] @ dragged) @ axes @ steady
+    second = n @ (M[:, 3:] + M[:, :3] @ dragged) @ axes @ steady
     # second s^2 + first s + 1 = 0 in x = 1 / s
     one, none = np.eye(len(n)), np.zeros((len(n), len(n)))
     return np.linalg.eigvals(np.block([[none, one], [-second, -first]])).astype(np.complex128)

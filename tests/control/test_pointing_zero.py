@@ -9,8 +9,10 @@ from support.flights import FORCES_ONLY
 
 import cube_sim
 from cube_sim.control.authority import remaining_capability
-from cube_sim.control.pointing_zero import inverse_zeros, slowest_zero_time
+from cube_sim.control.course_trim import slowest_zero_time
+from cube_sim.control.pointing_zero import inverse_zeros
 from cube_sim.control.yielding import WaterHold
+from cube_sim.spatial import rotation_about
 from cube_sim.wrench.health import Health
 
 
@@ -29,7 +31,7 @@ def given_way(left):
     return np.linalg.solve(left.lost.T @ left.yielding, left.lost.T)
 
 
-@pytest.mark.parametrize("speed_m_s", [0.1, 0.3])
+@pytest.mark.parametrize("speed_m_s", [0.1, 0.2])
 def test_a_turn_that_grows_at_the_rate_of_a_zero_asks_for_no_force(speed_m_s, tmp_path):
     """Level ahead, its yaw growing as exp(z t): the fins' torque and the force that comes with it do not move it."""
     hull, left = left_of("torpedo_four_fins", tmp_path, speed_m_s)
@@ -48,6 +50,27 @@ def test_a_turn_that_grows_at_the_rate_of_a_zero_asks_for_no_force(speed_m_s, tm
 
     assert abs(pushed(z)) < 1e-4 * abs(pushed(0.0))
     assert pushed(0.5 * z) * pushed(2.0 * z) < 0.0
+
+
+def test_the_centre_of_oscillation_has_a_zero_of_its_own(tmp_path):
+    """Its bow rising as exp(z t), the hull going along as far as the turn drags it: no force beside the torque's."""
+    speed_m_s = 0.25
+    hull, left = left_of("torpedo_four_fins", tmp_path, speed_m_s)
+    ahead, up = np.array([speed_m_s, 0.0, 0.0]), np.eye(3)[2]
+    z = 1.0 / float(max(inverse_zeros(left, hull, ahead, up, centre=True).real))
+    assert slowest_zero_time(left, hull, speed_m_s) >= 2.0 / z * 0.999
+    dragged = left.record(hull.total_mass)["dragged"][0] @ np.eye(3)[1]
+
+    def pushed(rate, pitch=1e-6):
+        turn, spin, change = rotation_about(np.eye(3)[1], pitch), pitch * rate, pitch * rate**2
+        flow = turn.T @ (ahead + spin * dragged)
+        kept = turn.T @ (change * dragged) - np.cross([0.0, spin, 0.0], flow)
+        wrench = hull.wrench(turn, np.r_[flow, 0.0, spin, 0.0], np.r_[kept, 0.0, change, 0.0], np.zeros(3))
+        still = hull.wrench(np.eye(3), np.r_[ahead, np.zeros(3)], np.zeros(6), np.zeros(3))
+        return given_way(left) @ (wrench - still) / pitch
+
+    assert np.linalg.norm(pushed(z)) < 1e-3 * np.linalg.norm(pushed(0.0))
+    assert pushed(0.5 * z) @ pushed(2.0 * z) < 0.0
 
 
 def test_where_more_water_is_accelerated_ahead_than_aside_turning_moves_the_hull_outwards_first(tmp_path):
