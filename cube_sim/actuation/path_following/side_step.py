@@ -146,16 +146,19 @@ class _Manoeuvre:
         bounds = np.tile(self.largest, _STEPS)
         aim = np.zeros(rows.shape[1])
         aim[-1] = -1.0
-        # Without integers milp is HiGHS' simplex method; presolving a problem this small takes longer than solving it.
-        found = milp(
-            aim,
-            constraints=LinearConstraint(csc_array(rows), 0.0, 0.0),
-            bounds=Bounds(
-                np.r_[-bounds, np.tile(self.low, _STEPS), 0.0],
-                np.r_[bounds, np.tile(self.high, _STEPS), self.furthest_m],
-            ),
-            options={"presolve": False},
-        )
-        if found.x is None:
-            raise ActuationError(f"how far the vehicle can step aside could not be computed: {found.message}")
-        return float(found.x[-1])
+        # Without integers milp is HiGHS' simplex method; presolving a problem this small takes longer than solving it,
+        # but where rounding leaves the simplex method without an answer, presolving may find one.
+        found = None
+        for presolve in (False, True):
+            found = milp(
+                aim,
+                constraints=LinearConstraint(csc_array(rows), 0.0, 0.0),
+                bounds=Bounds(
+                    np.r_[-bounds, np.tile(self.low, _STEPS), 0.0],
+                    np.r_[bounds, np.tile(self.high, _STEPS), self.furthest_m],
+                ),
+                options={"presolve": presolve},
+            )
+            if found.x is not None:
+                return float(found.x[-1])
+        raise ActuationError(f"how far the vehicle can step aside could not be computed: {found.message}")
