@@ -19,15 +19,14 @@ from cube_sim.actuation.path_following.steady_turn import TurningTrim, turning_t
 from cube_sim.actuation.path_following.trim import CourseAttitudes
 from cube_sim.actuation.path_following.verdict import Verdict
 from cube_sim.actuation.survivability import LossCase
+from cube_sim.commands.as_flown import as_flown, left_without, table_as_flown
 from cube_sim.commands.stuck_report import FaultCase, fault_cases
-from cube_sim.control.authority import Authority, Capability, remaining_capability
+from cube_sim.control.authority import Capability
 from cube_sim.control.critical_speed import CriticalSpeed, critical_speed
 from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
 from cube_sim.control.transient import Transient
 from cube_sim.control.turning_limit import turning_of
-from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ActuationError
-from cube_sim.mission.ability import with_fins
 from cube_sim.mission.parameter_values import parameter_values
 from cube_sim.scenario.document import parse_value
 from cube_sim.vehicle.dynamics import Dynamics
@@ -38,7 +37,6 @@ from cube_sim.vehicle.remarks import remarks
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, Matrix
-from cube_sim.wrench.health import Health
 
 MOST_LOSSES = 3
 ROUNDING = 1e-12
@@ -143,8 +141,9 @@ def report_on(
     if not planar and not analysis.verdict.follows and analysis_of(_in_plane(A)).verdict.follows:
         analysis = replace(analysis, verdict=_with_hint(analysis.verdict))
     turning, critical = None, None
+    left = _left(analysis, vehicle, fins, requirements.speed_m_s, cost_limit) if analysis.verdict.follows else None
+    analysis = replace(analysis, verdict=as_flown(analysis.verdict, left, body, requirements.speed_m_s))
     if analysis.verdict.follows:
-        left = _left(analysis, vehicle, fins, requirements.speed_m_s, cost_limit)
         turning = _turning(analysis, vehicle.dynamics, names, limits, requirements.speed_m_s, left)
         delay = mean_delay(vehicle.lag_s, USUAL_PERIOD_S)
         critical = None if left is None else critical_speed(left, body, delay)
@@ -164,6 +163,8 @@ def report_on(
         if most
         else None
     )
+    if table is not None and not planar:
+        table = table_as_flown(table, vehicle, fins, requirements.speed_m_s, cost_limit)
     if picture is not None and table is not None:
         save_picture(picture, A, limits, table, names=names, title=title)
     cases = None
@@ -206,17 +207,10 @@ def _turning(
 def _left(
     analysis: Analysis, vehicle: Vehicle, fins: FinsAtSpeed | None, speed_m_s: float, cost_limit: float | None
 ) -> Capability | None:
-    """What a run judges to be left; None where it follows no path, and in the plane by the matrix alone."""
+    """What a run judges to be left; None in the plane, judged by the matrix alone."""
     if analysis.subspaces.axes is PLANAR:
         return None
-    thrusters, hold = vehicle.thrusters, WaterHold.of(vehicle.dynamics, speed_m_s, None if fins is None else (0.0,))
-    judged = with_fins(vehicle.actuation_matrix, thrusters.limits, Health.whole(len(thrusters.names)), fins)
-    A, limits, health = judged
-    names = thrusters.names if vehicle.fins is None else (*thrusters.names, *vehicle.fins.names)
-    for lost in analysis.lost:
-        health = health.with_thruster(names.index(lost), 0.0)
-    left = remaining_capability(A, limits, health, cost_limit, hold)
-    return None if left.authority is Authority.SAFE else left
+    return left_without(vehicle, fins, analysis.lost, speed_m_s, cost_limit)
 
 
 def _in_plane(A: Matrix) -> Matrix:

@@ -8,6 +8,7 @@ import numpy as np
 
 from cube_sim.allocation import FaultTolerant
 from cube_sim.control.authority import Capability, remaining_capability
+from cube_sim.control.badly_pointed import badly_pointed
 from cube_sim.control.critical_speed import CriticalSpeed, critical_speed, too_fast
 from cube_sim.control.loop_times import mean_delay
 from cube_sim.control.turning_limit import too_tight
@@ -103,6 +104,11 @@ class Ability:
     def too_tight(self, left: Capability) -> str | None:
         """Words for turns of the path that are too tight for what is left; None where they are kept."""
         return None if self.hold.hull is None else too_tight(left, self.hold.hull, self.speed_m_s, self.radius_m)
+
+    def badly_pointed(self, left: Capability) -> str | None:
+        """Words for a path on which what is left points its thrust well in no attitude; None where it does in one."""
+        hull = self.hold.hull
+        return None if hull is None or not len(self.courses) else badly_pointed(left, hull, self.speed_m_s)
 
     def too_fast(self, left: Capability) -> str | None:
         """Words for a speed of the path that is beyond the critical one of what is left; None for one that is not."""

@@ -51,7 +51,8 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
         "heave, roll and pitch are left to the water" if left.level and not mission.ability.within_limit.level else ""
     )
     depth = depth_not_kept(mission.ability, left, mission.outline) if level else None
-    slower = mission.ability.too_tight(left), mission.too_fast(left)
+    able = mission.ability
+    slower = able.badly_pointed(left), able.too_tight(left), mission.too_fast(left)
     more = filter(None, (level, depth, *slower, overpowered(mission), transient_ahead(mission)))
     recorder.log(t, "WARNING", "; ".join((text, f"{left.authority.name}: {left.reason}", *more)))
     return True

@@ -46,7 +46,7 @@ def cannot_follow(able: Ability, points: Matrix) -> str | None:
     left = able.within_limit
     if left.authority is Authority.SAFE:
         return f"the path will not be followed: {left.reason}"
-    return depth_not_kept(able, left, points) or able.too_tight(left)
+    return depth_not_kept(able, left, points) or able.badly_pointed(left) or able.too_tight(left)
 
 
 def depth_not_kept(able: Ability, left: Capability, points: Matrix) -> str | None:

@@ -1,0 +1,103 @@
+"""The verdict of the analysis, once the run has been asked what it makes of the same thrusters.
+
+The analysis asks for courses, limits and small motions; the law that flies has its own way of using what is left. Where
+it gives up, or can point its thrust only badly, the answer is no, in the run's words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from cube_sim.actuation import Survivability
+from cube_sim.actuation.path_following.verdict import Outcome, Verdict
+from cube_sim.actuation.survivability import LossCase
+from cube_sim.control.authority import Authority, Capability, capability, remaining_capability
+from cube_sim.control.badly_pointed import badly_pointed
+from cube_sim.control.yielding import WaterHold
+from cube_sim.mission.ability import with_fins
+from cube_sim.spatial import Matrix
+from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.fins import FinsAtSpeed
+from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.wrench.health import Health
+
+IN_SPACE = 6
+"""Components of a wrench in space."""
+POINTED = (Authority.PLANE, Authority.LINE)
+"""Ways of flying that have to be asked how well they point the thrust."""
+
+
+class _Whole(NamedTuple):
+    """A vehicle with all its thrusters and fins: A (6,m), limits (m,4), health, names (m,), what the water holds."""
+
+    A: Matrix
+    limits: Matrix
+    health: Health
+    names: tuple[str, ...]
+    hold: WaterHold
+
+    @classmethod
+    def of(cls, vehicle: Vehicle, fins: FinsAtSpeed | None, speed_m_s: float) -> _Whole:
+        thrusters = vehicle.thrusters
+        judged = with_fins(vehicle.actuation_matrix, thrusters.limits, Health.whole(len(thrusters.names)), fins)
+        names = thrusters.names if vehicle.fins is None else (*thrusters.names, *vehicle.fins.names)
+        return cls(*judged, names, WaterHold.of(vehicle.dynamics, speed_m_s, None if fins is None else (0.0,)))
+
+    def left(self, lost: Sequence[str], cost_limit: float | None) -> Capability:
+        health = self.health
+        for name in lost:
+            health = health.with_thruster(self.names.index(name), 0.0)
+        return remaining_capability(self.A, self.limits, health, cost_limit, self.hold)
+
+
+def left_without(
+    vehicle: Vehicle, fins: FinsAtSpeed | None, lost: Sequence[str], speed_m_s: float, cost_limit: float | None
+) -> Capability:
+    """What a run judges to be left of a vehicle without some of its thrusters.
+
+    Args:
+        vehicle: as it is.
+        fins: what its fins do at that speed; None for none.
+        lost: names of thrusters that are dead.
+        speed_m_s: of its missions.
+        cost_limit: as a scenario's `control.cost_limit` [N/N].
+    """
+    return _Whole.of(vehicle, fins, speed_m_s).left(lost, cost_limit)
+
+
+def as_flown(verdict: Verdict, left: Capability | None, hull: Dynamics, speed_m_s: float) -> Verdict:
+    """The same verdict, or a no with the reason that the run gives.
+
+    Args:
+        verdict: of the analysis.
+        left: what the run judges to be left; None where it was not asked.
+        hull: the body.
+        speed_m_s: at which path following is judged.
+    """
+    if left is None or not verdict.follows:
+        return verdict
+    if left.authority is Authority.SAFE:
+        return replace(verdict, outcome=Outcome.ADRIFT, reason=left.reason)
+    badly = badly_pointed(left, hull, speed_m_s)
+    return verdict if badly is None else replace(verdict, outcome=Outcome.WEAK, reason=f"{verdict.reason}; {badly}")
+
+
+def table_as_flown(
+    table: Survivability, vehicle: Vehicle, fins: FinsAtSpeed | None, speed_m_s: float, cost_limit: float | None
+) -> Survivability:
+    """The same for every case of a table in space; arguments as for `left_without`."""
+    whole = _Whole.of(vehicle, fins, speed_m_s)
+
+    def case_as_flown(case: LossCase) -> LossCase:
+        lost = (*table.already, *case.lost)
+        if not case.verdict.follows or case.rank == IN_SPACE:
+            return case
+        A = whole.A[:, [name not in lost for name in whole.names]]
+        if capability(A, cost_limit=cost_limit, whole=whole.A, hold=whole.hold).authority not in POINTED:
+            return case
+        left = whole.left(lost, cost_limit)
+        return replace(case, verdict=as_flown(case.verdict, left, vehicle.dynamics, speed_m_s))
+
+    return replace(table, cases=tuple(case_as_flown(case) for case in table.cases))
