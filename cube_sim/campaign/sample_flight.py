@@ -253,9 +253,12 @@ def _columns(outcome: FlightOutcome) -> dict[str, Any]:
 
 def _reason(outcome: FlightOutcome) -> str:
     """Why it did not pass, in one line; "" where it did."""
-    if outcome.ended_early is not None:
-        return f"ended at {outcome.ended_early.time_s:g} s: {outcome.ended_early.reason}"
-    return _words(check for check in outcome.checks if check.verdict == outcome.verdict != "PASS")
+    why = _words(check for check in outcome.checks if check.verdict == outcome.verdict != "PASS")
+    early = outcome.ended_early
+    if early is None:
+        return why
+    end = f"ended at {early.time_s:g} s: {early.reason}"
+    return f"{why}; {end}" if why and early.verdict == "PASS" else end  # of its proper end it has not failed
 
 
 def _words(checks: Any) -> str:

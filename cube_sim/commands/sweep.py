@@ -162,12 +162,22 @@ def _flown(
     except CubeSimError as error:
         stop(NOT_JUDGED, str(error))
     except SweepInterrupted as interrupt:
-        stop(SIGNALLED + interrupt.number, f"{interrupt}\n{_go_on(scenario, settings, interrupt.directory)}")
+        given = [
+            *(word for setting in settings or [] for word in ("--set", setting)),
+            *_option("--workers", workers),
+            *_option("--workers-as", None if workers_as is None else workers_as.value),
+            *_option("--cluster", cluster),
+            *_option("--shard", shard),
+            *_option("--keep", None if keep is Kept.NONE else keep.value),
+            *_option("--sample-timeout-s", limit_s),
+        ]
+        words = ["cube-sim", "sweep", str(scenario), *given, "--out", str(interrupt.directory), "--resume"]
+        stop(SIGNALLED + interrupt.number, f"{interrupt}\ngo on with: {shlex.join(words)}")
 
 
-def _go_on(scenario: Path, settings: list[str] | None, folder: Path) -> str:
-    given = [word for setting in settings or [] for word in ("--set", setting)]
-    return f"go on with: {shlex.join(['cube-sim', 'sweep', str(scenario), *given, '--out', str(folder), '--resume'])}"
+def _option(name: str, value: object) -> list[str]:
+    """As it is written; nothing where it is not given."""
+    return [] if value is None else [name, f"{value:g}" if isinstance(value, float) else str(value)]
 
 
 def _shard(text: str | None) -> Any:

@@ -6,6 +6,8 @@ with a `FileKind`. By that mark `renamed` finds them all, so that a run and its 
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable, Iterator
 from enum import Enum
 from pathlib import Path
@@ -19,6 +21,9 @@ from cube_sim.scenario.values import Block, refuse
 
 AnyBlock = TypeVar("AnyBlock", bound=Block)
 
+_SHOWN = 60
+"""So many letters of a name that is too long are shown."""
+
 
 class FileKind(Enum):
     """What a file that a key names holds: the mark of the key, as metadata of its type."""
@@ -27,6 +32,25 @@ class FileKind(Enum):
     TABLE = "CSV"
     CODE = "Python"
     RECORD = "MCAP"
+
+
+def looked_up(place: Path) -> Path:
+    """Its absolute name, whether there is something or not.
+
+    Raises:
+        OSError: the system cannot look: a part of the name is too long, or symbolic links go in a circle.
+    """
+    try:
+        found = place.resolve()
+        found.exists()  # names that are too long show only now
+    except RuntimeError:  # what pathlib makes of ELOOP
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP)) from None
+    return found
+
+
+def not_looked_up(name: str, error: OSError) -> str:
+    """That the system cannot look at a name, in words; of a long one its beginning."""
+    return f"{name if len(name) <= _SHOWN else f'{name[:_SHOWN]}...'}: cannot be looked at: {error.strerror}"
 
 
 def _seen_from(info: ValidationInfo) -> Path | None:
@@ -39,7 +63,12 @@ def _beside_the_scenario(file: str, info: ValidationInfo) -> str:
     if "\0" in file:
         refuse("a file name cannot hold a NUL character")
     directory = _seen_from(info)
-    return file if directory is None else str(Path(directory, file).resolve())
+    if directory is None:
+        return file
+    try:
+        return str(looked_up(Path(directory, file)))
+    except OSError as error:
+        refuse(not_looked_up(file, error))
 
 
 def _existing_model(file: str, info: ValidationInfo) -> str:

@@ -1,12 +1,14 @@
 """Which files of a folder are scenarios: told by what they hold, not by where they stand or what they are called.
 
 A scenario says ``schema_version`` at its top and, beside it, some of the other keys that every scenario has, or nearly
-all of these without it; or it includes a file that is one. That is looked for in the text, so that a scenario with
-mistakes in it is still one, and a folder full of other YAML costs little more than reading it.
+all of these without it; some of them may stand in a file that it includes. One that includes what cannot be read, or
+itself, is one by any key of a scenario: its mistake is to be told. All that is looked for in the text, so that a
+scenario with mistakes in it is still one, and a folder full of other YAML costs little more than reading it.
 """
 
 from __future__ import annotations
 
+import codecs
 import os
 import re
 from collections.abc import Iterable, Iterator
@@ -14,20 +16,23 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cube_sim.errors import ScenarioError
+from cube_sim.scenario.schema import Scenario
 
 SUFFIXES = (".yaml", ".yml")
 LARGEST_BYTES = 1_000_000
 """Larger files are no scenarios, see `cube_sim.scenario.reading`."""
 
-_BEFORE, _AFTER = rb"""^[ \t]*[{,]?[ \t]*["']?""", rb"""["']?[ \t]*:"""
-_VERSION = re.compile(_BEFORE + b"schema_version" + _AFTER, re.MULTILINE)
-_OTHER = re.compile(
-    rb"""(?:^|[{,])[ \t]*["']?(name|model|duration_s|path|guidance|checks|vehicles)""" + _AFTER, re.MULTILINE
-)
+_EVERY = frozenset(("name", "model", "duration_s", "path", "guidance", "checks", "vehicles"))
+"""Keys that every scenario has, or nearly every."""
+_NAMES = "|".join(sorted({*Scenario.model_fields, *_EVERY} - {"include"}, key=len, reverse=True))
+_KEY = re.compile(rf"""(?:^|[{{,])[ \t]*["']?({_NAMES})["']?[ \t]*:""", re.MULTILINE)
+_AT_THE_TOP = re.compile(rf"""^[{{]?["']?({_NAMES})["']?[ \t]*:""", re.MULTILINE)
 _ENOUGH = 3
 """Of the other keys that every scenario has, so many are there even where some are misspelt or left to a base."""
 _WITHOUT_VERSION = 5
-_INCLUDE = re.compile(rb"""^[{]?[ \t]*include[ \t]*:[ \t]*["']?([^\s"'#,}\[]+)""", re.MULTILINE)
+_INCLUDE = re.compile(
+    r"""^[{]?[ \t]*["']?include["']?[ \t]*:\s*(?:"([^"\n]+)"|'([^'\n]+)'|([^\s"'#,{}\[\]-][^#,{}\n]*))""", re.MULTILINE
+)
 _MOST_INCLUDES = 20
 _OF_A_RUN = ("run.mcap", "verdict.json")
 _LEFT_OUT = ("__pycache__", "node_modules", "site-packages", "venv")
@@ -100,19 +105,29 @@ def left_out(folder: str) -> bool:
 
 def is_scenario(file: Path) -> bool:
     """Whether a YAML file is a scenario, right or wrong; what cannot be read is none."""
-    return _is_scenario(file, _MOST_INCLUDES)
+    text, keys, told = _text(file), set[str](), False
+    for _ in range(_MOST_INCLUDES):
+        if text is None:
+            break
+        keys |= set(_KEY.findall(text))
+        if len(keys & _EVERY) >= (_ENOUGH if "schema_version" in keys else _WITHOUT_VERSION):
+            return True
+        included = _INCLUDE.search(text)
+        if included is None:
+            return False
+        told = told or _AT_THE_TOP.search(text) is not None
+        file = file.parent / next(filter(None, included.groups())).strip()
+        text = _text(file)
+    return told and file.suffix in SUFFIXES
 
 
-def _is_scenario(file: Path, deeper: int) -> bool:
+def _text(file: Path) -> str | None:
+    """What a file says; None where it cannot be read, or is no scenario by its size."""
     try:
         if not file.is_file() or file.stat().st_size > LARGEST_BYTES:
-            return False
-        content = file.read_bytes().removeprefix(b"\xef\xbb\xbf").replace(b"\r", b"\n")
-    except OSError:
-        return False
-    if len(set(_OTHER.findall(content))) >= (_ENOUGH if _VERSION.search(content) else _WITHOUT_VERSION):
-        return True
-    included = _INCLUDE.search(content)
-    if included is None or not deeper:
-        return False
-    return _is_scenario(file.parent / os.fsdecode(included[1]), deeper - 1)
+            return None
+        content = file.read_bytes()
+    except (OSError, ValueError):
+        return None
+    encoding = "utf-16" if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
+    return content.decode(encoding, errors="replace").replace("\r", "\n")

@@ -23,13 +23,12 @@ from cube_sim.scenario.distance_block import DISTANCE, AnyFleetCheck, DistanceCh
 from cube_sim.scenario.document import Location
 from cube_sim.scenario.event_blocks import CurrentEventBlock
 from cube_sim.scenario.explain import Refusal
-from cube_sim.scenario.include import merged_data
+from cube_sim.scenario.include import VEHICLES, merged_data
 from cube_sim.scenario.samples_block import SamplesBlock
 from cube_sim.scenario.schema import PhysicsBlock, Scenario
 from cube_sim.scenario.values import Block, Coordinate, Name, Vector3, refuse
 from cube_sim.scenario.windows import WindowKeys
 
-VEHICLES = "vehicles"
 WORLD = (
     "schema_version",
     "description",

@@ -1,7 +1,8 @@
 """`include`: a scenario file that says only what is other than in a base file.
 
 The keys of the including file take the place of the base's, blocks being merged key by key. A list is replaced as a
-whole, and so is a block that says by its telling key (`type`, `mode`...) that it is another kind of block.
+whole, and so is a block that says by its telling key (`type`, `mode`...) that it is another kind of block. Who says
+where to go, by a path, phases or waypoints, says it in place of all that the base says of it.
 """
 
 from __future__ import annotations
@@ -13,14 +14,19 @@ from typing import Any, NamedTuple, get_args
 
 from cube_sim.errors import ScenarioError
 from cube_sim.scenario.document import Document, Location, Mistake, Position
-from cube_sim.scenario.file_names import FileKind, code_place, file_kind
+from cube_sim.scenario.file_names import FileKind, code_place, file_kind, looked_up, not_looked_up
 from cube_sim.scenario.reading import NoScenarioError, line, parsed, read_text
 from cube_sim.scenario.schema import Scenario
 from cube_sim.scenario.values import Block
 
 INCLUDE = "include"
+VEHICLES = "vehicles"
+"""Holds a block for each vehicle, where there are several."""
 TELLING = "type", "mode", "kind", "python"
 """Keys that say which kind of block theirs is; others belong to that kind."""
+
+WHERE_TO: tuple[str, ...] = "path", "phases", "waypoints"
+"""Ways to say where a vehicle goes."""
 
 
 class Merged(NamedTuple):
@@ -82,10 +88,14 @@ def _base(path: Path, position: Position, name: Any, here: Path, seen: list[Path
     if not isinstance(name, str) or not name or "\0" in name:
         raise refused("must be the name of a scenario file, for example base.yaml")
     base = here.parent / name
-    if not base.exists():
+    try:
+        absolute = looked_up(base)
+    except OSError as error:
+        raise refused(not_looked_up(name, error)) from None
+    if not absolute.exists():
         raise refused(f"no such file: {base}")
-    if base.resolve() in seen:
-        way = " includes ".join(file.name for file in [*seen[seen.index(base.resolve()) :], base])
+    if absolute in seen:
+        way = " includes ".join(file.name for file in [*seen[seen.index(absolute) :], base])
         raise refused(f"includes itself: {way}")
     return base
 
@@ -132,9 +142,11 @@ def merged_data(above: Any, base: Any, location: Location = ()) -> tuple[Any, se
     same_kind = isinstance(above, dict) and isinstance(base, dict)
     if not same_kind or any(key in above and above[key] != base.get(key) for key in TELLING):
         return above, {location}
-    data, replaced = dict(base), set()
+    elsewhere = _goes_elsewhere(above, location)
+    data = {key: value for key, value in base.items() if key not in elsewhere}
+    replaced = {(*location, key) for key in elsewhere}
     for key, value in above.items():
-        if key not in base:
+        if key not in data:
             data[key] = value
             continue
         data[key], inside = merged_data(value, base[key], (*location, key))
@@ -142,11 +154,18 @@ def merged_data(above: Any, base: Any, location: Location = ()) -> tuple[Any, se
     return data, replaced
 
 
+def _goes_elsewhere(above: dict[str, Any], location: Location) -> set[str]:
+    """Keys of a base by which a vehicle does not go where it is told to, as another of these keys says it."""
+    of_a_vehicle = location == () or (len(location) == 2 and location[0] == VEHICLES)
+    said = {key for key in WHERE_TO if above.get(key) is not None} if of_a_vehicle else set()
+    return set(WHERE_TO) - said if said else set()
+
+
 def _seen_from(data: Any, folder: Path) -> Any:
     """Data of a scenario with the files it names called by absolute names, as seen from a folder."""
     found, here = _named_from(data, (Scenario,), folder.resolve()), folder.resolve()
-    if isinstance(data, dict) and isinstance(vehicles := data.get("vehicles"), dict):
-        found["vehicles"] = {name: _named_from(own, (Scenario,), here) for name, own in vehicles.items()}
+    if isinstance(data, dict) and isinstance(vehicles := data.get(VEHICLES), dict):
+        found[VEHICLES] = {name: _named_from(own, (Scenario,), here) for name, own in vehicles.items()}
     return found
 
 

@@ -98,11 +98,11 @@ def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
 
     What is wrong in them stays as it is, for the schema to refuse.
     """
-    if data.get("waypoints") is not None:
+    if _by_waypoints(data):
         phases = _legs(data)
         if phases is None:
             return data
-        data = {**data, "phases": phases}
+        data = {**{key: value for key, value in data.items() if key != "waypoints"}, "phases": phases}
     phases, common = data.get("phases"), data.get("guidance")
     if not isinstance(phases, list | tuple) or not phases or not all(isinstance(phase, dict) for phase in phases):
         return data
@@ -112,6 +112,11 @@ def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
     data.setdefault("path", first.get("path"))
     data["guidance"] = first.get("guidance")
     return data
+
+
+def _by_waypoints(data: Mapping[str, Any]) -> bool:
+    """Whether its phases are to be written out from waypoints; both are refused by the schema."""
+    return data.get("waypoints") is not None and not data.get("phases")
 
 
 def _with_guidance(phase: dict[str, Any], common: Any) -> dict[str, Any]:
@@ -155,7 +160,7 @@ def _legs(data: Mapping[str, Any]) -> list[dict[str, Any]] | None:
 
 def as_written(location: Location, data: Mapping[str, Any]) -> Location:
     """Where a value stands in a file that may have left it to be written out by `with_first_leg`."""
-    if data.get("waypoints") is not None and location[:1] in (("phases",), ("path",)):
+    if _by_waypoints(data) and location[:1] in (("phases",), ("path",)):
         return ("waypoints",)
     phases = data.get("phases")
     if not isinstance(phases, list | tuple) or not phases or len(location) == 0:

@@ -327,7 +327,11 @@ class Scenario(Block):
 
     @field_validator("waypoints")
     @classmethod
-    def _written_out_as_phases(cls, waypoints: tuple[WaypointBlock, ...]) -> tuple[WaypointBlock, ...]:
+    def _written_out_as_phases(
+        cls, waypoints: tuple[WaypointBlock, ...], info: ValidationInfo
+    ) -> tuple[WaypointBlock, ...]:
+        if waypoints and info.data.get("phases"):
+            refuse("are phases, written in short: give either phases or waypoints", because=("phases",))
         return waypoints[:0]
 
     @field_validator("phases")

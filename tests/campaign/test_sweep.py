@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import time
 
@@ -171,6 +172,20 @@ def test_an_error_nobody_foresaw_has_its_traceback_whoever_flies(tmp_path):
     ).read_bytes()
 
 
+def test_what_a_proper_end_leaves_unjudged_is_the_reason(tmp_path):
+    legs = "waypoints: [{to_m: [9, 0, -5]}, {name: back, to_m: [0, 0, -5]}]\n"
+    ending = "stop: [{kind: signal, signal: pose.position, component: 0, above: 0.002, verdict: pass}]\n"
+    check = (
+        "  - {kind: signal, name: way back, signal: path_error.cross_track, statistic: max, phase: back, at_most: 5}\n"
+    )
+    path = "path: {type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}\n"
+    assert path in FLIGHT
+    file = written(tmp_path, ending + "samples: {count: 1}\n", FLIGHT.replace(path, legs) + check)
+    (row,) = rows_of(swept(file, tmp_path / "out").folder)
+    assert row["verdict"] == "ERROR"
+    assert re.fullmatch(r"way back: phase 'back' was never entered; ended at .* s: .*above 0.002", row["reason"])
+
+
 def test_a_process_that_does_not_come_up_is_told(tmp_path, monkeypatch):
     file = written(tmp_path, "samples: {count: 3}\n")
     monkeypatch.setenv("PYTHONHOME", "/nowhere")
@@ -227,7 +242,8 @@ def test_a_kill_loses_nothing_that_is_stored(slow, tmp_path, way):
 
 @pytest.mark.parametrize("way", ["threads", "processes"])
 def test_ctrl_c_keeps_what_is_flown(slow, tmp_path, way):
-    with started("sweep", slow, "--out", "out", "--workers-as", way, cwd=tmp_path) as process:
+    asked = ("--workers-as", way, "--keep", "failures", "--sample-timeout-s", "100")
+    with started("sweep", slow, "--out", "out", *asked, cwd=tmp_path) as process:
         wait_for_rows(tmp_path / "out", process)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=60)
@@ -237,7 +253,7 @@ def test_ctrl_c_keeps_what_is_flown(slow, tmp_path, way):
         [k for file in (tmp_path / "out" / "parts").iterdir() for k in pq.read_table(file)["sample"].to_pylist()]
     )
     assert first == f"interrupted: {count} of 200 samples are in out"
-    assert then == f"go on with: cube-sim sweep {slow} --out out --resume"
+    assert then == f"go on with: cube-sim sweep {slow} {' '.join(asked)} --out out --resume"
 
 
 def test_the_command_says_what_came_of_it(flown, tmp_path):

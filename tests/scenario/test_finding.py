@@ -45,6 +45,7 @@ def test_every_shipped_scenario_is_one(file):
         lambda text: text,
         lambda text: "\ufeff" + text,
         lambda text: text.replace("\n", "\r\n"),
+        lambda text: text.encode("utf-16"),  # to be told that it is not UTF-8
         lambda text: text.replace("duration_s", "durtion_s"),  # with mistakes
         lambda text: text.replace("guidance: {", 'guidance: "{'),
         lambda text: text.replace("schema_version: 1", "schema_version: 7"),
@@ -56,7 +57,8 @@ def test_every_shipped_scenario_is_one(file):
 )
 def test_a_scenario_is_one_however_it_is_written(tmp_path, change):
     file = tmp_path / "x.yaml"
-    file.write_text(change(MINIMAL), newline="")
+    text = change(MINIMAL)
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
     assert is_scenario(file)
 
 
@@ -67,7 +69,13 @@ def test_what_includes_a_scenario_is_one(tmp_path):
         ("include: base.yaml\nseed: 3\n", True),
         ("seed: 3\ninclude: 'base.yaml'   # of all\n", True),
         ("include: above.yaml\n", False),  # itself
+        ("seed: 3\ninclude: above.yaml\n", True),  # its mistake is to be told
         ("include: none.yaml\n", False),
+        ("schema_version: 1\nname: x\ninclude: none.yaml\n", True),
+        ("schema_version: 1\ninclude:\n  none.yaml\n", True),
+        ("checks: []\n'include': 'none at all.yaml'\n", True),
+        ("include: none.yaml\nbuild:\n  environment: {name: x}\n  path: x\n", False),
+        ("name: x\ninclude:\n  - base.yaml\n", False),
         ("include: [base.yaml]\n", False),
         ("include: .\n", False),
     ):

@@ -38,6 +38,54 @@ def test_a_block_of_another_kind_is_replaced_as_a_whole(base, tmp_path):
     assert (moved.path.start_m, moved.path.end_m) == ((0, 0, -5), (9, 0, -5))
 
 
+LEGS = "[{name: own, path: {type: line, start_m: [0, 0, -5], end_m: [0, 7, -5]}}]"
+WAYS = {
+    "path": "path: {type: line, start_m: [0, 0, -5], end_m: [0, 7, -5]}\n",
+    "phases": f"phases: {LEGS}\n",
+    "waypoints": "waypoints: [{to_m: [0, 7, -5]}]\ninitial: {position_m: [0, 0, -5]}\n",
+}
+
+
+@pytest.mark.parametrize("ours", WAYS)
+@pytest.mark.parametrize("theirs", ["path", "phases", "waypoints"])
+def test_another_way_to_say_where_to_go_is_in_place_of_the_bases(tmp_path, ours, theirs):
+    gone = "path: {type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}\n"
+    assert gone in MINIMAL
+    below = {
+        "path": gone,
+        "phases": "phases: [{name: first, path: {type: point, position_m: [9, 9, -9]}}]\n",
+        "waypoints": "waypoints: [{to_m: [9, 9, -9]}]\n",
+    }
+    write(tmp_path, MINIMAL.replace(gone, below[theirs]), "base.yaml")
+    scenario = load(write(tmp_path, "include: base.yaml\n" + WAYS[ours])).scenario
+    assert (scenario.path.start_m, scenario.path.end_m) == ((0, 0, -5), (0, 7, -5))
+    assert len(scenario.phases) == (ours != "path")
+
+
+def test_phases_and_waypoints_in_one_file_are_refused(tmp_path):
+    gone = "path: {type: line, start_m: [0, 0, -5], end_m: [4, 0, -5]}\n"
+    text = MINIMAL.replace(gone, f"phases: {LEGS}\nwaypoints: [{{to_m: [0, 7, -5]}}]\n")
+    place = "mission.yaml:6:12: waypoints"
+    assert mistakes(write(tmp_path, text)) == [
+        f"{place}: are phases, written in short: give either phases or waypoints"
+    ]
+
+
+def test_a_name_the_system_cannot_look_up_is_one_line(tmp_path):
+    (tmp_path / "a.yaml").symlink_to("b.yaml")
+    (tmp_path / "b.yaml").symlink_to("a.yaml")
+    for key, name, why in (
+        ("include", "a.yaml", "Too many levels of symbolic links"),
+        ("include", "x" * 300, "File name too long"),
+        ("model", "a.yaml", "Too many levels of symbolic links"),
+        ("model", "x" * 300, "File name too long"),
+    ):
+        text = f"include: {name}\n" if key == "include" else MINIMAL.replace("model: hull.xml", f"model: {name}")
+        (line,) = mistakes(write(tmp_path, text))
+        shown = name if len(name) < 60 else f"{name[:60]}..."
+        assert line.endswith(f": {key}: {shown}: cannot be looked at: {why}")
+
+
 def test_a_base_may_include_another_and_files_are_named_from_the_one_that_names_them(tmp_path):
     (tmp_path / "deep").mkdir()
     (tmp_path / "deep" / "course.csv").write_text("x_m,y_m,z_m\n0,0,-5\n4,0,-5\n8,1,-5\n")

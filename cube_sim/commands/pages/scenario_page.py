@@ -34,8 +34,9 @@ _HOW_TO = """\
   `--set checks.0.at_most=0.2`. In Python: `cube_sim.run("mission.yaml", {"guidance.speed_m_s": 0.3})`.
 - A file can stand on another: `include: base.yaml`, and only what is other than there. Keys take the place of the
   base's, blocks are merged key by key, and the base may include a file in turn. A list (`checks`, `events`, a vector)
-  is replaced as a whole. So is a block that names another `type`, `mode` or `kind`. To change one check of a base, give
-  the whole list of checks again, or leave the file as it is and use `--set checks.0.at_most=0.2`.
+  is replaced as a whole. So is a block that names another `type`, `mode` or `kind`; and `path`, `phases` and
+  `waypoints` each replace the others. To change one check of a base, give the whole list of checks again, or leave the
+  file as it is and use `--set checks.0.at_most=0.2`.
 - Each run leaves its scenario with every default written out, `resolved.yaml`.
 - Files that a scenario names are looked for from the folder of the scenario file."""
 
