@@ -140,9 +140,12 @@ def _flown(
         if not has_own_code(loaded):
             open_no_windows()
         from cube_sim.campaign import sweep as campaign
+        from cube_sim.commands.validating import remarks_on
 
         begin_compiling(hidden=hidden)
         part = _shard(shard)
+        for remark in () if hidden else remarks_on(loaded):
+            typer.echo(f"NOTE {remark}", err=True)
         raise_on_interrupt()
         with sweep_progress(loaded.scenario.name, hidden=hidden) as progress:
             return campaign.sweep(

@@ -34,7 +34,7 @@ def validate(
 ) -> None:
     """Say whether scenarios can be flown; a line for each mistake, with its place."""
     from cube_sim.commands.skipped import said_of_others
-    from cube_sim.commands.validating import validated
+    from cube_sim.commands.validating import remarks_on, validated
     from cube_sim.scenario.finding import find
 
     open_no_windows()
@@ -42,18 +42,20 @@ def validate(
         values, found = overrides(settings), find(places)
     except ScenarioError as error:
         stop(BAD_INPUT, str(error))
-    wrong: dict[Path, list[str]] = {}
+    wrong, remarks = dict[Path, list[str]](), dict[Path, list[str]]()
     for file in found.scenarios:
         try:
-            validated(file, values)
+            remarks[file] = remarks_on(validated(file, values))
         except ScenarioError as error:
             wrong[file] = error.mistakes
     if json:
-        print_json([as_dict(file, wrong.get(file, [])) for file in found.scenarios])
+        print_json([as_dict(file, wrong.get(file, []), remarks.get(file, [])) for file in found.scenarios])
     else:
         for line in (line for mistakes in wrong.values() for line in mistakes):
             typer.echo(line, err=True)
         if not quiet:
+            for line in (line for found_there in remarks.values() for line in found_there):
+                typer.echo(f"NOTE {line}", err=True)
             right = len(found.scenarios) - len(wrong)
             typer.echo(f"{right} of {len(found.scenarios)} can be flown")
             for line in said_of_others(found.others):
@@ -61,6 +63,6 @@ def validate(
     raise typer.Exit(BAD_INPUT if wrong else PASS)
 
 
-def as_dict(file: Path, mistakes: list[str]) -> dict[str, Any]:
+def as_dict(file: Path, mistakes: list[str], remarks: list[str]) -> dict[str, Any]:
     """What is said of one scenario, as plain data."""
-    return {"scenario": str(file), "valid": not mistakes, "mistakes": mistakes}
+    return {"scenario": str(file), "valid": not mistakes, "mistakes": mistakes, "remarks": remarks}

@@ -40,3 +40,19 @@ def validated(file: Path, overrides: Mapping[str, Any] | None = None) -> AnyLoad
     except CubeSimError as error:
         raise ScenarioError([f"{file}: {line}" for line in str(error).splitlines()]) from error
     return loaded
+
+
+def remarks_on(loaded: AnyLoaded) -> list[str]:
+    """What is no mistake, and yet worth knowing before the flight: a line each, with its place."""
+    samples = loaded.scenario.samples
+    if samples is None or samples.required is None or samples.required.pass_rate is None:
+        return []
+    from cube_sim.campaign.pass_rate import least_count
+    from cube_sim.campaign.sampling import count
+
+    rate, confidence = samples.required.pass_rate, samples.required.confidence
+    given, least = count(loaded), least_count(rate, confidence)
+    if given >= least:
+        return []
+    few = f"{given} samples cannot show {rate:g} at {confidence:g} confidence, even if all pass; {least} can"
+    return [loaded.mistake("samples.required.pass_rate", few)]

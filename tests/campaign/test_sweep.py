@@ -281,6 +281,16 @@ def test_a_required_rate_is_the_verdict(tmp_path):
     assert (few.returncode, json.loads(few.stdout)["verdict"]) in {(3, "ERROR"), (1, "FAIL")}
 
 
+@pytest.mark.parametrize(("rate", "least"), [(0.5, 5), (0.95, 59), (0.99, 299)])
+def test_too_few_to_show_a_rate_is_noted_beforehand(tmp_path, rate, least):
+    for count, noted in ((least - 1, True), (least, False)):
+        file = written(tmp_path, f"samples:\n  count: {count}\n  required: {{pass_rate: {rate}}}\n")
+        done = cube_sim("validate", file, cwd=tmp_path)
+        words = f"NOTE {file}:13:25: samples.required.pass_rate: {count} samples cannot show {rate}"
+        said = f"{words} at 0.95 confidence, even if all pass; {least} can\n"
+        assert (done.returncode, done.stderr) == (0, said if noted else "")
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
