@@ -14,7 +14,8 @@ it is opened where the wrench goes to the thrusters, in one direction at a time 
 
 `--wrong one` believes drag, added mass or thrust 30 % less and more, and a current that is 0.5 m/s off; `--wrong all`
 also everything wrong at once. The critical speed is then the one up to which a vehicle is sure of its margins for all
-that (`surely_uncritical_speed`). Printed is the worst of a vehicle and speed; margins.csv has every row.
+that (`surely_uncritical_speed`). Printed is the worst of a vehicle and speed, and in the end the worst of all that fly
+alike, and who has it; margins.csv has every row.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import argparse
 import csv
 import os
 import sys
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from fnmatch import fnmatchcase
 from functools import partial
@@ -38,6 +40,16 @@ for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "N
 from closed_loop.condition import NOMINAL, WRONG, Condition, corners, one_at_a_time  # noqa: E402
 from closed_loop.survey import SHARES, Row, surveyed  # noqa: E402
 from support.catalogue.vehicles import catalogue  # noqa: E402
+
+GAIN_DB, PHASE_DEG = 6.0, 40.0
+"""Margins that are enough."""
+OWN = ("HOLONOMIC", "LEVEL", "TRIM")
+"""Ways of flying in which all forces are the vehicle's own; in the others the attitude points them."""
+ALIKE: dict[str, Callable[[Row], bool]] = {
+    "all forces its own, up to the critical speed": lambda row: row.authority in OWN and not row.beyond,
+    "points its thrust, up to the critical speed": lambda row: row.authority not in OWN and not row.beyond,
+    "beyond the critical speed": lambda row: row.beyond,
+}
 
 
 def main() -> None:
@@ -62,6 +74,7 @@ def main() -> None:
         conditions += corners()
     known_to = 0.0 if options.wrong == "none" else WRONG
     options.out.parent.mkdir(parents=True, exist_ok=True)
+    every: list[Row] = []
     with (
         options.out.open("w", newline="") as file,
         ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool,
@@ -76,6 +89,24 @@ def main() -> None:
             writer.writerows(rows)
             if rows:
                 print(_line(rows), flush=True)
+                every += rows
+    print(f"\n{'':44s} looked at  stable  enough  least dB  least deg  of")
+    for title, which in ALIKE.items():
+        _print_worst(title, [row for row in every if which(row)])
+
+
+def _print_worst(title: str, rows: list[Row]) -> None:
+    """One line of the rows of a kind; those that find no steady motion are not stable."""
+    rows = [row for row in rows if row.why in ("", "no steady motion")]
+    stable = [row for row in rows if row.stable]
+    enough = [row for row in stable if row.gain_db >= GAIN_DB and row.phase_deg >= PHASE_DEG]
+    counts = f"{title:44s} {len(rows):9d}  {len(stable):6d}  {len(enough):6d}"
+    if not stable:
+        print(counts)
+        return
+    gain, phase = min(stable, key=lambda row: row.gain_db), min(stable, key=lambda row: row.phase_deg)
+    of = dict.fromkeys(f"{row.vehicle} at {row.speed_m_s:.2f} m/s, {row.words}" for row in (gain, phase))
+    print(f"{counts}  {gain.gain_db:8.1f}  {phase.phase_deg:9.0f}  {'; '.join(of)}")
 
 
 def _rows(job: tuple[str, float], conditions: list[Condition], known_to: float) -> list[Row]:
