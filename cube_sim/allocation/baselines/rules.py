@@ -127,7 +127,8 @@ def assess(A, limits, allow_off, forces, length_m, tolerance, demand, force, wre
     if largest > 0.0:
         for a in range(len(demand)):
             size = abs(error[a]) if a < forces else abs(error[a]) / length_m
-            square += (min(size, LARGEST_ERROR_N) / largest) ** 2
+            share = min(size, LARGEST_ERROR_N) / largest
+            square += share * share  # a power is rounded otherwise by Python than by compiled code
     residual = largest * sqrt(square)
     if not allowed:
         return residual, cost, FORBIDDEN_FORCE
