@@ -67,19 +67,24 @@ def write_scenario(model: Path, file: Path, hull: str | None) -> str:
         OSError: the file cannot be written.
     """
     from cube_sim.commands.analysis_report import report_on
-    from cube_sim.commands.starter import NoStarterError, candidates, head_of, starter_for, text_of
+    from cube_sim.commands.starter import NoStarterError, candidates_by_fins, head_of, starter_for, text_of
 
     report = report_on(model, hull=hull)
+    tried = None
     if report.vehicle.fins is not None and not report.analysis.verdict.follows:
-        speeds = sorted({each.speed_m_s for each in candidates()})
-        judged = [report_on(model, hull=hull, speed_m_s=speed).analysis.verdict for speed in speeds]
-        if not any(verdict.follows for verdict in judged):
-            names = ", ".join(report.vehicle.fins.names)
+        tried = tuple(candidates_by_fins())
+        speeds = [each.speed_m_s for each in tried]
+        judged = {speed: report_on(model, hull=hull, speed_m_s=speed) for speed in speeds}
+        tried = tuple(each for each in tried if judged[each.speed_m_s].analysis.verdict.follows)
+        if not tried:
+            names, last = ", ".join(report.vehicle.fins.names), judged[speeds[-1]].analysis.verdict
             raise NoStarterError(
                 f"{model}: with its fins ({names}) it follows paths at none of the speeds that are tried, "
-                f"{speeds[0]:g} to {speeds[-1]:g} m/s: {judged[-1].reason}"
+                f"{speeds[0]:g} to {speeds[-1]:g} m/s: {last.reason}"
             )
-    chosen = starter_for(model, hull)
+    chosen = starter_for(model, hull, tried)
+    if tried is not None:
+        report = report_on(model, hull=hull, speed_m_s=chosen.candidate.speed_m_s)
     thrusters, head = report.vehicle.thrusters.names, head_of(report)
     text = text_of(chosen.candidate, model, hull, chosen.limits, file.parent, head, chosen.measured, thrusters)
     with written_whole(file) as part:

@@ -43,6 +43,7 @@ class Candidate:
         ends: whether the path's end is reached before that.
         guidance: further keys of that block.
         control: keys of that block.
+        under_way: whether it starts with its speed, not at rest.
     """
 
     what: str
@@ -53,6 +54,7 @@ class Candidate:
     ends: bool = True
     guidance: Mapping[str, str] | None = None
     control: Mapping[str, str] | None = None
+    under_way: bool = False
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,14 @@ def candidates() -> Iterator[Candidate]:
         yield Candidate("a line, joined from beside it", line, (0.0, 0.5, DEPTH_M), speed, 120, False, on)
     point = f"{{type: point, position_m: [0, 0, {DEPTH_M:g}]}}"
     yield Candidate("a point to hold", point, (1.0, 1.0, DEPTH_M), 0.3, 60, ends=False)
+
+
+def candidates_by_fins() -> Iterator[Candidate]:
+    """What is tried with a vehicle that its fins steer: at rest they make nothing, and slower they make less."""
+    for speed in (0.8, 1.2, 1.5, 2.0):
+        line = f"{{type: line, start_m: [0, 0, {DEPTH_M:g}], end_m: [{ceil(speed * 310)}, 0, {DEPTH_M:g}]}}"
+        on = {"stop_at_end": "false"}
+        yield Candidate("a line, joined under way", line, (0.0, 0.5, DEPTH_M), speed, 300, False, on, under_way=True)
 
 
 def starter_for(model: Path, hull: str | None, tried: Sequence[Candidate] | None = None) -> Starter:
@@ -186,6 +196,7 @@ def text_of(
         "current_m_s: [0, 0, 0]   # of the water, world axes (x east, y north, z up); the controller is not told",
         "initial:",
         f"  position_m: [{x:g}, {y:g}, {z:g}]   # a little beside the path: it has to be joined",
+        *([f"  velocity_m_s: [{candidate.speed_m_s:g}, 0, 0]   # at rest fins make nothing"] * candidate.under_way),
         "",
         f"path: {candidate.path}",
         "guidance:",

@@ -86,9 +86,21 @@ def test_a_vehicle_that_needs_its_fins_is_told_at_once(tmp_path, monkeypatch, ca
     code, stdout, stderr = call(monkeypatch, capsys, "new", CUBE.with_name("remus100.xml"))
     assert (code, stdout, stderr.count("\n")) == (2, "", 1)
     assert "remus100.xml: with its fins (stern_planes, rudder) it follows paths at none of the speeds" in stderr
-    assert "0.3 to 1.5 m/s: 3 of 6 components are left" in stderr
-    assert "a course sinking at 15 deg at 1.5 m/s needs more force than thrusters and fins have" in stderr
+    assert "0.8 to 2 m/s: 3 of 6 components are left" in stderr
+    assert "a course sinking at 15 deg at 2 m/s needs more force than thrusters and fins have" in stderr
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.flight
+def test_a_vehicle_that_its_fins_steer_gets_a_line_under_way(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    code, stdout, _ = call(monkeypatch, capsys, "new", CUBE.with_name("nps_auv2.xml"), "first.yaml")
+    assert code == 0
+    assert "joined under way" in stdout
+    text = (tmp_path / "first.yaml").read_text()
+    assert "velocity_m_s: [0.8, 0, 0]   # at rest fins make nothing" in text
+    assert "Follows paths in space: yes" in text
+    assert fly(tmp_path / "first.yaml", out="out", record="none").verdict == "PASS"
 
 
 def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch, capsys):

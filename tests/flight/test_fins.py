@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.both_loops import assert_same_flight
+from support.finned import x_tail
 from support.places import SCENARIOS
 
 import cube_sim
+from cube_sim.control.authority import Authority
 from cube_sim.errors import ScenarioError
 from cube_sim.flight import Flight
 
@@ -84,3 +86,48 @@ def test_it_gathers_way_from_rest_wherever_its_nose_points(heading, tmp_path):
     assert error is not None
     assert error < 0.05
     assert ahead.min() > -0.01
+
+
+def drawn(tmp_path, **how) -> dict:
+    """A scenario's changes that fly a drawn torpedo along a line, from 1 m beside it, in a current across."""
+    model = tmp_path / "drawn.xml"
+    model.write_text(x_tail(**how))
+    return {
+        "model": str(model),
+        "parameters": {},
+        "duration_s": 100,
+        "initial": {"position_m": [0.0, 1.0, -20.0], "velocity_m_s": [0.8, 0.0, 0.0]},
+        "path": {"type": "line", "start_m": [0.0, 0.0, -20.0], "end_m": [500.0, 0.0, -20.0]},
+        "guidance.speed_m_s": 0.8,
+        "current_m_s": [0.0, 0.2, 0.0],
+        "checks": [{**SETTLED[0], "from_s": 70}],
+    }
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(
+    ("how", "authority"),
+    [({}, "LINE"), ({"bow_planes": True}, "PLANE"), ({"side_thrusters": True}, "HOLONOMIC")],
+    ids=["x_tail", "bow_planes", "side_thrusters"],
+)
+def test_drawn_torpedoes_with_an_x_tail_keep_a_line(how, authority, tmp_path, monkeypatch):
+    """Fins that stall; bow planes push up without a moment; beside side thrusters fins leave what they cannot make."""
+    changes = drawn(tmp_path, **how)
+    run = cube_sim.run(LINE, changes, out=tmp_path / "out")
+    error = run.checks[0].value
+    assert error is not None
+    assert error < 0.002
+    assert Authority(int(run.signals["health.authority"][-1, 1])).name == authority
+    assert np.abs(run.signals["fins.deflection"][:, 1:]).max() <= 0.35 + 1e-9
+    assert assert_same_flight(LINE, {**changes, "duration_s": 2, "checks": SHORT["checks"]}, monkeypatch) > 0.9
+
+
+@pytest.mark.flight
+def test_beside_side_thrusters_fins_come_first(tmp_path):
+    """Under way the fins take off the thrusters what turns the hull aslant to its flow."""
+    changes = drawn(tmp_path, side_thrusters=True)
+    turned = cube_sim.run(LINE, changes, out=tmp_path / "turned")
+    (tmp_path / "drawn.xml").write_text(x_tail(side_thrusters=True).replace("-0.35 0.35", "-1e-6 1e-6"))
+    fixed = cube_sim.run(LINE, changes, out=tmp_path / "fixed")
+    pushed = [np.abs(run.signals["thrusters.force"][-500:, 2:]).sum(axis=1).mean() for run in (turned, fixed)]
+    assert pushed[0] < 0.95 * pushed[1]
