@@ -45,7 +45,9 @@ def validate(
     wrong, remarks = dict[Path, list[str]](), dict[Path, list[str]]()
     for file in found.scenarios:
         try:
-            remarks[file] = remarks_on(validated(file, values))
+            warned: list[str] = []
+            remarks[file] = remarks_on(validated(file, values, warned))
+            remarks[file] += [f"{file}: {text}" for text in warned]
         except ScenarioError as error:
             wrong[file] = error.mistakes
     if json:

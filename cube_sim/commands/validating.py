@@ -9,11 +9,17 @@ from typing import TYPE_CHECKING, Any
 from cube_sim.errors import CubeSimError, ScenarioError
 
 if TYPE_CHECKING:
+    from cube_sim.mission import Mission
     from cube_sim.scenario.fleet_loading import AnyLoaded
 
 
-def validated(file: Path, overrides: Mapping[str, Any] | None = None) -> AnyLoaded:
+def validated(file: Path, overrides: Mapping[str, Any] | None = None, warned: list[str] | None = None) -> AnyLoaded:
     """A scenario of which everything is known to be right that can be known before the flight.
+
+    Args:
+        file: of the scenario.
+        overrides: dotted path -> value in place of the scenario's.
+        warned: gets what its log will warn of at the beginning, if anybody asks.
 
     Raises:
         ScenarioError: with a line per mistake, each of which begins with the file or with an override.
@@ -28,9 +34,10 @@ def validated(file: Path, overrides: Mapping[str, Any] | None = None) -> AnyLoad
         if isinstance(loaded, LoadedFleet):
             from cube_sim.mission.fleet import prepare_fleet
 
-            prepare_fleet(loaded)
+            for name, mission in prepare_fleet(loaded).missions.items():
+                _ask(mission, f"{name}: ", warned)
             return loaded
-        prepare(loaded)
+        _ask(prepare(loaded), "", warned)
         if loaded.scenario.samples is not None:
             from cube_sim.campaign.sampling import SamplePlan
 
@@ -56,3 +63,10 @@ def remarks_on(loaded: AnyLoaded) -> list[str]:
         return []
     few = f"{given} samples cannot show {rate:g} at {confidence:g} confidence, even if all pass; {least} can"
     return [loaded.mistake("samples.required.pass_rate", few)]
+
+
+def _ask(mission: Mission, whose: str, warned: list[str] | None) -> None:
+    if warned is not None:
+        from cube_sim.mission.first_warnings import first_warnings
+
+        warned += [f"{whose}{text}" for text in first_warnings(mission)]

@@ -11,16 +11,15 @@ from cube_sim.errors import CubeSimError, FlightError
 from cube_sim.flight.compiled import compile_beside, wait_for_loop
 from cube_sim.mission import Mission, prepare
 from cube_sim.mission.copying import packed, unpacked
+from cube_sim.mission.first_warnings import first_warnings
 from cube_sim.mission.fleet import FleetMission, prepare_fleet
 from cube_sim.mission.own.given import NOT_AGAIN, why_not_again
-from cube_sim.mission.surface_watch import path_above_surface
-from cube_sim.mission.way_of_flying import cannot_follow, way_of_flying
+from cube_sim.mission.way_of_flying import way_of_flying
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.fleet_loading import LoadedFleet
 from cube_sim.spatial import State, Vector, rotation_from_quaternion
-from cube_sim.vehicle.floating import water_surface
 
 
 def prepared(loaded: Loaded) -> Mission:
@@ -50,11 +49,7 @@ def described(mission: Mission, store: SignalStore) -> None:
     """Record what a reader must know before the first row."""
     points = mission.outline
     store.append("path", 0.0, points.ravel())
-    if (warning := path_above_surface(points, water_surface(mission.model))) is not None:
-        store.log(0.0, "WARNING", warning)
-    if (warning := cannot_follow(mission.ability, points)) is not None:
-        store.log(0.0, "WARNING", warning)
-    if (warning := mission.too_fast(mission.ability.within_limit)) is not None:
+    for warning in first_warnings(mission):
         store.log(0.0, "WARNING", warning)
     length = mission.path.length
     store.log(0.0, "INFO", f"{mission.scenario.name}: {f'{length:.2f} m of path' if length else 'a point to hold'}")

@@ -56,12 +56,7 @@ class SurfaceWatch:
 
     def __init__(self, recorder: SignalStore, model: mujoco.MjModel, vehicle: Vehicle) -> None:
         self._recorder, self._body = recorder, vehicle.body
-        its_own = model.body_rootid[model.geom_bodyid] == model.body_rootid[vehicle.body]
-        geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))
-        boxes = model.geom_aabb[geoms]
-        self.boxes = Boxes(
-            geoms, model.geom_rbound[geoms], boxes[:, :3].copy(), boxes[:, 3:].copy(), water_surface(model)
-        )
+        self.boxes = _boxes(model, vehicle)
         self._out, self._dry_at = False, -np.inf
         self._emergences, self._highest, self._time_out, self._noted_at = 0, -np.inf, 0.0, 0.0
 
@@ -136,16 +131,37 @@ def top_of(places, rotations, geoms, radii, centres, halves, surface):
     return spheres if spheres <= surface else boxes
 
 
-def path_above_surface(points: NDArray[np.float64], surface: float) -> str | None:
-    """The warning that a path lies out of the water; None for one that does not.
+def top_over_origin(model: mujoco.MjModel, vehicle: Vehicle) -> float:
+    """Height of an upright hull's highest point over its origin [m]; 0 for one without geoms."""
+    data = mujoco.MjData(model)
+    data.qpos[vehicle.qpos_address : vehicle.qpos_address + 7] = 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+    mujoco.mj_kinematics(model, data)
+    return max(0.0, top_of(data.geom_xpos, data.geom_xmat, *_boxes(model, vehicle)[:-1], -np.inf))
+
+
+def _boxes(model: mujoco.MjModel, vehicle: Vehicle) -> Boxes:
+    its_own = model.body_rootid[model.geom_bodyid] == model.body_rootid[vehicle.body]
+    geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))
+    boxes = model.geom_aabb[geoms]
+    return Boxes(geoms, model.geom_rbound[geoms], boxes[:, :3].copy(), boxes[:, 3:].copy(), water_surface(model))
+
+
+def path_above_surface(points: NDArray[np.float64], surface: float, top: float) -> str | None:
+    """The warning that a path takes its hull out of the water, or part of it; None for one that does not.
 
     Args:
         points: (n,3) on the path [m], world axes.
         surface: height of the water's surface [m], world axes.
+        top: of the upright hull over its origin [m].
     """
     highest = float(points[:, 2].max())
-    if highest <= surface + CLEAR_M:
+    if highest + top <= surface + CLEAR_M:
         return None
+    if highest <= surface + CLEAR_M:
+        return (
+            f"the path comes within {max(0.0, surface - highest):.2f} m of the surface, and the hull's top is "
+            f"{top:.2f} m above its origin: what is out of the water displaces none, and its thrusters push nothing"
+        )
     return (
         f"the path comes out of the water, it rises to z = {highest:.2f} m, the surface is at {surface:.2f} m: a hull "
         "that leaves the water loses what carries it, and its thrusters what they push against"

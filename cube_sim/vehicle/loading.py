@@ -20,7 +20,7 @@ from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, set_gears, thruster_elements
 from cube_sim.vehicle.mjcf.time_step import require_time_step
-from cube_sim.vehicle.mjcf.unused import unused_thruster_words
+from cube_sim.vehicle.mjcf.unused import keep_words, unused_thruster_words
 from cube_sim.vehicle.plugin import hook, layout, packing, structs, user_forces
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
 from cube_sim.vehicle.plugin.user_force_kinds import ForceKind, UserForce, kind_of
@@ -123,8 +123,10 @@ def _immerse(
     servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics])
     parameters = read_parameters(numerics, bodies, thrusters, sites, servos)
     hulls = [hull.body for hull in parameters.hulls]
-    for text in unused_thruster_words(spec, in_file, hulls, thrusters, servos.values()):
+    words = unused_thruster_words(spec, in_file, hulls, thrusters, servos.values())
+    for text in words:
         warnings.warn(text, stacklevel=4)
+    keep_words(spec, words)
     set_elements(spec, of_elements, [hull.body for hull in parameters.hulls], thrusters)
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
     set_gears(spec, [each and each.propeller and each.propeller.arm for each in parameters.thrusters])

@@ -5,9 +5,11 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from cube_sim.vehicle.fins import Fins
 from cube_sim.vehicle.floating import floating_height
-from cube_sim.vehicle.plugin import layout, packing
-from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.vehicle.mjcf.unused import kept_words
+from cube_sim.vehicle.plugin import packing
+from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
 NEUTRAL = 1e-3
 """Share of its weight by which a vehicle's buoyancy may differ and still be called neutral (a choice)."""
@@ -27,8 +29,28 @@ def remarks(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
     weight, lift = vehicle.mass * g, vehicle.displaced_mass * g
     said = [_buoyancy(model, vehicle, weight, lift)]
     if g > 0.0:
-        said += _at_rest(lift * vehicle.centre_of_buoyancy - weight * vehicle.centre_of_mass, weight)
+        moment = _most(vehicle, slice(3, 5))
+        said += _at_rest(lift * vehicle.centre_of_buoyancy - weight * vehicle.centre_of_mass, weight, moment)
     return said + _stiff(model, vehicle) + _own_force(model, vehicle)
+
+
+def cautions(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
+    """Sentences on what is most likely a mistake, for the log of whoever flies the vehicle."""
+    less = (vehicle.displaced_mass - vehicle.mass) * float(np.linalg.norm(vehicle.gravity))
+    said = kept_words(model) + _stiff(model, vehicle)
+    push = _most(vehicle, slice(0, 3))
+    if abs(less) > max(push, NEUTRAL * vehicle.mass) and not Fins.from_model(model, _number(model, vehicle)).names:
+        how = "sinks" if less < 0.0 else "rises"
+        said.append(
+            f"{how} with {abs(less):.3g} N, and its thrusters give {push:.3g} N at most, whichever way it points"
+        )
+    return said
+
+
+def _most(vehicle: Vehicle, rows: slice) -> float:
+    """A bound of the force [N], or moment [N m], that all thrusters together give in any direction."""
+    largest = np.abs(vehicle.thrusters.limits).max(axis=1, initial=0.0)
+    return float(largest @ np.linalg.norm(vehicle.actuation_matrix[rows], axis=0))
 
 
 def _buoyancy(model: mujoco.MjModel, vehicle: Vehicle, weight: float, lift: float) -> str:
@@ -42,7 +64,7 @@ def _buoyancy(model: mujoco.MjModel, vehicle: Vehicle, weight: float, lift: floa
     return f"{text}: rises with {less:.3g} N; floats with its origin {below:.2g} m below the surface"
 
 
-def _at_rest(righting: np.ndarray, weight: float) -> list[str]:
+def _at_rest(righting: np.ndarray, weight: float, moment: float) -> list[str]:
     size = float(np.linalg.norm(righting))
     if size <= LEAST_ARM_M * weight:
         return ["its centre of buoyancy lies in its centre of mass: nothing rights it"]
@@ -50,7 +72,8 @@ def _at_rest(righting: np.ndarray, weight: float) -> list[str]:
     if tilt <= TILTED_DEG:
         return []
     across = float(np.linalg.norm(righting[:2]))
-    return [f"left to itself it rests tilted by {tilt:.0f} deg; level it has to be held with {across:.3g} N m"]
+    there = f", and its thrusters give {moment:.3g} N m at most" if moment < across else ""
+    return [f"left to itself it rests tilted by {tilt:.0f} deg; level it has to be held with {across:.3g} N m{there}"]
 
 
 def _stiff(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
@@ -68,9 +91,11 @@ def _stiff(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
 
 
 def _own_force(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
-    packed = packing.packed_parameters(model)
-    start, count = int(packed[layout.HULLS]), int(packed[layout.COUNT])
-    for record in packed[start : start + count * layout.HULL_SIZE].reshape(count, layout.HULL_SIZE):
-        if record[layout.BODY] == vehicle.body and record[layout.FORCE] >= 0.0:
-            return [f"{vehicle.name}:force is not looked at here: it acts in flight, and no controller knows it"]
-    return []
+    if packing.force_records(packing.packed_parameters(model))[_number(model, vehicle)].place < 0:
+        return []
+    return [f"{vehicle.name}:force is not looked at here: it acts in flight, and no controller knows it"]
+
+
+def _number(model: mujoco.MjModel, vehicle: Vehicle) -> int:
+    """Of the hull among those of the model."""
+    return hull_names(model).index(vehicle.name)

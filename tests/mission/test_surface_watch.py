@@ -128,9 +128,13 @@ def test_a_mast_belongs_to_the_hull_and_the_scenery_does_not():
 
 def test_a_path_is_judged_by_its_highest_point():
     points = np.array([[0.0, 0.0, -5.0], [1.0, 0.0, 0.4], [2.0, 0.0, -1.0]])
-    assert path_above_surface(points - [0.0, 0.0, 0.4], 0.0) is None
-    assert path_above_surface(points, 0.4) is None
-    assert "rises to z = 0.40 m, the surface is at 0.00 m" in path_above_surface(points, 0.0)
+    assert path_above_surface(points - [0.0, 0.0, 0.4], 0.0, 0.0) is None
+    assert path_above_surface(points, 0.4, 0.0) is None
+    assert "rises to z = 0.40 m, the surface is at 0.00 m" in path_above_surface(points, 0.0, 0.0)
+    assert "rises to z = 0.40 m" in path_above_surface(points, 0.0, 0.25)
+    near = path_above_surface(points, 0.6, 0.25)
+    assert near.startswith("the path comes within 0.20 m of the surface, and the hull's top is 0.25 m above its origin")
+    assert path_above_surface(points, 0.65, 0.25) is None
 
 
 @pytest.mark.flight

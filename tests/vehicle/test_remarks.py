@@ -1,10 +1,14 @@
 """Words on a vehicle left to itself: what it weighs, how it lies, whether its drag fits the time step."""
 
+import mujoco
 import pytest
-from support.places import CUBE
+from support.command_line import call
+from support.edited_cube import T1, edited_text
+from support.flights import FORCES_ONLY
+from support.places import CUBE, HELIX, MODEL_FILES
 
 import cube_sim
-from cube_sim.vehicle.remarks import remarks
+from cube_sim.vehicle.remarks import cautions, remarks
 
 
 def said(parameters, forces=None):
@@ -37,3 +41,47 @@ def test_what_is_as_usual_is_not():
 
 def test_a_force_of_ones_own_is_named():
     assert "hull:force is not looked at here" in said({}, {"hull": still})
+
+
+def cautioned(spec, parameters=None):
+    model = cube_sim.load_model(spec, parameters)
+    return cautions(model, cube_sim.Vehicle.from_model(model))
+
+
+def test_shipped_vehicles_are_cautioned_of_nothing():
+    for path in MODEL_FILES:
+        assert cautioned(path) == [], path.stem
+
+
+def test_a_weight_that_no_thruster_holds_is_cautioned_of():
+    (said,) = cautioned(CUBE, {"hull:mass": 200.0})
+    assert said == "sinks with 736 N, and its thrusters give 412 N at most, whichever way it points"
+    assert cautioned(CUBE, {"hull:mass": 130.0}) == []
+
+
+def test_a_tilt_that_no_thruster_holds_is_told_with_what_they_can():
+    tilted = {"hull:centre_of_buoyancy": [0.2, 0, 0.02]}
+    assert "level it has to be held with 245 N m, and its thrusters give" in said(tilted)
+    assert "and its thrusters" not in said({"hull:centre_of_buoyancy": [0.02, 0, 0.02]})
+
+
+def test_stiff_drag_and_a_thruster_that_is_none_are_cautioned_of():
+    assert "is stiff for the time step" in cautioned(CUBE, {"hull:linear_damping": [4e4] + [5.0] * 5})[0]
+    spec = mujoco.MjSpec.from_file(str(CUBE))
+    spec.actuators[2].biastype = mujoco.mjtBias.mjBIAS_NONE
+    with pytest.warns(UserWarning, match="T3"):
+        (said,) = cautioned(spec)
+    assert said.startswith("actuator 'T3' pushes 'hull' and is no thruster")
+
+
+@pytest.mark.flight
+@pytest.mark.filterwarnings("ignore:actuator 'T3'")
+def test_cautions_stand_in_the_log_of_a_run_and_before_it(tmp_path, monkeypatch, capsys):
+    (tmp_path / "cube.xml").write_text(edited_text((T1.replace("T1", "T3"), '<general name="T3" site="T3"')))
+    settings = {"model": str(tmp_path / "cube.xml"), "duration_s": 0.1, "checks": FORCES_ONLY}
+    run = cube_sim.run(HELIX, settings, tmp_path / "out")
+    told = "actuator 'T3' pushes 'hull' and is no thruster"
+    assert [line.text.startswith(told) for line in run.log if line.level == "WARNING"].count(True) == 1
+    code, _, stderr = call(monkeypatch, capsys, "validate", HELIX, "--set", f"model={tmp_path / 'cube.xml'}")
+    assert code == 0
+    assert f"NOTE {HELIX}: {told}" in stderr

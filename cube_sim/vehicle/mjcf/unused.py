@@ -10,6 +10,7 @@ from cube_sim.vehicle.mjcf.numeric_names import THRUSTER_PARAMETERS
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement, root_body
 
 _CURVE = THRUSTER_PARAMETERS[0]
+_SAID = "cube_sim:said"
 
 
 def unused_thruster_words(
@@ -45,3 +46,18 @@ def unused_thruster_words(
                 why = "each has its own" if its_own else "it has none"
                 said.append(f"{name} holds for no thruster of '{owner}': {why}")
     return said
+
+
+def keep_words(spec: mujoco.MjSpec, words: Sequence[str]) -> None:
+    """Let the compiled model say what was said of its file, for the log of whoever flies it."""
+    if words:
+        spec.add_text(name=_SAID, data="\n".join(words))
+
+
+def kept_words(model: mujoco.MjModel) -> list[str]:
+    """The sentences that `keep_words` put into a model."""
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT, _SAID)
+    if index < 0:
+        return []
+    start = int(model.text_adr[index])
+    return model.text_data[start : start + int(model.text_size[index]) - 1].decode().split("\n")

@@ -1,0 +1,21 @@
+"""What a mission is warned of before it flies."""
+
+from __future__ import annotations
+
+from math import inf
+
+from cube_sim.mission import Mission
+from cube_sim.mission.surface_watch import path_above_surface, top_over_origin
+from cube_sim.mission.way_of_flying import cannot_follow
+from cube_sim.vehicle.floating import water_surface
+from cube_sim.vehicle.remarks import cautions
+
+
+def first_warnings(mission: Mission) -> list[str]:
+    """A sentence for each thing that is most likely a mistake: of the vehicle, its surface, its path, its speed."""
+    surface, near = water_surface(mission.model), None
+    if surface < inf:
+        near = path_above_surface(mission.outline, surface, top_over_origin(mission.model, mission.vehicle))
+    follows = cannot_follow(mission.ability, mission.outline)
+    fast = mission.too_fast(mission.ability.within_limit)
+    return [*cautions(mission.model, mission.vehicle), *(each for each in (near, follows, fast) if each is not None)]
