@@ -23,6 +23,10 @@ _REGULAR = 1e-4
 """Share of an edge's squared length times the area around it that counts too: on a flat part short edges go first."""
 _THINNEST = 0.02
 """Twice a face's area over its longest side squared: thinner ones are not made (a choice)."""
+_NO_COST = 1e-30
+"""What drawing an edge together costs at least, of a hull of length one; for the logarithm."""
+_SCATTER = 2654435761
+"""Times this, and modulo 2^32, neighbouring numbers come far apart (2^32 over the golden ratio)."""
 _TURNED = 0.3
 """A face may turn until its normals have this product, at most (a choice)."""
 
@@ -104,9 +108,15 @@ def _two_in_common(edges: NDArray[np.int64], size: int) -> NDArray[np.bool_]:
 
 
 def _apart(cost: Vector, edges: NDArray[np.int64], size: int) -> NDArray[np.int64]:
-    """Edges that are cheaper than any other near them: no face has corners on two of them."""
+    """Edges that are cheaper than any other near them: no face has corners on two of them.
+
+    Costs within a factor of two count as the same, and are told apart as if by lot: on a flat or evenly curved part
+    they would else grow from one end to the other, and few edges be the cheapest of their surroundings.
+    """
+    grade = np.floor(np.log2(np.maximum(cost, _NO_COST)))
+    lot = np.arange(len(cost)) * _SCATTER % 2**32
     rank = np.empty(len(cost), np.int64)
-    rank[np.argsort(cost, kind="stable")] = np.arange(len(cost))
+    rank[np.lexsort((lot, grade))] = np.arange(len(cost))
     nearest = np.full(size, len(cost))
     for end in (0, 1):
         np.minimum.at(nearest, edges[:, end], rank)

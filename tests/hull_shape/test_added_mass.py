@@ -43,6 +43,16 @@ def test_of_ellipsoids(axes):
 
 
 @pytest.mark.flight
+def test_of_a_spheroid_as_long_as_a_torpedo():
+    """Lamb's printed coefficients (1932, art. 115): a/b 6.01, ahead 0.045, across 0.918, about the middle 0.764."""
+    a, mesh = 6.01, mesh_of(ellipsoid((6.01, 1.0, 1.0), 4))
+    mass = solid_of(mesh).volume
+    ahead, across, _, _, turning, _ = added_mass(mesh, 1.0).matrix.diagonal()
+    np.testing.assert_allclose([ahead / mass, across / mass], [0.045, 0.918], rtol=0.02)
+    np.testing.assert_allclose(turning / (mass * (a**2 + 1.0) / 5.0), 0.764, rtol=0.02)
+
+
+@pytest.mark.flight
 def test_of_a_cube_by_its_twelve_triangles():
     """0.6384 rho L^3 and 0.03926 rho L^5: graded square panels carried on to infinitely many, another method."""
     of = added_mass(box_mesh((0.5, 0.5, 0.5)), 1000.0)
