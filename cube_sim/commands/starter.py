@@ -26,6 +26,8 @@ _LINE = re.compile(r"^(\d+(:\d+)?:)?")
 _SLACK = 2.0
 """The limits of the checks that are written over what was measured."""
 _LEAST_LIMIT_M = 0.05
+_SLOWEST = 0.5
+"""Share of its speed at which a target that never arrives has to move on."""
 _FURTHEST_M, _REACH_M = 0.1, 0.5
 """Cross-track RMS up to which a path counts as followed, and distance to its end up to which that is reached."""
 
@@ -41,6 +43,7 @@ class Candidate:
         speed_m_s: along the path.
         duration_s: of the run; the second half is judged.
         ends: whether the path's end is reached before that.
+        progresses: whether its target has to move on while it is judged, at half its speed.
         guidance: further keys of that block.
         control: keys of that block.
         under_way: whether it starts with its speed, not at rest.
@@ -52,6 +55,7 @@ class Candidate:
     speed_m_s: float
     duration_s: float
     ends: bool = True
+    progresses: bool = False
     guidance: Mapping[str, str] | None = None
     control: Mapping[str, str] | None = None
     under_way: bool = False
@@ -89,7 +93,7 @@ def candidates() -> Iterator[Candidate]:
     for speed in (0.4, 0.8, 1.5):
         line = f"{{type: line, start_m: [0, 0, {DEPTH_M:g}], end_m: [{ceil(speed * 130)}, 0, {DEPTH_M:g}]}}"
         on = {"stop_at_end": "false"}
-        yield Candidate("a line, joined from beside it", line, (0.0, 0.5, DEPTH_M), speed, 120, False, on)
+        yield Candidate("a line, joined from beside it", line, (0.0, 0.5, DEPTH_M), speed, 120, False, True, on)
     point = f"{{type: point, position_m: [0, 0, {DEPTH_M:g}]}}"
     yield Candidate("a point to hold", point, (1.0, 1.0, DEPTH_M), 0.3, 60, ends=False)
 
@@ -99,7 +103,9 @@ def candidates_by_fins() -> Iterator[Candidate]:
     for speed in (0.8, 1.2, 1.5, 2.0):
         line = f"{{type: line, start_m: [0, 0, {DEPTH_M:g}], end_m: [{ceil(speed * 310)}, 0, {DEPTH_M:g}]}}"
         on = {"stop_at_end": "false"}
-        yield Candidate("a line, joined under way", line, (0.0, 0.5, DEPTH_M), speed, 300, False, on, under_way=True)
+        yield Candidate(
+            "a line, joined under way", line, (0.0, 0.5, DEPTH_M), speed, 300, False, True, on, under_way=True
+        )
 
 
 def starter_for(model: Path, hull: str | None, tried: Sequence[Candidate] | None = None) -> Starter:
@@ -227,6 +233,9 @@ def text_of(
     ]
     if candidate.ends:
         lines += [f"  - {{kind: path_end, reach_m: {limits['end']:g}}}{of_flight['end']}"]
+    if candidate.progresses:
+        on = f"{{kind: progress, from_s: {half:g}, at_least_m_s: {_SLOWEST * candidate.speed_m_s:g}}}"
+        lines += [f"  - {on}   # who only drifts onto the path does not follow it"]
     lines += ["  - {kind: allowed_forces}   # every thruster force within its limits, outside its dead zone"]
     return "\n".join(lines) + "\n"
 

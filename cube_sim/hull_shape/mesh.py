@@ -198,7 +198,8 @@ def _without_inner_walls(file: Path, vertices: Matrix, faces: Faces, body: NDArr
                 inner[one] = True
             elif inside.any():
                 raise ShapeError(
-                    f"{file}: two of its {bodies} bodies overlap; their union would be counted twice: unite them"
+                    f"{file}: two of its {bodies} bodies overlap, and what they share would count twice: unite them "
+                    "in your CAD program, in Blender (modifier Boolean, Union) or in MeshLab (Mesh Boolean: Union)"
                 )
     return faces[~inner[body]], int(inner.sum())
 

@@ -80,6 +80,17 @@ def test_a_vehicle_that_flies_nothing_is_told_what_was_tried(tmp_path, monkeypat
     assert not (tmp_path / "first.yaml").exists()
 
 
+@pytest.mark.flight
+def test_a_line_that_is_only_drifted_onto_is_not_chosen(tmp_path):
+    """Beside the line it is in time, but hardly moves along it: the target that waits for it is judged."""
+    line = next(each for each in starter.candidates() if each.progresses)
+    scenario = tmp_path / "line.yaml"
+    scenario.write_text(starter.text_of(line, CUBE, None, starter._first_limits(line), tmp_path))
+    assert [check.verdict for check in fly(scenario, record="none", out=tmp_path / "a").checks] == ["PASS"] * 3
+    slow = fly(scenario, {"guidance.speed_m_s": 0.02}, out=tmp_path / "b", record="none")
+    assert [check.verdict for check in slow.checks] == ["PASS", "FAIL", "PASS"]
+
+
 def test_a_vehicle_that_needs_its_fins_is_told_at_once(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(starter, "starter_for", lambda *_: pytest.fail("it is flown"))
