@@ -16,6 +16,7 @@ from cube_sim.allocation.effort import Effort
 from cube_sim.allocation.exact.fewest_calls import FewestCalls, Solved, limited_search_codes, search_codes
 from cube_sim.allocation.exact.packing import pack, previous_answer_rows
 from cube_sim.allocation.exact.problem import closest_wrench_data, make_problem
+from cube_sim.allocation.exact.side_limits import put_limits
 from cube_sim.allocation.exact.solutions import force_solutions, wrench_metric
 from cube_sim.allocation.exact.solve import answer_size, solve_each
 from cube_sim.allocation.exact.step import HISTORY, no_previous_answer
@@ -209,6 +210,20 @@ class Allocator:
         self._enumeration = (
             Enumeration(self._problem, self._closest, parallel) if self.method.startswith("enumerate") else None
         )
+
+    def limit(self, limits: NDArray[np.float64]) -> bool:
+        """Allocate from now on within these limits, going on from the previous answer.
+
+        Args:
+            limits: (m, 4) [F_max-, F_DZ-, F_DZ+, F_max+] [N], in that order.
+
+        Returns:
+            Whether it does: a method other than the search has to be built anew.
+        """
+        if self._enumeration is not None:
+            return False
+        put_limits(self._packed, limits)
+        return True
 
     def reset(self) -> None:
         """Forget the previous answer, as at the start of a run."""

@@ -71,6 +71,7 @@ class FaultTolerant:
         self.A = effective_matrix(A)
         m = self.A.shape[1]
         self.limits, self._build = thruster_limits(limits, m), build
+        self._limits = self.limits.copy()
         self._rounding_N = FORCE_ROUNDING * float(np.max(np.abs(self.limits)))
         self._previous = PreviousForces.at_rest(m)
         self.health, self._allocator = Health.whole(m), None
@@ -115,6 +116,35 @@ class FaultTolerant:
         self._all_respond = responsive.size == m
         self._responds = np.zeros(m, dtype=np.bool_)
         self._responds[responsive] = True
+
+    def limit(self, limits: NDArray[np.float64], margin: float) -> None:
+        """Allocate from now on within limits of the moment, going on from the previous answer.
+
+        Args:
+            limits: (m, 4) of whole thrusters [N].
+            margin: share by which their dead zones are taken to be wider.
+        """
+        from cube_sim.allocation.responsive import limits_of_some, widen_dead_zones  # only here: it loads the compiler
+
+        widen_dead_zones(limits, margin, self._limits)
+        if self._allocator is None:
+            return
+        some = limits_of_some(self._limits, self._responsive, self.health.efficiency)
+        follow = getattr(self._allocator, "limit", None)
+        if follow is None or not follow(some):
+            self.settle()
+            self._allocator = self._build(self.A[:, self._responsive], some, self._responsive)
+            self._allocator.resume(self._previous.of(self._responsive))
+
+    @property
+    def limits_now(self) -> NDArray[np.float64]:
+        """(m, 4) of whole thrusters [N], as `limit` said last, where it has."""
+        return self._limits
+
+    @property
+    def follows_limits(self) -> bool:
+        """Whether the allocator takes other limits as it stands, in compiled code too."""
+        return hasattr(self._allocator, "limit")
 
     def reset(self) -> None:
         """Forget the previous answer, not the faults."""
@@ -269,7 +299,7 @@ class FaultTolerant:
             self._held_wrench,
             self.health.efficiency,
             self._responds,
-            self.limits,
+            self._limits,
             self._rounding_N,
             *(np.array(values, dtype=np.float64) for values in self._previous),
         )
@@ -298,7 +328,7 @@ class FaultTolerant:
         """
         from cube_sim.allocation.asked_forces import asked_forces  # only here: it loads the compiler
 
-        return asked_forces(force, self.health.efficiency, self._responds, self.limits, self._rounding_N)
+        return asked_forces(force, self.health.efficiency, self._responds, self._limits, self._rounding_N)
 
 
 def carried_over(previous: PreviousForces, before: Health, now: Health) -> PreviousForces:

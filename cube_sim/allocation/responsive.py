@@ -10,8 +10,28 @@ from numpy.typing import NDArray
 from cube_sim.allocation.asked_forces import asked_forces
 from cube_sim.allocation.exact.code import SEARCHING
 from cube_sim.allocation.exact.fewest_calls import INSTEAD
+from cube_sim.allocation.exact.side_limits import put_limits
 from cube_sim.native.callee import call_at
 from cube_sim.native.compiled import compiled
+
+
+@compiled
+def widen_dead_zones(limits, margin, wider):
+    """Limits (m,4) whose dead zones are wider by a share, never beyond saturation, into `wider` (m,4) [N]."""
+    for i in range(len(limits)):
+        wider[i, 0], wider[i, 3] = limits[i, 0], limits[i, 3]
+        wider[i, 1] = max(limits[i, 0], limits[i, 1] * (1.0 + margin))
+        wider[i, 2] = min(limits[i, 3], limits[i, 2] * (1.0 + margin))
+
+
+@compiled
+def limits_of_some(limits, which, efficiency):
+    """(k,4) [N] the limits of those thrusters, by what they give; of all (m,4) whole ones and their shares (m,)."""
+    some = np.empty((len(which), 4))
+    for j in range(len(which)):
+        for side in range(4):
+            some[j, side] = efficiency[which[j]] * limits[which[j], side]
+    return some
 
 
 class ResponsiveThrusters(NamedTuple):
@@ -42,6 +62,20 @@ class ResponsiveThrusters(NamedTuple):
     force: NDArray[np.float64]
     subset: NDArray[np.float64]
     push: NDArray[np.float64]
+
+
+@compiled
+def limit_thrusters(thrusters, limits, margin):
+    """Allocate from now on within limits of the moment.
+
+    Args:
+        thrusters: `ResponsiveThrusters`, whose search it is.
+        limits: (m,4) of whole thrusters [N].
+        margin: share by which their dead zones are taken to be wider.
+    """
+    t = thrusters
+    widen_dead_zones(limits, margin, t.limits)
+    put_limits(t.packed, limits_of_some(t.limits, t.which, t.efficiency))
 
 
 @compiled

@@ -232,7 +232,8 @@ def remaining_capability(
     allowed = AllowedForces.from_limits(weakened, len(weakened), dead_zones=False)
     found = subspaces(A[:, counts], length_m=lever_arm(A, SPATIAL))
     largest = float(np.max(np.abs(limits), initial=0.0))
-    budget = ForceBudget(attainable_set(found, allowed), left.held, A[:, counts], weakened[:, (0, 3)].T)
+    which, share = np.flatnonzero(counts).astype(np.int64), health.efficiency[counts]
+    budget = ForceBudget(attainable_set(found, allowed), left.held, A[:, counts], weakened[:, (0, 3)].T, which, share)
     left = replace(left, budget=budget, strongest=largest)
     if stuck and hold is not None and hold.hull is not None:
         left = _perhaps_turned(left, budget, hold.hull)

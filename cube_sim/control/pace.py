@@ -6,20 +6,20 @@ fall where the thrusters cannot make all that is asked: the path is kept, at the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cube_sim.actuation.attainable.attainable_set import AttainableSet
+from cube_sim.control.moment_budget import NOTHING_MOVES, RESERVE, MomentBudget
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.tuples import matrix_times_tuple, plus, plus6, stacked, times
 from cube_sim.vehicle.laws.hull_motion import steady_wrench
 
-RESERVE = 0.05
-"""Share of what is attainable that is kept for errors the demand does not know of yet."""
 FINEST = 16
 """Steps in which shares of the speed along the path are tried from 1 to 0, and as many to -1: back along it, with a
 current too strong."""
@@ -43,12 +43,28 @@ class ForceBudget:
         held: (6,) [N, N m] of those that are stuck, on top of it.
         matrix: A (6,k) of those that respond.
         limits: (2,k) their least and largest forces [N].
+        which: (k,) which of the vehicle's thrusters they are; None where nobody asks.
+        share: (k,) share of its force that each gives; None likewise.
+        moving: what of it follows limits that move; nothing of one that others share.
     """
 
     attainable: AttainableSet
     held: Vector
     matrix: Matrix
     limits: Matrix
+    which: NDArray[np.int64] | None = None
+    share: Vector | None = None
+    moving: MomentBudget = NOTHING_MOVES
+
+    def made_to_move(self) -> ForceBudget:
+        """The same for one controller, whose limits follow inflow and voltage."""
+        assert self.which is not None
+        assert self.share is not None
+        own = AttainableSet(self.attainable.normals, self.attainable.offsets.copy())
+        limits = np.ascontiguousarray(self.limits).copy()
+        budget = ForceBudget(own, self.held, self.matrix, limits, self.which, self.share)
+        gains = np.ascontiguousarray(budget.normals @ self.matrix)
+        return replace(budget, moving=MomentBudget(gains, self.which, self.share, own.offsets, budget.bounds, limits))
 
     @cached_property
     def normals(self) -> Matrix:
@@ -58,6 +74,8 @@ class ForceBudget:
     @cached_property
     def bounds(self) -> Vector:
         """(p,) [N] with the reserve: a wrench w is within them if normals w <= bounds, for what is held and all."""
+        if len(self.moving.bounds):
+            return self.moving.bounds
         return (1.0 - RESERVE) * self.attainable.offsets
 
     @cached_property

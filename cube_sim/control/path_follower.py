@@ -23,6 +23,7 @@ from cube_sim.control.force_first import LITTLE_TORQUE, TORQUE, ForceFirst, serv
 from cube_sim.control.free_attitude import FreeAttitude
 from cube_sim.control.holding import Holding, Stuck
 from cube_sim.control.loops import MotionLoops
+from cube_sim.control.moment_budget import NOTHING_MOVES, MomentBudget
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
 from cube_sim.control.priority import force_with_torque, yield_attitude
@@ -74,6 +75,7 @@ class PathFollower:
         radius: of the tightest turn of the path [m]; infinite where it has none.
         waits: whether the speed along the path falls to what the thrusters can keep.
         capability: what the thrusters can still do; demands are projected onto it.
+        limits_move: whether what the thrusters can make follows inflow and voltage, see `moment`.
         path_first: whether the attitude gives way to the path when the thrusters cannot serve both. Where the attitude
             has to point the thrust, it never does.
     """
@@ -92,6 +94,7 @@ class PathFollower:
     waits: bool = True
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
     path_first: bool = False
+    limits_move: bool = False
 
     def __post_init__(self) -> None:
         """Fly with what the thrusters can do from the start."""
@@ -109,6 +112,8 @@ class PathFollower:
 
     def reconfigure(self, left: Capability) -> None:
         """Go on with what is left: steer by attitude, or, when that cannot follow a path, keep to the safe mode."""
+        if self.limits_move and left.budget is not None:
+            left = replace(left, budget=left.budget.made_to_move())
         self.capability = left
         self.balanced, self._loops, self._approach = None, self.loops, self.approach
         self.refuge, self._holding = Refuge(), None
@@ -166,6 +171,11 @@ class PathFollower:
         self.shortage = np.zeros(1, SHORTAGE)
         self.centre = np.zeros(1, CENTRE)
         self.reconfigure(self.capability)
+
+    @property
+    def moment(self) -> MomentBudget:
+        """What of it follows the limits of the thrusters, where they move."""
+        return NOTHING_MOVES if self.capability.budget is None else self.capability.budget.moving
 
     def view(self, state: State) -> TargetView:
         """See `Controller.view`."""

@@ -323,8 +323,9 @@ class Loop:
         write_power(self._rows, 0, t, supply.power, supply.energy, supply.voltage, supply.charge)
         try:
             tells_nothing = judged or not self._watches.surface.under_water  # thrusters in the air are not faulty
-            if respond_to_faults(mission, store, t, tells_nothing) or other_voltage or self.tick == 0:
-                record_actuation(mission, store, t, mission.supply.force_ratio)
+            news = respond_to_faults(mission, store, t, tells_nothing) or other_voltage or self.tick == 0
+            if news and not mission.inflow.varies:
+                record_actuation(mission, store, t, mission.force_ratio)
             if begun.reached == UNANSWERED:
                 mission.allocator.ask_again()
             given = t, self._applied, action, begun.known
@@ -334,7 +335,7 @@ class Loop:
             self.ended, self.raised = str(error), error
             return
         self._applied, self._wanted = allocation.wrench, decision.quaternion
-        self._watches.note(t, self._rows, 0, mission.supply.force_ratio, decision.pace)
+        self._watches.note(t, self._rows, 0, mission.force_ratio, decision.pace)
         if decision.given_up != self._given_up:
             self._log_given_up(t, decision.given_up)
             if decision.given_up:

@@ -125,6 +125,6 @@ def foreseen_attitude(mission: Mission, state: State) -> Vector:
     try:
         controller = unpacked(packed(mission.controller, mission.fixed), mission.fixed)
         period = mission.scenario.control_period_s
-        return controller.decide(state, np.zeros(6), period, mission.supply.force_ratio).quaternion
+        return controller.decide(state, np.zeros(6), period, mission.force_ratio).quaternion
     except (PicklingError, TypeError, AttributeError, CubeSimError):
         return np.asarray(state.quaternion)

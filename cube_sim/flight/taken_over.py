@@ -149,7 +149,9 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
             watches.note(times[k], rows, k, float(flown.force_ratio[k]), float(paces[k]))
     ratio = flown.force_ratio[-1] if flown.ticks else flown.force_ratio_before
     if flown.ticks:
-        if first == 0 or (flown.force_ratio != flown.force_ratio_before).any():
+        if len(flown.limits):
+            record_actuation(mission, store, np.array(times)[: flown.ticks], flown.force_ratio, flown.limits)
+        elif first == 0 or (flown.force_ratio != flown.force_ratio_before).any():
             changed = np.diff(flown.force_ratio, prepend=flown.force_ratio_before) != 0.0
             changed[0] |= first == 0
             told = np.flatnonzero(changed)
@@ -160,4 +162,4 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
     if estimation is not None and n:
         estimation.record(store, np.array(times), sensing.answers[:n], sensing.errors[:n], sensing.inertial[:n])
         known = estimated(sensing.answers[n - 1]) if n > flown.ticks else None
-    return Begun(flown.reached, known, flown.reached >= JUDGED and mission.supply.force_ratio != ratio)
+    return Begun(flown.reached, known, flown.reached >= JUDGED and mission.force_ratio != ratio)

@@ -16,7 +16,9 @@ from cube_sim.flight.rows import TickRows, write_actuation, write_disturbance, w
 from cube_sim.guidance.view_record import record_of
 from cube_sim.mission import Mission
 from cube_sim.mission.disturbance import pushes_of
+from cube_sim.mission.fault_response import record_actuation
 from cube_sim.mission.fins import FinAnswer
+from cube_sim.mission.moment import commands_for, feel, forces_of
 from cube_sim.mission.supply import allocate_at
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.spatial import State, Vector
@@ -73,17 +75,21 @@ def tick(
         known = state
     elif known is None:
         known = mission.estimation.estimate(state, store, t)
-    decision = mission.controller.decide(known, applied, mission.scenario.control_period_s, mission.supply.force_ratio)
+    feel(mission, known)
+    ratio = mission.force_ratio
+    if mission.inflow.varies:
+        record_actuation(mission, store, t, ratio, mission.inflow.limits[None])
+    decision = mission.controller.decide(known, applied, mission.scenario.control_period_s, ratio)
     if action.wrench is not None:
         decision = decision._replace(wrench=action.wrench, secondary=np.zeros(6))
     wrench, quaternion, error = decision.wrench, decision.quaternion, decision.view.error
     if not isfinite(wrench @ wrench + quaternion @ quaternion + error @ error):
         raise NotANumberError("the controller's answer is not a number")
-    allocator, thrusters, ratio = mission.allocator, mission.vehicle.thrusters, mission.supply.force_ratio
-    commands = action.commands if action.forces is None else thrusters.command(action.forces)
+    allocator, thrusters = mission.allocator, mission.vehicle.thrusters
+    commands = action.commands if action.forces is None else commands_for(mission, action.forces)
     steered = None if commands is not None else _steer(mission, decision, known)
     if commands is not None:
-        allocation = allocator.made_by(ratio * thrusters.force(commands))
+        allocation = allocator.made_by(forces_of(mission, commands))
         decision = decision._replace(wrench=allocation.wrench, secondary=np.zeros(6))
     else:
         left = decision.wrench if steered is None else steered.rest
@@ -94,7 +100,7 @@ def tick(
             allocation = allocation._replace(wrench=made, residual=residual, status=Status(status))
         if mission.fault_finding is not None:
             force = mission.fault_finding.probed(force)
-        commands = thrusters.command(force)
+        commands = commands_for(mission, force)
     if mission.fins is not None:
         turned = np.zeros(len(mission.fins.fins.names)) if steered is None else steered.wanted
         made = np.zeros(6) if steered is None else steered.made
@@ -113,7 +119,7 @@ def _steer(mission: Mission, decision: Decision, known: State) -> FinAnswer | No
     if mission.fins is None:
         return None
     deflections = mission.data.act[mission.fins.fins.activations]
-    seen = decision.wrench, known, decision.current, deflections, mission.supply.force_ratio
+    seen = decision.wrench, known, decision.current, deflections, mission.force_ratio
     return mission.fins.share(mission.fins.parts(mission.allocator), *seen)
 
 

@@ -135,6 +135,7 @@ def controller_of(
         waits=scenario.guidance.wait_for_thrusters and ability.fins is None,  # slower, fins make less
         capability=within_limit,
         path_first=is_path_first(control),
+        limits_move=bool(believed.vehicle.thrusters.propellers.turns.any()),
     )
 
 

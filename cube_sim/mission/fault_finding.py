@@ -14,6 +14,7 @@ from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.telemetry import Telemetry
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Matrix, Vector
+from cube_sim.vehicle.laws.inflow import Inflow, forces_in_flow
 from cube_sim.vehicle.thrusters import Thrusters
 from cube_sim.wrench.health import Health
 
@@ -34,9 +35,11 @@ class FaultFinding:
     Args:
         flown: the hull.
         scenario: the mission.
+        inflow: of its thrusters, as last felt.
     """
 
-    def __init__(self, flown: CompiledHull, scenario: Scenario) -> None:
+    def __init__(self, flown: CompiledHull, scenario: Scenario, inflow: Inflow) -> None:
+        self._inflow = inflow
         self._thrusters = flown.vehicle.thrusters
         self._telemetry = Telemetry(scenario.telemetry, len(self._thrusters.names), scenario.seed)
         self._diagnosis = _diagnosis(self._thrusters, scenario)
@@ -45,17 +48,22 @@ class FaultFinding:
         """Start the noise of the telemetry anew."""
         self._telemetry.reseed(seed)
 
-    def judge(self, data: mujoco.MjData, force_ratio: float) -> Health:
+    def judge(self, data: mujoco.MjData, force_ratio: float, share: float) -> Health:
         """What is believed of the thrusters; once per tick.
 
         Args:
             data: MuJoCo's, up to date.
-            force_ratio: the share of their characteristics' forces that the supply leaves them.
+            force_ratio: the share of the forces expected of them that the supply leaves them.
+            share: the same of their characteristics' forces, also where what is expected counts it in.
         """
         measured = self._telemetry.read(data.actuator_force[self._thrusters.actuators])
         if force_ratio == 0.0:
             return self._diagnosis.health
-        expected = self._thrusters.force(data.act[self._thrusters.activations])
+        commands = data.act[self._thrusters.activations]
+        if self._inflow.varies:
+            expected = forces_in_flow(self._inflow, *self._thrusters.curve_table, share, commands)
+        else:
+            expected = self._thrusters.force(commands)
         return self._diagnosis.update(expected, measured, force_ratio)
 
     def conclude(self, force_ratio: float) -> Health:

@@ -10,10 +10,11 @@ from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.roomiest_attitude import has_enough_somewhere
 from cube_sim.control.thrown import Thrown
 from cube_sim.control.transient import transient
+from cube_sim.mission.moment import forces_of
 from cube_sim.mission.prepare import Mission
 from cube_sim.mission.way_of_flying import depth_not_kept
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.spatial import conjugate, multiply
+from cube_sim.spatial import Matrix, conjugate, multiply
 from cube_sim.vehicle.state import read_state
 
 
@@ -32,8 +33,8 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
     """
     allocator = mission.allocator
     if mission.fault_finding is not None:
-        found, ratio = mission.fault_finding, mission.supply.force_ratio
-        health = found.conclude(ratio) if judged else found.judge(mission.data, ratio)
+        found, ratio = mission.fault_finding, mission.force_ratio
+        health = found.conclude(ratio) if judged else found.judge(mission.data, ratio, mission.supply.force_ratio)
     elif mission.scenario.control.faults == "told":
         health = mission.events.health
     else:
@@ -70,7 +71,7 @@ def overpowered(mission: Mission) -> str | None:
     left, attitude = follower.capability, read_state(mission.vehicle, mission.data).rotation
     if left.authority is not Authority.HOLONOMIC or left.budget is None or not left.held.any():
         return None
-    if has_enough_somewhere(*follower.kept(mission.supply.force_ratio), attitude):
+    if has_enough_somewhere(*follower.kept(mission.force_ratio), attitude):
         return None
     return "in no attitude can the others make up for what is stuck: it will be turned about, or carried off"
 
@@ -97,8 +98,8 @@ def transient_ahead(mission: Mission) -> str | None:
         learned=follower.disturbance,
     )
     # It pushes on until the others have made up for it.
-    loops, ratio = follower.loop_speeds(mission.ability.delay_s), mission.supply.force_ratio
-    expected = ratio * thrusters.force(mission.data.act[thrusters.activations])
+    loops, ratio = follower.loop_speeds(mission.ability.delay_s), mission.force_ratio
+    expected = forces_of(mission, mission.data.act[thrusters.activations])
     given = mission.data.actuator_force[thrusters.actuators]
     wrench = mission.ability.A @ np.where(healthy, 0.0, given - expected)
     push = np.asarray(np.linalg.solve(hull.total_mass, wrench), dtype=np.float64)
@@ -106,7 +107,9 @@ def transient_ahead(mission: Mission) -> str | None:
     return transient(follower.capability, hull, loops, thrown, R, wanted, follower.current, ratio).words
 
 
-def record_actuation(mission: Mission, recorder: SignalStore, times: ArrayLike, force_ratios: ArrayLike) -> None:
+def record_actuation(
+    mission: Mission, recorder: SignalStore, times: ArrayLike, force_ratios: ArrayLike, limits: Matrix | None = None
+) -> None:
     """Record A and the limits as the controller believes them.
 
     A weak thruster has narrower limits; those of a dead or stuck one are all the one force it gives.
@@ -116,14 +119,16 @@ def record_actuation(mission: Mission, recorder: SignalStore, times: ArrayLike, 
         recorder: gets the rows.
         times: one or (n,) simulated times [s], of `SignalStore.ticks_at_once`; none for no row.
         force_ratios: the share of their force that the supply leaves the thrusters at each.
+        limits: (n, m, 4) of whole thrusters at each [N], where they move; None for those of their characteristics.
     """
     t = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if not len(t):
         return
     vehicle, health = mission.vehicle, mission.allocator.health
-    limits = vehicle.thrusters.limits * health.efficiency[:, None]
+    whole = vehicle.thrusters.limits if limits is None else limits
+    weak = whole * health.efficiency[:, None]
     stuck = ~np.isnan(health.stuck)
-    limits[stuck] = health.stuck[stuck, None]
+    weak[..., stuck, :] = health.stuck[stuck, None]
     matrix = np.broadcast_to(mission.allocator.A.ravel(), (len(t), mission.allocator.A.size))
-    rows = np.column_stack([t, matrix, limits.ravel() * np.atleast_1d(force_ratios)[:, None]])
+    rows = np.column_stack([t, matrix, weak.reshape(-1, 4 * len(stuck)) * np.atleast_1d(force_ratios)[:, None]])
     recorder.extend(float(t[0]), float(t[-1]), [("actuation", rows)])

@@ -84,7 +84,7 @@ class FinSteering:
             allocator: over the thrusters.
         """
         health, scale = allocator.health, SPATIAL.scale(self.length_m)
-        forces = np.ascontiguousarray(allocator.limits[:, [0, 3]] * health.efficiency[:, None])
+        forces = np.ascontiguousarray(allocator.limits_now[:, [0, 3]] * health.efficiency[:, None])
         stuck = ~np.isnan(health.stuck)
         forces[stuck] = health.stuck[stuck, None]
         moving = scale[:, None] * allocator.A[:, forces[:, 0] < forces[:, 1]]

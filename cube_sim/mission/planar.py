@@ -6,6 +6,7 @@ from math import inf, radians, sqrt
 
 import numpy as np
 
+from cube_sim.control.moment_budget import NOTHING_MOVES
 from cube_sim.control.planar.approach_angle import ApproachAngle
 from cube_sim.control.planar.attainable_set import PlanarAttainableSet
 from cube_sim.control.planar.dynamic import DynamicLaw, Gains
@@ -71,7 +72,9 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
         raise ScenarioError(mistakes) from None
     if mistakes:
         raise ScenarioError(mistakes)
-    attainable = PlanarAttainableSet.of(vehicle.actuation_matrix, vehicle.thrusters.limits[:, [0, 3]])
+    ends = vehicle.thrusters.limits[:, [0, 3]]
+    attainable = PlanarAttainableSet.of(vehicle.actuation_matrix, ends)
+    moves = vehicle.thrusters.propellers.turns.any()
     profile = flyable_speed(profile, guidance, path, knowledge, attainable)
     limit = inf if guidance.target_speed_limit_m_s is None else guidance.target_speed_limit_m_s
     return PlanarFollower(
@@ -96,6 +99,7 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
         observer=planar_observer(scenario, knowledge, profile.least),
         attainable=attainable,
         waits=guidance.wait_for_thrusters,
+        moment=attainable.moving(vehicle.actuation_matrix, ends) if moves else NOTHING_MOVES,
     )
 
 

@@ -24,6 +24,7 @@ from cube_sim.mission.fault_finding import FaultFinding
 from cube_sim.mission.fins import FinSteering, fins_at
 from cube_sim.mission.hull import CompiledHull, believed_hull, flown_hull, initial_state
 from cube_sim.mission.knowledge import believed_dynamics
+from cube_sim.mission.moment import inflow_of
 from cube_sim.mission.navigation import StateEstimation, motion_of
 from cube_sim.mission.own.code import Codes, codes_of, refused
 from cube_sim.mission.own.compiled_law import CompiledLaw
@@ -42,6 +43,7 @@ from cube_sim.scenario.attitude_blocks import AlongPathBlock
 from cube_sim.scenario.path_blocks import PythonPathBlock
 from cube_sim.spatial import Matrix
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.laws.inflow import Inflow
 from cube_sim.vehicle.power_supply import PowerSupply
 from cube_sim.vehicle.state import read_state
 from cube_sim.vehicle.vehicle import Vehicle
@@ -71,6 +73,7 @@ class Mission:
         stops: what ends the flight before its time.
         phases: the legs of the mission; none where it has one path.
         codes: code of the user's own, by the value in whose place it stands.
+        inflow: what the thrusters can hold as the moment has it; see `cube_sim.mission.moment`.
     """
 
     scenario: Scenario
@@ -91,6 +94,7 @@ class Mission:
     outline: Matrix
     stops: Stops
     phases: Phases
+    inflow: Inflow
     codes: Codes = field(default_factory=dict)
 
     @property
@@ -102,6 +106,12 @@ class Mission:
         if isinstance(self.controller, CompiledLaw):
             fixed["compiled law"] = self.controller.function
         return fixed | {f"code {key}": code for key, code in self.codes.items()}
+
+    @property
+    def force_ratio(self) -> float:
+        """Share of the allocation's limits that the supply leaves the thrusters: all, where these follow the supply."""
+        ratio = self.supply.force_ratio
+        return 1.0 if self.inflow.varies and ratio > 0.0 else ratio
 
     def too_fast(self, left: Capability) -> str | None:
         """Words for a path beyond the critical speed of what is left of the vehicle; None for one that is not.
@@ -153,6 +163,7 @@ def mission_of(
     phases = phases_of(loaded, believed, allocator, codes)
     if phases:
         outline = phases.outline(PATH_POINTS)
+    inflow = inflow_of(believed.vehicle.thrusters)
     mujoco.mj_kinematics(model, data)
     start = motion_of(read_state(vehicle, data))
     faults = sensor_faults(scenario)
@@ -168,13 +179,14 @@ def mission_of(
         fins=FinSteering.of(vehicle, believed.vehicle, allocator, scenario),
         supply=supply_of(loaded, model, vehicle),
         events=Events(scenario, model, vehicle, faults),
-        fault_finding=FaultFinding(flown, scenario) if scenario.control.faults == "diagnosed" else None,
+        fault_finding=FaultFinding(flown, scenario, inflow) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, vehicle),
         estimation=StateEstimation.of(scenario, vehicle, path, own_sensors(loaded, codes, start), faults),
         channels=channels,
         outline=outline,
         stops=Stops(scenario, channels),
         phases=phases,
+        inflow=inflow,
         codes=codes,
     )
     if mission.phases:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,9 +13,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.laws.propeller import COLUMNS
 from cube_sim.vehicle.mjcf.thruster_elements import thruster_actuators
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.pulse import PulseRange
+
+
+class PropellerTable(NamedTuple):
+    """Which of m thrusters are propellers in their inflow, and their numbers.
+
+    Attributes:
+        turns: (m,) whether each is one.
+        rows: (m, `COLUMNS`) as `cube_sim.vehicle.laws.propeller` has them; zero for others.
+        points: (k,) their open-water points.
+    """
+
+    turns: NDArray[np.bool_]
+    rows: NDArray[np.float64]
+    points: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -27,11 +43,12 @@ class Thrusters:
         activations: (m,) indices into act, of the lagged commands whose force the characteristics give. They follow
             from the commands alone, as MuJoCo integrates them (delay, lag, steps of its integrator): whatever fails in
             a thruster, fails behind them.
-        characteristics: (m,) steady command-to-force curves.
+        characteristics: (m,) steady command-to-force curves; of propellers, in water that does not flow.
         lag_s: (m,) time constants of the motors [s]; of two lags in a row, their sum.
         power_coefficients: (m,2) k_P-, k_P+ of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 where not known.
         voltage: (m,) the voltage at which each characteristic holds [V]; NaN where not known.
         pulse_ranges: (m,) what stands for the commands on the wire; None where not known.
+        propellers: which of them are propellers in their inflow.
         prefix: of their names in the model, where that is joined of several.
     """
 
@@ -43,6 +60,7 @@ class Thrusters:
     power_coefficients: NDArray[np.float64]
     voltage: NDArray[np.float64]
     pulse_ranges: tuple[PulseRange | None, ...]
+    propellers: PropellerTable
     prefix: str = ""
 
     @staticmethod
@@ -70,6 +88,7 @@ class Thrusters:
             lag_s=np.array([_lag_s(model, i) for i in actuators]),
             voltage=np.array([curve[layout.VOLTAGE] for curve in curves]),
             pulse_ranges=tuple(_pulse_range(curve) for curve in curves),
+            propellers=_propellers(packed, [int(curve[layout.PROPELLER]) for curve in curves]),
         )
 
     @property
@@ -202,6 +221,18 @@ class Thrusters:
             name = self.names[self.pulse_ranges.index(None)]
             raise ModelError(f"{name}:thruster_pwm", "is not in the model, for this thruster or for its hull")
         return known
+
+
+def _propellers(packed: NDArray[np.float64], numbers: Sequence[int]) -> PropellerTable:
+    """Of thrusters with these numbers (m,) of their propellers, -1 for none."""
+    turns, rows = np.array(numbers, dtype=int) >= 0, np.zeros((len(numbers), COLUMNS))
+    start = int(packed[layout.PROPELLERS])
+    if start < 0:
+        return PropellerTable(turns, rows, np.zeros(1))
+    n, k = int(packed[start]), int(packed[start + 1])
+    table, points = packed[start + 2 : start + 2 + n * COLUMNS].reshape(n, COLUMNS), start + 2 + n * COLUMNS
+    rows[turns] = table[[number for number in numbers if number >= 0]]
+    return PropellerTable(turns, rows, packed[points : points + k].copy())
 
 
 def _lag_s(model: mujoco.MjModel, actuator: int) -> float:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cube_sim.control.moment_budget import MomentBudget
 from cube_sim.native.compiled import compiled
 
 Array = NDArray[np.float64]
@@ -36,6 +37,12 @@ class PlanarAttainableSet(NamedTuple):
         normals = np.vstack([across, -across])
         each = normals @ A[[0, 5]]
         return cls(normals, np.maximum(each * limits[:, 0], each * limits[:, 1]).sum(axis=1))
+
+    def moving(self, A: Array, limits: Array) -> MomentBudget:
+        """What of it follows limits (m, 2) that move; of one that no other controller reads. Arguments as for `of`."""
+        gains = np.ascontiguousarray(self.normals @ A[[0, 5]])
+        m = A.shape[1]
+        return MomentBudget(gains, np.arange(m), np.ones(m), self.sizes, self.sizes.copy(), limits.T.copy())
 
     def holds(self, F: float, Gamma: float) -> bool:
         """Whether a demand [N, N m] is attainable."""

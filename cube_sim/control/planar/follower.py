@@ -10,6 +10,7 @@ from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.controller import Decision
 from cube_sim.control.following import FOLLOWED
+from cube_sim.control.moment_budget import NOTHING_MOVES, MomentBudget
 from cube_sim.control.planar.attainable_set import PlanarAttainableSet
 from cube_sim.control.planar.dynamic import DesiredSpeed, DynamicLaw
 from cube_sim.control.planar.model import PlanarCurrent
@@ -38,6 +39,7 @@ class PlanarFollower:
         observer: what it reckons with of the water.
         attainable: what the thrusters can make of its demand.
         waits: whether speed is given up while torque is short.
+        moment: what of it follows the limits of the thrusters, where they move.
     """
 
     target: VirtualTarget
@@ -46,6 +48,7 @@ class PlanarFollower:
     observer: PlanarObserver
     attainable: PlanarAttainableSet
     waits: bool = True
+    moment: MomentBudget = NOTHING_MOVES
 
     def __post_init__(self) -> None:
         """Fly with the thrusters of the hull as built."""
@@ -64,6 +67,7 @@ class PlanarFollower:
     def take_up(self, other: PlanarFollower) -> None:
         """See `GoesOn.take_up`."""
         self.target, self.profile, self.law, self.waits = other.target, other.profile, other.law, other.waits
+        self.moment = other.moment
         self.observer.expect(other.observer)
         follows = self.parts.settings["follows"][0]
         self.parts = other.parts._replace(observer=self.observer.parts)

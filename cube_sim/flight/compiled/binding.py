@@ -19,6 +19,7 @@ from cube_sim.flight.compiled.parts import (
     Feed,
     FinServos,
     Hull,
+    Moment,
     Notes,
     Sensing,
 )
@@ -28,6 +29,7 @@ from cube_sim.flight.rows import rows_for
 from cube_sim.guidance.target_record import RunningParts
 from cube_sim.mission import Mission
 from cube_sim.mission.disturbance import pushes_of
+from cube_sim.mission.moment import budget_of
 from cube_sim.mission.surface_watch import Boxes
 from cube_sim.native.compiled import prepare
 from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters
@@ -95,6 +97,8 @@ def _arguments(
     supply = mission.supply
     if supply.force_ratio == 0.0 or mission.drop_weight.dropped:
         return None
+    if mission.inflow.varies and not mission.allocator.follows_limits:
+        return None
     if mission.model.narena < LEAST_ARENA_BYTES and not guards():
         return None
     by = Steering.of(mission.controller)
@@ -115,6 +119,7 @@ def _arguments(
         demands=np.zeros((count, 6)),
         pace=np.zeros(count),
         force_ratio=np.zeros(count),
+        limits=np.zeros((count if mission.inflow.varies else 0, len(mission.vehicle.thrusters.names), 4)),
         effort=np.zeros(2, np.int64),
         told=np.zeros(3, np.int64),
     )
@@ -134,6 +139,7 @@ def _arguments(
         by.planar,
         answering,
         thrusters,
+        Moment(mission.inflow, budget_of(mission.controller), mission.scenario.allocation.dead_zone_margin),
         rows_for(mission.channels, count),
         notes,
         mission.stops.records,

@@ -7,10 +7,11 @@ from math import isfinite, isnan
 import numpy as np
 
 from cube_sim.allocation.fin_shares import with_missed
-from cube_sim.allocation.responsive import allocate_responsive
+from cube_sim.allocation.responsive import allocate_responsive, limit_thrusters
 from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.diagnosis import enter_pair, speaks_against
 from cube_sim.control.following import FOLLOWED
+from cube_sim.control.moment_budget import limit_budget
 from cube_sim.control.priority import yield_attitude
 from cube_sim.control.probing import put_probe
 from cube_sim.control.safe_mode import loses_target
@@ -27,9 +28,10 @@ from cube_sim.mission.surface_watch import CLEAR_M, top_of
 from cube_sim.native.callee import call_at
 from cube_sim.native.compiled import compiled, unlocked
 from cube_sim.native.published import publish, published
-from cube_sim.tuples import angle_of_turn, put, sextuple, turned_to_world
+from cube_sim.tuples import angle_of_turn, put, put_matrix, sextuple, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
+from cube_sim.vehicle.laws.inflow import commands_in_flow, feel_inflow, forces_in_flow
 from cube_sim.vehicle.laws.push import push_wrench
 from cube_sim.vehicle.laws.supply_law import charge_left, sag
 from cube_sim.vehicle.laws.supply_law import count as count_drawn
@@ -81,7 +83,7 @@ def _top(e, hull):
 @unlocked
 def fly(
     codes, first, count, tick, engine, hull, feed, fins, evidence, sensing, course, law, planar, answering, thrusters,
-    rows, notes, stops,
+    moment, rows, notes, stops,
 ):  # fmt: skip
     """Fly up to so many ticks.
 
@@ -103,6 +105,7 @@ def fly(
         planar: `cube_sim.control.planar.steering.PlanarParts`.
         answering: `Answering`.
         thrusters: `cube_sim.allocation.responsive.ResponsiveThrusters`.
+        moment: `Moment`.
         rows: `cube_sim.flight.rows.TickRows`, so many; filled.
         notes: `Notes`, so many; filled.
         stops: (n,) of `cube_sim.mission.stopping.STOP`, moved on.
@@ -147,11 +150,15 @@ def fly(
         power = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
         count_drawn(feed.supply, feed.power, power, now)
         put(feed.power, power)
-        force_ratio = supply.force_ratio
+        share, inflow = supply.force_ratio, moment.inflow
+        force_ratio = 1.0 if inflow.varies else share
         write_power(rows, k, t, power, supply.energy, supply.voltage, supply.charge)
         if evidence.watched:
             w = evidence.window
-            whole = steady_forces(feed.curves, feed.starts, activation)
+            if inflow.varies:
+                whole = forces_in_flow(inflow, feed.curves, feed.starts, share, activation)
+            else:
+                whole = steady_forces(feed.curves, feed.starts, activation)
             measured = evidence.telemetry_gain * given
             if len(evidence.noise) > 0:
                 for i in range(m):
@@ -166,6 +173,15 @@ def fly(
             known = np.empty(22)
             sense(codes[4], sensing, k, state, known)
             R = known[7:16].reshape(3, 3)
+        if inflow.varies:
+            feel_inflow(inflow, R, known[16:19], known[19:], law.current, share)
+            limit_thrusters(thrusters, inflow.limits, moment.margin)
+            for i in range(len(fins.parts.forces)):
+                if thrusters.responds[i]:
+                    fins.parts.forces[i, 0] = thrusters.limits[i, 0] * thrusters.efficiency[i]
+                    fins.parts.forces[i, 1] = thrusters.limits[i, 3] * thrusters.efficiency[i]
+            limit_budget(moment.budget, inflow.limits)
+            put_matrix(notes.limits[k], inflow.limits)
         velocity_W = turned_to_world(R, known[16:19])
         s = course.arc_length[0]
         planned, slope, place = 0.0, 0.0, s
@@ -230,7 +246,10 @@ def fly(
         if evidence.watched:
             w = evidence.window
             put_probe(evidence.probes, w.efficiency, w.stuck, nobody, asked)
-        commands = commands_of_forces(feed.curves, feed.starts, asked)
+        if inflow.varies:
+            commands = commands_in_flow(inflow, feed.curves, feed.starts, share, asked)
+        else:
+            commands = commands_of_forces(feed.curves, feed.starts, asked)
         for i in range(m):
             e.ctrl[feed.actuators[i]], force[i] = commands[i], thrusters.force[i] * force_ratio
         notes.pace[k], notes.force_ratio[k] = out.pace, force_ratio

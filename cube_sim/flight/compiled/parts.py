@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.fin_shares import FinParts
 from cube_sim.control.diagnosis import Window
+from cube_sim.control.moment_budget import MomentBudget
 from cube_sim.control.probing import ProbeMemory
 from cube_sim.guidance.path_record import Parts as PathParts
 from cube_sim.guidance.speed import Parts as SpeedParts
 from cube_sim.navigation.estimating import NavigationMemory, NavigationParameters
 from cube_sim.spatial import Matrix, Record, Vector
+from cube_sim.vehicle.laws.inflow import Inflow
 
 Indices = NDArray[np.int_]
 
@@ -244,6 +246,20 @@ class Answering(NamedTuple):
     state: Vector
 
 
+class Moment(NamedTuple):
+    """What follows the limits of the thrusters where these move.
+
+    Attributes:
+        inflow: at them, moved on.
+        budget: of the controller, moved on.
+        margin: share by which the allocation takes dead zones to be wider.
+    """
+
+    inflow: Inflow
+    budget: MomentBudget
+    margin: float
+
+
 class Notes(NamedTuple):
     """What is looked at after the ticks, a row each.
 
@@ -252,6 +268,7 @@ class Notes(NamedTuple):
         demands: (n,6) that the search was asked for.
         pace: (n,) share of the speed along the path.
         force_ratio: (n,) share of their force that the thrusters gave.
+        limits: (n,m,4) of whole thrusters [N], where they move; none else.
         effort: (2,) nodes looked at and answers not proven, counted on.
         told: (3,) of `cube_sim.native.published`: how many ticks are flown, for whoever looks meanwhile; whether
             to fly no more, for whoever flies; and which condition has stopped the flight.
@@ -261,5 +278,6 @@ class Notes(NamedTuple):
     demands: Matrix
     pace: Vector
     force_ratio: Vector
+    limits: NDArray[np.float64]
     effort: NDArray[np.int64]
     told: NDArray[np.int64]

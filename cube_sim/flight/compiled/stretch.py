@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cube_sim.allocation.flown import FlownAllocator, SearchCodes
 from cube_sim.allocation.responsive import ResponsiveThrusters
 from cube_sim.control.answering import LawParts
@@ -19,6 +22,7 @@ from cube_sim.flight.compiled.parts import (
     Feed,
     FinServos,
     Hull,
+    Moment,
     Notes,
     Sensing,
 )
@@ -47,6 +51,7 @@ class FlyArguments(NamedTuple):
     planar: PlanarParts
     answering: Answering
     thrusters: ResponsiveThrusters
+    moment: Moment
     rows: TickRows
     notes: Notes
     stops: Record
@@ -62,6 +67,7 @@ class FlownTicks(NamedTuple):
         pace: (ticks,) share of the speed along the path.
         force_ratio_before: share of their force that the thrusters gave at the tick before.
         force_ratio: (ticks,) that share at each tick.
+        limits: (ticks,m,4) of whole thrusters [N], where they move; none else.
         sensing: what was estimated; also at the next tick, once its state is.
     """
 
@@ -71,6 +77,7 @@ class FlownTicks(NamedTuple):
     pace: Vector
     force_ratio_before: float
     force_ratio: Vector
+    limits: NDArray[np.float64]
     sensing: Sensing
 
 
@@ -90,7 +97,7 @@ class Stretch:
 
     def __init__(self, mission: Mission, allocator: FlownAllocator, target: Target, given: FlyArguments) -> None:
         self._mission, self._allocator, self._target, self._given = mission, allocator, target, given
-        self._ratio_before = mission.supply.force_ratio
+        self._ratio_before = mission.force_ratio
         self.ticks, self.reached = 0, BEGIN
         self._tick: Callable[..., tuple[int, int]] | None = None
 
@@ -159,6 +166,7 @@ class Stretch:
             notes.pace[first:end],
             float(notes.force_ratio[first - 1]) if first else self._ratio_before,
             notes.force_ratio[first:end],
+            notes.limits[first:end],
             sensing._replace(
                 answers=sensing.answers[estimated],
                 errors=sensing.errors[estimated],

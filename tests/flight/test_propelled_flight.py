@@ -1,0 +1,103 @@
+"""A vehicle whose propeller works in its inflow: limits and commands follow it in both loops, and the pace waits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from support.both_loops import assert_same_flight
+from support.propelled_torpedo import FASTEST, drag, line_scenario, thrust
+
+from cube_sim.control.moment_budget import RESERVE
+from cube_sim.flight import Flight
+
+pytestmark = pytest.mark.flight
+
+AHEAD = 4
+"""Column of `actuation.limits` with the propeller's F_max+."""
+
+STILL = {"control.current_time_s": None}
+"""The water is known to be at rest, so that the inflow is the vehicle's own motion."""
+WEAK = {"kind": "thrusters", "thrusters": ["propeller"], "state": "weak", "efficiency": 0.4}
+
+
+def flown(path, settings=None):
+    flight = Flight(path, settings or {})
+    flight.fly_to_its_end()
+    return flight
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {},
+        {"control.faults": "diagnosed", "events": [WEAK | {"at_s": 2.0}]},
+        {"navigation": {}, "current_m_s": [0.1, 0.1, 0.0]},
+        {"control.current_time_s": 4.0, "control.disturbance_time_s": 1.0, "current_m_s": [-0.2, 0.1, 0.0]},
+        {"allocation.method": "clipped_pseudo_inverse"},
+        {"allocation.method": "enumerate", "duration_s": 1.0},
+    ],
+    ids=["plain", "faults", "navigated", "current", "baseline", "enumerated"],
+)  # fmt: skip
+def test_both_loops_fly_the_same(tmp_path, monkeypatch, settings):
+    share = assert_same_flight(line_scenario(tmp_path), {"duration_s": 6.0, **settings}, monkeypatch)
+    if "allocation.method" not in settings and "navigation" not in settings:
+        assert share > 0.7
+
+
+def test_the_limits_are_those_of_the_inflow_at_every_tick(tmp_path):
+    signals = flown(line_scenario(tmp_path, 0.8, 20.0), STILL).signals
+    limits, velocity = signals["actuation.limits"], signals["velocity.linear"]
+    assert np.array_equal(limits[:, 0], velocity[:, 0])
+    expected = [max(thrust(FASTEST, u), 0.0) for u in velocity[:, 1].tolist()]
+    np.testing.assert_allclose(limits[:, AHEAD], expected, rtol=1e-9)
+    demanded = signals["thrusters.force_demanded"][:, 1]
+    assert np.all(demanded <= limits[:, AHEAD] + 1e-9)
+    assert np.all(demanded >= limits[:, 1] - 1e-9)
+
+
+def test_the_force_asked_for_is_made_at_speed(tmp_path):
+    """Once the rotor has come to its speed: the command for a force counts the inflow in."""
+    signals = flown(line_scenario(tmp_path, 0.8, 40.0), STILL).signals
+    late = slice(-200, None)
+    asked, made = (signals[name][late, 1] for name in ("thrusters.force_demanded", "thrusters.force"))
+    np.testing.assert_allclose(made, asked, rtol=1e-3)
+    assert made[-1] == pytest.approx(drag(0.8), rel=1e-3)
+    assert abs(signals["velocity.linear"][-1, 1] - 0.8) < 1e-3
+
+
+def test_at_its_speed_limit_the_pace_waits_and_nothing_saturates(tmp_path):
+    """Asked for 2 m/s it goes at the speed whose drag takes all that the inflow leaves but the reserve."""
+    flight = flown(line_scenario(tmp_path, 2.0, 60.0))
+    signals = flight.signals
+    fastest: float = brentq(lambda u: (1.0 - RESERVE) * thrust(FASTEST, u) - drag(u), 0.5, 2.0)
+    late = signals["velocity.linear"][-1000:, 1]
+    np.testing.assert_allclose(late, np.full(late.shape, fastest), rtol=0.01)
+    made, most = signals["thrusters.force"][-1000:, 1], signals["actuation.limits"][-1000:, AHEAD]
+    assert np.all(made < 0.98 * most)
+    assert abs(signals["path_error.cross_track"][-1, 1]) < 0.05
+    assert any("cannot keep 2 m/s along the path" in line.text for line in flight.log)
+
+
+def test_no_fault_is_found_where_there_is_none(tmp_path):
+    """What the propeller should give is reckoned in its inflow: half of its rest thrust is none missing."""
+    signals = flown(line_scenario(tmp_path, 2.0, 30.0), {"control.faults": "diagnosed"}).signals
+    np.testing.assert_array_equal(signals["health.believed"][:, 1:], 1.0)
+
+
+def test_a_half_dead_propeller_is_found_at_speed(tmp_path):
+    event = WEAK | {"at_s": 15.0}
+    signals = flown(line_scenario(tmp_path, 0.8, 25.0), {"control.faults": "diagnosed", "events": [event]}).signals
+    assert signals["health.believed"][-1, 1] == pytest.approx(0.4, abs=0.02)
+
+
+def test_a_snapshot_goes_on_to_the_bit(tmp_path):
+    path = line_scenario(tmp_path, 0.8, 8.0)
+    whole, cut = Flight(path, {"control.faults": "diagnosed"}), Flight(path, {"control.faults": "diagnosed"})
+    whole.go_on(400)
+    cut.go_on(200)
+    other = Flight(path, {"control.faults": "diagnosed"})
+    other.restore(cut.snapshot())
+    other.go_on(200)
+    np.testing.assert_array_equal(other.mission.data.qpos, whole.mission.data.qpos)
+    np.testing.assert_array_equal(other.mission.data.act, whole.mission.data.act)
