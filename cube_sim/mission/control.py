@@ -24,6 +24,7 @@ from cube_sim.mission.attitude import attitude_of, is_path_first
 from cube_sim.mission.guidance import guidance_of
 from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_dynamics
+from cube_sim.mission.moment import limits_move
 from cube_sim.mission.own.code import NO_CODES, Codes
 from cube_sim.mission.own.controller import own_controller
 from cube_sim.mission.own.law import LawSetup
@@ -135,7 +136,7 @@ def controller_of(
         waits=scenario.guidance.wait_for_thrusters and ability.fins is None,  # slower, fins make less
         capability=within_limit,
         path_first=is_path_first(control),
-        limits_move=bool(believed.vehicle.thrusters.propellers.turns.any()),
+        limits_move=limits_move(believed.vehicle.thrusters, believed.model, scenario.battery is not None),
     )
 
 

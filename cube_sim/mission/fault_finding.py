@@ -61,7 +61,7 @@ class FaultFinding:
             return self._diagnosis.health
         commands = data.act[self._thrusters.activations]
         if self._inflow.varies:
-            expected = forces_in_flow(self._inflow, *self._thrusters.curve_table, share, commands)
+            expected = forces_in_flow(self._inflow, share, commands)
         else:
             expected = self._thrusters.force(commands)
         return self._diagnosis.update(expected, measured, force_ratio)

@@ -16,6 +16,7 @@ from cube_sim.guidance.path import Path
 from cube_sim.guidance.virtual_target import VirtualTarget
 from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_planar_model
+from cube_sim.mission.moment import limits_move
 from cube_sim.mission.path import is_level, laps_of, speed_of
 from cube_sim.mission.planar_identification import identify_planar_model
 from cube_sim.mission.planar_speed import flyable_speed
@@ -74,7 +75,7 @@ def planar_follower(loaded: Loaded, believed: CompiledHull, path: Path) -> Plana
         raise ScenarioError(mistakes)
     ends = vehicle.thrusters.limits[:, [0, 3]]
     attainable = PlanarAttainableSet.of(vehicle.actuation_matrix, ends)
-    moves = vehicle.thrusters.propellers.turns.any()
+    moves = limits_move(vehicle.thrusters, model, scenario.battery is not None)
     profile = flyable_speed(profile, guidance, path, knowledge, attainable)
     limit = inf if guidance.target_speed_limit_m_s is None else guidance.target_speed_limit_m_s
     return PlanarFollower(

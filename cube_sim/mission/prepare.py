@@ -163,7 +163,8 @@ def mission_of(
     phases = phases_of(loaded, believed, allocator, codes)
     if phases:
         outline = phases.outline(PATH_POINTS)
-    inflow = inflow_of(believed.vehicle.thrusters)
+    supply = supply_of(loaded, model, vehicle)
+    inflow = inflow_of(believed.vehicle.thrusters, supply)
     mujoco.mj_kinematics(model, data)
     start = motion_of(read_state(vehicle, data))
     faults = sensor_faults(scenario)
@@ -177,7 +178,7 @@ def mission_of(
         controller=controller_of(loaded, believed, path, ability, codes, others),
         allocator=allocator,
         fins=FinSteering.of(vehicle, believed.vehicle, allocator, scenario),
-        supply=supply_of(loaded, model, vehicle),
+        supply=supply,
         events=Events(scenario, model, vehicle, faults),
         fault_finding=FaultFinding(flown, scenario, inflow) if scenario.control.faults == "diagnosed" else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, vehicle),

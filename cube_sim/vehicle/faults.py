@@ -58,7 +58,8 @@ def set_stuck(model: mujoco.MjModel, thruster: str, force: float) -> None:
 def set_supply(model: mujoco.MjModel, thruster: str, ratio: float) -> None:
     """Feed a thruster with another voltage.
 
-    A propeller's speed n follows the voltage, and its thrust is F = k n |n|. So forces scale with ratio^2.
+    A propeller's speed n follows the voltage, and its thrust is F = k n |n|. So forces scale with ratio^2. A thruster
+    whose curves are known at several voltages has the one of this voltage.
 
     Args:
         model: made by `load_model`; changed here.
@@ -70,7 +71,13 @@ def set_supply(model: mujoco.MjModel, thruster: str, ratio: float) -> None:
     """
     if not 0.0 <= ratio < np.inf:
         raise ModelError(thruster, f"supply ratio {ratio:g} is negative or not finite")
-    packing.packed_parameters(model)[curve_start(model, thruster) + layout.SUPPLY] = ratio**2
+    packed, start = packing.packed_parameters(model), curve_start(model, thruster)
+    tables = int(packed[start + layout.TABLES])
+    packed[start + layout.SUPPLY] = ratio**2 if tables < 0 else float(ratio > 0.0)
+    if tables >= 0 and ratio > 0.0:
+        from cube_sim.vehicle.laws.voltage_law import put_voltage  # only here: it loads the compiler
+
+        put_voltage(packed, tables, start, layout.CURVE, layout.POWER, ratio * packed[start + layout.VOLTAGE])
 
 
 def curve_start(model: mujoco.MjModel, thruster: str) -> int:

@@ -12,6 +12,7 @@ from cube_sim.vehicle import faults
 from cube_sim.vehicle.battery import Battery
 from cube_sim.vehicle.laws.curve_table import drawn_power
 from cube_sim.vehicle.laws.supply_law import SUPPLY, charge_left, count, feed_at, sag
+from cube_sim.vehicle.laws.voltage_law import VoltageTables, feed_tables, sagging_by_tables
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.thrusters import Thrusters
 
@@ -24,7 +25,7 @@ class PowerSupply:
         F = F_n (V / V_n)^2,  P = k_P |F|^1.5,  V = E - R P / V.
 
     F_n are the forces at V_n, the voltage of the characteristics; E and R are the battery's
-    (`cube_sim.vehicle.battery`).
+    (`cube_sim.vehicle.battery`). Of thrusters whose curves are known at several voltages, F and k_P are those at V.
 
     Attributes:
         voltage: V [V]; V_n without a battery, 0 where the model does not say it, and 0 from an empty battery.
@@ -34,6 +35,8 @@ class PowerSupply:
         record: all of it but the power, of `cube_sim.vehicle.laws.supply_law.SUPPLY`.
         supply_at: (m,) where in the model's own numbers the shares of force are.
         charge: of the battery, 1 full, 0 empty; 1 without one.
+        tables: what of the thrusters follows the voltage, where their curves are known at several.
+        by_tables: whether one does.
     """
 
     def __init__(
@@ -60,6 +63,21 @@ class PowerSupply:
         starts = np.array([faults.curve_start(model, name) for name in thrusters.in_model], dtype=np.int64)
         self._efficiency_at, self._stuck_at = starts + layout.EFFICIENCY, starts + layout.STUCK
         self.supply_at = starts + layout.SUPPLY
+        record_at = packing.packed_parameters(model)[starts + layout.TABLES].astype(np.int64)
+        known = (record_at >= 0) & (battery is not None)
+        curves, begins = thrusters.curve_table
+        self.by_tables = bool(known.any())
+        self.tables = VoltageTables(
+            known,
+            record_at,
+            starts,
+            layout.CURVE,
+            layout.POWER,
+            curves.copy(),
+            begins,
+            thrusters.power_coefficients.copy(),
+            thrusters.limits,
+        )
         self.power: NDArray[np.float64] = np.zeros(len(thrusters.names))
         self.record: Record = np.zeros(1, SUPPLY)
         r = self.record
@@ -86,7 +104,7 @@ class PowerSupply:
             if emptied:
                 self._feed_at(0.0)
             elif self.force_ratio > 0.0:
-                sag(self.record, self.drawing[0], self.supply_at, self._power(data))
+                self._sag(data)
             if emptied or self.force_ratio > 0.0:
                 mujoco.mj_forward(self._model, data)
         power = self._power(data)
@@ -123,7 +141,7 @@ class PowerSupply:
     def drawing(self) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
         """The arguments of `drawn_power` before the forces."""
         packed = packing.packed_parameters(self._model)
-        return packed, self._efficiency_at, self._stuck_at, self._thrusters.power_coefficients
+        return packed, self._efficiency_at, self._stuck_at, self.tables.coefficients
 
     def _power(self, data: mujoco.MjData) -> NDArray[np.float64]:
         """(m,) electrical power [W] of thrusters whose propellers may be damaged.
@@ -132,8 +150,28 @@ class PowerSupply:
         """
         return drawn_power(*self.drawing, data.actuator_force[self._thrusters.actuators])
 
+    def _sag(self, data: mujoco.MjData) -> None:
+        """Feed the thrusters with the voltage at which battery and propellers agree."""
+        packed, efficiency_at, stuck_at, _ = self.drawing
+        drawn = self._power(data)
+        if self.by_tables:
+            commands = data.act[self._thrusters.activations]
+            given = self.record, self.tables, packed, efficiency_at, stuck_at, commands, drawn
+            self._feed_at(sagging_by_tables(*given))
+        else:
+            sag(self.record, packed, self.supply_at, drawn)
+
     def _feed_at(self, voltage: float) -> None:
-        feed_at(self.record, self.drawing[0], self.supply_at, voltage)
+        packed = self.drawing[0]
+        feed_at(self.record, packed, self.supply_at, voltage)
+        if self.by_tables:
+            feed_tables(self.tables, packed, self.supply_at, voltage)
+
+
+def has_voltage_tables(model: mujoco.MjModel, thrusters: Thrusters) -> bool:
+    """Whether a curve of one of them is known at several voltages."""
+    packed = packing.packed_parameters(model)
+    return any(packed[faults.curve_start(model, name) + layout.TABLES] >= 0.0 for name in thrusters.in_model)
 
 
 def _require_known(thrusters: Thrusters, nominal: float) -> None:

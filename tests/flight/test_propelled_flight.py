@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 from support.both_loops import assert_same_flight
-from support.propelled_torpedo import FASTEST, drag, line_scenario, thrust
+from support.propelled_torpedo import FASTEST, drag, finned_line, line_scenario, thrust
 
 from cube_sim.control.moment_budget import RESERVE
 from cube_sim.flight import Flight
@@ -45,6 +44,12 @@ def test_both_loops_fly_the_same(tmp_path, monkeypatch, settings):
         assert share > 0.7
 
 
+def test_beside_fins_both_loops_fly_the_same(tmp_path, monkeypatch):
+    """REMUS 100 with a propeller in its inflow: the sharing between fins and thrusters knows its limits."""
+    path = finned_line(tmp_path)
+    assert assert_same_flight(path, {"duration_s": 8.0, "checks": [{"kind": "allowed_forces"}]}, monkeypatch) > 0.7
+
+
 def test_the_limits_are_those_of_the_inflow_at_every_tick(tmp_path):
     signals = flown(line_scenario(tmp_path, 0.8, 20.0), STILL).signals
     limits, velocity = signals["actuation.limits"], signals["velocity.linear"]
@@ -70,7 +75,9 @@ def test_at_its_speed_limit_the_pace_waits_and_nothing_saturates(tmp_path):
     """Asked for 2 m/s it goes at the speed whose drag takes all that the inflow leaves but the reserve."""
     flight = flown(line_scenario(tmp_path, 2.0, 60.0))
     signals = flight.signals
-    fastest: float = brentq(lambda u: (1.0 - RESERVE) * thrust(FASTEST, u) - drag(u), 0.5, 2.0)
+    speeds = np.linspace(0.5, 2.0, 15001)
+    spare = [(1.0 - RESERVE) * thrust(FASTEST, u) - drag(u) for u in speeds.tolist()]
+    fastest = float(speeds[np.argmin(np.abs(spare))])
     late = signals["velocity.linear"][-1000:, 1]
     np.testing.assert_allclose(late, np.full(late.shape, fastest), rtol=0.01)
     made, most = signals["thrusters.force"][-1000:, 1], signals["actuation.limits"][-1000:, AHEAD]

@@ -258,6 +258,8 @@ def _feed(mission: Mission) -> Feed:
         supply.power.copy(),
         supply.record,
         supply.supply_at,
+        supply.by_tables,
+        supply.tables,
         mission.events.health.efficiency,
     )
 

@@ -33,8 +33,9 @@ from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
 from cube_sim.vehicle.laws.inflow import commands_in_flow, feel_inflow, forces_in_flow
 from cube_sim.vehicle.laws.push import push_wrench
-from cube_sim.vehicle.laws.supply_law import charge_left, sag
+from cube_sim.vehicle.laws.supply_law import charge_left, feed_at, sag
 from cube_sim.vehicle.laws.supply_law import count as count_drawn
+from cube_sim.vehicle.laws.voltage_law import feed_tables, sagging_by_tables
 from cube_sim.vehicle.plugin.engine import forward, forward_again, step
 from cube_sim.vehicle.state import hull_state
 
@@ -142,7 +143,13 @@ def fly(
                 return k, FORWARDED
             supply.charge = charge
             drawn = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
-            sag(feed.supply, feed.packed, feed.supply_at, drawn)
+            if feed.by_tables:
+                told = feed.efficiency_at, feed.stuck_at, activation, drawn
+                voltage = sagging_by_tables(feed.supply, feed.tables, feed.packed, *told)
+                feed_at(feed.supply, feed.packed, feed.supply_at, voltage)
+                feed_tables(feed.tables, feed.packed, feed.supply_at, voltage)
+            else:
+                sag(feed.supply, feed.packed, feed.supply_at, drawn)
             if not forward_again(e.model, e.data, text):
                 return k, FAILED
             for i in range(m):
@@ -156,7 +163,7 @@ def fly(
         if evidence.watched:
             w = evidence.window
             if inflow.varies:
-                whole = forces_in_flow(inflow, feed.curves, feed.starts, share, activation)
+                whole = forces_in_flow(inflow, share, activation)
             else:
                 whole = steady_forces(feed.curves, feed.starts, activation)
             measured = evidence.telemetry_gain * given
@@ -247,7 +254,7 @@ def fly(
             w = evidence.window
             put_probe(evidence.probes, w.efficiency, w.stuck, nobody, asked)
         if inflow.varies:
-            commands = commands_in_flow(inflow, feed.curves, feed.starts, share, asked)
+            commands = commands_in_flow(inflow, share, asked)
         else:
             commands = commands_of_forces(feed.curves, feed.starts, asked)
         for i in range(m):

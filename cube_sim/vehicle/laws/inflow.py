@@ -16,7 +16,6 @@ from cube_sim.spatial import Matrix, Vector
 from cube_sim.tuples import to_body
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, steady_forces
 from cube_sim.vehicle.laws.propeller import (
-    COLUMNS,
     held_forces,
     rotation,
     speed_of_advance,
@@ -31,9 +30,12 @@ class Inflow(NamedTuple):
     Attributes:
         varies: whether what they can hold depends on more than the supply's share of the force.
         turns: (m,) whether each is a propeller in its inflow.
-        rows: (m, `COLUMNS`) of the propellers; zero for others.
+        rows: (m, 24) of the propellers, see `cube_sim.vehicle.laws.propeller`; zero for others.
         points: (k,) their open-water points.
-        nominal: (m,4) limits of the others at the voltage of their curves [N].
+        known: (m,) whether the curves of each follow the voltage by themselves, forces and all.
+        curves: table of `cube_sim.vehicle.laws.curve_table`, of the moment; like the next.
+        starts: (m,) of it.
+        nominal: (m,4) limits of those that are no propellers, by these curves [N].
         advance: (m,) speeds of advance [m/s]; moved on.
         limits: (m,4) [F_max-, F_DZ-, F_DZ+, F_max+] [N]; moved on.
     """
@@ -42,17 +44,12 @@ class Inflow(NamedTuple):
     turns: np.ndarray
     rows: Matrix
     points: Vector
+    known: np.ndarray
+    curves: Vector
+    starts: np.ndarray
     nominal: Matrix
     advance: Vector
     limits: Matrix
-
-
-def steady_inflow(nominal: Matrix) -> Inflow:
-    """Of thrusters none of which varies, with these limits (m,4) [N]."""
-    m = len(nominal)
-    return Inflow(
-        False, np.zeros(m, np.bool_), np.zeros((m, COLUMNS)), np.zeros(1), nominal, np.zeros(m), nominal.copy()
-    )
 
 
 @compiled
@@ -76,22 +73,25 @@ def feel_inflow(inflow, R, v, w, current_W, share):
             inflow.limits[i, 0], inflow.limits[i, 1] = held[0], held[1]
             inflow.limits[i, 2], inflow.limits[i, 3] = held[2], held[3]
         else:
+            left = 1.0 if inflow.known[i] else share
             for side in range(4):
-                inflow.limits[i, side] = share * inflow.nominal[i, side]
+                inflow.limits[i, side] = left * inflow.nominal[i, side]
 
 
 @compiled
-def commands_in_flow(inflow, curves, starts, share, forces):
+def commands_in_flow(inflow, share, forces):
     """Commands (m,) that hold forces (m,) [N]; the nearest to one that is beyond the limits or in a dead zone.
 
     Args:
         inflow: `Inflow`, felt.
-        curves: table of `cube_sim.vehicle.laws.curve_table`, like the next.
-        starts: (m,) of it.
         share: of `feel_inflow`, above 0.
         forces: (m,) [N].
     """
-    commands = commands_of_forces(curves, starts, forces / share)
+    asked = forces.copy()
+    for i in range(len(forces)):
+        if not inflow.known[i]:
+            asked[i] = forces[i] / share
+    commands = commands_of_forces(inflow.curves, inflow.starts, asked)
     for i in range(len(forces)):
         if inflow.turns[i]:
             row, u_a = inflow.rows[i], inflow.advance[i]
@@ -100,10 +100,12 @@ def commands_in_flow(inflow, curves, starts, share, forces):
 
 
 @compiled
-def forces_in_flow(inflow, curves, starts, share, commands):
+def forces_in_flow(inflow, share, commands):
     """Steady forces (m,) [N] of commands (m,); the other arguments as in `commands_in_flow`."""
-    forces = share * steady_forces(curves, starts, commands)
+    forces = steady_forces(inflow.curves, inflow.starts, commands)
     for i in range(len(commands)):
+        if not inflow.known[i]:
+            forces[i] *= share
         if inflow.turns[i]:
             n = rotation(inflow.rows[i], commands[i], sqrt(share))
             forces[i] = thrust_at(inflow.rows[i], inflow.points, n, inflow.advance[i])

@@ -24,6 +24,7 @@ from cube_sim.vehicle.mjcf.body_lift import CORIOLIS, CROSS_FLOW, PRODUCTS, STAT
 from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS
 from cube_sim.vehicle.mjcf.fins import FIN_PARAMETERS
 from cube_sim.vehicle.mjcf.propellers import PROPELLER_PARAMETERS
+from cube_sim.vehicle.mjcf.voltages import TABLE
 
 DENSITY, CURRENT, SURFACE = WATER_PARAMETERS = ("water:density", "water:current", "water:surface")
 HULL_PARAMETERS = (
@@ -44,6 +45,7 @@ THRUSTER_PARAMETERS = (
     "thruster_power",
     "thruster_voltage",
     "thruster_pwm",
+    TABLE,
     *PROPELLER_PARAMETERS,
 )
 

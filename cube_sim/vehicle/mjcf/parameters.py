@@ -16,6 +16,7 @@
     <body>:thruster_voltage             the voltage of the characteristic [V]; may be left out
     <body>:thruster_pwm                 pulse widths of the commands -1, 0 and 1 [us]; may be left out
     <actuator>:thruster_...             each of these for one thruster, before its hull's
+    <body>:thruster_voltage_table       curves at several voltages, see `cube_sim.vehicle.mjcf.voltages`
     <actuator>:propeller_...            a thruster in its inflow in place of a characteristic, see
                                         `cube_sim.vehicle.mjcf.propellers`
     <body>:velocity_products ...        lift and cross-flow drag, see `cube_sim.vehicle.mjcf.body_lift`
@@ -52,8 +53,9 @@ from cube_sim.vehicle.mjcf.numeric_names import (
     hulls_in_water,
     one_water,
 )
-from cube_sim.vehicle.mjcf.propellers import PropellerParameters, propeller_of
+from cube_sim.vehicle.mjcf.propellers import DIAMETER, PropellerParameters, propeller_of
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
+from cube_sim.vehicle.mjcf.voltages import TABLE, VoltageParameters, voltages_of
 from cube_sim.vehicle.thruster_tables import READING
 
 
@@ -95,6 +97,8 @@ class ThrusterParameters:
         power: (k_P-, k_P+) of the electrical power k_P |F|^1.5 [W/N^1.5]; 0 when not known.
         voltage: at which the characteristic holds [V]; None when not known.
         pulse_us: (3,) pulse widths of the commands -1, 0 and 1 [us]; None when not known.
+        voltages: its curves at several voltages, of which the characteristic is that at `voltage`; None where there is
+            one alone.
         propeller: in whose inflow its force depends; None where the characteristic is all there is. With one, the
             characteristic is that of water that does not flow.
     """
@@ -104,6 +108,7 @@ class ThrusterParameters:
     voltage: float | None
     pulse_us: tuple[float, float, float] | None
     propeller: PropellerParameters | None = None
+    voltages: VoltageParameters | None = None
 
 
 @dataclass(frozen=True)
@@ -246,13 +251,46 @@ def _thruster(
 ) -> ThrusterParameters:
     actuator, body = element.name, element.body
     propeller = propeller_of(numerics, actuator, body, element.site, element.site_body, density)
+    power_name = _either(numerics, actuator, body, "thruster_power")
+    voltage = _voltage(numerics, _either(numerics, actuator, body, "thruster_voltage"))
+    table = _voltage_table(numerics, actuator, body, propeller)
+    if (propeller or table) and f"{actuator}:thruster_dead_zone" in numerics:
+        instead = "propeller_slowest" if propeller else "the rows of first thrust"
+        raise ModelError(f"{actuator}:thruster_dead_zone", f"is not for this thruster; {instead} says where it rests")
+    if table is not None:
+        known = voltages_of(numerics, table, power_name)
+        if voltage is None or not known.voltages[0] <= voltage <= known.voltages[-1]:
+            raise ModelError(
+                f"{table.rpartition(':')[0]}:thruster_voltage",
+                f"is {'missing' if voltage is None else f'{voltage:g}'}; a voltage from {known.voltages[0]:g} to "
+                f"{known.voltages[-1]:g} V is right, at which '{actuator}' runs without a battery",
+            )
+        curve, power = known.at(voltage)
+    else:
+        known, power = None, _power(numerics, power_name)
+        curve = _characteristic(numerics, actuator, body) if propeller is None else propeller.curve()
     return ThrusterParameters(
-        characteristic=_characteristic(numerics, actuator, body) if propeller is None else propeller.curve(),
-        power=_power(numerics, _either(numerics, actuator, body, "thruster_power")),
-        voltage=_voltage(numerics, _either(numerics, actuator, body, "thruster_voltage")),
+        characteristic=curve,
+        power=power,
+        voltage=voltage,
         pulse_us=_pulse_us(numerics, _either(numerics, actuator, body, "thruster_pwm")),
         propeller=propeller,
+        voltages=known,
     )
+
+
+def _voltage_table(
+    numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str, propeller: PropellerParameters | None
+) -> str | None:
+    """The numeric with a thruster's curves at several voltages; None for one that has one curve, or is a propeller."""
+    table, curve = (_either(numerics, actuator, body, each) for each in (TABLE, "thruster_characteristic"))
+    own = f"{actuator}:{TABLE}"
+    if table is None or (table != own and (propeller or curve == f"{actuator}:thruster_characteristic")):
+        return None
+    if propeller or (curve is not None and curve.rpartition(":")[0] == table.rpartition(":")[0]):
+        beside = f"{actuator}:{DIAMETER}" if propeller else curve
+        raise ModelError(table, f"stands beside {beside}; one of the two is right")
+    return table
 
 
 def _power(numerics: Mapping[str, NDArray[np.float64]], name: str | None) -> tuple[float, float]:

@@ -16,19 +16,21 @@ doubles from the array's beginning:
                     servo of a fin, -3 for what keeps the state of an own force
     curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
                     voltage [V], pulse widths of the commands -1, 0 and 1 [us], number of its propeller or -1,
-                    c_1..c_n, F_1..F_n [N]; stuck is NaN for a thruster that is free; voltage and pulses are NaN where
-                    not known; of a propeller the curve is that of water that does not flow
+                    start of its record of voltages or -1, c_1..c_n, F_1..F_n [N]; stuck is NaN for a thruster that is
+                    free; voltage and pulses are NaN where not known; of a propeller the curve is that of water that
+                    does not flow
     pushes          n, and n rows as `cube_sim.vehicle.laws.push` has them
     lift            numbers of velocity products, strips, fins, products with a fin's deflection and with its square,
                     and a row for each as the laws `body_lift` and `fin` of `cube_sim.vehicle.laws` have them; where a
                     deflection is in it, the fin's number stands for the hull's
     propellers      n, number of values in open-water points, n rows as `cube_sim.vehicle.laws.propeller` has them, and
                     these points
+    voltages        of each table of curves at several voltages, as `cube_sim.vehicle.laws.voltage_law` has it
     current         n_t, n_z, t_1.. [s], z_1.. [m], (v_x, v_y, v_z) [m/s] time by time
 
-`cube_sim.vehicle.plugin.packing` writes it. Efficiency, supply, stuck, the velocities of the current and the
-pushes are meant to change while a model is in use (`cube_sim.vehicle.faults`, `cube_sim.vehicle.current`,
-`cube_sim.vehicle.pushes`).
+`cube_sim.vehicle.plugin.packing` writes it. Efficiency, supply, stuck, a curve that has a record of voltages, the
+velocities of the current and the pushes are meant to change while a model is in use (`cube_sim.vehicle.faults`,
+`cube_sim.vehicle.current`, `cube_sim.vehicle.pushes`).
 """
 
 from __future__ import annotations
@@ -53,4 +55,4 @@ SEES, STATES, STATE, RATES = 119, 120, 121, 122
 HULL_SIZE = 123
 # one curve record
 DEAD_LOW, DEAD_HIGH, ZONE_LOW, ZONE_HIGH, POINTS = 0, 1, 2, 3, 4
-EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, PROPELLER, CURVE = 5, 6, 7, 8, 10, 11, 14, 15
+EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, PROPELLER, TABLES, CURVE = 5, 6, 7, 8, 10, 11, 14, 15, 16

@@ -96,7 +96,8 @@ def pack_parameters(
     propellers_start = end + lift.size if turning.size else -1.0
     starts = layout.HEADER_SIZE, table_start, current_start, process, pushes_start, lift_start, parameters.surface
     header = np.array([layout.MAGIC, len(hulls), *starts, propellers_start])
-    return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed, lift, turning])
+    at_voltages = _voltage_records(parameters, curves, end + lift.size + turning.size)
+    return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed, lift, turning, *at_voltages])
 
 
 def packed_size(parameters: WaterParameters, pushes: int = 0) -> int:
@@ -149,7 +150,7 @@ def _curve_record(thruster: ThrusterParameters, propeller: int) -> NDArray[np.fl
     healthy = (1.0, 1.0, np.nan)  # efficiency, supply, not stuck
     head = [*curve.command_dead_zone, *curve.force_dead_zone, curve.commands.size, *healthy, *thruster.power]
     wires = [np.nan if thruster.voltage is None else thruster.voltage, *(thruster.pulse_us or [np.nan] * 3)]
-    return np.concatenate([np.array([*head, *wires, propeller]), curve.commands, curve.forces])
+    return np.concatenate([np.array([*head, *wires, propeller, -1.0]), curve.commands, curve.forces])
 
 
 def _push_record(pushes: int) -> NDArray[np.float64]:
@@ -174,6 +175,30 @@ def _lift_record(parameters: WaterParameters, fins: NDArray[np.float64] | None) 
 def _of_fins(parameters: WaterParameters, power: float) -> NDArray[np.float64]:
     """(n, columns) products with that power of a deflection, the number of the fin before each."""
     return _of_hulls([fin.products[fin.products[:, -1] == power, :-1] for fin in parameters.fins], PRODUCT_COLUMNS)
+
+
+def _voltage_records(
+    parameters: WaterParameters, curves: Sequence[NDArray[np.float64]], start: int
+) -> list[NDArray[np.float64]]:
+    """One for each table; curve records (n,) get to know where theirs begins. The first begins at `start`."""
+    thrusters = [thruster for thruster in parameters.thrusters if thruster is not None]
+    begins: dict[str, int] = {}
+    records = []
+    for thruster, curve in zip(thrusters, curves, strict=True):
+        of = thruster.voltages
+        if of is None:
+            continue
+        if of.source not in begins:
+            begins[of.source] = start
+            each = [
+                np.concatenate([power, at.command_dead_zone, at.force_dead_zone, at.commands, at.forces])
+                for power, at in zip(of.power, of.curves, strict=True)
+            ]
+            head = np.array([float(len(of.voltages)), float(of.curves[0].commands.size), *of.voltages])
+            records.append(np.concatenate([head, *each]))
+            start += records[-1].size
+        curve[layout.TABLES] = begins[of.source]
+    return records
 
 
 def _propeller_record(
