@@ -57,7 +57,8 @@ class Report:
         remarks: on the vehicle left to itself.
         table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
             was wanted.
-        fins: what the fins do at the speed of the verdict, the last columns of the matrix; None for none.
+        speed_m_s: of the verdict.
+        fins: what the fins do at that speed, the last columns of the matrix; None for none.
     """
 
     model: Path
@@ -67,6 +68,7 @@ class Report:
     turning: TurningTrim | None
     critical: CriticalSpeed | None
     table: Survivability | None
+    speed_m_s: float
     stuck: tuple[FaultCase, ...] | None = None
     fins: FinsAtSpeed | None = None
     remarks: tuple[str, ...] = ()
@@ -117,7 +119,7 @@ def report_on(
         check_path(picture)
     loaded = _loaded(model, settings)
     vehicle = Vehicle.from_model(loaded, hull)
-    A, limits, names = vehicle.actuation_matrix, vehicle.thrusters.limits, vehicle.thrusters.names
+    A, names = vehicle.actuation_matrix, vehicle.thrusters.names
     if not names:
         raise ActuationError(f"{model}: {vehicle.name} has no thrusters")
     if planar:
@@ -126,7 +128,7 @@ def report_on(
     gone = _names(lost)
     body = vehicle.dynamics
     requirements = PathRequirements() if speed_m_s is None else PathRequirements(speed_m_s=speed_m_s)
-    fins = None
+    limits, fins = ahead_limits(vehicle, requirements.speed_m_s), None
     if vehicle.fins is not None:
         fins, requirements = vehicle.fins.at_speed(requirements.speed_m_s), replace(requirements, nose_ahead=True)
         names, limits = (*names, *vehicle.fins.names), np.vstack([limits, fins.limits])
@@ -171,7 +173,13 @@ def report_on(
     if stuck:
         cases = fault_cases(vehicle, requirements.speed_m_s, lost=gone, cost_limit=cost_limit, progress=progress)
     noted = tuple(remarks(loaded, vehicle))
-    return Report(model, title, vehicle, analysis, turning, critical, table, cases, fins, noted)
+    speed = requirements.speed_m_s
+    return Report(model, title, vehicle, analysis, turning, critical, table, speed, cases, fins, noted)
+
+
+def ahead_limits(vehicle: Vehicle, speed_m_s: float) -> Matrix:
+    """(m,4) limits of its thrusters [N] straight ahead at a speed, where those of propellers follow the inflow."""
+    return vehicle.thrusters.limits_at([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
 def _loaded(model: Path, settings: Sequence[str]) -> mujoco.MjModel:
@@ -249,6 +257,7 @@ def to_dict(report: Report) -> dict[str, Any]:
         "remarks": report.remarks,
         "thrusters": a.names,
         "fins": _fins_at(report),
+        "propellers": _propellers_at(report),
         "lost": a.lost,
         "components": s.axes.names,
         "actuation_matrix": a.matrix,
@@ -291,6 +300,19 @@ def _fins_at(report: Report) -> dict[str, Any] | None:
         "names": report.vehicle.fins.names,
         "speed_m_s": report.fins.speed_m_s,
         "limits": report.fins.limits[:, [0, 3]],
+    }
+
+
+def _propellers_at(report: Report) -> dict[str, Any] | None:
+    thrusters = report.vehicle.thrusters
+    turns = thrusters.propellers.turns
+    if not turns.any():
+        return None
+    return {
+        "names": [name for name, turning in zip(thrusters.names, turns, strict=True) if turning],
+        "speed_m_s": report.speed_m_s,
+        "limits": ahead_limits(report.vehicle, report.speed_m_s)[turns],
+        "limits_at_rest": thrusters.limits[turns],
     }
 
 

@@ -11,7 +11,7 @@ from rich.table import Table
 from cube_sim.actuation import Analysis, PathRequirements, Survivability
 from cube_sim.actuation.path_following.controllable_trim import FURTHEST
 from cube_sim.actuation.path_following.steady_turn import TIGHTEST_M
-from cube_sim.commands.analysis_report import Report
+from cube_sim.commands.analysis_report import Report, ahead_limits
 from cube_sim.commands.output import console_for_tables
 from cube_sim.commands.stuck_tables import faults_in_words, faults_table
 from cube_sim.control.critical_speed import FASTEST_M_S, CriticalSpeed
@@ -45,7 +45,7 @@ def print_report(report: Report) -> None:
     if a.unreachable:
         forces, torques = s.pure_forces.shape[1], s.pure_torques.shape[1]
         line(f"  isolated: {forces} force{'s' * (forces != 1)} and {torques} torque{'s' * (torques != 1)}")
-    for text in _fins(report):
+    for text in (*_propellers(report), *_fins(report)):
         line(f"  {text}")
     console.print(_components(a))
     console.print(_directions(a))
@@ -65,6 +65,22 @@ def print_report(report: Report) -> None:
         line(f"turning: {_turning(report)}")
         if report.critical is not None:
             line(f"margins: {_margins(report.critical)}")
+
+
+def _propellers(report: Report) -> Iterator[str]:
+    """What the inflow leaves of propellers, and at which speed."""
+    thrusters = report.vehicle.thrusters
+    turns = thrusters.propellers.turns
+    if not turns.any():
+        return
+    yield f"propellers count by what they make at {report.speed_m_s:g} m/s straight ahead (--speed) [N]:"
+    there, rest = ahead_limits(report.vehicle, report.speed_m_s), thrusters.limits
+    for i in np.flatnonzero(turns).tolist():
+        (low, below, above, high), (least, _, _, most) = there[i].tolist(), rest[i].tolist()
+        yield (
+            f"  {thrusters.names[i]}: {low:.3g} to {high:.3g}, none between {below:.3g} and {above:.3g}; at rest "
+            f"{least:.3g} to {most:.3g}"
+        )
 
 
 def _fins(report: Report) -> Iterator[str]:

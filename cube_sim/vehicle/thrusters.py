@@ -101,6 +101,22 @@ class Thrusters:
         """(m,4) [F_max-, F_DZ-, F_DZ+, F_max+] [N] per thruster."""
         return np.array([curve.limits for curve in self.characteristics]).reshape(-1, 4)
 
+    def limits_at(self, velocity: ArrayLike) -> NDArray[np.float64]:
+        """(m,4) limits [N] of a hull that moves through the water: those of propellers follow their inflow.
+
+        Args:
+            velocity: [v; w] (6,) through the water [m/s, rad/s], body axes.
+        """
+        limits, of = self.limits, self.propellers
+        if not of.turns.any():
+            return limits
+        from cube_sim.vehicle.laws.propeller import held_forces, speed_of_advance  # only here: it loads the compiler
+
+        nu_r = tuple(np.asarray(velocity, dtype=float).tolist())
+        for i in np.flatnonzero(of.turns).tolist():
+            limits[i] = held_forces(of.rows[i], of.points, speed_of_advance(of.rows[i], nu_r), 1.0)
+        return limits
+
     @property
     def reactivity(self) -> NDArray[np.float64]:
         """(m,2) F_react-, F_react+ [N] per thruster."""

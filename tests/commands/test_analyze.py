@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from support.propelled_torpedo import FASTEST, propelled_torpedo, thrust
 from typer.testing import CliRunner
 
 from cube_sim.commands.cli import app
@@ -52,6 +53,23 @@ def test_fins_steer_from_a_speed_on():
     assert all(course["velocity"][0] > 1.0 for course in fast["verdict"]["courses"])  # nose ahead
     assert fast["turning"]["radius_m"] < 8.0
     assert "fins" not in analyze("models/torpedo.xml").output
+
+
+def test_propellers_count_by_what_the_inflow_leaves(tmp_path):
+    """T = rho D^4 K_T(J) n^2 at full speed: 22.7 N at rest, 13.4 N at 0.8 m/s, none beyond its pitch speed."""
+    model = str(propelled_torpedo(tmp_path))
+    for speed in (0.3, 0.8, 1.5):
+        told = json.loads(analyze(model, "--speed", str(speed), "--json").output)
+        assert told["propellers"]["names"] == ["propeller"]
+        limits, rest = told["propellers"]["limits"][0], told["propellers"]["limits_at_rest"][0]
+        assert limits[3] == pytest.approx(thrust(FASTEST, speed), rel=1e-9)
+        assert rest[3] == pytest.approx(thrust(FASTEST, 0.0), rel=1e-9)
+        surge = next(each for each in told["extents"] if each["component"] == "Fx")
+        assert surge["at_most"][1] == pytest.approx(limits[3], rel=1e-9)
+    lines = analyze(model, "--speed", "0.8").output.splitlines()
+    start = next(i for i, line in enumerate(lines) if "propellers count by what they make at 0.8 m/s" in line)
+    assert lines[start + 1] == "    propeller: -23.6 to 13.4, none between -0.429 and 0; at rest -15.8 to 22.7"
+    assert json.loads(analyze(CUBE, "--json").output)["propellers"] is None
 
 
 def test_json_is_the_whole_analysis():
