@@ -65,6 +65,13 @@ def vehicle(
         float | None,
         typer.Option(metavar="V", help="Of the thrusters' curves. Default: that of your own table, if it is one; 16."),
     ] = None,
+    battery_v: Annotated[
+        str | None,
+        typer.Option(
+            metavar="EMPTY,FULL",
+            help="Of a battery, 12.8,16.8: the thrusters get their curves at all published voltages about these.",
+        ),
+    ] = None,
     centre_of_mass_m: Annotated[
         str | None,
         typer.Option(metavar="X,Y,Z", help="Default: below the centre of buoyancy by a twentieth of the height."),
@@ -85,7 +92,7 @@ def vehicle(
     tables. What is an estimate says so in the file. On a terminal you are asked for what is missing.
     """
     from cube_sim.hull_shape.reading import FRAMES, UNITS
-    from cube_sim.vehicle.known_thrusters import known_names, known_thruster
+    from cube_sim.vehicle.known_thrusters import known_at_voltages, known_names, known_thruster
     from cube_sim.vehicle.thruster_tables import read_tables
     from cube_sim.vehicle_draft.thruster_places import places_from, places_of_file, places_of_flags, require_near
 
@@ -136,11 +143,19 @@ def vehicle(
         named = dict.fromkeys(at.kind for at in places)
         own = {volts for kind in named for volts in (tables or {}).get(kind, ())}
         volts = next(iter(own)) if voltage_v is None and len(own) == 1 else voltage_v
+        at_voltages = {}
+        if battery_v is not None:
+            empty, full = _battery(battery_v)
+            at_voltages = {kind: known_at_voltages(kind, empty, full, tables) for kind in named}
+            volts = 0.5 * (empty + full) if volts is None else volts
+            for several in at_voltages.values():
+                if not several[0].voltage <= volts <= several[-1].voltage:
+                    raise ShapeError(f"--voltage-v {volts:g}: the battery's, {empty:g} to {full:g} V, is right")
         kinds = {kind: known_thruster(kind, volts, tables) for kind in named}
         hull = _hull(mass_kg, mesh, size_m, unit, turn, centre_of_mass_m, neutral, urdf)
         places = places_from(hull.origin, places)
         require_near(places, hull.middle, hull.size)
-        _write(name, folder, hull, places, kinds)
+        _write(name, folder, hull, places, kinds, at_voltages)
     except CubeSimError as error:
         stop(BAD_INPUT, str(error))
     except OSError as error:
@@ -207,6 +222,16 @@ def _numbers(option: str, text: str) -> list[float]:
     return values
 
 
+def _battery(text: str) -> tuple[float, float]:
+    try:
+        empty, full = (float(word) for word in re.split("[,x ]+", text.strip()))
+    except ValueError:
+        empty, full = 0.0, 0.0
+    if not 0.0 < empty <= full < 1e6:
+        raise ShapeError(f"--battery-v {text}: two voltages [V], empty and full, are right, for example 12.8,16.8")
+    return empty, full
+
+
 def _take_away(files: Sequence[Path], folders: Sequence[Path]) -> None:
     for file in files:
         with suppress(OSError):
@@ -217,7 +242,12 @@ def _take_away(files: Sequence[Path], folders: Sequence[Path]) -> None:
 
 
 def _write(
-    name: str, folder: Path, hull: HullDraft, places: list[ThrusterPlace], kinds: dict[str, KnownThruster]
+    name: str,
+    folder: Path,
+    hull: HullDraft,
+    places: list[ThrusterPlace],
+    kinds: dict[str, KnownThruster],
+    at_voltages: dict[str, tuple[KnownThruster, ...]],
 ) -> None:
     from cube_sim.commands.new import write_scenario
     from cube_sim.vehicle_draft.hull import DENSITY, GRAVITY
@@ -226,7 +256,7 @@ def _write(
 
     lift = (DENSITY * hull.volume - hull.mass) * GRAVITY
     files = {
-        folder / "models" / f"{name}.xml": mjcf_text(name, hull, places, kinds),
+        folder / "models" / f"{name}.xml": mjcf_text(name, hull, places, kinds, at_voltages),
         folder / "tests" / f"test_{name}.py": own_tests(name, hull, places, lift),
         folder / "conftest.py": _CONFTEST,
     }

@@ -115,6 +115,30 @@ def known_thruster(name: str, voltage: float | None = None, tables: Tables | Non
     return KnownThruster(name.upper(), volts, commands, forces, zone, power, LAG_S, source, tuple(remarks))
 
 
+def known_at_voltages(
+    name: str, lowest: float, highest: float, tables: Tables | None = None
+) -> tuple[KnownThruster, ...]:
+    """A thruster at every voltage at which it was published, from the last below a battery's lowest to the first above.
+
+    Args:
+        name: one of `known_names`, in any case.
+        lowest: of the battery, empty [V].
+        highest: full [V].
+        tables: of `known_thruster`.
+
+    Raises:
+        ModelError: no such thruster, none at such voltages, or none at two of them.
+    """
+    for volts in (lowest, highest):
+        known_thruster(name, volts, tables)  # refused where it has none
+    by_voltage = (tables or {}).get(name.upper()) or published()[name.upper()]
+    voltages = sorted(by_voltage)
+    first, last = max(v for v in voltages if v <= lowest), min(v for v in voltages if v >= highest)
+    if first == last:
+        raise ModelError(name, f"has one table about {lowest:g} to {highest:g} V; a battery takes two, leave it out")
+    return tuple(known_thruster(name, volts, tables) for volts in voltages if first <= volts <= last)
+
+
 def known_names(tables: Tables | None = None) -> tuple[str, ...]:
     """Types of thrusters that are known, those of tables of one's own first."""
     return tuple(dict.fromkeys([*(tables or {}), *published()]))

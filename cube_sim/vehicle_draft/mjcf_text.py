@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -22,7 +22,13 @@ _COUPLED = 1e-3
 """Entries of the added mass below this share of its diagonal are rounding, and left out."""
 
 
-def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds: dict[str, KnownThruster]) -> str:
+def mjcf_text(
+    name: str,
+    hull: HullDraft,
+    places: Sequence[ThrusterPlace],
+    kinds: dict[str, KnownThruster],
+    at_voltages: Mapping[str, Sequence[KnownThruster]] | None = None,
+) -> str:
     """An MJCF file.
 
     Args:
@@ -30,6 +36,7 @@ def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds
         hull: its numbers.
         places: of its thrusters.
         kinds: by the name of the type.
+        at_voltages: the same at several voltages, for those that a battery feeds.
     """
     first = kinds[places[0].kind]
     lines = [
@@ -66,16 +73,10 @@ def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds
         lines += _numeric(f"hull:{key}", values, 6)
     powers = all(of.power is not None for of in kinds.values())  # a hull's would serve those without as well
     for owner, of in [("hull", first), *((p.name, kinds[p.kind]) for p in places if p.kind != first.name)]:
-        lines += _comment("    ", f"{of.source}: pairs of command and thrust [N], command = (pulse - 1500 us)/400 us")
-        lines += _numeric(f"{owner}:thruster_characteristic", np.column_stack([of.commands, of.forces]).ravel(), 10)
-        lines += _comment(
-            "    ",
-            f"first thrusts [N]; {'k of the electrical power k |F|^1.5 [W]; ' if powers else ''}their voltage; "
-            "pulses [us]",
-        )
-        lines += _numeric(f"{owner}:thruster_dead_zone", of.force_dead_zone, 6)
-        if powers and of.power is not None:
-            lines += _numeric(f"{owner}:thruster_power", of.power, 6)
+        if of.name in (at_voltages or {}):
+            lines += _at_voltages(owner, (at_voltages or {})[of.name])
+        else:
+            lines += _one_curve(owner, of, powers)
         lines += _numeric(f"{owner}:thruster_voltage", [of.voltage], 6)
         lines += _numeric(f"{owner}:thruster_pwm", [REST_US - FULL_US, REST_US, REST_US + FULL_US], 6)
     inertia = hull.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
@@ -108,6 +109,33 @@ def mjcf_text(name: str, hull: HullDraft, places: Sequence[ThrusterPlace], kinds
     lines += ["    </body>", "  </worldbody>", "", "  <actuator>"]
     lines += [f'    <general name="{p.name}" class="thruster" site="{p.name}"/>' for p in places]
     return "\n".join([*lines, "  </actuator>", "</mujoco>"]) + "\n"
+
+
+def _one_curve(owner: str, of: KnownThruster, powers: bool) -> list[str]:
+    lines = _comment("    ", f"{of.source}: pairs of command and thrust [N], command = (pulse - 1500 us)/400 us")
+    lines += _numeric(f"{owner}:thruster_characteristic", np.column_stack([of.commands, of.forces]).ravel(), 10)
+    lines += _comment(
+        "    ",
+        f"first thrusts [N]; {'k of the electrical power k |F|^1.5 [W]; ' if powers else ''}their voltage; pulses [us]",
+    )
+    lines += _numeric(f"{owner}:thruster_dead_zone", of.force_dead_zone, 6)
+    return lines + (_numeric(f"{owner}:thruster_power", of.power, 6) if powers and of.power is not None else [])
+
+
+def _at_voltages(owner: str, each: Sequence[KnownThruster]) -> list[str]:
+    lines = _comment(
+        "    ",
+        f"{each[0].source} and at {', '.join(f'{of.voltage:g}' for of in each[1:])} V: rows of voltage, command and "
+        "thrust [N], command = (pulse - 1500 us)/400 us; a battery's voltage lies between them",
+    )
+    pushes = [np.column_stack([np.full(len(of.forces), of.voltage), of.commands, of.forces]) for of in each]
+    table = np.concatenate(pushes)
+    lines += _numeric(f"{owner}:thruster_voltage_table", table[table[:, 2] != 0.0].ravel(), 9)
+    lines += _comment(
+        "    ", "k of the electrical power k |F|^1.5 [W] at each; the voltage without a battery; pulses [us]"
+    )
+    known = [of.power for of in each if of.power is not None]
+    return lines + (_numeric(f"{owner}:thruster_power", np.ravel(known), 6) if len(known) == len(each) else [])
 
 
 def mesh_text(hull: HullDraft) -> str | None:

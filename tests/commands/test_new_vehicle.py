@@ -15,6 +15,7 @@ from support.hull_shapes import ellipsoid, ellipsoid_added_mass, write_stl
 from support.places import REPO
 
 import cube_sim
+import cube_sim.vehicle.faults
 from cube_sim.vehicle.known_thrusters import known_thruster
 
 SIX = (
@@ -52,6 +53,40 @@ def unflown(monkeypatch):
         return "nothing"
 
     monkeypatch.setattr("cube_sim.commands.new.write_scenario", write)
+
+
+def test_on_a_battery_thrusters_get_their_curves_at_several_voltages(here, monkeypatch, capsys, unflown):
+    size = "--mass-kg", 11.5, "--size-m", "0.46,0.34,0.25", *FLAGS
+    code, *_ = call(monkeypatch, capsys, "new", "vehicle", "rov", *size, "--battery-v", "12.8,16.8")
+    assert code == 0
+    model = cube_sim.load_model("rov/models/rov.xml")
+    thrusters = cube_sim.Vehicle.from_model(model).thrusters
+    assert thrusters.voltage.tolist() == [14.8] * 6
+    np.testing.assert_allclose(thrusters.limits[0, [0, 3]], known_thruster("T200", 14.8).forces[[0, -1]], rtol=1e-4)
+    data = mujoco.MjData(model)
+    for volts in (12.8, 13.5, 16.8):
+        cube_sim.vehicle.faults.set_supply(model, "T1", volts / 14.8)
+        data.act[:] = 1.0
+        mujoco.mj_forward(model, data)
+        assert data.actuator_force[0] == pytest.approx(known_thruster("T200", volts).forces[-1], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("flags", "told"),
+    [
+        (("--battery-v", "16.8"), "two voltages"),
+        (("--battery-v", "16.8,12.8"), "two voltages"),
+        (("--battery-v", "7,16.8"), "has tables from 10 to 20 V, not at 7"),
+        (("--battery-v", "16,16"), "has one table about 16 to 16 V"),
+        (("--battery-v", "12.8,16.8", "--voltage-v", "19"), "the battery's, 12.8 to 16.8 V, is right"),
+    ],
+)
+def test_a_battery_that_no_table_spans_is_refused(here, monkeypatch, capsys, flags, told):
+    size = "--mass-kg", 11.5, "--size-m", "0.46,0.34,0.25", *FLAGS
+    code, _, said = call(monkeypatch, capsys, "new", "vehicle", "rov", *size, *flags)
+    assert code == 2
+    assert told in said
+    assert len(said.strip().splitlines()) == 1
 
 
 @pytest.mark.flight
