@@ -131,3 +131,15 @@ def test_beside_side_thrusters_fins_come_first(tmp_path):
     fixed = cube_sim.run(LINE, changes, out=tmp_path / "fixed")
     pushed = [np.abs(run.signals["thrusters.force"][-500:, 2:]).sum(axis=1).mean() for run in (turned, fixed)]
     assert pushed[0] < 0.95 * pushed[1]
+
+
+def test_a_wrench_from_outside_is_shared_with_the_fins_and_commands_leave_them_amidships():
+    flight = Flight(LINE, SHORT)
+    for _ in range(3):
+        flight.step(wrench=[2.0, -1.0, 0.0, -0.28, 0.0, 0.638])
+    assert abs(flight.signals["fins.deflection_wanted"][-1, 2]) > 0.01
+    made = flight.signals["wrench.allocated"][-1, 1:]
+    np.testing.assert_allclose(made, [2.0, -1.0, 0.0, -0.28, 0.0, 0.638], atol=0.02)
+    flight.step(commands=[0.5])
+    assert not flight.signals["fins.deflection_wanted"][-1, 1:].any()
+    assert not flight.signals["fins.wrench"][-1, 1:].any()
