@@ -15,13 +15,15 @@ from cube_sim.control.turning_limit import too_tight
 from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.path import Path
 from cube_sim.guidance.speed import tightest_radius
-from cube_sim.mission.water import initial_currents
+from cube_sim.mission.water import fastest_current, initial_currents
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.fins import FinsAtSpeed
 from cube_sim.wrench.health import Health
 
+BACK_M_S = 0.1
+"""So fast a vehicle that stays in a place comes back to it, about (a choice)."""
 COURSES = 60
 """So many directions of the path are looked at, evenly along it."""
 
@@ -82,7 +84,8 @@ class Ability:
         """
         A, limits, cost_limit = allocator.A, allocator.limits, scenario.control.cost_limit
         courses = courses_of(path)
-        hold = WaterHold.of(dynamics, scenario.guidance.speed_m_s, None if fins is None else inclinations_of(courses))
+        held_at = scenario.guidance.speed_m_s if fins is not None or len(courses) else speed_at_a_point(scenario)
+        hold = WaterHold.of(dynamics, held_at, None if fins is None else inclinations_of(courses))
         everything = Health.whole(A.shape[1])
         judged = with_fins(A, limits, everything, fins)
         whole = remaining_capability(*judged, hold=hold)
@@ -152,6 +155,14 @@ def inclinations_of(courses: Matrix) -> tuple[float, ...]:
     angles = np.arcsin(np.clip(courses[:, 2], -1.0, 1.0))
     ends = float(np.min(angles, initial=0.0)), float(np.max(angles, initial=0.0))
     return tuple(sorted({0.0, *(round(angle, 9) for angle in ends)}))
+
+
+def speed_at_a_point(scenario: Scenario) -> float:
+    """The speed through the water [m/s] at which a vehicle that is to stay in a place is asked what the water holds.
+
+    What it is told to go along a path at does not count there.
+    """
+    return max(fastest_current(scenario), min(BACK_M_S, scenario.guidance.speed_m_s))
 
 
 def fastest_through_water(courses: Matrix, speed_m_s: float, current: Vector) -> float:

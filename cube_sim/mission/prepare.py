@@ -13,7 +13,7 @@ from cube_sim.control.authority import Capability
 from cube_sim.control.controller import Controller
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.guidance.path import Path
-from cube_sim.mission.ability import Ability
+from cube_sim.mission.ability import Ability, speed_at_a_point
 from cube_sim.mission.allocation import allocator_of
 from cube_sim.mission.channels import PATH_POINTS, polyline, recorded_channels
 from cube_sim.mission.control import controller_of
@@ -222,7 +222,8 @@ def _ability(loaded: Loaded, allocator: FaultTolerant, dynamics: Dynamics, path:
         *(fins or ()),
         *(getattr(dynamics, each.name) for each in fields(dynamics)),
     )
-    asked = scenario.guidance.speed_m_s, scenario.control_period_s, scenario.control.cost_limit
+    at_a_point = speed_at_a_point(scenario) if path.length <= 0.0 else None
+    asked = scenario.guidance.speed_m_s, at_a_point, scenario.control_period_s, scenario.control.cost_limit
     key = "ability", scenario.path.model_dump_json(), asked, tuple(np.asarray(each).tobytes() for each in arrays)
     ability = loaded.shared.get(
         key, lambda: Ability.of(allocator, dynamics, scenario, path, lag_s, fins).of_many_flights()
