@@ -21,6 +21,8 @@ from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
 
+_MATRICES = (":added_mass", ":linear_damping", ":quadratic_damping")
+_DIAGONAL = 6
 _STATES = (layout.EFFICIENCY, layout.SUPPLY, layout.STUCK)
 """What of a thruster's record is of its health and supply, and no parameter."""
 
@@ -52,6 +54,8 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
             if element_values(model, name) is None:
                 raise ModelError(name, f"'{name.rpartition(':')[0]}' is no hull, and no thruster, of the model")
             elements[name] = given
+        elif (matrix := _as_matrix(name, given, numerics)) is not None:
+            numerics[name] = matrix
         elif name not in numerics or numerics[name].size != given.size:
             had = numerics[name].size if name in numerics else "none"
             raise ModelError(
@@ -78,6 +82,16 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
     if elements:
         mujoco.mj_setConst(model, data)
     set_inverse_weights(model, data, [model.body(hull.body).id for hull in read.hulls])
+
+
+def _as_matrix(
+    name: str, given: NDArray[np.float64], numerics: Mapping[str, NDArray[np.float64]]
+) -> NDArray[np.float64] | None:
+    """A diagonal (6,) as the matrix (36,) that the model has room for; None where that is not what is given."""
+    room = numerics[name].size if name in numerics else 0
+    if name.endswith(_MATRICES) and (given.size, room) == (_DIAGONAL, _DIAGONAL**2):
+        return np.diag(given).ravel()
+    return None
 
 
 def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:

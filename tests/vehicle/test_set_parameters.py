@@ -5,7 +5,7 @@ import copy
 import mujoco
 import numpy as np
 import pytest
-from support.places import CUBE
+from support.places import CUBE, MODELS
 
 import cube_sim
 from cube_sim.errors import ModelError
@@ -95,3 +95,14 @@ def test_what_cannot_be_is_refused_and_nothing_changes(given, said):
         cube_sim.set_parameters(model, {"hull:volume": 0.2, **given})
     for now, then in zip((model.numeric_data, model.body_mass, model.actuator_dynprm), before, strict=True):
         np.testing.assert_array_equal(now, then)
+
+
+def test_a_diagonal_has_room_where_a_whole_matrix_is():
+    """REMUS 100 has matrices of 36 values; as `load_model` does, it takes the six of a diagonal too."""
+    given = {"hull:quadratic_damping": [2.0, 90.0, 90.0, 0.1, 50.0, 50.0]}
+    changed = cube_sim.load_model(MODELS / "remus100.xml")
+    cube_sim.set_parameters(changed, given)
+    for matrix, values in given.items():
+        np.testing.assert_array_equal(changed.numeric(matrix).data.reshape(6, 6), np.diag(values))
+    loaded = packing.packed_parameters(cube_sim.load_model(MODELS / "remus100.xml", given))
+    np.testing.assert_array_equal(packing.packed_parameters(changed), loaded)
