@@ -15,6 +15,7 @@ from cube_sim.vehicle.fins import Fins
 from cube_sim.vehicle.lift import HullLift
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.thrusters import Thrusters
+from cube_sim.vehicle.unread import warn_of_unread
 
 if TYPE_CHECKING:
     from cube_sim.vehicle.dynamics import Dynamics
@@ -106,6 +107,7 @@ class Vehicle:
         chosen = next(iter(names)) if name is None else name
         if chosen not in names:
             raise ModelError(chosen, f"is no hull; the model has {', '.join(names)}")
+        warn_of_unread(model, chosen, names[chosen])
         return _vehicle(model, names[chosen], chosen, list(names).index(chosen))
 
 

@@ -1,16 +1,18 @@
 """Other parameters for a compiled model: as if it had been loaded with them."""
 
 import copy
+import warnings
 
 import mujoco
 import numpy as np
 import pytest
-from support.places import CUBE, MODELS
+from support.places import CUBE, MODEL_FILES, MODELS
 
 import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.faults import set_efficiency
 from cube_sim.vehicle.plugin import packing
+from cube_sim.vehicle.vehicle import hull_names
 
 ARRAYS = (
     "body_mass", "body_ipos", "body_inertia", "body_subtreemass", "body_invweight0", "dof_invweight0", "dof_M0",
@@ -106,3 +108,24 @@ def test_a_diagonal_has_room_where_a_whole_matrix_is():
         np.testing.assert_array_equal(changed.numeric(matrix).data.reshape(6, 6), np.diag(values))
     loaded = packing.packed_parameters(cube_sim.load_model(MODELS / "remus100.xml", given))
     np.testing.assert_array_equal(packing.packed_parameters(changed), loaded)
+
+
+@pytest.mark.parametrize("name", ["quadratic_damping", "added_mass", "centre_of_buoyancy", "linear_damping"])
+def test_a_number_written_where_nothing_reads_it_is_told_with_the_setter(name):
+    model = cube_sim.load_model(MODELS / "bluerov2_heavy.xml")
+    model.numeric(f"hull:{name}").data[:] += 0.5
+    with pytest.warns(
+        UserWarning, match=rf"hull:{name} was changed .* cube_sim.set_parameters\(model, {{'hull:{name}'"
+    ):
+        cube_sim.Vehicle.from_model(model)
+
+
+@pytest.mark.parametrize("path", MODEL_FILES, ids=lambda path: path.stem)
+def test_what_was_loaded_or_set_is_read(path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = cube_sim.load_model(path)
+        cube_sim.Vehicle.from_model(model)
+        name = f"{hull_names(model)[0]}:quadratic_damping"
+        cube_sim.set_parameters(model, {name: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]})
+        cube_sim.Vehicle.from_model(model)
