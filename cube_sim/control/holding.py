@@ -117,7 +117,8 @@ class Holding:
     def _worse_than_nothing(self) -> bool:
         """Whether it has been carried farther than it was to be if it was left alone."""
         whole, part = divmod(self.time, float(len(self.alone_m)))
-        return bool(self.carried_m > whole * self.alone_m[-1] + self.alone_m[int(part)])
+        rounds = whole * self.alone_m[-1] if whole else 0.0  # where it cannot be told it is infinite
+        return bool(self.carried_m > rounds + self.alone_m[int(part)])
 
     def next(self, stuck: Stuck, off_m: float) -> Holding:
         """What to do instead: the next attempt, or none for a while after one that was worse than that."""
@@ -128,7 +129,7 @@ class Holding:
 
 def _stays(alone_m: Vector) -> bool:
     """Whether a hull left alone is carried about, but not away."""
-    return bool(alone_m[-1] - alone_m[len(alone_m) // 2] < ROOM_M)
+    return bool(np.isfinite(alone_m[-1]) and alone_m[-1] - alone_m[len(alone_m) // 2] < ROOM_M)
 
 
 def carried_off_m(hull: Dynamics, budget: ForceBudget, rest: Rest, seconds: int) -> float:

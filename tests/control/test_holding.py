@@ -197,3 +197,12 @@ def test_one_that_stays_with_its_thrusters_off_stays_nearer_with_them_on(name, t
     alone = at_a_place(file, thruster, 51.4, "dead")
     assert 0.8 < alone < 1.2
     assert at_a_place(file, thruster, 51.4, "whole") < 0.2  # 3.9 and 2.6 m with the torque before the force
+
+
+@pytest.mark.parametrize("left_alone", [False, True])
+def test_where_nothing_can_be_foretold_no_number_is_made_of_infinities(left_alone):
+    alone_m = np.r_[np.arange(30.0), np.full(30, np.inf)]
+    with np.errstate(invalid="raise"):
+        now = Holding(None, alone_m, 0.0, 0, left_alone=left_alone)
+        now.watch(2.0, PAUSE_S + 1.0)
+        assert now.over is left_alone
