@@ -20,6 +20,7 @@ from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, set_gears, thruster_elements
 from cube_sim.vehicle.mjcf.time_step import require_time_step
+from cube_sim.vehicle.mjcf.unlikely_fins import unlikely_fin_words
 from cube_sim.vehicle.mjcf.unused import keep_words, unused_thruster_words
 from cube_sim.vehicle.plugin import hook, layout, packing, structs, user_forces
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
@@ -123,7 +124,10 @@ def _immerse(
     servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics])
     parameters = read_parameters(numerics, bodies, thrusters, sites, servos)
     hulls = [hull.body for hull in parameters.hulls]
-    words = unused_thruster_words(spec, in_file, hulls, thrusters, servos.values())
+    words = [
+        *unused_thruster_words(spec, in_file, hulls, thrusters, servos.values()),
+        *unlikely_fin_words(spec, parameters.fins, {hull.body: hull.volume for hull in parameters.hulls}),
+    ]
     for text in words:
         warnings.warn(text, stacklevel=4)
     keep_words(spec, words)

@@ -239,3 +239,11 @@ def test_what_is_no_servo_is_refused(change, told):
         setattr(spec.actuators[0], name, value)
     with pytest.raises(ModelError, match=told):
         cube_sim.load_model(spec)
+
+
+def test_a_servo_without_a_fin_is_refused():
+    spec = Lifted(HULL, (RUDDER,)).spec()
+    for numeric in [each for each in spec.numerics if each.name.startswith("rudder:fin_")]:
+        spec.delete(numeric)
+    with pytest.raises(ModelError, match="turns no fin: site 'rudder' has no area; give rudder:fin_area"):
+        cube_sim.load_model(spec)

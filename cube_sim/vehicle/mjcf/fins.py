@@ -95,18 +95,32 @@ def servo_elements(spec: mujoco.MjSpec, fins: Sequence[str]) -> dict[str, int]:
         fins: sites with an area of a fin.
 
     Raises:
-        ModelError: an actuator at a fin's site that is no servo, or one that MuJoCo would not run as its numbers say.
+        ModelError: an actuator at a fin's site that is no servo, one that MuJoCo would not run as its numbers say, or a
+            servo without a fin.
     """
     found: dict[str, int] = {}
     for index, actuator in enumerate(spec.actuators):
-        if actuator.trntype != mujoco.mjtTrn.mjTRN_SITE or actuator.target not in fins:
+        if actuator.trntype != mujoco.mjtTrn.mjTRN_SITE:
             continue
         name = actuator.name or f"actuator {index}"
+        if actuator.target not in fins:
+            _require_no_servo(actuator, name)
+            continue
         if actuator.target in found:
             raise ModelError(name, f"turns fin '{actuator.target}', which another actuator turns already")
         _require_servo(spec, actuator, name)
         found[actuator.target] = index
     return found
+
+
+def _require_no_servo(actuator: mujoco.MjsActuator, name: str) -> None:
+    """Refuse what nothing would move: of actuators of its kind, fins are turned and thrusters have a bias of theirs."""
+    if actuator.dyntype == mujoco.mjtDyn.mjDYN_USER and actuator.biastype == mujoco.mjtBias.mjBIAS_NONE:
+        raise ModelError(
+            name,
+            f"has dyntype=\"user\" and turns no fin: site '{actuator.target}' has no area; give "
+            f'{actuator.target}:{AREA} [m^2], or biastype="user" to a thruster',
+        )
 
 
 def _require_servo(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator, name: str) -> None:
