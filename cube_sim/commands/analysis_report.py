@@ -19,7 +19,7 @@ from cube_sim.actuation.path_following.steady_turn import TurningTrim, turning_t
 from cube_sim.actuation.path_following.trim import CourseAttitudes
 from cube_sim.actuation.path_following.verdict import Verdict
 from cube_sim.actuation.survivability import LossCase
-from cube_sim.commands.as_flown import as_flown, left_without, table_as_flown
+from cube_sim.commands.as_flown import as_flown, fails_without_fins, left_without, table_as_flown
 from cube_sim.commands.stuck_report import FaultCase, fault_cases
 from cube_sim.control.authority import Capability
 from cube_sim.control.critical_speed import CriticalSpeed, critical_speed
@@ -28,6 +28,7 @@ from cube_sim.control.transient import Transient
 from cube_sim.control.turning_limit import turning_of
 from cube_sim.errors import ActuationError
 from cube_sim.mission.parameter_values import parameter_values
+from cube_sim.mission.way_of_flying import STEERED_AT_SPEED_ONLY
 from cube_sim.scenario.document import parse_value
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.fins import FinsAtSpeed
@@ -173,6 +174,8 @@ def report_on(
     if stuck:
         cases = fault_cases(vehicle, requirements.speed_m_s, lost=gone, cost_limit=cost_limit, progress=progress)
     noted = tuple(remarks(loaded, vehicle))
+    if fins is not None and not planar and fails_without_fins(vehicle, gone, requirements.speed_m_s, cost_limit):
+        noted = (*noted, STEERED_AT_SPEED_ONLY)
     speed = requirements.speed_m_s
     return Report(model, title, vehicle, analysis, turning, critical, table, speed, cases, fins, noted)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -11,9 +13,10 @@ from cube_sim.commands.ending import BAD_INPUT, stop
 from cube_sim.commands.leaving import SIGNALLED, raise_on_interrupt
 from cube_sim.commands.output import give_matplotlib_a_folder, open_no_windows, print_json
 from cube_sim.commands.progress import loss_progress
-from cube_sim.errors import CubeSimError
+from cube_sim.errors import ActuationError, CubeSimError
 from cube_sim.uninterrupted import interrupted_by, signal_of
 
+SCENARIO_SUFFIXES = (".yaml", ".yml", ".json")
 EPILOG = "Exit code: 0 analysed, 2 bad input."
 
 
@@ -66,14 +69,16 @@ def analyze(
     open_no_windows()
     give_matplotlib_a_folder()
     from cube_sim.commands import analysis_report, analysis_tables, what_if_tables
+    from cube_sim.commands.steering_speed import with_steering_speed
 
     try:
         raise_on_interrupt()
+        _require_no_scenario(model)
         with loss_progress(hidden=json) as progress:
             before = None
+            plain = {"hull": hull, "lost": lost, "planar": planar, "cost_limit": cost_limit}
             if settings:
-                plain = {"hull": hull, "lost": lost, "planar": planar, "speed_m_s": speed, "cost_limit": cost_limit}
-                before = analysis_report.report_on(model, **plain)
+                before = analysis_report.report_on(model, speed_m_s=speed, **plain)
             report = analysis_report.report_on(
                 model,
                 settings=settings or (),
@@ -87,6 +92,9 @@ def analyze(
                 stuck=stuck,
                 progress=progress,
             )
+            if speed is None:
+                at = partial(analysis_report.report_on, model, settings=settings or (), **plain)
+                report = with_steering_speed(report, lambda tried: at(speed_m_s=tried))
     except CubeSimError as error:
         stop(BAD_INPUT, str(error))
     except KeyboardInterrupt as interrupt:
@@ -101,3 +109,22 @@ def analyze(
         if before is not None:
             what_if_tables.print_beside(before, report, settings or [])
         analysis_tables.print_report(report)
+
+
+def _require_no_scenario(path: Path) -> None:
+    """Refuse a scenario, with the command for its model.
+
+    Raises:
+        ActuationError: it is one.
+    """
+    if path.suffix.lower() not in SCENARIO_SUFFIXES or not path.is_file():
+        return
+    from cube_sim.scenario import load
+
+    model, speed = "MODEL", ""
+    try:
+        scenario = load(path).scenario
+        model, speed = os.path.relpath(scenario.model), f" --speed {scenario.guidance.speed_m_s:g}"
+    except CubeSimError:  # of several vehicles, or with mistakes of its own
+        pass
+    raise ActuationError(f"{path}: is a scenario, and analyze takes a model: cube-sim analyze {model}{speed}")

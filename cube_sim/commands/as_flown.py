@@ -67,6 +67,12 @@ def left_without(
     return _Whole.of(vehicle, fins, speed_m_s).left(lost, cost_limit)
 
 
+def fails_without_fins(vehicle: Vehicle, lost: Sequence[str], speed_m_s: float, cost_limit: float | None) -> bool:
+    """Whether its thrusters alone follow no path, as for a vehicle at rest; arguments as for `left_without`."""
+    thrusters = [name for name in lost if name in vehicle.thrusters.names]
+    return left_without(vehicle, None, thrusters, speed_m_s, cost_limit).authority is Authority.SAFE
+
+
 def as_flown(verdict: Verdict, left: Capability | None, hull: Dynamics, speed_m_s: float) -> Verdict:
     """The same verdict, or a no with the reason that the run gives.
 

@@ -6,7 +6,7 @@ from math import inf
 
 from cube_sim.mission import Mission
 from cube_sim.mission.surface_watch import path_above_surface, top_over_origin
-from cube_sim.mission.way_of_flying import cannot_follow
+from cube_sim.mission.way_of_flying import cannot_follow, steered_at_speed_only
 from cube_sim.vehicle.floating import water_surface
 from cube_sim.vehicle.remarks import cautions
 
@@ -17,5 +17,9 @@ def first_warnings(mission: Mission) -> list[str]:
     if surface < inf:
         near = path_above_surface(mission.outline, surface, top_over_origin(mission.model, mission.vehicle))
     follows = cannot_follow(mission.ability, mission.outline)
+    still = None if mission.path.length > 0.0 else steered_at_speed_only(mission.ability)
     fast = mission.too_fast(mission.ability.within_limit)
-    return [*cautions(mission.model, mission.vehicle), *(each for each in (near, follows, fast) if each is not None)]
+    return [
+        *cautions(mission.model, mission.vehicle),
+        *(each for each in (near, follows, still, fast) if each is not None),
+    ]

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.authority import Authority, Capability
+from cube_sim.control.authority import Authority, Capability, remaining_capability
 from cube_sim.mission.ability import Ability
 from cube_sim.spatial import Matrix
+from cube_sim.wrench.health import Health
 
 CLIMBS_M = 0.1
 """A path that rises or sinks by less counts as level (a choice)."""
 HEAVY = 0.001
 """A hull whose weight and buoyancy differ by less than this share of its weight floats (a choice)."""
+
+STEERED_AT_SPEED_ONLY = "it steers by fins, which make nothing without way on: it cannot hold a point"
+"""Said of a vehicle whose thrusters alone follow no path."""
 
 _WAYS = {
     Authority.HOLONOMIC: "moves any way in any attitude",
@@ -47,6 +51,19 @@ def cannot_follow(able: Ability, points: Matrix) -> str | None:
     if left.authority is Authority.SAFE:
         return f"the path will not be followed: {left.reason}"
     return depth_not_kept(able, left, points) or able.badly_pointed(left) or able.too_tight(left)
+
+
+def steered_at_speed_only(able: Ability) -> str | None:
+    """Words for a vehicle that cannot stay in a place, since its fins do nothing at rest; None for all others.
+
+    Args:
+        able: what the thrusters and fins can do.
+    """
+    if able.fins is None:
+        return None
+    hold = able.hold._replace(inclinations=None)
+    alone = remaining_capability(able.A, able.limits, Health.whole(able.A.shape[1]), able.cost_limit, hold)
+    return STEERED_AT_SPEED_ONLY if alone.authority is Authority.SAFE else None
 
 
 def depth_not_kept(able: Ability, left: Capability, points: Matrix) -> str | None:

@@ -15,6 +15,8 @@ NEUTRAL = 1e-3
 """Share of its weight by which a vehicle's buoyancy may differ and still be called neutral (a choice)."""
 TILTED_DEG = 3.0
 """Tilt at rest that is worth a word (a choice)."""
+UPSIDE_DOWN_DEG = 135.0
+"""Tilt at rest from which on a hull lies on its back rather than on its side (a choice)."""
 LEAST_ARM_M = 1e-6
 """Height of the centre of buoyancy over that of mass that rights a hull at all (a choice)."""
 USUAL_SPEED_M_S = 1.0
@@ -71,6 +73,8 @@ def _at_rest(righting: np.ndarray, weight: float, moment: float) -> list[str]:
     tilt = float(np.degrees(np.arccos(np.clip(righting[2] / size, -1.0, 1.0))))
     if tilt <= TILTED_DEG:
         return []
+    if tilt > UPSIDE_DOWN_DEG:
+        return ["its centre of mass lies above its centre of buoyancy: left to itself it turns over"]
     across = float(np.linalg.norm(righting[:2]))
     there = f", and its thrusters give {moment:.3g} N m at most" if moment < across else ""
     return [f"left to itself it rests tilted by {tilt:.0f} deg; level it has to be held with {across:.3g} N m{there}"]
@@ -78,16 +82,43 @@ def _at_rest(righting: np.ndarray, weight: float, moment: float) -> list[str]:
 
 def _stiff(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
     slope = vehicle.linear_damping + 2.0 * USUAL_SPEED_M_S * vehicle.quadratic_damping
-    rates = np.linalg.eigvals(np.linalg.solve(vehicle.mass_matrix + vehicle.added_mass, slope))
+    parts = [("its drag", slope)]
+    if vehicle.lift is not None:
+        none = np.zeros((6, 6, 6))
+        parts += [
+            ("the lift of its fins", slope + _steepest(vehicle, slope, none, vehicle.lift.fins)),
+            (
+                "the lift and drag of its strips and velocity products",
+                slope + _steepest(vehicle, slope, vehicle.lift.products, vehicle.lift.absolute),
+            ),
+        ]
     limit = _RK4_LIMIT if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else _EULER_LIMIT
-    stiffness = float(np.abs(rates).max()) * model.opt.timestep
-    if stiffness <= _NEAR * limit:
-        return []
-    return [
-        f"its drag at {USUAL_SPEED_M_S:g} m/s or rad/s is stiff for the time step of {model.opt.timestep:g} s: "
-        f"{stiffness:.2g} of {limit:g}, beyond which the motion explodes; take a step of "
-        f"{0.1 * limit * model.opt.timestep / stiffness:.2g} s"
-    ]
+    for what, steep in parts:
+        stiffness = _fastest(vehicle, steep) * model.opt.timestep
+        if stiffness > _NEAR * limit:
+            return [
+                f"{what} at {USUAL_SPEED_M_S:g} m/s or rad/s is stiff for the time step of {model.opt.timestep:g} s: "
+                f"{stiffness:.2g} of {limit:g}, beyond which the motion explodes; take a step of "
+                f"{0.1 * limit * model.opt.timestep / stiffness:.2g} s"
+            ]
+    return []
+
+
+def _fastest(vehicle: Vehicle, slope: np.ndarray) -> float:
+    """The largest rate [1/s] at which a slope of force by velocity (6,6) changes the motion."""
+    rates = np.linalg.eigvals(np.linalg.solve(vehicle.mass_matrix + vehicle.added_mass, slope))
+    return float(np.abs(rates).max())
+
+
+def _steepest(vehicle: Vehicle, slope: np.ndarray, signed: np.ndarray, absolute: np.ndarray) -> np.ndarray:
+    """(6,6) the steepest slope of P nu nu + Q nu |nu|, of flows along each axis, taken with another slope."""
+    found = []
+    for flow in USUAL_SPEED_M_S * np.eye(6)[:3]:
+        of_signed = np.einsum("ijk,k->ij", signed, flow) + np.einsum("ijk,j->ik", signed, flow)
+        of_first = np.einsum("ijk,k->ij", absolute, np.abs(flow))
+        of_second = np.einsum("ijk,j,k->ik", absolute, flow, np.sign(flow))
+        found.append(-(of_signed + of_first + of_second))
+    return max(found, key=lambda more: _fastest(vehicle, slope + more))
 
 
 def _own_force(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:

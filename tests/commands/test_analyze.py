@@ -41,6 +41,15 @@ def test_fins_are_told_beside_the_thrusters():
     assert np.allclose(told["fins"]["limits"], np.array([[-1.0, 1.0]] * 2) * 9.64 * 0.09 * np.radians(13.6))
     assert told["rank"] == 3
     assert told["verdict"]["outcome"] == "stuck"
+    assert "; nor do its fins steer it at 0.5, 1, 1.5, 2, 3 m/s (--speed)" in told["verdict"]["reason"]
+    assert any("it cannot hold a point" in line for line in lines)
+
+
+def test_a_scenario_is_told_from_a_model():
+    result = analyze("scenarios/remus100_line.yaml")
+    assert result.exit_code == 2
+    assert "remus100_line.yaml: is a scenario, and analyze takes a model: cube-sim analyze " in result.output
+    assert "models/remus100.xml --speed 1.2" in result.output.replace("\n", "")
 
 
 def test_fins_steer_from_a_speed_on():
@@ -49,6 +58,10 @@ def test_fins_steer_from_a_speed_on():
     slow, fast = (json.loads(analyze(*ballasted, speed).output) for speed in ("0.3", "1.2"))
     assert not slow["verdict"]["follows"]
     assert "needs more force than thrusters and fins have" in slow["verdict"]["reason"]
+    assert "give --speed" not in slow["verdict"]["reason"]
+    by_itself = json.loads(analyze(*ballasted[:-1]).output)
+    assert by_itself["fins"]["speed_m_s"] == 0.3
+    assert by_itself["verdict"]["reason"].endswith("; its fins steer it at 1 m/s: give --speed 1")
     assert fast["verdict"]["follows"]
     assert all(course["velocity"][0] > 1.0 for course in fast["verdict"]["courses"])  # nose ahead
     assert fast["turning"]["radius_m"] < 8.0

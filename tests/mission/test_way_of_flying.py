@@ -11,7 +11,7 @@ from support.places import SCENARIOS
 from cube_sim import Flight
 from cube_sim.mission import prepare
 from cube_sim.mission.channels import polyline
-from cube_sim.mission.way_of_flying import cannot_follow, depth_not_kept
+from cube_sim.mission.way_of_flying import cannot_follow, depth_not_kept, steered_at_speed_only
 from cube_sim.scenario import load
 
 CHECKS = [{"kind": "allowed_forces"}]
@@ -70,3 +70,18 @@ def test_a_hull_in_a_level_plane_that_sinks_will_not_keep_its_depth():
 def test_nobody_with_heave_is_warned_of_its_depth():
     mission = prepare(load(SCENARIOS / "cube_helix.yaml"))
     assert depth_not_kept(mission.ability, mission.ability.whole, polyline(mission.path)) is None
+
+
+@pytest.mark.parametrize(("path", "told"), [({"type": "point", "position_m": [5.0, 0.0, -5.0]}, 1), (None, 0)])
+def test_a_hull_that_steers_by_fins_is_warned_of_a_point(path, told):
+    settings = {} if path is None else {"path": path}
+    lines = said("remus100_line", settings)
+    assert sum(level == "WARNING" and "it cannot hold a point" in text for level, text in lines) == told
+
+
+def test_a_hull_whose_thrusters_do_all_that_its_fins_do_holds_a_point():
+    able = prepare(load(SCENARIOS / "remus100_line.yaml")).ability
+    assert steered_at_speed_only(able) is not None
+    everything = np.hstack([np.eye(6), -np.eye(6)])
+    strong = np.array([[0.0, 0.0, 0.0, 50.0]] * 12)
+    assert steered_at_speed_only(replace(able, A=everything, limits=strong)) is None

@@ -5,7 +5,7 @@ import pytest
 from support.command_line import call
 from support.edited_cube import T1, edited_text
 from support.flights import FORCES_ONLY
-from support.places import CUBE, HELIX, MODEL_FILES
+from support.places import CUBE, HELIX, MODEL_FILES, REPO
 
 import cube_sim
 from cube_sim.vehicle.remarks import cautions, remarks
@@ -28,6 +28,7 @@ def still(time, position, rotation, velocity, through_water):
         ({"hull:mass": 62.5}, "rises with 613 N; floats with its origin 0.02 m below the surface"),
         ({"hull:centre_of_buoyancy": [0, 0, 0]}, "nothing rights it"),
         ({"hull:centre_of_buoyancy": [0.02, 0, 0.02]}, "rests tilted by 45 deg; level it has to be held with 24.5 N m"),
+        ({"hull:centre_of_buoyancy": [0, 0, -0.02]}, "its centre of mass lies above its centre of buoyancy"),
         ({"hull:linear_damping": [4e4] + [5.0] * 5}, "is stiff for the time step of 0.01 s: 2 of 2.785"),
     ],
 )
@@ -63,6 +64,21 @@ def test_a_tilt_that_no_thruster_holds_is_told_with_what_they_can():
     tilted = {"hull:centre_of_buoyancy": [0.2, 0, 0.02]}
     assert "level it has to be held with 245 N m, and its thrusters give" in said(tilted)
     assert "and its thrusters" not in said({"hull:centre_of_buoyancy": [0.02, 0, 0.02]})
+
+
+@pytest.mark.filterwarnings("ignore:fin 'rudder' has an area")
+@pytest.mark.parametrize(
+    ("parameters", "what"),
+    [
+        ({"rudder:fin_area": 6e3}, "the lift of its fins"),
+        ({"hull:cross_flow_drag": [1e5, 1.0]}, "the lift and drag of its strips and velocity products"),
+    ],
+)
+def test_lift_that_is_too_steep_for_the_time_step_is_cautioned_of(parameters, what):
+    model = REPO / "models" / "nps_auv2.xml"
+    assert cautioned(model) == []
+    said = cautioned(model, parameters)
+    assert any(each.startswith(f"{what} at 1 m/s or rad/s is stiff for the time step") for each in said)
 
 
 def test_stiff_drag_and_a_thruster_that_is_none_are_cautioned_of():
