@@ -33,12 +33,18 @@ class Thrust(NamedTuple):
         A: (6,m).
         limits: (m,4) of whole ones [F_max-, F_DZ-, F_DZ+, F_max+] [N].
         length_m: their rms lever arm, which makes torques and forces comparable.
+        fins: names of the k fins that servos turn.
+        per_newton: (6,k) wrench of a newton of each at the speed of the mission [1, m].
+        travel: (k,2) least and largest deflection [rad].
     """
 
     names: Sequence[str]
     A: Matrix
     limits: Matrix
     length_m: float
+    fins: Sequence[str] = ()
+    per_newton: Matrix = np.zeros((6, 0))
+    travel: Matrix = np.zeros((0, 2))
 
 
 class Shortfall:
@@ -59,7 +65,7 @@ class Shortfall:
         self._distance, self._residual, self._at = distance_m, -1.0, since_s
         self._demanded, self._missing = np.zeros(6), np.zeros(6)
         self._seen = self._missed = self._spanned = 0
-        self._force, self._share = np.zeros(0), np.zeros(0)
+        self._force, self._share, self._wanted = np.zeros(0), np.zeros(0), np.zeros(0)
 
     def take(self, t: float, rows: TickRows, k: int, status: Status, force_ratio: float) -> None:
         """Take in a tick whose demand was not made.
@@ -81,6 +87,7 @@ class Shortfall:
             self._missing = self._demanded - rows.wrench[k, 7:13]
             self._force = rows.thrusters[k, 1 : 1 + m].copy()
             self._share = believed_efficiency(rows, k) * force_ratio
+            self._wanted = rows.fins[k, 1:].copy()
 
     def go_on(self, times: Sequence[float], rows: TickRows, start: int, end: int, force_ratio: Vector) -> None:
         """Take in and watch many ticks at once, whose demands were not made, with what is believed in the stretch.
@@ -141,17 +148,28 @@ class Shortfall:
         whole, force = self._share > 0.0, self._force
         low, high = thrust.limits[:, 0] * self._share, thrust.limits[:, 3] * self._share
         full = whole & (((force < 0.0) & (force <= AT_LIMIT * low)) | ((force > 0.0) & (force >= AT_LIMIT * high)))
-        if np.any(full):
-            names = [name for name, one in zip(thrust.names, full, strict=True) if one]
+        names = [name for name, one in zip(thrust.names, full, strict=True) if one]
+        names += [name for name, one in zip(thrust.fins, self._fins_at_their_ends(thrust), strict=True) if one]
+        if names:
             return f"{listed(names)} at {'its limit' if len(names) == 1 else 'their limits'}"
-        columns = SPATIAL.scale(thrust.length_m)[:, None] * thrust.A[:, whole]
-        made = np.abs(columns.T @ scaled)
-        sizes = np.linalg.norm(columns, axis=0) * np.linalg.norm(scaled)
-        if not np.any(made > OUT_OF_RANGE * sizes):
-            return "no thruster that works makes any of it"
+        if not _make_any(thrust.A[:, whole], thrust.length_m, scaled):
+            if _make_any(thrust.per_newton, thrust.length_m, scaled):
+                return "only fins make any of it, as much as their servos and the flow let them"
+            return f"no thruster that works{' and no fin' * bool(thrust.fins)} makes any of it"
         if np.any(thrust.limits[:, 1] < thrust.limits[:, 2]):
             return "less than the thrusters' dead zones leave"
         return ""
+
+    def _fins_at_their_ends(self, thrust: Thrust) -> Vector:
+        wanted, (low, high) = self._wanted[: len(thrust.fins)], thrust.travel.T
+        return ((wanted < 0.0) & (wanted <= AT_LIMIT * low)) | ((wanted > 0.0) & (wanted >= AT_LIMIT * high))
+
+
+def _make_any(A: Matrix, length_m: float, scaled: Vector) -> bool:
+    """Whether columns of A (6,n) make any of a wrench (6,) whose torques are divided by a length [m]."""
+    columns = SPATIAL.scale(length_m)[:, None] * A
+    sizes = np.linalg.norm(columns, axis=0) * np.linalg.norm(scaled)
+    return bool(np.any(np.abs(columns.T @ scaled) > OUT_OF_RANGE * sizes))
 
 
 def _number(value: float) -> str:

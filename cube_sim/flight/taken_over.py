@@ -62,6 +62,9 @@ class Watches:
         """At the beginning of a mission."""
         A, limits = mission.ability.A, mission.ability.limits
         thrust = Thrust(mission.vehicle.thrusters.names, A, limits, lever_arm(A, SPATIAL))
+        fins, at_speed = mission.vehicle.fins, mission.ability.fins
+        if fins is not None and at_speed is not None:
+            thrust = thrust._replace(fins=fins.names, per_newton=at_speed.matrix, travel=fins.travel)
         return Watches(
             UnattainableLog(store, thrust),
             PaceLog(store, mission.scenario.guidance.speed_m_s),

@@ -181,6 +181,8 @@ def require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
         for j, name in enumerate(event.thrusters):
             if name not in thrusters.names:
                 text = f"no thruster '{name}'; the model has {', '.join(thrusters.names)}"
+                if vehicle.fins is not None and name in vehicle.fins.names:
+                    text += f"; '{name}' turns a fin, and fins have no faults in scenarios"
                 mistakes.append(loaded.mistake(f"events.{i}.thrusters.{j}", text))
             elif event.force_N is not None:
                 low, _, _, high = thrusters.limits[thrusters.names.index(name)]

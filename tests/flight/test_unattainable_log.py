@@ -143,6 +143,35 @@ def test_where_it_is_missing_and_why(demanded, force, words):
     assert words in text
 
 
+@pytest.mark.parametrize(
+    ("demanded", "wanted", "words"),
+    [
+        ([0, 0, -3.0, 0, 0, 0], -0.2, "3 of 3 N down missing: stern at its limit"),
+        (
+            [0, 0, -3.0, 0, 0, 0],
+            0.2,
+            "3 of 3 N down missing: only fins make any of it, as much as their servos",
+        ),
+        ([0, 0, 0, 5.0, 0, 0], 0.1, "5 of 5 N m of roll missing: no thruster that works and no fin makes any of it"),
+    ],
+)
+def test_fins_are_told_like_thrusters(demanded, wanted, words):
+    per_newton = np.array([[0.0, 0.0, 1.0, 0.0, 0.9, 0.0]]).T
+    thrust = THRUST._replace(fins=("stern",), per_newton=per_newton, travel=np.array([[-0.2, 0.3]]))
+    channels = channel_table(THRUST.names, 2, fins=thrust.fins)
+    rows, store = rows_for(channels, 100), SignalStore(channels)
+    for table in (rows.allocation, rows.wrench, rows.thrusters, rows.path_error, rows.fins):
+        table[:] = 0.0
+    rows.health[:] = 1.0
+    missed(rows, range(100), demanded, [0.0, 0.0])
+    rows.fins[:, 1] = wanted
+    log = UnattainableLog(store, thrust)
+    for k in range(100):
+        log.note(k * DT, rows, k, 1.0)
+    log.finish(100 * DT)
+    assert words in store.lines[0].text
+
+
 def test_a_dead_thruster_is_at_no_limit():
     rows = flown(100)
     missed(rows, range(100), [30.0, 0, 0, 0, 0, 0], [0.0, 0.0])
