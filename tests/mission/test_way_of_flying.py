@@ -9,6 +9,7 @@ import pytest
 from support.places import SCENARIOS
 
 from cube_sim import Flight
+from cube_sim.errors import ScenarioError
 from cube_sim.mission import prepare
 from cube_sim.mission.channels import polyline
 from cube_sim.mission.way_of_flying import cannot_follow, depth_not_kept, steered_at_speed_only
@@ -85,3 +86,9 @@ def test_a_hull_whose_thrusters_do_all_that_its_fins_do_holds_a_point():
     everything = np.hstack([np.eye(6), -np.eye(6)])
     strong = np.array([[0.0, 0.0, 0.0, 50.0]] * 12)
     assert steered_at_speed_only(replace(able, A=everything, limits=strong)) is None
+
+
+def test_a_fin_is_told_from_a_thruster_where_a_thruster_is_to_fail():
+    failing = {"events": [{"at_s": 0.5, "kind": "thrusters", "thrusters": ["rudder"], "state": "dead"}]}
+    with pytest.raises(ScenarioError, match=r"no thruster 'rudder'.*; 'rudder' turns a fin, and fins have no faults"):
+        prepare(load(SCENARIOS / "remus100_line.yaml", failing))
