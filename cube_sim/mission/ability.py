@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cube_sim.allocation import FaultTolerant
-from cube_sim.control.authority import Capability, remaining_capability
+from cube_sim.control.authority import Authority, Capability, remaining_capability
 from cube_sim.control.badly_pointed import badly_pointed
 from cube_sim.control.critical_speed import CriticalSpeed, critical_speed, too_fast
 from cube_sim.control.loop_times import mean_delay
@@ -26,6 +26,8 @@ BACK_M_S = 0.1
 """So fast a vehicle that stays in a place comes back to it, about (a choice)."""
 COURSES = 60
 """So many directions of the path are looked at, evenly along it."""
+NEED_NO_FINS = (Authority.HOLONOMIC, Authority.TRIM)
+"""What thrusters that fly a hull so make at rest too; fins then only spare them power."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Ability:
         whole: what it can do at any cost that is not `DEAR`.
         within_limit: what it can do within `cost_limit`; `whole` where there is none.
         fins: what the fins do at that speed; None for a vehicle without.
+        steered_by: those of them that count while all thrusters work: None where these need no fins.
         critical: the critical speed of `within_limit`, where many flights look at it; None where it is not known yet.
     """
 
@@ -60,6 +63,7 @@ class Ability:
     whole: Capability
     within_limit: Capability
     fins: FinsAtSpeed | None = None
+    steered_by: FinsAtSpeed | None = None
     critical: CriticalSpeed | None = None
 
     @classmethod
@@ -84,15 +88,17 @@ class Ability:
         """
         A, limits, cost_limit = allocator.A, allocator.limits, scenario.control.cost_limit
         courses = courses_of(path)
-        held_at = scenario.guidance.speed_m_s if fins is not None or len(courses) else speed_at_a_point(scenario)
-        hold = WaterHold.of(dynamics, held_at, None if fins is None else inclinations_of(courses))
-        everything = Health.whole(A.shape[1])
-        judged = with_fins(A, limits, everything, fins)
-        whole = remaining_capability(*judged, hold=hold)
+        everything, steered_by = Health.whole(A.shape[1]), fins
+        alone = WaterHold.of(dynamics, scenario.guidance.speed_m_s if len(courses) else speed_at_a_point(scenario))
+        hold = alone if fins is None else with_way_on(alone, scenario.guidance.speed_m_s, courses)
+        whole = remaining_capability(*with_fins(A, limits, everything, fins), hold=hold)
+        if whole.by_flow and not needs_fins(by_thrusters := remaining_capability(A, limits, everything, hold=alone)):
+            steered_by, hold, whole = None, alone, by_thrusters
+        judged = with_fins(A, limits, everything, steered_by)
         within = whole if cost_limit is None else remaining_capability(*judged, cost_limit, hold)
         speed, radius = scenario.guidance.speed_m_s, tightest_radius(path)
         delay = mean_delay(lag_s, scenario.control_period_s)
-        ability = cls(A, limits, hold, speed, radius, courses, 0.0, delay, cost_limit, whole, within, fins)
+        ability = cls(A, limits, hold, speed, radius, courses, 0.0, delay, cost_limit, whole, within, fins, steered_by)
         return ability.in_currents(initial_currents(scenario))
 
     def in_currents(self, currents: Matrix) -> Ability:
@@ -102,7 +108,13 @@ class Ability:
 
     def left(self, health: Health) -> Capability:
         """What it can do, within the cost limit, with thrusters in the state believed."""
-        return remaining_capability(*with_fins(self.A, self.limits, health, self.fins), self.cost_limit, self.hold)
+        left = remaining_capability(
+            *with_fins(self.A, self.limits, health, self.steered_by), self.cost_limit, self.hold
+        )
+        if self.fins is None or self.steered_by is not None or not needs_fins(left) or self.hold.hull is None:
+            return left
+        hold = with_way_on(self.hold, self.speed_m_s, self.courses)
+        return remaining_capability(*with_fins(self.A, self.limits, health, self.fins), self.cost_limit, hold)
 
     def too_tight(self, left: Capability) -> str | None:
         """Words for turns of the path that are too tight for what is left; None where they are kept."""
@@ -125,6 +137,20 @@ class Ability:
         if self.hold.hull is None:
             return self
         return replace(self, critical=critical_speed(self.within_limit, self.hold.hull, self.delay_s))
+
+
+def needs_fins(alone: Capability) -> bool:
+    """Whether fins count, by what the thrusters can do without: if they hold the hull in a place, they do not.
+
+    A hull that needs none may stop, and go astern: it is not told to keep the way on that fins need.
+    """
+    return alone.authority not in NEED_NO_FINS
+
+
+def with_way_on(hold: WaterHold, speed_m_s: float, courses: Matrix) -> WaterHold:
+    """What the water holds of a hull that its fins steer at a speed, along courses (n,3), world axes."""
+    assert hold.hull is not None
+    return WaterHold.of(hold.hull, speed_m_s, inclinations_of(courses))
 
 
 def with_fins(A: Matrix, limits: Matrix, health: Health, fins: FinsAtSpeed | None) -> tuple[Matrix, Matrix, Health]:

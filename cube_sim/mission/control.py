@@ -74,7 +74,7 @@ def controller_of(
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge, believed.vehicle.lift)
     time, flow = control.disturbance_time_s, control.current_time_s
     whole, within_limit = ability.whole, ability.within_limit
-    in_plane = whole.authority is Authority.UNICYCLE and ability.fins is None
+    in_plane = whole.authority is Authority.UNICYCLE and ability.steered_by is None
     if control.law == "planar_lapierre_2007" or (control.law is None and in_plane):
         return planar_follower(loaded, believed, path)
     times = _times(scenario, believed.vehicle, dynamics, ability)
@@ -133,7 +133,7 @@ def controller_of(
         most_rest=REST * widest * np.array([1.0, lever_arm(believed.vehicle.actuation_matrix, SPATIAL)]),
         speed=scenario.guidance.speed_m_s if control.attitude_time_s is None else 0.0,
         radius=ability.radius_m,
-        waits=scenario.guidance.wait_for_thrusters and ability.fins is None,  # slower, fins make less
+        waits=scenario.guidance.wait_for_thrusters and ability.steered_by is None,  # slower, fins make less
         capability=within_limit,
         path_first=is_path_first(control),
         limits_move=limits_move(believed.vehicle.thrusters, believed.model, scenario.battery is not None),
@@ -158,7 +158,7 @@ def _times(scenario: Scenario, vehicle: Vehicle, dynamics: Dynamics, ability: Ab
     control, whole, m = scenario.control, ability.whole, len(vehicle.thrusters.names)
     delay = mean_delay(vehicle.lag_s, scenario.control_period_s)
     A = scenario.knowledge.thrust * vehicle.actuation_matrix
-    A, limits, _ = with_fins(A, vehicle.thrusters.limits, Health.whole(m), ability.fins)
+    A, limits, _ = with_fins(A, vehicle.thrusters.limits, Health.whole(m), ability.steered_by)
     turning = angular_acceleration(A, limits, dynamics.total_mass[3:, 3:], dynamics.righting_moment)
     pointing = whole.authority in (Authority.PLANE, Authority.LINE)
     default = LoopTimes.behind(delay, turning, pointing, whole.level)

@@ -133,6 +133,23 @@ def test_beside_side_thrusters_fins_come_first(tmp_path):
     assert pushed[0] < 0.95 * pushed[1]
 
 
+@pytest.mark.flight
+def test_fins_leave_a_place_to_thrusters_that_hold_it(tmp_path):
+    """Pushed ahead to keep the way on that only fins need, such a hull left its point for good."""
+    changes = drawn(tmp_path, side_thrusters=True, makes_roll=False) | {
+        "duration_s": 60,
+        "initial": {"position_m": [9.5, 0.3, -20.0]},
+        "path": {"type": "point", "position_m": [10.0, 0.0, -20.0]},
+        "current_m_s": [0.0, 0.0, 0.0],
+        "checks": [{**SETTLED[0], "statistic": "max", "from_s": 40}],
+    }
+    run = cube_sim.run(LINE, changes, out=tmp_path / "out")
+    error = run.checks[0].value
+    assert error is not None
+    assert error < 0.01
+    assert Authority(int(run.signals["health.authority"][-1, 1])) is Authority.TRIM
+
+
 def test_a_wrench_from_outside_is_shared_with_the_fins_and_commands_leave_them_amidships():
     flight = Flight(LINE, SHORT)
     for _ in range(3):

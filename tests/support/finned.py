@@ -21,12 +21,16 @@ SIDE = {
 }
 
 
-def x_tail(area: float = 0.012, bow_planes: bool = False, side_thrusters: bool = False) -> str:
-    """MJCF text: four fins astern at 45 degrees, of such areas [m^2], with stall, and what is asked for besides."""
-    fins = []
-    for name, angle in (("x1", 45.0), ("x2", 135.0), ("x3", 225.0), ("x4", 315.0)):
+def x_tail(area: float = 0.012, bow_planes: bool = False, side_thrusters: bool = False, makes_roll: bool = True) -> str:
+    """MJCF text: four fins astern at 45 degrees, of such areas [m^2], with stall, and what is asked for besides.
+
+    Without roll a rudder and a stern plane, on the hull's axis.
+    """
+    fins, out = [], 0.13 if makes_roll else 0.0
+    four = (("x1", 45.0), ("x2", 135.0), ("x3", 225.0), ("x4", 315.0))
+    for name, angle in four if makes_roll else (("plane", 0.0), ("rudder", 90.0)):
         span = np.array([0.0, np.cos(np.radians(angle)), np.sin(np.radians(angle))])
-        fins.append((name, np.array([-0.8, 0.0, 0.0]) + 0.13 * span, span))
+        fins.append((name, np.array([-0.8, 0.0, 0.0]) + out * span, span))
     if bow_planes:
         fins.append(("bow_planes", np.array([0.6, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])))
     sites = servos = numbers = ""
