@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from support.places import SCENARIOS
 
 from cube_sim.allocation import Status
 from cube_sim.flight.off_path_log import OffPathLog
@@ -13,9 +14,11 @@ from cube_sim.flight.rows import rows_for
 from cube_sim.flight.shortfall import Thrust, listed
 from cube_sim.flight.taken_over import Watches
 from cube_sim.flight.unattainable_log import UnattainableLog
+from cube_sim.mission import prepare
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.recording.channels import channel_table
 from cube_sim.recording.signal_store import SignalStore
+from cube_sim.scenario import load
 
 DT = 0.02
 A = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.5]])
@@ -204,3 +207,13 @@ def test_a_demand_that_is_none_is_an_error_at_once_and_once():
 
 def test_names_in_a_sentence():
     assert [listed(names) for names in (["a"], ["a", "b"], ["a", "b", "c"])] == ["a", "a and b", "a, b and c"]
+
+
+def test_a_run_tells_of_the_fins_of_its_vehicle():
+    mission = prepare(load(SCENARIOS / "remus100_line.yaml"))
+    watches = Watches.of(mission, SignalStore(channel_table(mission.vehicle.thrusters.names, 2)))
+    thrust, fins = watches.unattainable._thrust, mission.vehicle.fins
+    assert fins is not None
+    assert thrust.fins == ("stern_planes", "rudder")
+    np.testing.assert_array_equal(thrust.travel, fins.travel)
+    np.testing.assert_allclose(np.linalg.norm(thrust.per_newton[:3], axis=0), 1.0)
