@@ -5,8 +5,9 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from cube_sim.vehicle.fins import Fins
+from cube_sim.vehicle.fins import Fins, lift_tables
 from cube_sim.vehicle.floating import floating_height
+from cube_sim.vehicle.laws import fin
 from cube_sim.vehicle.mjcf.unused import kept_words
 from cube_sim.vehicle.plugin import packing
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
@@ -33,7 +34,7 @@ def remarks(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
     if g > 0.0:
         moment = _most(vehicle, slice(3, 5))
         said += _at_rest(lift * vehicle.centre_of_buoyancy - weight * vehicle.centre_of_mass, weight, moment)
-    return said + _stiff(model, vehicle) + _own_force(model, vehicle)
+    return said + _stiff(model, vehicle) + _fins_ahead(model, vehicle) + _own_force(model, vehicle)
 
 
 def cautions(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
@@ -119,6 +120,14 @@ def _steepest(vehicle: Vehicle, slope: np.ndarray, signed: np.ndarray, absolute:
         of_second = np.einsum("ijk,j,k->ik", absolute, flow, np.sign(flow))
         found.append(-(of_signed + of_first + of_second))
     return max(found, key=lambda more: _fastest(vehicle, slope + more))
+
+
+def _fins_ahead(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
+    table = lift_tables(packing.packed_parameters(model))[2]
+    places = table[table[:, fin.HULL] == _number(model, vehicle), fin.PLACE]
+    if not len(places) or places.min() <= vehicle.centre_of_mass[0]:
+        return []
+    return ["all its fins lie ahead of its centre of mass, where they turn it out of the flow; astern they steady it"]
 
 
 def _own_force(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:

@@ -9,7 +9,7 @@ from support.lifting import Fin, Lifted
 from support.water_bodies import Body
 
 import cube_sim
-from cube_sim.vehicle.remarks import cautions
+from cube_sim.vehicle.remarks import cautions, remarks
 
 X, Y, Z = np.eye(3)
 RUDDER = Fin("rudder", np.array([-0.6, 0.0, 0.0]), X, Y, 0.01, 3.0, servo=(0.1, 0.5))
@@ -40,3 +40,11 @@ def test_what_may_well_be_meant_is_not(change):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         cube_sim.load_model(Lifted(HULL, (fin,)).spec())
+
+
+@pytest.mark.parametrize(("places", "told"), [((0.6, 0.5), True), ((0.6, -0.6), False)])
+def test_fins_that_all_lie_ahead_are_told(places, told):
+    fins = tuple(replace(RUDDER, name=f"fin{x:g}", place=np.array([x, 0.0, 0.0])) for x in places)
+    model = cube_sim.load_model(Lifted(HULL, fins).spec())
+    said = remarks(model, cube_sim.Vehicle.from_model(model))
+    assert any(each.startswith("all its fins lie ahead of its centre of mass") for each in said) is told
