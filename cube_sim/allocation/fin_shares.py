@@ -33,6 +33,9 @@ SHORT_OF_STALL_RAD = 0.06
 AS_GOOD_AS_MADE = 1e-3
 """What fins miss of the wrench wanted, where no thruster makes such, is nothing up to this share: they are not linear
 (a choice)."""
+FEEBLE = 0.01
+"""A fin that makes less than this share of what the strongest thruster makes is turned less, and at rest not at all (a
+choice): the flow of the next moment is another."""
 PASSES = 2
 """Times a fin that is not linear is made so: where it is, and where it is to be."""
 
@@ -83,10 +86,14 @@ def share_with_fins(parts, demand, nu_r, deflections, force_ratio, wanted, made,
     p, k, m = parts, len(parts.table), parts.thrusters.shape[1]
     C, target, x = np.zeros((6, k + m)), np.zeros(6), np.zeros(k + m)
     low, high, price = np.zeros(k + m), np.zeros(k + m), np.zeros(k + m)
+    strongest = 0.0
     for j in range(m):
+        square = 0.0
         size = max(max(abs(p.forces[j, 0]), abs(p.forces[j, 1])), 1e-12)
         for a in range(6):
             C[a, k + j] = p.scale[a] * p.thrusters[a, j] * size
+            square += C[a, k + j] * C[a, k + j]
+        strongest = max(strongest, square)
         low[k + j], high[k + j] = force_ratio * p.forces[j, 0] / size, force_ratio * p.forces[j, 1] / size
     curved = len(p.square) > 0
     for i in range(k):
@@ -103,11 +110,18 @@ def share_with_fins(parts, demand, nu_r, deflections, force_ratio, wanted, made,
             undeflected, there = turned_fin(p, i, 0.0, nu_r), turned_fin(p, i, wanted[i], nu_r)
             ahead, back = turned_fin(p, i, wanted[i] + STEP_RAD, nu_r), turned_fin(p, i, wanted[i] - STEP_RAD, nu_r)
             slope, base = minus6(ahead, back), minus6(there, undeflected)
+            square = 0.0
             for a in range(6):
                 turned = p.scale[a] * component(slope, a) / (2.0 * STEP_RAD)
+                square += (turned * size) ** 2
                 C[a, i] = turned * size
                 target[a] += turned * wanted[i] - p.scale[a] * component(base, a)
             least, most = fin_reach(fin, p.travel[i], p.reach[i], deflections[i], nu_r)
+            counts = square / max(FEEBLE**2 * strongest, 1e-300)
+            if counts < 1.0:
+                limit, turns_to = counts * size, (deflections[i] - p.reach[i], deflections[i] + p.reach[i])
+                least = min(max(min(max(least, -limit), limit), turns_to[0]), turns_to[1])
+                most = min(max(min(max(most, -limit), limit), turns_to[0]), turns_to[1])
             low[i], high[i], x[i] = least / size, most / size, wanted[i] / size
         for i in range(k + m):
             square = 0.0

@@ -114,6 +114,20 @@ def test_at_rest_fins_are_asked_for_nothing():
     assert not rest.any()
 
 
+@pytest.mark.parametrize("at", [0.3, -0.3])
+def test_near_rest_a_fin_is_turned_back_and_the_thruster_makes_it(at):
+    """At 0.02 m/s all its travel makes 2.5 mN; it turns back no faster than its servo does."""
+    given = parts([rudder()], [PROPELLER, SIDE_THRUSTER], [[-20, 40], [-20, 20]], reach=0.1)
+    slow, demand = (0.02, 0.0, 0.0, 0.0, 0.0, 0.0), [0.0, 3.0, 0.0, 0.0, 0.0, -1.8]
+    wanted, made, _ = shared(given, demand, slow, [at])
+    assert wanted[0] == pytest.approx(at - np.copysign(0.1, at))
+    wanted, made, rest = shared(given, demand, slow, [0.0])
+    assert abs(wanted[0]) < 0.01
+    across = parts([rudder(stall=0.3)], [PROPELLER, SIDE_THRUSTER], [[-20, 40], [-20, 20]], reach=0.1)
+    assert abs(shared(across, demand, (0.001, 0.02, 0.0, 0.0, 0.0, 0.0))[0][0]) < 0.01  # not turned into the flow
+    np.testing.assert_allclose(made + rest, demand, atol=1e-9)
+
+
 def test_a_fin_is_asked_no_farther_than_its_servo_turns_it():
     given = parts([rudder()], [PROPELLER], [[-2.0, 4.0]], reach=0.06)
     wanted, _, _ = shared(given, [0.0, 100.0, 0.0, 0.0, 0.0, -60.0], deflections=[0.1])
