@@ -22,6 +22,11 @@ from cube_sim.guidance.view_record import VIEW, record_of
 from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.vehicle.dynamics import Dynamics
 
+ROLL_OF_FINS = 0.13
+"""Sine of the roll, 7 degrees, up to which a hull that steers by fins is asked to roll so as to point a force (a
+choice). Its righting moment lets it roll little, so farther over it would be asked for what it never does, and its
+heading and pitch would be judged in axes that are turned by it."""
+
 
 class BalancedAttitude:
     """Two tasks by priority (Nakamura 1987), on the turning rate w of the desired attitude R, body axes.
@@ -70,6 +75,7 @@ class BalancedAttitude:
         parameters["lost"][:, :count], parameters["constants"][:count] = left.lost, left.constants
         parameters["count"], parameters["level"] = count, left.level
         parameters["time"], parameters["wish_time"], parameters["most_rate"] = time, wish_time, most_rate
+        parameters["most_roll"] = ROLL_OF_FINS if left.by_flow else np.inf
         parameters["softness"] = min(SOFTNESS_N, SOFT_SHARE * left.strongest)
         self.parameters["watched"] = seeks_trim(left)
         self.wished: Vector = np.array([1.0, 0.0, 0.0, 0.0])

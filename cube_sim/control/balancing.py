@@ -68,6 +68,7 @@ BALANCE = np.dtype(
         ("softness", np.float64),
         ("wish_time", np.float64),
         ("most_rate", np.float64),
+        ("most_roll", np.float64),
         ("watched", np.bool_),
         ("trimmed", np.bool_),
         ("trim", np.float64, (3, 3)),
@@ -77,9 +78,10 @@ BALANCE = np.dtype(
     ]
 )
 """Numbers of `BalancedAttitude`: N (6, count) and b (count,) of the lost combinations, the rest of zeros; whether it
-turns in a level plane only; the times [s], the damping of the inverse [N] and the bound [rad/s]. Whether its wish is
-judged by the trims of the course, and whether it wishes for one of them instead, `trim`; the wish, in the axes of the
-course, the speed [m/s] and the angle above the horizontal [rad] that were judged."""
+turns in a level plane only; the times [s], the damping of the inverse [N], the bounds of its rate [rad/s] and of the
+sine of its roll, up to which it rolls to point a force. Whether its wish is judged by the trims of the course, and
+whether it wishes for one of them instead, `trim`; the wish, in the axes of the course, the speed [m/s] and the angle
+above the horizontal [rad] that were judged."""
 MEMORY = np.dtype(
     [
         ("rotation", np.float64, (3, 3)),
@@ -274,6 +276,9 @@ def _rates(hull, p, normals, bounds, held_shares, m, R, desired, force_ratio):
         for k in range(rows):
             about = J[k, 0] * z[0] + J[k, 1] * z[1] + J[k, 2] * z[2]
             J[k, 0], J[k, 1], J[k, 2] = about * z[0], about * z[1], about * z[2]
+    easily = max(0.0, 1.0 - (R[2, 1] / p.most_roll) * (R[2, 1] / p.most_roll))
+    for k in range(rows):
+        J[k, 0] *= easily
     second, against = _towards(m, R, desired, p.wish_time), np.empty(7)
     for k in range(rows):
         against[k] = J[k, 0] * second[0] + J[k, 1] * second[1] + J[k, 2] * second[2]

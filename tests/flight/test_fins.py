@@ -10,6 +10,7 @@ from support.places import SCENARIOS
 
 import cube_sim
 from cube_sim.control.authority import Authority
+from cube_sim.control.balanced_attitude import ROLL_OF_FINS
 from cube_sim.errors import ScenarioError
 from cube_sim.flight import Flight
 
@@ -131,6 +132,21 @@ def test_beside_side_thrusters_fins_come_first(tmp_path):
     fixed = cube_sim.run(LINE, changes, out=tmp_path / "fixed")
     pushed = [np.abs(run.signals["thrusters.force"][-500:, 2:]).sum(axis=1).mean() for run in (turned, fixed)]
     assert pushed[0] < 0.95 * pushed[1]
+
+
+@pytest.mark.flight
+def test_a_hull_that_only_rights_itself_is_not_asked_to_roll_over(tmp_path):
+    """Asked to roll far, to point what an unknown current takes, its heading would be judged in axes turned by that."""
+    changes = drawn(tmp_path, makes_roll=False) | {
+        "duration_s": 20,
+        "initial": {"position_m": [0.0, 1.5, -20.0], "velocity_m_s": [1.0, 0.4, 0.0]},
+        "guidance.speed_m_s": 1.2,
+        "current_m_s": [0.0, 0.4, 0.0],
+        "checks": SHORT["checks"],
+    }
+    run = cube_sim.run(LINE, changes, out=tmp_path / "out")
+    w, x, y, z = run.signals["reference.quaternion"][:, 1:].T
+    assert np.abs(2.0 * (y * z + w * x)).max() < 1.1 * ROLL_OF_FINS
 
 
 @pytest.mark.flight
