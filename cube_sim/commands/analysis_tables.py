@@ -34,7 +34,8 @@ def print_report(report: Report) -> None:
     fins = () if report.vehicle.fins is None else report.vehicle.fins.names
     beside = f" and {len(fins)} fin{'s' * (len(fins) != 1)}" if fins else ""
     count = sum(name not in a.lost for name in report.vehicle.thrusters.names)
-    line(f"{report.title}: {count} thrusters{beside}{lost}; torques divided by {s.length_m:.3g} m")
+    word = "thruster" if count == 1 else "thrusters"
+    line(f"{report.title}: {count} {word}{beside}{lost}; torques divided by {s.length_m:.3g} m")
     line(f"rank {a.rank} of {len(s.axes.names)}, {a.redundancy} redundant")
     for remark in report.remarks:
         line(f"  {remark}")
