@@ -123,6 +123,14 @@ def _row_times_tuple(M, i, x):
 
 
 @compiled
+def component(a, axis):
+    """Component of a 6-tuple by a number known at run time only; to index would be able to raise, here nothing can."""
+    if axis < 3:
+        return a[0] if axis < 1 else (a[1] if axis < 2 else a[2])
+    return a[3] if axis < 4 else (a[4] if axis < 5 else a[5])
+
+
+@compiled
 def to_body(R_WB, a_W):
     """R_WB' a_W, a 3-tuple: a world vector (3-tuple) in body axes."""
     return (

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from cube_sim.allocation.box_least_squares import nearest_in_box
 from cube_sim.native.compiled import compiled
-from cube_sim.tuples import cross_tuples, dot, minus, minus6, plus, plus6, stacked, to_body, triple
+from cube_sim.tuples import component, cross_tuples, dot, minus, minus6, plus, plus6, stacked, to_body, triple
 from cube_sim.vehicle.laws.body_lift import deflected_wrench
 from cube_sim.vehicle.laws.fin import CHORD, NORMAL, PLACE, STALL, fin_wrench
 
@@ -190,14 +190,6 @@ def with_missed(residual, status, missed):
     if missed == 0.0:
         return residual, status
     return sqrt(residual * residual + missed * missed), 1 if status == 0 else status
-
-
-@compiled
-def component(a, axis):
-    """Component of a 6-tuple by a number known at run time only."""
-    if axis < 3:
-        return a[0] if axis < 1 else (a[1] if axis < 2 else a[2])
-    return a[3] if axis < 4 else (a[4] if axis < 5 else a[5])
 
 
 @compiled

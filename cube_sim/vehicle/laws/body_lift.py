@@ -12,6 +12,7 @@ from __future__ import annotations
 from math import sqrt
 
 from cube_sim.native.compiled import compiled
+from cube_sim.tuples import component
 
 HULL, AXIS, FIRST, SECOND, ABSOLUTE, COEFFICIENT = 0, 1, 2, 3, 4, 5
 """Columns of a table of products: number of the hull; axis of the force, and of either velocity, 0 to 5; 1 where the
@@ -22,14 +23,6 @@ STATION, SIDEWAYS, UPWARDS = 1, 2, 3
 """Columns of a table of strips, behind the number of the hull: x of the strip in body axes [m]; rho/2 C_D A [kg/m] of
 its area across y, and across z."""
 STRIP_COLUMNS = 4
-
-
-@compiled
-def _component(nu, axis):
-    """Component of a 6-tuple by a number known at run time only; to index would be able to raise, here nothing can."""
-    if axis < 3.0:
-        return nu[0] if axis < 1.0 else (nu[1] if axis < 2.0 else nu[2])
-    return nu[3] if axis < 4.0 else (nu[4] if axis < 5.0 else nu[5])
 
 
 @compiled
@@ -46,10 +39,10 @@ def products_wrench(products, hull, nu_r):
         p = products[row]
         if p[HULL] != hull:
             continue
-        second = _component(nu_r, p[SECOND])
+        second = component(nu_r, p[SECOND])
         if p[ABSOLUTE] != 0.0:
             second = abs(second)
-        force = p[COEFFICIENT] * _component(nu_r, p[FIRST]) * second
+        force = p[COEFFICIENT] * component(nu_r, p[FIRST]) * second
         axis = int(p[AXIS])
         if axis == 0:
             fx += force

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 import numba
 from numba import types
 
-from cube_sim.tuples import plus6
+from cube_sim.tuples import minus, plus6, stacked, to_body
 from cube_sim.vehicle.laws.current import accelerating_water, current_at, velocity_at
 from cube_sim.vehicle.laws.fin import servo_rate
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
@@ -159,15 +159,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             height = double(field(d, xpos) + 24 * body, 2)
             there = velocity_at(double(d + time_, 0), height, times, heights, velocities)
             current = (current[0] + there[0], current[1] + there[1], current[2] + there[2])
-        x, y, z = double(v, 0) - current[0], double(v, 1) - current[1], double(v, 2) - current[2]
-        return (
-            R[0, 0] * x + R[1, 0] * y + R[2, 0] * z,
-            R[0, 1] * x + R[1, 1] * y + R[2, 1] * z,
-            R[0, 2] * x + R[1, 2] * y + R[2, 2] * z,
-            double(v, 3),
-            double(v, 4),
-            double(v, 5),
-        )
+        relative = to_body(R, minus((double(v, 0), double(v, 1), double(v, 2)), current))
+        return stacked(relative, (double(v, 3), double(v, 4), double(v, 5)))
 
     @numba.njit
     def torques_of_propellers(m, d, packed, hull, nu_r):
@@ -221,15 +214,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             if factored:
                 factored = put_factors(field(d, mass), rows, field(d, qld), field(d, qldiaginv) + 8 * dof)
             v = field(d, qvel) + 8 * dof
-            vx, vy, vz = double(v, 0), double(v, 1), double(v, 2)
-            nu = (
-                R[0, 0] * vx + R[1, 0] * vy + R[2, 0] * vz,
-                R[0, 1] * vx + R[1, 1] * vy + R[2, 1] * vz,
-                R[0, 2] * vx + R[1, 2] * vy + R[2, 2] * vz,
-                double(v, 3),
-                double(v, 4),
-                double(v, 5),
-            )
+            over_ground = (double(v, 0), double(v, 1), double(v, 2))
+            nu = stacked(to_body(R, over_ground), (double(v, 3), double(v, 4), double(v, 5)))
             displaced = double(wet, layout.DISPLACED_MASS)
             r_CB = (double(wet, layout.CENTRE), double(wet, layout.CENTRE + 1), double(wet, layout.CENTRE + 2))
             current, surge = steady, (0.0, 0.0, 0.0)

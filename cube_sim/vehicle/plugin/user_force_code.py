@@ -84,16 +84,16 @@ def _wrapper(law: Any, kind: ForceKind) -> Callable[..., None]:
         wrench[0], wrench[1], wrench[2] = x, y, z
         wrench[3], wrench[4], wrench[5] = about_x, about_y, about_z
 
+    @numba.njit
+    def motion_of(position, rotation, velocity, through_water):
+        place, turn = carray(position, (3,)), carray(rotation, (3, 3))
+        return place, turn, carray(velocity, (6,)), carray(through_water, (6,))
+
     def blind(time, position, rotation, velocity, through_water, wrench, command, nu, activation, na, state, n, rates):
         for i in range(6):
             wrench[i] = nan
         try:
-            motion = (
-                carray(position, (3,)),
-                carray(rotation, (3, 3)),
-                carray(velocity, (6,)),
-                carray(through_water, (6,)),
-            )
+            motion = motion_of(position, rotation, velocity, through_water)
             put_wrench(wrench, law(time, motion[0], motion[1], motion[2], motion[3]))
         except Exception:  # what numba can catch
             wrench[0] = nan
@@ -102,12 +102,7 @@ def _wrapper(law: Any, kind: ForceKind) -> Callable[..., None]:
         for i in range(6):
             wrench[i] = nan
         try:
-            motion = (
-                carray(position, (3,)),
-                carray(rotation, (3, 3)),
-                carray(velocity, (6,)),
-                carray(through_water, (6,)),
-            )
+            motion = motion_of(position, rotation, velocity, through_water)
             commands, activations = carray(command, (nu,)).copy(), carray(activation, (na,)).copy()
             put_wrench(wrench, law(time, motion[0], motion[1], motion[2], motion[3], commands, activations))
         except Exception:
@@ -121,12 +116,7 @@ def _wrapper(law: Any, kind: ForceKind) -> Callable[..., None]:
         for i in range(n):
             rates[i] = nan
         try:
-            motion = (
-                carray(position, (3,)),
-                carray(rotation, (3, 3)),
-                carray(velocity, (6,)),
-                carray(through_water, (6,)),
-            )
+            motion = motion_of(position, rotation, velocity, through_water)
             commands, activations = carray(command, (nu,)).copy(), carray(activation, (na,)).copy()
             kept = carray(state, (n,)).copy()
             F, moved = law(time, motion[0], motion[1], motion[2], motion[3], commands, activations, kept)
