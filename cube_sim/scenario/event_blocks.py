@@ -53,7 +53,7 @@ class ThrusterEventBlock(EventBlock):
 
     @property
     def what(self) -> str:
-        """See `EventBlock.what`."""
+        """See `TitledBlock.what`."""
         how = "" if self.efficiency is None else f", {100 * self.efficiency:g} % of its force"
         how += "" if self.force_N is None else f", {self.force_N:g} N"
         return f"{', '.join(self.thrusters)}: {self.state}{how}"
@@ -97,7 +97,7 @@ class CurrentEventBlock(EventBlock):
 
     @property
     def what(self) -> str:
-        """See `EventBlock.what`."""
+        """See `TitledBlock.what`."""
         return f"current becomes {self._becomes}" + (f" within {self.over_s:g} s" if self.over_s else "")
 
     @property
@@ -145,7 +145,7 @@ class ForceEventBlock(EventBlock):
 
     @property
     def what(self) -> str:
-        """See `EventBlock.what`."""
+        """See `TitledBlock.what`."""
         given = [(self.force_N, "N"), (self.torque_N_m, "N m")]
         told = " and ".join(f"[{x:g}, {y:g}, {z:g}] {unit}" for (x, y, z), unit in given if any((x, y, z)))
         where = "" if self.site is None else f" at {self.site}"

@@ -86,7 +86,7 @@ class SensorEventBlock(EventBlock):
 
     @property
     def what(self) -> str:
-        """See `EventBlock.what`."""
+        """See `TitledBlock.what`."""
         told = {
             "outliers": f", {100 * (self.share or 0.0):g} % of the readings",
             "late": f" by {self.delay_s or 0.0:g} s",

@@ -8,29 +8,14 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from cube_sim.scenario.statistic_keys import SignalName
-from cube_sim.scenario.values import Block, Extent, Number, Title, refuse
+from cube_sim.scenario.titled_block import TitledBlock
+from cube_sim.scenario.values import Extent, Number, refuse
 
 Stopping = Literal["pass", "fail"]
 _MEANING = "pass: such an end is a proper one, the checks judge what was flown until then. fail: the run has failed."
 
 
-class StopBlock(Block):
-    """What every condition has; each also has a `what`: the condition in words."""
-
-    name: Title | None = Field(default=None, description="Shown where the end is told. Default: the condition.")
-
-    @property
-    def what(self) -> str:
-        """The condition, for readers."""
-        raise NotImplementedError
-
-    @property
-    def title(self) -> str:
-        """The condition, for readers, after the name that the scenario gives it."""
-        return self.what if self.name is None else f"{self.name}: {self.what}"
-
-
-class HeldStopBlock(StopBlock):
+class HeldStopBlock(TitledBlock):
     """A condition that has to hold for a time."""
 
     for_s: float = Field(default=0.0, ge=0, le=86400, description="How long it has to hold without a break [s].")
@@ -69,7 +54,7 @@ class SignalStopBlock(HeldStopBlock):
 
     @property
     def what(self) -> str:
-        """See `StopBlock.what`."""
+        """See `TitledBlock.what`."""
         column = "" if self.component is None else f"[{self.component}]"
         limit = f"above {self.above:g}" if self.above is not None else f"below {self.below or 0.0:g}"
         return f"{self.signal}{column} {limit}{self.lasting}"
@@ -84,11 +69,11 @@ class PathEndStopBlock(HeldStopBlock):
 
     @property
     def what(self) -> str:
-        """See `StopBlock.what`."""
+        """See `TitledBlock.what`."""
         return f"end of the path reached within {self.reach_m:g} m{self.lasting}"
 
 
-class GivenUpStopBlock(StopBlock):
+class GivenUpStopBlock(TitledBlock):
     """The path is given up, for whatever reason."""
 
     kind: Literal["given_up"]
@@ -96,11 +81,11 @@ class GivenUpStopBlock(StopBlock):
 
     @property
     def what(self) -> str:
-        """See `StopBlock.what`."""
+        """See `TitledBlock.what`."""
         return "the path is given up"
 
 
-class PhasesEndStopBlock(StopBlock):
+class PhasesEndStopBlock(TitledBlock):
     """The last of the phases, or of the waypoints, is over."""
 
     kind: Literal["phases_end"]
@@ -108,7 +93,7 @@ class PhasesEndStopBlock(StopBlock):
 
     @property
     def what(self) -> str:
-        """See `StopBlock.what`."""
+        """See `TitledBlock.what`."""
         return "all phases are flown"
 
 
