@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -27,7 +27,9 @@ class PrintedVehicle:
         body: mass, inertia and added mass.
         weight: W [N].
         density: of its water [kg/m^3].
-        forces: velocity (6,) and deflections -> wrench (6,) but for hydrostatics, propeller and what is on the left.
+        forces: velocity (6,), command of the propeller and deflections -> wrench (6,) but for hydrostatics, thrust and
+            what is on the left.
+        fins: how many there are.
         commands: of the propeller, from the end of its dead zone on.
         thrusts: at these [N].
         torque_per_thrust: K_prop / X_prop [m].
@@ -40,6 +42,7 @@ class PrintedVehicle:
     weight: float
     density: float
     forces: Callable[..., np.ndarray]
+    fins: int
     commands: tuple[float, ...]
     thrusts: tuple[float, ...]
     torque_per_thrust: float
@@ -50,7 +53,7 @@ class PrintedVehicle:
         """d/dt of [position, quaternion, nu, command of the propeller, deflections]; the wrench is from outside."""
         q, nu, turns, angles = state[3:7], state[7:13], state[13], state[14:]
         thrust = np.interp(turns, self.commands, self.thrusts, left=0.0)
-        tau = self.forces(nu, *angles) + wrench
+        tau = self.forces(nu, turns, *angles) + wrench
         tau += hydrostatics(rotation(q), self.weight, lift, self.body.centre, np.zeros(3))
         tau[0] += thrust
         tau[3] += thrust * self.torque_per_thrust
@@ -71,10 +74,10 @@ class Manoeuvre:
     wrench: tuple[float, ...] = (0.0,) * 6
     lift: float | None = None
 
-    def printed(self, vehicle: PrintedVehicle, fins: int, duration: float) -> np.ndarray:
+    def printed(self, vehicle: PrintedVehicle, duration: float) -> np.ndarray:
         """The state at the end by the printed equations."""
-        steps = self._steps(fins)
-        state = np.concatenate([np.zeros(3), [1.0, 0.0, 0.0, 0.0], self.start, steps[0][1:2], np.zeros(fins)])
+        steps = self._steps(vehicle.fins)
+        state = np.concatenate([np.zeros(3), [1.0, 0.0, 0.0, 0.0], self.start, steps[0][1:2], np.zeros(vehicle.fins)])
         wrench, lift = np.array(self.wrench), self._lift(vehicle)
         for (begin, *asked), (end, *_) in pairwise([*steps, (duration,)]):
             state = integrated(
@@ -82,7 +85,7 @@ class Manoeuvre:
             )
         return state
 
-    def flown(self, vehicle: PrintedVehicle, fins: int, duration: float) -> np.ndarray:
+    def flown(self, vehicle: PrintedVehicle, duration: float) -> np.ndarray:
         """The same by cube_sim."""
         volume = {"hull:volume": self._lift(vehicle) / (vehicle.density * 9.81)}
         model = cube_sim.load_model(vehicle.path, volume, pushes=1)
@@ -91,7 +94,7 @@ class Manoeuvre:
         push = Push(tuple(FLIP * self.wrench[:3]), tuple(FLIP * self.wrench[3:]), in_body=True)
         set_push(model, 0, model.body("hull").id, push)
         data.qvel[:] = np.concatenate([FLIP, FLIP]) * self.start
-        steps = self._steps(fins)
+        steps = self._steps(vehicle.fins)
         data.act[0] = steps[0][1]  # the propeller turns already
         for (begin, *asked), (end, *_) in pairwise([*steps, (duration,)]):
             data.ctrl[:] = asked
@@ -106,6 +109,42 @@ class Manoeuvre:
 
     def _lift(self, vehicle: PrintedVehicle) -> float:
         return vehicle.weight if self.lift is None else self.lift
+
+
+def manoeuvres(
+    *,
+    free_decay: Manoeuvre,
+    constant_wrench: Manoeuvre,
+    fin_steps: Manoeuvre,
+    propeller_steps: Manoeuvre,
+    turning_circle: Manoeuvre,
+    turning_circle_at_full_rudder: Manoeuvre,
+) -> dict[str, Manoeuvre]:
+    """What every such vehicle is held to, by name."""
+    return {name.replace("_", " "): manoeuvre for name, manoeuvre in locals().items()}
+
+
+def assert_moves_as_printed(vehicle: PrintedVehicle, manoeuvre: Manoeuvre, duration: float = 30.0) -> None:
+    """Both ways of flying a manoeuvre end in the same state within 1e-6 (SI units)."""
+    expected, found = manoeuvre.printed(vehicle, duration), manoeuvre.flown(vehicle, duration)
+    assert np.abs(expected[:3]).max() > 5.0  # it went somewhere
+    assert np.abs(found - expected).max() < 1e-6
+
+
+def states(vehicle: PrintedVehicle, n: int, deflection: float, seed: int = 0) -> Iterator[tuple[np.ndarray, ...]]:
+    """n random velocities ahead (6,), attitudes (4,), and activations: the propeller's, and deflections up to one."""
+    rng = np.random.default_rng(seed)
+    for _ in range(n):
+        nu = np.array([rng.uniform(0.1, 2.0), *rng.normal(size=5) * 0.3])
+        q = rng.normal(size=4)
+        yield nu, q, np.array([rng.uniform(0.3, 1.0), *rng.uniform(-deflection, deflection, vehicle.fins)])
+
+
+def assert_accelerations_are_printed(vehicle: PrintedVehicle, deflection: float) -> None:
+    """At 20 random states, with deflections [rad] up to the one given, within 1e-11."""
+    for nu, q, act in states(vehicle, 20, deflection):
+        found, expected = accelerations(vehicle, nu, q, act)
+        np.testing.assert_allclose(found, expected, atol=1e-11 * max(1.0, np.abs(expected).max()))
 
 
 def accelerations(
