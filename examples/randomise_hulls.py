@@ -3,6 +3,7 @@
 python examples/randomise_hulls.py
 """
 
+import copy
 from pathlib import Path
 
 import mujoco
@@ -16,23 +17,25 @@ HULLS, SHOWN = 32, 5
 THRUST_N = 40.0
 
 
-def random_model(rng: np.random.Generator) -> mujoco.MjModel:
-    """The CUBE with its added mass and its quadratic drag off by up to 30 %.
+def random_model(nominal: mujoco.MjModel, rng: np.random.Generator) -> mujoco.MjModel:
+    """A copy, compiled no more, of the CUBE with its added mass and its quadratic drag off by up to 30 %.
 
     The three axes keep one factor. With one each, the Munk moment turns those hulls broadside whose added mass is
     smaller ahead than across: try it.
     """
-    nominal = cube_sim.Vehicle.from_model(cube_sim.load_model(MODEL))
+    model, vehicle = copy.copy(nominal), cube_sim.Vehicle.from_model(nominal)
     parameters = {  # named as in the MJCF; six values are a diagonal
-        "hull:added_mass": nominal.added_mass.diagonal() * rng.uniform(0.7, 1.3),
-        "hull:quadratic_damping": nominal.quadratic_damping.diagonal() * rng.uniform(0.7, 1.3),
+        "hull:added_mass": vehicle.added_mass.diagonal() * rng.uniform(0.7, 1.3),
+        "hull:quadratic_damping": vehicle.quadratic_damping.diagonal() * rng.uniform(0.7, 1.3),
     }
-    return cube_sim.load_model(MODEL, parameters)
+    cube_sim.set_parameters(model, parameters)
+    return model
 
 
 def main() -> None:
     rng = np.random.default_rng(1)
-    models = [random_model(rng) for _ in range(HULLS)]
+    nominal = cube_sim.load_model(MODEL)
+    models = [random_model(nominal, rng) for _ in range(HULLS)]
     vehicles = [cube_sim.Vehicle.from_model(model) for model in models]
 
     # A model carries the numbers of its water: MuJoCo's own batch steps each hull in its own, free of Python's lock.

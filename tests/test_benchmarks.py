@@ -72,3 +72,16 @@ def test_a_mistake_is_one_line(name, arguments, message, monkeypatch, capsys):
         script(name).main()
     assert end.value.code == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.flight
+def test_a_compiled_model_and_a_copy_of_it_are_timed_side_by_side(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["", "--samples", "2", "--rounds", "1"])
+    script("model_parameters").main()
+    title, head, *rows = capsys.readouterr().out.splitlines()
+    assert title == "2 sets of numbers for the vehicle of cube_helix, ms each"
+    assert head.split() == ["compiled", "copied", "ratio"]
+    assert [row.split()[0] for row in rows] == ["model", "flight", "reset"]
+    for row in rows:
+        compiled, copied = map(float, row.split()[1:3])
+        assert 0.0 < copied < compiled

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,6 +18,9 @@ from cube_sim import many_flights
 from cube_sim.errors import ScenarioError
 from cube_sim.flight import Flight
 from cube_sim.flight_statistics import statistics_of
+from cube_sim.scenario import load
+from cube_sim.scenario.shared import Shared
+from cube_sim.vehicle.compiled_once import CompiledOnce
 
 CHECKS = [{"kind": "allowed_forces"}]
 LOST = {"kind": "thrusters", "at_s": 2.0, "thrusters": ["T3"], "state": "dead"}
@@ -54,6 +58,36 @@ def test_each_flight_is_the_one_flown_alone(threads):
         assert outcome.simulated_s == variation["duration_s"]
         assert outcome.statistics == statistics_of(single.signals)
     assert [outcome.statistics["thrusters_lost"] for outcome in flown] == [0.0, 0.0, 1.0, 2.0, 0.0, 0.0]
+
+
+NUMBERS = {
+    "cube_helix": [{"hull:mass": [m], "hull:inertia": [5.0, 6.0, 7.0, 0.1, 0.0, -0.1 * m / 125.0]} for m in (124, 127)],
+    "bluerov2_free": [{"hull:quadratic_damping": [40.0 * k] * 6, "T3:thruster_lag": [0.1 * k]} for k in (1.0, 1.1)],
+    "rov6_helix": [{"hull:volume": [0.0204 * k], "hull:centre_of_mass": [0.0, 0.0, -0.01 * k]} for k in (1.0, 1.01)],
+    "remus100_line": [{"hull:linear_damping": [2.0 * k, 1, 1, 1, 1, 1], "hull:mass": [30.5 * k]} for k in (1.0, 1.003)],
+    "bluerov2_battery": [{"water:density": [1000.0 * k]} for k in (1.0, 1.02)],
+}
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("name", NUMBERS)
+def test_a_vehicle_whose_model_others_had_compiled_leaves_the_record_of_one_alone(name, tmp_path, monkeypatch):
+    """To the byte, whoever came first; and the file is compiled once."""
+    scenario, shared, compiled = SCENARIOS / f"{name}.yaml", Shared(), []
+    whole = CompiledOnce.of
+    monkeypatch.setattr(CompiledOnce, "of", lambda *given: compiled.append(given) or whole(*given))
+    checks = [{"kind": "allowed_forces"}]
+    for k, parameters in enumerate([*NUMBERS[name], NUMBERS[name][0]]):
+        loaded = load(scenario, {"duration_s": 3.0, "checks": checks, "events": [], "parameters": parameters})
+        together, alone = replace(loaded, shared=shared), loaded
+        for kept, one in ((f"together{k}", together), (f"alone{k}", alone)):
+            count = len(compiled)
+            cube_sim.fly(one, out=tmp_path / kept, record="mcap")
+            assert (len(compiled) > count) == (one is alone or k == 0)
+        records = [(tmp_path / f"{kept}{k}" / "run.mcap").read_bytes() for kept in ("together", "alone")]
+        assert records[0] == records[1]
+        if k == 1:
+            assert records[0] != (tmp_path / "alone0" / "run.mcap").read_bytes()
 
 
 @pytest.mark.flight

@@ -75,13 +75,25 @@ class Flight(Loop):
         self._loaded = loaded
         super().__init__(mission, SignalStore(mission.channels))
         try:
-            self._start: Snapshot | None = self.snapshot()
+            # Files are looked at before somebody changes them.
+            self._start: bytes | None = self._content() if self._file_digests else None
         except FlightError:
             self._start = None
 
     @cached_property
     def _digests(self) -> dict[str, str]:
         """Of all that flights must share to take up each other's snapshots, by name.
+
+        Raises:
+            FlightError: a file that the scenario names is gone.
+        """
+        # The scenario's own words for a path do not say all of one that a program hands over.
+        others = {"scenario": self._loaded.resolved_yaml().encode(), "path": self.mission.outline.tobytes()}
+        return self._file_digests | {name: sha256(content).hexdigest() for name, content in others.items()}
+
+    @cached_property
+    def _file_digests(self) -> dict[str, str]:
+        """Of every file that flies, by name; the model is always one.
 
         Raises:
             FlightError: a file that the scenario names is gone.
@@ -95,8 +107,6 @@ class Flight(Loop):
             files |= {f"python/{key}": code.source.encode()}
             files |= {f"python/{key}/{name}": content for name, content in code.neighbours.items()}
             files |= {f"{MODULES}/{name}": content for name, content in code.modules.items()}
-        # The scenario's own words for a path do not say all of one that a program hands over.
-        files |= {"scenario": self._loaded.resolved_yaml().encode(), "path": mission.outline.tobytes()}
         return {name: sha256(content).hexdigest() for name, content in files.items()}
 
     @property
@@ -127,7 +137,7 @@ class Flight(Loop):
         with self._whole():
             self._store.clear()
             if self._start is not None:
-                self._go_on_from(*unpacked(self._start.content, self._fixed), forget=True)
+                self._go_on_from(*unpacked(self._start, self._fixed), forget=True)
             elif mission is not None:
                 self._stand(mission, self._store)
                 self._amid = True
@@ -208,6 +218,11 @@ class Flight(Loop):
         Raises:
             FlightError: code of the user's own remembers what cannot be pickled, or the flight is amid a tick.
         """
+        content = self._content()
+        return Snapshot(self._digests, content)
+
+    def _content(self) -> bytes:
+        """What changes in a flight."""
         self._require_whole()
         mission = self.mission
         try:
@@ -219,7 +234,7 @@ class Flight(Loop):
                 (mission.model.numeric_data.copy(), mission.model.opt.wind.copy()),
                 {name: getattr(mission, name) for name in _CHANGING},
             )
-            return Snapshot(self._digests, packed(changing, self._fixed))
+            return packed(changing, self._fixed)
         except (PicklingError, TypeError, AttributeError) as error:
             raise FlightError(f"the flight cannot be saved: {error}") from error
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -18,6 +19,7 @@ from cube_sim.gym.reward import FollowingReward, Reward, Stepped
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.loading import loaded_again
+from cube_sim.scenario.shared import Shared
 from cube_sim.spatial import Vector
 
 
@@ -70,7 +72,8 @@ class FlightEnv(gymnasium.Env[Vector, Vector]):
         """
         if type(ticks) is not int or ticks < 1:
             raise FlightError(f"ticks takes a whole number above 0, not {ticks!r}")
-        self._loaded = self._flown = loaded_with(scenario, overrides)
+        # What resets have in common is made once: the model is compiled, and copies get what is drawn.
+        self._loaded = self._flown = replace(loaded_with(scenario, overrides), shared=Shared())
         self.flight = Flight(self._loaded)
         mission = self.flight.mission
         self._randomisation: Randomisation | None = None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -14,8 +13,8 @@ from cube_sim.mission.disturbance import force_events, set_pushes
 from cube_sim.mission.water import water_schedule
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
+from cube_sim.vehicle.compiled_once import CompiledOnce, room
 from cube_sim.vehicle.current import current_table
-from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.mjcf.numeric_names import CURRENT, SURFACE
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
@@ -103,35 +102,34 @@ def believed_hull(loaded: Loaded, flown: CompiledHull) -> CompiledHull:
 
 
 def _hull(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence[float]]) -> CompiledHull:
+    """The model of a file with parameters; flights that share what they can compile it once, whatever their numbers."""
     shared = loaded.shared
     if shared is None:
-        return _compiled(loaded, file, key, parameters)
+        once, vehicle = _compiled(loaded, file, key, parameters)
+        return CompiledHull(once.model, vehicle)
     scenario = loaded.scenario
-    given = tuple(sorted((name, tuple(values)) for name, values in parameters.items()))
-    asked = file, given, scenario.vehicle, scenario.thrusters.dead_zone_N, len(force_events(scenario))
-    hull = shared.get(asked, lambda: _compiled(loaded, file, key, parameters))
-    return CompiledHull(copy.copy(hull.model), hull.vehicle)  # a flight changes its model
+    zoned = scenario.thrusters.dead_zone_N is not None
+    asked = file, room(parameters), scenario.vehicle, zoned, len(force_events(scenario))
+    once, vehicle = shared.get(asked, lambda: _compiled(loaded, file, key, parameters))
+    given = {**parameters, **dead_zones(scenario, vehicle)}
+    model = once.with_parameters(given)  # a flight changes its model
+    if model is None:
+        once, vehicle = _compiled(loaded, file, key, parameters)
+        return CompiledHull(once.model, vehicle)
+    return CompiledHull(model, vehicle if once.has(given) else Vehicle.from_model(model, vehicle.name))
 
 
-def _compiled(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence[float]]) -> CompiledHull:
+def _compiled(
+    loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence[float]]
+) -> tuple[CompiledOnce, Vehicle]:
     scenario = loaded.scenario
     zone, pushes = scenario.thrusters.dead_zone_N, len(force_events(scenario))
-
-    def owners() -> tuple[str, ...]:
-        vehicle = _chosen_hull(loaded, load_model(file, parameters, pushes=pushes), key)
-        return vehicle.name, *vehicle.thrusters.names
-
     try:
-        if zone is None:
-            model = load_model(file, parameters, pushes=pushes)
-            vehicle = _chosen_hull(loaded, model, key)
-        else:
-            # Every thruster gets it, whether the model states dead zones per hull or per thruster.
-            asked = file, scenario.vehicle
-            names = owners() if loaded.shared is None else loaded.shared.get(asked, owners)
-            zones = {f"{owner}:thruster_dead_zone": zone for owner in names}
-            model = load_model(file, {**parameters, **zones}, pushes=pushes)
-            vehicle = Vehicle.from_model(model, names[0])
+        once = CompiledOnce.of(file, parameters, pushes)
+        vehicle = _chosen_hull(loaded, once.model, key)
+        if zone is not None:
+            once = CompiledOnce.of(file, {**parameters, **dead_zones(scenario, vehicle)}, pushes)
+            vehicle = Vehicle.from_model(once.model, vehicle.name)
     except ModelError as error:
         where = key
         if scenario.thrusters.dead_zone_N is not None and error.element.endswith("thruster_dead_zone"):
@@ -142,7 +140,7 @@ def _compiled(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequ
     if not vehicle.thrusters.names:
         where = key if scenario.vehicle is None else "vehicle"
         raise ScenarioError([loaded.mistake(where, f"{file}: '{vehicle.name}' has no thruster")])
-    return CompiledHull(model, vehicle)
+    return once, vehicle
 
 
 def dead_zones(scenario: Scenario, vehicle: Vehicle) -> dict[str, Sequence[float]]:

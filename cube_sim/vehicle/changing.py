@@ -63,12 +63,12 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
             )
         else:
             numerics[name] = given
-    read = _read(model, numerics)
+    read = water_of(model, numerics)
     trial = model if not elements else _with_elements(model, elements)
     changed = _packed(trial, read, packed, CURRENT in parameters)
     require_time_step(trial)
-    for name, values in elements.items():
-        set_compiled_element(model, name, values)
+    means = _means(model)
+    _set_elements(model, elements)
     for name in parameters:
         if name in numerics:
             model.numeric(name).data[:] = numerics[name]
@@ -81,6 +81,7 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
     data = mujoco.MjData(model)
     if elements:
         mujoco.mj_setConst(model, data)
+        _set_means(model, means)
     set_inverse_weights(model, data, [model.body(hull.body).id for hull in read.hulls])
 
 
@@ -101,8 +102,18 @@ def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
         raise ModelError(name, f"is {values!r:.80}; numbers are right") from None
 
 
-def _read(model: mujoco.MjModel, numerics: Mapping[str, NDArray[np.float64]]) -> WaterParameters:
-    """What the numerics say of a compiled model's elements."""
+def water_of(model: mujoco.MjModel, numerics: Mapping[str, NDArray[np.float64]] | None = None) -> WaterParameters:
+    """What the numerics say of a compiled model's elements.
+
+    Args:
+        model: made by `load_model`.
+        numerics: name -> values (n,) in place of all that the model has.
+
+    Raises:
+        ModelError: they make no sense.
+    """
+    if numerics is None:
+        numerics = {each.name: each.data for each in map(model.numeric, range(model.nnumeric - 1))}
     named = [i for i in range(1, model.nbody) if model.body(i).name]
     bodies = {model.body(i).name: _is_free(model, i) for i in named}
     thrusters = [thruster_element(model, i) if is_thruster(model, i) else None for i in range(model.nu)]
@@ -124,9 +135,28 @@ def _is_free(model: mujoco.MjModel, body: int) -> bool:
 
 def _with_elements(model: mujoco.MjModel, elements: Mapping[str, NDArray[np.float64]]) -> mujoco.MjModel:
     trial = copy.copy(model)
-    for name, values in elements.items():
-        set_compiled_element(trial, name, values)
+    _set_elements(trial, elements)
     return trial
+
+
+def _set_elements(model: mujoco.MjModel, elements: Mapping[str, NDArray[np.float64]]) -> None:
+    """As at load: a hull's first, then what is a thruster's own."""
+    body = mujoco.mjtObj.mjOBJ_BODY
+    for name in sorted(elements, key=lambda each: mujoco.mj_name2id(model, body, each.rpartition(":")[0]) < 0):
+        set_compiled_element(model, name, elements[name])
+
+
+def _means(model: mujoco.MjModel) -> tuple[float, float]:
+    """Mean inertia and mean mass, which scale the tolerance of MuJoCo's solver, summed in its order."""
+    inertia = sum(model.dof_M0.tolist()) / max(1, model.nv)
+    return inertia, sum(model.body_mass[1:].tolist()) / max(1, model.nbody - 1)
+
+
+def _set_means(model: mujoco.MjModel, before: tuple[float, float]) -> None:
+    """MuJoCo's compiler has them of the elements, `mj_setConst` leaves them. What a file says itself stays."""
+    for name, then, now in zip(("meaninertia", "meanmass"), before, _means(model), strict=True):
+        if getattr(model.stat, name) == then:
+            setattr(model.stat, name, now)
 
 
 def _packed(

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import warnings
+from dataclasses import replace
 from math import pi
 
 import gymnasium
@@ -15,6 +16,7 @@ import cube_sim
 from cube_sim.errors import FlightError, ScenarioError
 from cube_sim.gym import IDS, FlightEnv, FollowingReward, Stepped, make_vec
 from cube_sim.spatial import State, quaternion_from_euler, rotation_from_quaternion
+from cube_sim.vehicle.compiled_once import CompiledOnce
 
 HOLD = "cube_sim/CubeHold-v0"
 HOVER = SCENARIOS / "cube_hover.yaml"
@@ -288,3 +290,20 @@ def test_thrusters_of_different_lags_get_a_factor_each():
     env.reset(seed=1)
     lags = env.flight.mission.model.actuator_dynprm[:, 0]
     assert lags.tolist() == [0.04, 0.04, 0.2, *[0.04] * 5]
+
+
+@pytest.mark.flight
+def test_resets_of_one_compiled_model_are_those_that_compile_each(monkeypatch):
+    compiled, whole = [], CompiledOnce.of
+    monkeypatch.setattr(CompiledOnce, "of", lambda *given: compiled.append(given) or whole(*given))
+    env = FlightEnv(HELIX, SHORT, randomise=RANDOM)
+    each = FlightEnv(HELIX, SHORT, randomise=RANDOM)
+    each._loaded = replace(each._loaded, shared=None)
+    for k, seed in enumerate((1, 2, 1)):
+        count = len(compiled)
+        together, ended = flown(env, seed)
+        assert (len(compiled) > count) == (k == 0)  # with room for what is drawn, once
+        apart, ended_too = flown(each, seed)
+        assert len(compiled) > count
+        assert same(together, apart)
+        assert ended["ended"] == ended_too["ended"]

@@ -85,20 +85,23 @@ def require_possible(name: str, given: NDArray[np.float64]) -> None:
 
 def lags_of(model: mujoco.MjModel, owner: str) -> dict[str, float]:
     """Name of each thruster that is, or is on, an element of that name -> its time constant [s]."""
-    return {
-        model.actuator(i).name: float(model.actuator_dynprm[i, 0])
-        for i in range(model.nu)
-        if is_thruster(model, i) and owner in (model.actuator(i).name, model.body(carrier(model, i)).name)
-    }
+    return {model.actuator(i).name: float(model.actuator_dynprm[i, 0]) for i in _lagging(model, owner)}
+
+
+def _lagging(model: mujoco.MjModel, owner: str) -> list[int]:
+    """Indices of these thrusters."""
+    itself = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, owner)
+    body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, owner)
+    return [i for i in range(model.nu) if is_thruster(model, i) and (i == itself or carrier(model, i) == body)]
 
 
 def element_values(model: mujoco.MjModel, name: str) -> NDArray[np.float64] | None:
     """What a compiled model has of such a parameter (n,), a lag for each thruster; None where nothing has its name."""
     owner, _, parameter = name.rpartition(":")
     if parameter == LAG:
-        return np.array([*lags_of(model, owner).values()]) if lags_of(model, owner) else None
-    bodies = [model.body(i).name for i in range(model.nbody)]
-    if parameter not in ELEMENT_PARAMETERS or owner not in bodies:
+        lagging = _lagging(model, owner)
+        return model.actuator_dynprm[lagging, 0] if lagging else None
+    if parameter not in ELEMENT_PARAMETERS or mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, owner) < 0:
         return None
     body = model.body(owner)
     if parameter == INERTIA and not np.array_equal(body.iquat, [1.0, 0.0, 0.0, 0.0]):
@@ -122,8 +125,7 @@ def set_compiled_element(model: mujoco.MjModel, name: str, given: NDArray[np.flo
     """
     owner, _, parameter = name.rpartition(":")
     if parameter == LAG:
-        for thruster in lags_of(model, owner):
-            model.actuator(thruster).dynprm[0] = given[0]
+        model.actuator_dynprm[_lagging(model, owner), 0] = given[0]
         return
     body = model.body(owner)
     if parameter == MASS:
@@ -135,10 +137,17 @@ def set_compiled_element(model: mujoco.MjModel, name: str, given: NDArray[np.flo
             raise ModelError(name, "has 3 values, and the axes of inertia are not the body's; give 6")
         body.inertia[:] = given
     else:
-        xx, yy, zz, xy, xz, yz = given
-        moments, axes, turn = np.zeros(3), np.zeros(9), np.zeros(4)
-        mujoco.mju_eig3(moments, axes, turn, np.array([xx, xy, xz, xy, yy, yz, xz, yz, zz]))
-        body.inertia[:], body.iquat[:] = moments, turn
+        body.inertia[:], body.iquat[:] = _principal(given)
+
+
+def _principal(full: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Principal moments (3,) and the quaternion (4,) of their axes, to the bit as MuJoCo's compiler has them."""
+    spec = mujoco.MjSpec()
+    body = spec.worldbody.add_body(mass=1.0, explicitinertial=True, ipos=np.zeros(3))
+    body.fullinertia = full
+    body.add_freejoint()
+    model = spec.compile()
+    return model.body_inertia[1], model.body_iquat[1]
 
 
 def _set_lag(

@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping, Sequence
 from difflib import get_close_matches
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,10 +164,7 @@ def _judge(
     sites: Collection[str],
 ) -> None:
     owner, _, parameter = name.rpartition(":")
-    last = re.split(rf"[:{re.escape(_SEPARATORS)}]", owner.lower())[-1]
-    of_water = get_close_matches(parameter.lower(), _OF_WATER, n=1, cutoff=_NEARLY)
-    water = last.endswith("water") or get_close_matches(last, ["water"], n=1, cutoff=_NEARLY_WATER)
-    if owner == "water" or (water and of_water):
+    if owner == "water" or _of_nearly_water(owner, parameter):
         raise ModelError(name, f"is nothing that water has; there are {', '.join(WATER_PARAMETERS)}")
     if parameter not in _KNOWN:
         if owner in hulls or owner in thrusters or _meant(parameter):
@@ -184,6 +182,13 @@ def _judge(
         return
     if owner not in bodies and owner not in thrusters:
         raise ModelError(name, f"no body or thruster '{owner}'; the model has {', '.join([*bodies, *thrusters])}")
+
+
+@lru_cache(maxsize=1024)  # asked again for each of a thousand models
+def _of_nearly_water(owner: str, parameter: str) -> bool:
+    last = re.split(rf"[:{re.escape(_SEPARATORS)}]", owner.lower())[-1]
+    water = last.endswith("water") or get_close_matches(last, ["water"], n=1, cutoff=_NEARLY_WATER)
+    return bool(water and get_close_matches(parameter.lower(), _OF_WATER, n=1, cutoff=_NEARLY))
 
 
 def _meant(parameter: str, known: Sequence[str] = _KNOWN) -> list[str]:
