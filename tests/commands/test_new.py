@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 from support.command_line import call
-from support.places import CUBE, FLOWN_MODEL_FILES
+from support.places import CUBE, WRITTEN_MODEL_FILES
 
 from cube_sim import fly
 from cube_sim.commands import starter
@@ -27,7 +27,7 @@ def one_thruster(folder):
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("model", FLOWN_MODEL_FILES, ids=lambda model: model.stem)
+@pytest.mark.parametrize("model", WRITTEN_MODEL_FILES, ids=lambda model: model.stem)
 def test_what_is_written_for_every_model_passes(model, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "models").mkdir()

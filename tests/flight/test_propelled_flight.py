@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.both_loops import assert_same_flight
-from support.propelled_torpedo import FASTEST, drag, finned_line, line_scenario, thrust
+from support.places import MODELS, SCENARIOS
+from support.propelled_torpedo import FASTEST, drag, line_scenario, thrust
 
+import cube_sim
+from cube_sim.commands.analysis_report import ahead_limits, report_on
 from cube_sim.control.moment_budget import RESERVE
 from cube_sim.flight import Flight
 
 pytestmark = pytest.mark.flight
 
+REMUS = SCENARIOS / "remus100_propeller.yaml"
 AHEAD = 4
 """Column of `actuation.limits` with the propeller's F_max+."""
 
@@ -44,10 +48,32 @@ def test_both_loops_fly_the_same(tmp_path, monkeypatch, settings):
         assert share > 0.7
 
 
-def test_beside_fins_both_loops_fly_the_same(tmp_path, monkeypatch):
-    """REMUS 100 with a propeller in its inflow: the sharing between fins and thrusters knows its limits."""
-    path = finned_line(tmp_path)
-    assert assert_same_flight(path, {"duration_s": 8.0, "checks": [{"kind": "allowed_forces"}]}, monkeypatch) > 0.7
+def test_beside_fins_both_loops_fly_the_same(monkeypatch):
+    """REMUS 100 with its propeller in its inflow: the sharing between fins and thrusters knows its limits."""
+    settings = {"duration_s": 8.0, "checks": [{"kind": "allowed_forces"}]}
+    assert assert_same_flight(REMUS, settings, monkeypatch) > 0.7
+
+
+def test_a_flight_has_the_limits_that_the_analysis_tells():
+    """The shipped scenario, once it is at its speed, and `analyze --speed`."""
+    flight = flown(REMUS, {"duration_s": 40.0, "checks": [{"kind": "allowed_forces"}]})
+    limits = flight.signals["actuation.limits"][-1, 1:]
+    speed = flight.signals["velocity.linear"][-1, 1]
+    told = report_on(MODELS / "remus100_propeller.xml", speed_m_s=float(speed))
+    assert told.analysis.verdict.follows
+    np.testing.assert_allclose(limits, ahead_limits(told.vehicle, told.speed_m_s).ravel(), rtol=2e-3)
+    assert limits[3] < 0.75 * told.vehicle.thrusters.limits[0, 3]
+
+
+def test_its_model_is_remus_100_but_for_propeller_and_ballast():
+    given, taken = (cube_sim.load_model(MODELS / f"{name}.xml") for name in ("remus100_propeller", "remus100"))
+    ours, theirs = (
+        {(model.numeric(i).name, *model.numeric(i).data) for i in range(model.nnumeric)} for model in (given, taken)
+    )
+    changed = {name for name, *_ in ours ^ theirs if not name.startswith(("propeller:", "cube_sim:"))}
+    assert changed == {"hull:volume"}
+    for field in ("body_mass", "body_inertia", "body_ipos", "site_pos", "site_quat", "actuator_ctrlrange"):
+        np.testing.assert_array_equal(getattr(given, field), getattr(taken, field))
 
 
 def test_the_limits_are_those_of_the_inflow_at_every_tick(tmp_path):

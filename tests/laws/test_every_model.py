@@ -60,9 +60,9 @@ def test_its_inertia_is_that_of_a_body_in_water(path):
 def test_it_stays_as_it_floats_and_at_rest(path):
     """Level, but for the one that is lopsided on purpose: its righting moment points up 24 degrees aslant.
 
-    And without the excess buoyancy of the one that pitches as it rises.
+    And without the excess buoyancy of those that pitch as they rise.
     """
-    neutral = {"hull:volume": 299.0 / (9.81 * 1030.0)} if path.stem == "remus100" else {}
+    neutral = {"hull:volume": 299.0 / (9.81 * 1030.0)} if path.stem.startswith("remus100") else {}
     model = cube_sim.load_model(path, neutral)
     vehicle = cube_sim.Vehicle.from_model(model)
     data = mujoco.MjData(model)

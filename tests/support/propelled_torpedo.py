@@ -64,18 +64,3 @@ def line_scenario(folder: Path, speed_m_s: float = 0.8, duration_s: float = 60.0
     path = folder / "propelled_line.yaml"
     path.write_text(text + more)
     return path
-
-
-def finned_line(folder: Path) -> Path:
-    """scenarios/remus100_line.yaml with the propeller of T. I. Fossen's REMUS 100, slower, written into a folder."""
-    text = (MODELS / "remus100.xml").read_text()
-    for name in ("characteristic", "dead_zone"):
-        begin = text.index(f'<numeric name="propeller:thruster_{name}"')
-        text = text[:begin] + text[text.index("/>", begin) + 2 :]
-    begin = text.index('gear="0 0 1 0 0 ')
-    text = text[:begin] + 'gear="0 0 1 0 0 0"' + text[text.index(" dyntype", begin) :]
-    numbers = NUMERICS.replace('data="10 12"', 'data="13"').replace('data="-1"', 'data="1"')
-    (folder / "finned.xml").write_text(text.replace("</custom>", f"{numbers}</custom>"))
-    path = folder / "finned.yaml"
-    path.write_text((SCENARIOS / "remus100_line.yaml").read_text().replace("../models/remus100.xml", "finned.xml"))
-    return path
