@@ -115,7 +115,7 @@ def water_of(model: mujoco.MjModel, numerics: Mapping[str, NDArray[np.float64]] 
     if numerics is None:
         numerics = {each.name: each.data for each in map(model.numeric, range(model.nnumeric - 1))}
     named = [i for i in range(1, model.nbody) if model.body(i).name]
-    bodies = {model.body(i).name: _is_free(model, i) for i in named}
+    bodies = {model.body(i).name: _carrier(model, i) for i in named}
     thrusters = [thruster_element(model, i) if is_thruster(model, i) else None for i in range(model.nu)]
     sites = {
         model.site(i).name: model.body(model.site_bodyid[i]).name for i in range(model.nsite) if model.site(i).name
@@ -127,10 +127,12 @@ def water_of(model: mujoco.MjModel, numerics: Mapping[str, NDArray[np.float64]] 
     return read_parameters(numerics, bodies, thrusters, sites, servos)
 
 
-def _is_free(model: mujoco.MjModel, body: int) -> bool:
-    first, count = model.body_jntadr[body], model.body_jntnum[body]
+def _carrier(model: mujoco.MjModel, body: int) -> str | None:
+    """Name of the free body of the world that a body is, or that carries it; None where there is none."""
+    root = int(model.body_rootid[body])
+    first, count = model.body_jntadr[root], model.body_jntnum[root]
     free = count == 1 and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE
-    return bool(free and model.body_parentid[body] == 0)
+    return model.body(root).name if free else None
 
 
 def _with_elements(model: mujoco.MjModel, elements: Mapping[str, NDArray[np.float64]]) -> mujoco.MjModel:
@@ -163,22 +165,24 @@ def _packed(
     model: mujoco.MjModel, read: WaterParameters, before: NDArray[np.float64], current_given: bool
 ) -> NDArray[np.float64]:
     """The packed values, what is no parameter as before."""
-    ids = [model.body(hull.body).id for hull in read.hulls]
+    ids, link_ids = ([model.body(each.body).id for each in several] for several in (read.hulls, read.links))
     pushes_at, current_at = int(before[layout.PUSHES]), int(before[layout.CURRENT])
     pushes = int(before[pushes_at]) if pushes_at >= 0 else 0
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
+    half_axes = half_axes_of_all(model, data, [*ids, *link_ids], [*read.hulls, *read.links])
     packed = packing.pack_parameters(
         read,
         ids,
         [int(model.body_dofadr[i]) for i in ids],
-        half_axes_of_all(model, data, ids, read.hulls),
+        half_axes[: len(ids)],
         packing.force_records(before),
         float(before[layout.PROCESS]),
         pushes,
         fin_rows(model, read.fins, [hull.body for hull in read.hulls], read.density),
         model,
         np.flatnonzero(before[int(before[layout.THRUSTERS]) :][: model.nu] == layout.FORCE_STATE).tolist(),
+        packing.link_places(model, link_ids, half_axes[len(ids) :]),
     )
     fixed = [i for i in range(layout.HEADER_SIZE) if i != layout.SURFACE]
     if packed.size != before.size or not np.array_equal(packed[fixed], before[fixed]):

@@ -36,21 +36,26 @@ class HullLift:
         absolute: Q (6,6,6) of its table and of its strips.
         fins: Q (6,6,6) of its fins, not deflected.
         holds_coriolis: whether its table has Munk moment and Coriolis terms of the added mass in it.
+        of_links: added mass (6,6) of links, whose such terms are in no table.
     """
 
     products: Tensor
     absolute: Tensor
     fins: Tensor
     holds_coriolis: bool
+    of_links: NDArray[np.float64]
 
     @staticmethod
-    def from_model(model: mujoco.MjModel, hull: int, added_mass: NDArray[np.float64]) -> HullLift | None:
+    def from_model(
+        model: mujoco.MjModel, hull: int, added_mass: NDArray[np.float64], of_links: NDArray[np.float64]
+    ) -> HullLift | None:
         """Read it off a model; None for a hull that has none.
 
         Args:
             model: made by `load_model`.
             hull: its number among the hulls of the model.
-            added_mass: M_A (6,6) of it.
+            added_mass: M_A (6,6) of it with all it carries.
+            of_links: what of that is of links.
         """
         packed = packing.packed_parameters(model)
         products, strips, fins = (_of(table, hull) for table in lift_tables(packed)[:3])
@@ -65,8 +70,8 @@ class HullLift:
             i, j, k = (int(row[c]) for c in (body_lift.AXIS, body_lift.FIRST, body_lift.SECOND))
             (absolute if row[body_lift.ABSOLUTE] else signed)[i, j, k] += row[body_lift.COEFFICIENT]
         if holds:
-            signed -= coriolis_of(added_mass)
-        return HullLift(signed, absolute, sum(map(_of_fin, fins), np.zeros((6, 6, 6))), holds)
+            signed -= coriolis_of(added_mass - of_links)
+        return HullLift(signed, absolute, sum(map(_of_fin, fins), np.zeros((6, 6, 6))), holds, of_links)
 
     def known_as(self, dynamics: Dynamics, drag: float = 1.0, fins: float = 1.0) -> Dynamics:
         """A hull's equations of motion with this lift in them.
@@ -80,7 +85,7 @@ class HullLift:
 
         signed = drag * self.products
         if self.holds_coriolis:
-            signed = signed + coriolis_of(dynamics.added_mass)
+            signed = signed + coriolis_of(dynamics.added_mass - self.of_links)
         return replace(dynamics, velocity_products=signed, absolute_products=drag * self.absolute + fins * self.fins)
 
 

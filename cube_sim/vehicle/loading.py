@@ -118,7 +118,7 @@ def _immerse(
     if layout.PACKED in numerics:
         raise ModelError(layout.PACKED, "is written by load_model; remove it from the MJCF")
     _say_in_the_model(spec, {name: numerics[name] for name in overrides if name in numerics})
-    bodies = {body.name: _is_free(body) for body in spec.bodies if body.name and body.name != "world"}
+    bodies = {body.name: _carrier(body) for body in spec.bodies if body.name and body.name != "world"}
     thrusters = thruster_elements(spec)
     sites = {site.name: site.parent.name for site in spec.sites if site.name}
     servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics])
@@ -131,7 +131,8 @@ def _immerse(
     for text in words:
         warnings.warn(text, stacklevel=4)
     keep_words(spec, words)
-    set_elements(spec, of_elements, [hull.body for hull in parameters.hulls], thrusters)
+    links = [link.body for link in parameters.links]
+    set_elements(spec, of_elements, [*hulls, *links], thrusters)
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
     set_gears(spec, [each and each.propeller and each.propeller.arm for each in parameters.thrusters])
     for text in spec.texts:
@@ -154,7 +155,11 @@ def _immerse(
     require_time_step(model)
     if np.any(model.tendon_armature != 0.0):
         raise ModelError("tendon", "has armature, which a hull's inertia has no room for; put armature on a joint")
-    ids = [model.body(hull.body).id for hull in parameters.hulls]
+    ids = [model.body(name).id for name in hulls]
+    for name in links:
+        if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) < 0:
+            raise ModelError(name, 'has water, and fusestatic="true" makes it a part of what carries it; put "false"')
+    link_ids = [model.body(name).id for name in links]
     dofs = [int(model.body_dofadr[i]) for i in ids]
     start = model.numeric_adr[model.nnumeric - 1]
     lie = {hull: (int(model.actuator_actadr[index]), rates[hull]) for index, hull in kept.items()}
@@ -162,9 +167,12 @@ def _immerse(
     fins = fin_rows(model, parameters.fins, hulls, parameters.density)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    half_axes = half_axes_of_all(model, data, ids, parameters.hulls)
-    process = user_forces.process_number()
-    packed = packing.pack_parameters(parameters, ids, dofs, half_axes, table, process, pushes, fins, model, kept)
+    half_axes = half_axes_of_all(model, data, [*ids, *link_ids], [*parameters.hulls, *parameters.links])
+    places = packing.link_places(model, link_ids, half_axes[len(ids) :])
+    process, half_axes = user_forces.process_number(), half_axes[: len(ids)]
+    packed = packing.pack_parameters(
+        parameters, ids, dofs, half_axes, table, process, pushes, fins, model, kept, places
+    )
     model.numeric_data[start : start + packed.size] = packed
     structs.verify(model, data)
     set_inverse_weights(model, data, ids)
@@ -234,9 +242,12 @@ def _require_usable_options(spec: mujoco.MjSpec) -> None:
         raise ModelError("option", "disabling both spring and damper skips the passive stage, and the water with it")
 
 
-def _is_free(body: mujoco.MjsBody) -> bool:
-    joints = [joint.type for joint in body.joints]
-    return joints == [mujoco.mjtJoint.mjJNT_FREE] and body.parent.name == "world"
+def _carrier(body: mujoco.MjsBody) -> str | None:
+    """Name of the free body of the world that a body is, or that carries it; None where there is none."""
+    while body.parent.name != "world":
+        body = body.parent
+    free = [joint.type for joint in body.joints] == [mujoco.mjtJoint.mjJNT_FREE]
+    return body.name if free else None
 
 
 def _prepare(spec: mujoco.MjSpec, name: str) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.spatial import skew
+from cube_sim.vehicle.carried_water import carried_water, link_records
 from cube_sim.vehicle.fins import Fins
 from cube_sim.vehicle.lift import HullLift
 from cube_sim.vehicle.plugin import layout, packing
@@ -25,15 +26,18 @@ if TYPE_CHECKING:
 class Vehicle:
     """One hull of a water model; matrices are in body axes at the body origin.
 
+    What it carries is in all of them as it stands at the reference pose, the water on links as well.
+
     Attributes:
         name: the body's name.
         body: its index in the model.
         qpos_address: where its pose (position, quaternion wxyz) starts in qpos.
         dof_address: where its velocity starts in qvel.
-        mass_matrix: rigid-body mass M_RB (6,6) [kg, kg m, kg m^2], arms included at the reference pose.
+        mass_matrix: rigid-body mass M_RB (6,6) [kg, kg m, kg m^2].
         added_mass: M_A (6,6) [kg, kg m, kg m^2].
         linear_damping: D (6,6) [N s/m, N s, N m s].
-        quadratic_damping: D_q (6,6) [N s^2/m^2, ...], acting on |nu_r| nu_r.
+        quadratic_damping: D_q (6,6) [N s^2/m^2, ...], acting on |nu_r| nu_r; that of links is
+            exact for motion along, or about, one axis.
         displaced_mass: rho V [kg].
         centre_of_mass: r_CG (3,) [m].
         centre_of_buoyancy: r_CB (3,) [m].
@@ -107,8 +111,11 @@ class Vehicle:
         chosen = next(iter(names)) if name is None else name
         if chosen not in names:
             raise ModelError(chosen, f"is no hull; the model has {', '.join(names)}")
+        links = link_records(model, packed, int(names[chosen][layout.BODY]))
         warn_of_unread(model, chosen, names[chosen])
-        return _vehicle(model, names[chosen], chosen, list(names).index(chosen))
+        for link in links:
+            warn_of_unread(model, model.body(int(link[layout.BODY])).name, link)
+        return _vehicle(model, names[chosen], links, chosen, list(names).index(chosen))
 
 
 def hull_names(model: mujoco.MjModel) -> tuple[str, ...]:
@@ -127,7 +134,9 @@ def _hull_records(packed: NDArray[np.float64]) -> NDArray[np.float64]:
     return packed[start : start + count * layout.HULL_SIZE].reshape(count, layout.HULL_SIZE)
 
 
-def _vehicle(model: mujoco.MjModel, record: NDArray[np.float64], name: str, number: int) -> Vehicle:
+def _vehicle(
+    model: mujoco.MjModel, record: NDArray[np.float64], links: NDArray[np.float64], name: str, number: int
+) -> Vehicle:
     body, dof = int(record[layout.BODY]), int(record[layout.DOF])
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
@@ -138,7 +147,7 @@ def _vehicle(model: mujoco.MjModel, record: NDArray[np.float64], name: str, numb
     moment = np.zeros((model.nu, model.nv))
     mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
     joint_axes = moment[thrusters.actuators, dof : dof + 6].T
-    added_mass = record[layout.ADDED_MASS : layout.LINEAR].reshape(6, 6)
+    water = carried_water(data, record, links)
     fins = Fins.from_model(model, number)
     return Vehicle(
         name=name,
@@ -146,17 +155,17 @@ def _vehicle(model: mujoco.MjModel, record: NDArray[np.float64], name: str, numb
         qpos_address=int(model.jnt_qposadr[model.body_jntadr[body]]),
         dof_address=dof,
         mass_matrix=mass_matrix,
-        added_mass=added_mass,
-        linear_damping=np.ascontiguousarray(record[layout.LINEAR : layout.QUADRATIC].reshape(6, 6).T),
-        quadratic_damping=np.ascontiguousarray(record[layout.QUADRATIC : layout.FORCE].reshape(6, 6).T),
-        displaced_mass=float(record[layout.DISPLACED_MASS]),
+        added_mass=water.added_mass,
+        linear_damping=water.linear_damping,
+        quadratic_damping=water.quadratic_damping,
+        displaced_mass=water.displaced_mass,
         centre_of_mass=centre_of_mass,
-        centre_of_buoyancy=record[layout.CENTRE : layout.ADDED_MASS],
+        centre_of_buoyancy=water.centre_of_buoyancy,
         gravity=np.array(model.opt.gravity),
         actuation_matrix=np.vstack([R.T @ joint_axes[:3], joint_axes[3:]]),
         thrusters=thrusters,
         fins=fins if fins.names else None,
-        lift=HullLift.from_model(model, number, added_mass),
+        lift=HullLift.from_model(model, number, water.added_mass, water.added_mass_of_links),
     )
 
 

@@ -1,6 +1,7 @@
-"""The ellipsoid over which a hull's displaced volume is spread where its MJCF does not say one.
+"""The ellipsoid over which a hull's, or a link's, displaced volume is spread where its MJCF does not say one.
 
-It has the proportions of the box around the hull's geoms and the hull's volume.
+It has the proportions of the box around the body's geoms and the body's volume. Geoms of what a body carries count as
+its own, but for those of links that have water of their own.
 """
 
 from __future__ import annotations
@@ -12,21 +13,42 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.vehicle.mjcf.parameters import HullParameters
+from cube_sim.vehicle.mjcf.water_body import WaterBody
 
 _WITHOUT_EXTENT = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD)
 
 
-def half_axes_of(model: mujoco.MjModel, data: mujoco.MjData, hull: int, volume: float) -> NDArray[np.float64]:
-    """(3,) half-axes [m] along the body's axes: of a sphere for a hull without geoms, 0 for one without volume too.
+def half_axes_of_all(
+    model: mujoco.MjModel, data: mujoco.MjData, indices: Sequence[int], bodies: Sequence[WaterBody]
+) -> list[NDArray[np.float64]]:
+    """(3,) half-axes of each body in the water [m]: its parameters', or else those of its geoms and volume.
+
+    Without geoms it is a sphere; without volume too, nothing.
 
     Args:
         model: compiled.
         data: of that model, its kinematics up to date.
-        hull: index of the body of the world; what it carries counts.
-        volume: displaced [m^3].
+        indices: of all bodies in the water.
+        bodies: what the MJCF says of each.
     """
-    halves = _halves(model, data, hull)
+    owners = _owners(model, indices)
+    return [
+        _half_axes(_halves(model, data, index, owners), body.volume)
+        if body.surface_half_axes is None
+        else body.surface_half_axes
+        for index, body in zip(indices, bodies, strict=True)
+    ]
+
+
+def _owners(model: mujoco.MjModel, indices: Sequence[int]) -> NDArray[np.int_]:
+    """(nbody,) for each body the one in the water that it is, or that carries it most closely; 0 for none."""
+    owners = np.zeros(model.nbody, dtype=int)
+    for body in range(1, model.nbody):
+        owners[body] = body if body in indices else owners[model.body_parentid[body]]
+    return owners
+
+
+def _half_axes(halves: NDArray[np.float64], volume: float) -> NDArray[np.float64]:
     if not halves.all():
         return np.full(3, (0.75 * volume / pi) ** (1.0 / 3.0))
     if volume == 0.0:
@@ -34,27 +56,17 @@ def half_axes_of(model: mujoco.MjModel, data: mujoco.MjData, hull: int, volume: 
     return halves * (volume / (4.0 / 3.0 * pi * halves.prod())) ** (1.0 / 3.0)
 
 
-def half_axes_of_all(
-    model: mujoco.MjModel, data: mujoco.MjData, bodies: Sequence[int], hulls: Sequence[HullParameters]
-) -> list[NDArray[np.float64]]:
-    """(3,) half-axes of each hull [m]: its parameters', or else those of `half_axes_of`."""
-    return [
-        half_axes_of(model, data, body, hull.volume) if hull.surface_half_axes is None else hull.surface_half_axes
-        for body, hull in zip(bodies, hulls, strict=True)
-    ]
-
-
-def _halves(model: mujoco.MjModel, data: mujoco.MjData, hull: int) -> NDArray[np.float64]:
+def _halves(model: mujoco.MjModel, data: mujoco.MjData, body: int, owners: NDArray[np.int_]) -> NDArray[np.float64]:
     """(3,) half the size of the box around the geoms, along the body's axes [m]; 0 without any."""
-    its_own = model.body_rootid[model.geom_bodyid] == model.body_rootid[hull]
+    its_own = owners[model.geom_bodyid] == body
     geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))
     if not geoms.size:
         return np.zeros(3)
-    R = data.xmat[hull].reshape(3, 3)
+    R = data.xmat[body].reshape(3, 3)
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for geom in geoms:
         axes = R.T @ data.geom_xmat[geom].reshape(3, 3)
-        centre = R.T @ (data.geom_xpos[geom] - data.xpos[hull]) + axes @ model.geom_aabb[geom, :3]
+        centre = R.T @ (data.geom_xpos[geom] - data.xpos[body]) + axes @ model.geom_aabb[geom, :3]
         half = np.abs(axes) @ model.geom_aabb[geom, 3:]
         low, high = np.minimum(low, centre - half), np.maximum(high, centre + half)
     return 0.5 * (high - low)

@@ -40,6 +40,8 @@ HULL_PARAMETERS = (
     CROSS_FLOW,
     "surface_half_axes",
 )
+LINK_PARAMETERS = (*HULL_PARAMETERS[:5], "surface_half_axes")
+"""Those that a body takes which a hull carries."""
 THRUSTER_PARAMETERS = (
     "thruster_characteristic",
     "thruster_dead_zone",
@@ -77,7 +79,7 @@ def one_water(numerics: Numerics) -> dict[str, NDArray[np.float64]]:
     return merged
 
 
-def hulls_in_water(
+def bodies_in_water(
     numerics: Numerics, bodies: Sequence[str], thrusters: Collection[str], sites: Collection[str] = ()
 ) -> list[str]:
     """Names of the bodies that have parameters of a hull, in body order.

@@ -24,7 +24,8 @@
     water:current                       rows time [s], height z [m], v_x, v_y, v_z [m/s] (world axes) on a full grid of
                                         times and heights, added to `option wind`; linear between, constant beyond
 
-A body with any of the first group is a hull: it needs a free joint, and its volume. What else a hull leaves out is
+A free body of the world with any of the first group is a hull, and a body that it carries with any of
+`LINK_PARAMETERS` is a link with water of its own, in its own axes. Each needs its volume. What else it leaves out is
 zero. Vehicles attached with a prefix (``MjSpec.attach``) bring theirs with the same prefix, also their `water:`
 entries: these must agree. Other numerics of the MJCF are left alone (`cube_sim.vehicle.mjcf.numeric_names`).
 """
@@ -40,7 +41,6 @@ from numpy.typing import NDArray
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
 from cube_sim.vehicle.mjcf.body_lift import strips, velocity_products
-from cube_sim.vehicle.mjcf.damping import require_dissipative, require_pairwise_dissipative
 from cube_sim.vehicle.mjcf.fins import FinParameters, read_fins
 from cube_sim.vehicle.mjcf.numbers import either as _either
 from cube_sim.vehicle.mjcf.numbers import scalar as _scalar
@@ -49,43 +49,40 @@ from cube_sim.vehicle.mjcf.numeric_names import (
     CURRENT,
     DENSITY,
     HULL_PARAMETERS,
+    LINK_PARAMETERS,
     SURFACE,
-    hulls_in_water,
+    bodies_in_water,
     one_water,
 )
 from cube_sim.vehicle.mjcf.propellers import DIAMETER, PropellerParameters, propeller_of
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement
 from cube_sim.vehicle.mjcf.voltages import TABLE, VoltageParameters, voltages_of
+from cube_sim.vehicle.mjcf.water_body import WaterBody, water_body
 from cube_sim.vehicle.thruster_tables import READING
 
 
 @dataclass(frozen=True)
-class HullParameters:
-    """One body in the water; matrices are in body axes at the body origin.
+class HullParameters(WaterBody):
+    """One hull, a free body of the world.
 
     Attributes:
-        body: its name.
-        volume: V, displaced [m^3].
-        displaced_mass: rho V [kg].
-        centre_of_buoyancy: r_CB (3,) [m], body axes.
-        added_mass: M_A (6,6) [kg, kg m, kg m^2], symmetric positive semidefinite.
-        linear_damping: D (6,6) [N s/m, N s, N m s].
-        quadratic_damping: D_q (6,6) [N s^2/m^2, ...], acting on |nu_r| nu_r.
         products: (n,5) axis, j, k, whether |nu_k| is meant, and c of each product of two velocities.
         strips: (n,3) x [m], and rho/2 C_D A [kg/m] across y and across z of each strip.
-        surface_half_axes: (3,) of the ellipsoid over which V is spread [m]; None where the geoms say them.
     """
 
-    body: str
-    volume: float
-    displaced_mass: float
-    centre_of_buoyancy: NDArray[np.float64]
-    added_mass: NDArray[np.float64]
-    linear_damping: NDArray[np.float64]
-    quadratic_damping: NDArray[np.float64]
     products: NDArray[np.float64]
     strips: NDArray[np.float64]
-    surface_half_axes: NDArray[np.float64] | None
+
+
+@dataclass(frozen=True)
+class LinkParameters(WaterBody):
+    """One link: a body that a hull carries, with water of its own.
+
+    Attributes:
+        hull: name of the hull.
+    """
+
+    hull: str
 
 
 @dataclass(frozen=True)
@@ -132,6 +129,7 @@ class WaterParameters:
 
     Attributes:
         hulls: all hulls, in body order.
+        links: all links, in body order.
         thrusters: one entry per actuator of the model; None for one that is no thruster.
         current: None for a current that does not vary.
         fins: all fins, in the order of their sites.
@@ -140,6 +138,7 @@ class WaterParameters:
     """
 
     hulls: tuple[HullParameters, ...]
+    links: tuple[LinkParameters, ...]
     thrusters: tuple[ThrusterParameters | None, ...]
     current: CurrentProfile | None
     fins: tuple[FinParameters, ...]
@@ -149,7 +148,7 @@ class WaterParameters:
 
 def read_parameters(
     numerics: Mapping[str, NDArray[np.float64]],
-    bodies: Mapping[str, bool],
+    bodies: Mapping[str, str | None],
     thrusters: Sequence[ThrusterElement | None],
     sites: Mapping[str, str],
     servos: Mapping[str, int],
@@ -158,7 +157,8 @@ def read_parameters(
 
     Args:
         numerics: name -> values (n,), all numerics of the model.
-        bodies: name -> whether it is a free body of the world, for every named body but the world.
+        bodies: name -> the free body of the world that it is, or that carries it; None where there is none. Every
+            named body but the world is there.
         thrusters: one entry per actuator of the model; None for one that is no thruster.
         sites: name -> the body that carries it, for every named site.
         servos: site of a fin -> index of the actuator that turns it.
@@ -168,61 +168,54 @@ def read_parameters(
     """
     numerics = one_water(numerics)
     actuators = [thruster.name for thruster in thrusters if thruster]
-    names = hulls_in_water(numerics, list(bodies), actuators, sites)
+    names = bodies_in_water(numerics, list(bodies), actuators, sites)
     if not names:
         raise ModelError(
             "custom", f"no numeric '<body>:{HULL_PARAMETERS[0]}', so there is no hull to put into the water"
         )
     for name in names:
-        if not bodies[name]:
-            raise ModelError(name, "has water parameters but no free joint; only a free body of the world is a hull")
+        if bodies[name] not in names:
+            raise ModelError(name, _dry(name, bodies[name]))
     if DENSITY not in numerics:
         raise ModelError(DENSITY, "is missing; the water needs a density [kg/m^3]")
     density = _scalar(numerics, DENSITY)
     if density <= 0.0:
         raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
-    hulls = tuple(_hull(numerics, name, density) for name in names)
+    hulls = tuple(_hull(numerics, name, density) for name in names if bodies[name] == name)
+    links = tuple(_link(numerics, name, str(bodies[name]), density) for name in names if bodies[name] != name)
     described = tuple(_thruster(numerics, element, density) if element else None for element in thrusters)
-    fins = read_fins(numerics, sites, names, servos)
+    fins = read_fins(numerics, sites, [hull.body for hull in hulls], servos)
     surface = _scalar(numerics, SURFACE) if SURFACE in numerics else np.inf
-    return WaterParameters(hulls, described, _current(numerics), fins, density, surface)
+    return WaterParameters(hulls, links, described, _current(numerics), fins, density, surface)
 
 
 def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> HullParameters:
-    if f"{body}:volume" not in numerics:
-        raise ModelError(
-            f"{body}:volume", f"is missing; '{body}' needs the volume it displaces [m^3], 0 for one that does not float"
-        )
-    volume = _scalar(numerics, f"{body}:volume")
-    if volume < 0.0:
-        raise ModelError(f"{body}:volume", f"is {volume:g}; a volume [m^3] is not negative")
-    added_mass = _matrix(numerics, f"{body}:added_mass")
-    _require_symmetric(f"{body}:added_mass", added_mass)
-    linear = _matrix(numerics, f"{body}:linear_damping")
-    quadratic = _matrix(numerics, f"{body}:quadratic_damping")
-    require_dissipative(f"{body}:linear_damping", linear)
-    require_pairwise_dissipative(f"{body}:quadratic_damping", quadratic)
+    water = water_body(numerics, body, density)
     return HullParameters(
-        body=body,
-        volume=volume,
-        displaced_mass=density * volume,
-        centre_of_buoyancy=_vector(numerics, f"{body}:centre_of_buoyancy", 3),
-        added_mass=0.5 * (added_mass + added_mass.T),  # to the last digit: rows are read as columns
-        linear_damping=linear,
-        quadratic_damping=quadratic,
-        products=velocity_products(numerics, body, 0.5 * (added_mass + added_mass.T)),
+        **vars(water),
+        products=velocity_products(numerics, body, water.added_mass),
         strips=strips(numerics, body, density),
-        surface_half_axes=_half_axes(numerics, f"{body}:surface_half_axes"),
     )
 
 
-def _half_axes(numerics: Mapping[str, NDArray[np.float64]], name: str) -> NDArray[np.float64] | None:
-    if name not in numerics:
-        return None
-    half_axes = _vector(numerics, name, 3)
-    if half_axes.min() <= 0.0:
-        raise ModelError(name, f"is {' '.join(f'{a:g}' for a in half_axes)}; half-axes [m] are positive")
-    return half_axes
+def _link(numerics: Mapping[str, NDArray[np.float64]], body: str, hull: str, density: float) -> LinkParameters:
+    for parameter in HULL_PARAMETERS:
+        if parameter not in LINK_PARAMETERS and f"{body}:{parameter}" in numerics:
+            raise ModelError(
+                f"{body}:{parameter}",
+                f"is for a hull, and '{body}' is a link of '{hull}'; a link takes {', '.join(LINK_PARAMETERS)}",
+            )
+    return LinkParameters(**vars(water_body(numerics, body, density)), hull=hull)
+
+
+def _dry(body: str, carrier: str | None) -> str:
+    """Why a body with water parameters cannot have them."""
+    told = "has water parameters but no free joint"
+    if carrier is None:
+        return f"{told}; only a free body of the world, and what it carries, is in the water"
+    if not carrier:
+        return f"{told}, and the free body that carries it has no name; give it one, and its volume"
+    return f"{told}, and '{carrier}', which carries it, has no water; give {carrier}:volume, 0 where it has none"
 
 
 def _current(numerics: Mapping[str, NDArray[np.float64]]) -> CurrentProfile | None:
@@ -386,28 +379,3 @@ def _first(numerics: Mapping[str, NDArray[np.float64]], actuator: str, body: str
     if name := _either(numerics, actuator, body, parameter):
         return name
     raise ModelError(f"{body}:{parameter}", f"is missing; thruster '{actuator}' needs it, or '{actuator}:{parameter}'")
-
-
-def _matrix(numerics: Mapping[str, NDArray[np.float64]], name: str) -> NDArray[np.float64]:
-    values = numerics.get(name, np.zeros(6))
-    if values.size == 6:
-        return np.diag(values)
-    if values.size == 36:
-        return values.reshape(6, 6).copy()
-    raise ModelError(name, f"has {values.size} values; it takes 6 (a diagonal) or 36 (a full matrix by rows)")
-
-
-def _require_symmetric(name: str, matrix: NDArray[np.float64]) -> None:
-    scale = float(np.abs(matrix).max(initial=0.0))
-    if np.abs(matrix - matrix.T).max() > 1e-9 * scale:
-        i, j = np.unravel_index(np.argmax(np.abs(matrix - matrix.T)), matrix.shape)
-        raise ModelError(
-            name,
-            f"is not symmetric: entry ({i + 1},{j + 1}) is {matrix[i, j]:g}, ({j + 1},{i + 1}) is {matrix[j, i]:g}",
-        )
-    lowest = float(np.linalg.eigvalsh(matrix)[0])
-    if lowest < -1e-9 * scale:
-        raise ModelError(
-            name,
-            f"is not positive semidefinite (lowest eigenvalue {lowest:g}); kinetic energy is never negative",
-        )

@@ -1,7 +1,8 @@
 """The three callbacks MuJoCo runs, as Python that numba compiles.
 
-`passive` replaces the inertia of every hull by M_RB + M_A and adds the remaining water forces to `qfrc_passive`. MuJoCo
-itself then solves for the acceleration: added mass is implicit, never lagged. `thrust` evaluates the thruster
+`passive` replaces the inertia of every hull by M_RB + M_A, adds that of the water on its links, and adds the remaining
+water forces to `qfrc_passive`. MuJoCo itself then solves for the acceleration: added mass is implicit, never lagged.
+`thrust` evaluates the thruster
 characteristic on the lagged command, or a propeller in its inflow. `servo` turns the fins, the rotors that follow their
 command through two lags, and the state of own forces.
 
@@ -23,11 +24,12 @@ from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turn
 from cube_sim.vehicle.laws.propeller import ACTIVATION, ACTUATOR, AXIS, CURVE, lag_rates
 from cube_sim.vehicle.laws.propeller import HULL as OF_HULL
 from cube_sim.vehicle.laws.push import COLUMNS, push_wrench
-from cube_sim.vehicle.laws.surface import faded, fading_wrench, hull_under_water, share_of_depth
+from cube_sim.vehicle.laws.surface import faded, fading_wrench, share_of_depth
 from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.curve_record import steady_force
 from cube_sim.vehicle.plugin.inertia import put_factors, put_inertia
 from cube_sim.vehicle.plugin.lift_record import lift_wrench
+from cube_sim.vehicle.plugin.link_water import build_link_water
 from cube_sim.vehicle.plugin.memory import (
     call_force,
     columns_times,
@@ -41,6 +43,7 @@ from cube_sim.vehicle.plugin.memory import (
     vector,
 )
 from cube_sim.vehicle.plugin.propeller_wrench import propeller_force, table_of, unheld_torque
+from cube_sim.vehicle.plugin.under_water import under_water
 
 _factor_mass_matrix = types.ExternalFunction("mj_factorM", types.void(types.int64, types.int64))
 _project_constraints = types.ExternalFunction("mj_projectConstraint", types.void(types.int64, types.int64))
@@ -63,35 +66,6 @@ def _user_wrench(function, process, time, position, rotation, nu, nu_r, seen):
     if double(table, 0) != process:
         return _not_a_number()
     return call_force(field(table, 8 * (function + 1)), time, position, rotation, nu, nu_r, seen)
-
-
-@numba.njit
-def _under_water(hull, room, position, R, surface):
-    """Address of the record of what of a hull is under water, its share, and the derivative of that, a 6-tuple.
-
-    Args:
-        hull: address of the record of the whole hull.
-        room: address of room for another record.
-        position: address of p_WB.
-        R: R_WB (3,3).
-        surface: height of the water's surface, world axes [m].
-    """
-    up = (R[2, 0], R[2, 1], R[2, 2])
-    r_CB = (double(hull, layout.CENTRE), double(hull, layout.CENTRE + 1), double(hull, layout.CENTRE + 2))
-    half_axes = (
-        double(hull, layout.HALF_AXES),
-        double(hull, layout.HALF_AXES + 1),
-        double(hull, layout.HALF_AXES + 2),
-    )
-    depth = surface - double(position, 2) - (up[0] * r_CB[0] + up[1] * r_CB[1] + up[2] * r_CB[2])
-    share, centre, gradient = hull_under_water(depth, up, half_axes, r_CB)
-    put(room, layout.DISPLACED_MASS, share * double(hull, layout.DISPLACED_MASS))
-    put(room, layout.CENTRE, centre[0])
-    put(room, layout.CENTRE + 1, centre[1])
-    put(room, layout.CENTRE + 2, centre[2])
-    for i in range(layout.ADDED_MASS, layout.FORCE):
-        put(room, i, share * double(hull, i))
-    return room, share, gradient
 
 
 def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str, int]) -> dict:
@@ -177,6 +151,26 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 total = plus6(total, torque)
         return total
 
+    @numba.njit
+    def water_at(m, packed, time, height, steady):
+        """Current and its acceleration at a height, two 3-tuples in world axes."""
+        profile = int(double(packed, layout.CURRENT))
+        if profile < 0:
+            return steady, (0.0, 0.0, 0.0)
+        table = packed + 8 * profile
+        n_t, n_z = int(double(table, 0)), int(double(table, 1))
+        return current_at(
+            time,
+            height,
+            vector(table + 16, n_t),
+            vector(table + 16 + 8 * n_t, n_z),
+            matrix(table + 16 + 8 * (n_t + n_z), n_t * n_z, 3),
+            steady,
+            double(m + opt_timestep, 0),
+        )
+
+    put_arm, put_link = build_link_water(model, data, water_at)
+
     def passive(m, d):
         packed = parameters_of(m)
         if packed == 0:
@@ -190,7 +184,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         count, pushes = int(double(packed, layout.COUNT)), int(double(packed, layout.PUSHES))
         lift = int(double(packed, layout.LIFT))
         surface, propellers = double(packed, layout.SURFACE), double(packed, layout.PROPELLERS) >= 0.0
-        factored = field(m, nv) == 6 * count  # no arms: hulls are all there is, each a block of its own
+        links = int(double(packed, layout.LINK_COUNT))
+        factored = field(m, nv) == 6 * count and links == 0  # hulls are all there is, each a block of its own
         for k in range(count):
             hull = packed + 8 * (int(double(packed, layout.HULLS)) + k * layout.HULL_SIZE)
             body, dof = int(double(hull, layout.BODY)), int(double(hull, layout.DOF))
@@ -199,7 +194,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             wet, share, gradient = hull, 1.0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
             at_surface = double(position, 2) + double(hull, layout.REACH) > surface
             if at_surface:
-                wet, share, gradient = _under_water(hull, room_for_hull(), position, R, surface)
+                wet, share, gradient = under_water(hull, room_for_hull(), position, R, surface)
             M_A = matrix(wet + 8 * layout.ADDED_MASS, 6, 6)
             rows = field(m, m_rowadr) + 4 * dof
             put_inertia(
@@ -211,6 +206,9 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 rows,
                 field(d, mass),
             )
+            arm = int(double(hull, layout.ARM))
+            if arm > 0:
+                put_arm(m, d, dof + 6, arm)
             if factored:
                 factored = put_factors(field(d, mass), rows, field(d, qld), field(d, qldiaginv) + 8 * dof)
             v = field(d, qvel) + 8 * dof
@@ -218,19 +216,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             nu = stacked(to_body(R, over_ground), (double(v, 3), double(v, 4), double(v, 5)))
             displaced = double(wet, layout.DISPLACED_MASS)
             r_CB = (double(wet, layout.CENTRE), double(wet, layout.CENTRE + 1), double(wet, layout.CENTRE + 2))
-            current, surge = steady, (0.0, 0.0, 0.0)
-            if profile >= 0:
-                table = packed + 8 * profile
-                n_t, n_z = int(double(table, 0)), int(double(table, 1))
-                current, surge = current_at(
-                    time,
-                    double(position, 2),
-                    vector(table + 16, n_t),
-                    vector(table + 16 + 8 * n_t, n_z),
-                    matrix(table + 16 + 8 * (n_t + n_z), n_t * n_z, 3),
-                    steady,
-                    double(m + opt_timestep, 0),
-                )
+            current, surge = water_at(m, packed, time, double(position, 2), steady)
             nu_r = relative_velocity(R, nu, current)
             added = wet + 8 * layout.ADDED_MASS
             F = water_wrench_of(
@@ -277,6 +263,9 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             for i in range(3):
                 put(force, i, double(force, i) + R[i, 0] * F[0] + R[i, 1] * F[1] + R[i, 2] * F[2])
                 put(force, 3 + i, double(force, 3 + i) + F[3 + i])
+        for k in range(links):
+            link = packed + 8 * (int(double(packed, layout.LINKS)) + k * layout.HULL_SIZE)
+            put_link(m, d, packed, link, steady, down)
         if not factored:
             _factor_mass_matrix(m, d)
         if integer(m + opt_solver, 0) == pgs or integer(m + opt_noslip, 0) > 0:

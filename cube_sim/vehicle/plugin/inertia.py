@@ -11,7 +11,7 @@ SMALLEST_PIVOT = 1e-15
 
 
 @numba.njit
-def _spatial_row(crb, cdof, i):
+def spatial_row(crb, cdof, i):
     """Composite inertia times motion axis i, a 6-tuple: MuJoCo's 10-vector inertia (I, m c, m) on an axis (w, v).
 
     Args:
@@ -42,7 +42,7 @@ def put_inertia(M_A, R, cdof, crb, armature, rowadr, M):
     Args:
         M_A: added mass (6,6), body axes.
         R: R_WB (3,3).
-        cdof: (6,6) and `crb` (10,) as in `_spatial_row`.
+        cdof: (6,6) and `crb` (10,) as in `spatial_row`.
         crb: the composite inertia.
         armature: address of the joint's six armatures.
         rowadr: address of the six starts of its rows in `M`.
@@ -58,7 +58,7 @@ def put_inertia(M_A, R, cdof, crb, armature, rowadr, M):
             put(M, start + j, t0 * R[j, 0] + t1 * R[j, 1] + t2 * R[j, 2])
         put(M, start + i, double(M, start + i) + crb[9] + double(armature, i))
     for i in range(3, 6):
-        f = _spatial_row(crb, cdof, i)
+        f = spatial_row(crb, cdof, i)
         start = integer(rowadr, i)
         for j in range(3):
             # a unit velocity along world axis j picks component j of the momentum: no product needed

@@ -6,12 +6,15 @@ doubles from the array's beginning:
     header          MAGIC, number of hulls, start of the hull records, start of the thruster table,
                     start of the current's table or -1, number of the process whose user forces it names,
                     start of the table of pushes or -1, start of the tables of lift or -1, height of the water's surface
-                    [m] or inf where there is none, start of the propellers or -1
+                    [m] or inf where there is none, start of the propellers or -1, number of links, start of theirs
     hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric;
                     REACH [m] is the height above its origin that no part of it is beyond in any attitude, -inf for a
                     hull without extent; SEES is 1 where its own force sees commands and activations, STATES how many
                     numbers that force keeps, STATE where they lie among the activations, RATES where `passive` leaves
-                    their rates among the user data, since MuJoCo clears their place until the actuators' turn
+                    their rates among the user data, since MuJoCo clears their place until the actuators' turn; ARM is
+                    how many degrees of freedom its tree has behind its own six, 0 where no link of it has water
+    link records    the same values of each link: DOF is the last of the degrees of freedom that move it, and a link has
+                    no force of its own
     thruster table  one value per actuator of the model: the start of its curve record, -1 for no thruster, -2 for the
                     servo of a fin, -3 for what keeps the state of an own force
     curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
@@ -45,14 +48,16 @@ FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's tabl
 
 # the header
 COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES, LIFT, SURFACE, PROPELLERS = 1, 2, 3, 4, 5, 6, 7, 8, 9
-HEADER_SIZE = 10
+LINK_COUNT, LINKS = 10, 11
+HEADER_SIZE = 12
 # in the thruster table
 NO_THRUSTER, FIN_SERVO, FORCE_STATE = -1, -2, -3
-# one hull record
+# one hull record, or link record
 BODY, DOF, DISPLACED_MASS, CENTRE, ADDED_MASS, LINEAR, QUADRATIC, FORCE = 0, 1, 2, 3, 6, 42, 78, 114
 REACH, HALF_AXES = 115, 116
 SEES, STATES, STATE, RATES = 119, 120, 121, 122
-HULL_SIZE = 123
+ARM = 123
+HULL_SIZE = 124
 # one curve record
 DEAD_LOW, DEAD_HIGH, ZONE_LOW, ZONE_HIGH, POINTS = 0, 1, 2, 3, 4
 EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, PROPELLER, TABLES, CURVE = 5, 6, 7, 8, 10, 11, 14, 15, 16

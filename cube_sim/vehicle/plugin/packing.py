@@ -17,7 +17,8 @@ from cube_sim.errors import ModelError
 from cube_sim.vehicle.laws.body_lift import PRODUCT_COLUMNS, STRIP_COLUMNS
 from cube_sim.vehicle.laws.fin import COLUMNS as FIN_COLUMNS
 from cube_sim.vehicle.laws.push import COLUMNS, HULL
-from cube_sim.vehicle.mjcf.parameters import CurrentProfile, HullParameters, ThrusterParameters, WaterParameters
+from cube_sim.vehicle.mjcf.parameters import CurrentProfile, ThrusterParameters, WaterParameters
+from cube_sim.vehicle.mjcf.water_body import WaterBody
 from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.propeller_record import place_propellers, propeller_rows
 
@@ -43,6 +44,37 @@ class ForceRecord(NamedTuple):
 NO_FORCE = ForceRecord(-1, False, 0, 0, 0)
 
 
+class LinkPlace(NamedTuple):
+    """Where a link is in a compiled model.
+
+    Attributes:
+        body: its index.
+        last_dof: the last degree of freedom that moves it.
+        arm: how many degrees of freedom its tree has behind the hull's six.
+        half_axes: (3,) of its ellipsoid [m].
+    """
+
+    body: int
+    last_dof: int
+    arm: int
+    half_axes: NDArray[np.float64]
+
+
+def link_places(
+    model: mujoco.MjModel, links: Sequence[int], half_axes: Sequence[NDArray[np.float64]]
+) -> list[LinkPlace]:
+    """Where links are, by their indices and (3,) half-axes."""
+    places = []
+    for body, axes in zip(links, half_axes, strict=True):
+        mover = body
+        while model.body_dofnum[mover] == 0:  # fixed on what carries it
+            mover = int(model.body_parentid[mover])
+        last = int(model.body_dofadr[mover] + model.body_dofnum[mover]) - 1
+        arm = int(model.tree_dofnum[model.body_treeid[body]]) - 6
+        places.append(LinkPlace(body, last, arm, axes))
+    return places
+
+
 def pack_parameters(
     parameters: WaterParameters,
     bodies: list[int],
@@ -54,6 +86,7 @@ def pack_parameters(
     fins: NDArray[np.float64] | None = None,
     model: mujoco.MjModel | None = None,
     states: Collection[int] = (),
+    links: Sequence[LinkPlace] = (),
 ) -> NDArray[np.float64]:
     """(n,) values as `cube_sim.vehicle.plugin.layout` says.
 
@@ -68,8 +101,17 @@ def pack_parameters(
         fins: (n,16) the table of `cube_sim.vehicle.laws.fin`; zeros where it is not known yet.
         model: compiled, for the places of propellers; None where there is none yet.
         states: the actuators that keep the state of an own force.
+        links: where each link is.
     """
     hulls = [_hull_record(*row) for row in zip(parameters.hulls, bodies, dofs, half_axes, forces, strict=True)]
+    for record, hull in zip(hulls, parameters.hulls, strict=True):
+        record[layout.ARM] = max(
+            (at.arm for at, link in zip(links, parameters.links, strict=True) if link.hull == hull.body), default=0
+        )
+    hulls += [
+        _hull_record(link, at.body, at.last_dof, at.half_axes, NO_FORCE)
+        for link, at in zip(parameters.links, links, strict=True)
+    ]
     table_start = layout.HEADER_SIZE + layout.HULL_SIZE * len(hulls)
     end = table_start + len(parameters.thrusters)
     table: list[float] = []
@@ -95,15 +137,18 @@ def pack_parameters(
     turning = _propeller_record(parameters, table, model)
     propellers_start = end + lift.size if turning.size else -1.0
     starts = layout.HEADER_SIZE, table_start, current_start, process, pushes_start, lift_start, parameters.surface
-    header = np.array([layout.MAGIC, len(hulls), *starts, propellers_start])
+    count, of_links = len(parameters.hulls), len(parameters.links)
+    links_start = layout.HEADER_SIZE + layout.HULL_SIZE * count if of_links else -1.0
+    header = np.array([layout.MAGIC, count, *starts, propellers_start, of_links, links_start])
     at_voltages = _voltage_records(parameters, curves, end + lift.size + turning.size)
     return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed, lift, turning, *at_voltages])
 
 
 def packed_size(parameters: WaterParameters, pushes: int = 0) -> int:
     """Number of values `pack_parameters` will return."""
-    n = len(parameters.hulls)
-    return pack_parameters(parameters, [0] * n, [0] * n, [np.zeros(3)] * n, [NO_FORCE] * n, 0.0, pushes).size
+    n, places = len(parameters.hulls), [LinkPlace(0, 0, 0, np.zeros(3))] * len(parameters.links)
+    zeros = [np.zeros(3)] * n
+    return pack_parameters(parameters, [0] * n, [0] * n, zeros, [NO_FORCE] * n, 0.0, pushes, links=places).size
 
 
 def packed_parameters(model: mujoco.MjModel) -> NDArray[np.float64]:
@@ -129,9 +174,9 @@ def force_records(packed: NDArray[np.float64]) -> list[ForceRecord]:
 
 
 def _hull_record(
-    hull: HullParameters, body: int, dof: int, half_axes: NDArray[np.float64], force: ForceRecord
+    hull: WaterBody, body: int, dof: int, half_axes: NDArray[np.float64], force: ForceRecord
 ) -> NDArray[np.float64]:
-    record = np.empty(layout.HULL_SIZE)
+    record = np.zeros(layout.HULL_SIZE)
     record[layout.BODY], record[layout.DOF], record[layout.DISPLACED_MASS] = body, dof, hull.displaced_mass
     record[layout.CENTRE : layout.ADDED_MASS] = hull.centre_of_buoyancy
     record[layout.ADDED_MASS : layout.LINEAR] = hull.added_mass.ravel()

@@ -20,10 +20,11 @@ MODEL_FIELDS = (
     "opt.solver", "opt.noslip_iterations", "opt.timestep", "numeric_adr", "numeric_data",
     "dof_armature", "M_rowadr", "actuator_actadr", "actuator_actnum",
     "actuator_ctrlrange", "actuator_dynprm", "actuator_trnid", "site_size",
+    "body_rootid", "dof_bodyid", "dof_parentid", "M_rownnz",
 )  # fmt: skip
 DATA_FIELDS = (
     "time", "qvel", "xpos", "xmat", "site_xpos", "act", "act_dot", "userdata", "ctrl", "cdof", "crb", "M", "qLD",
-    "qLDiagInv", "qfrc_passive",
+    "qLDiagInv", "qfrc_passive", "cvel", "cdof_dot", "subtree_com",
 )  # fmt: skip
 
 _SCALARS = {
