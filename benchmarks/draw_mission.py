@@ -6,13 +6,14 @@ another allocator, a vehicle that is not built as drawn, another control period.
 alone, so a mission is the same whatever is flown beside it. It is judged once it should have converged.
 
 A trial is a vehicle on a level line, at a point or on a helix, in still water: it is to fly if and only if the analysis
-says so.
+says so. Beside the catalogue there are trials of vehicles that their fins steer
+(`tests/support/catalogue/steered.py`).
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import count, islice
 from pathlib import Path
@@ -25,7 +26,7 @@ sys.path[:0] = [str(folder) for folder in (HERE, HERE.parent / "tests") if str(f
 from flights.mission import written  # noqa: E402
 from flights.plan import KINDS, Plan, drawn_plan  # noqa: E402
 from flights.sampled import Sample, sampled  # noqa: E402
-from flights.trial import trial_of, trials  # noqa: E402
+from flights.trial import every_vehicle, trial_of, trials  # noqa: E402
 from support.catalogue.vehicles import catalogue  # noqa: E402
 
 FILES = HERE.parent / "logs" / "drawn"
@@ -60,16 +61,16 @@ def trial(k: int, rng: np.random.Generator, vehicles: Sequence[str] = ()) -> Sam
         rng: not used: nothing is drawn.
         vehicles: as for `mission`.
     """
-    every = _trials(named(vehicles))
+    every = _trials(named(vehicles, every_vehicle()))
     if k >= len(every):
         raise ValueError(f"there are {len(every)} trials of these vehicles: samples.count")
     vehicle, path = every[k]
     return sampled(trial_of(vehicle, path, FILES / f"trial_{vehicle}_{path}"))
 
 
-def named(asked: Sequence[str]) -> tuple[str, ...]:
-    """Names of the catalogue that are asked for."""
-    every, found = list(catalogue()), set()
+def named(asked: Sequence[str], among: Iterable[str] | None = None) -> tuple[str, ...]:
+    """Names that are asked for, of the catalogue or among others."""
+    every, found = list(catalogue() if among is None else among), set()
     for name in [asked] if isinstance(asked, str) else asked or ["*"]:
         some = {n for n in every if n == name or (name.endswith("*") and n.startswith(name[:-1]))}
         if not some:

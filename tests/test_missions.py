@@ -11,7 +11,7 @@ from flights.forecast import forecast
 from flights.mission import JUDGED_S, RECOVERY_S, written
 from flights.paths import PATHS, drawn_path
 from flights.plan import INGREDIENTS, KINDS, drawn_plan
-from flights.trial import trials
+from flights.trial import every_vehicle, trials
 from flights.workers import in_processes
 from support.places import MODELS, REPO
 
@@ -185,17 +185,28 @@ def test_missions_of_some_vehicles_and_kinds():
 
 
 def test_every_vehicle_of_the_catalogue_has_its_trials(tmp_path):
-    every = trials(named(()), tmp_path)
+    every = trials(named((), every_vehicle()), tmp_path)
     whole = load(CATALOGUE)
     assert count(whole) == len(every)
     asked = whole.scenario.samples.required
     assert (asked.pass_rate, asked.where, asked.each, asked.forecast) == (None, {}, "vehicle", "forecast")
-    assert len({vehicle for vehicle, _ in every}) == 86
+    assert len({vehicle for vehicle, _ in every}) == len(every_vehicle()) == 86 + 8
     torpedo = {f"{OPTIONS}.vehicles": ["torpedo"], "samples.count": 3}
     plan = SamplePlan(load(CATALOGUE, torpedo))
     assert [plan.sample(k).notes["path"] for k in range(2)] == ["line", "helix"]  # it cannot stay at a point
     with pytest.raises(ScenarioError, match="ValueError: there are 2 trials of these vehicles"):
         plan.sample(2)
+
+
+@pytest.mark.flight
+def test_vehicles_that_fins_steer_fly_if_and_only_if_the_analysis_says_so(tmp_path):
+    """NPS AUV II does; REMUS 100 does not with 9 N of lift, and does with 3 N."""
+    names = ["nps_auv2", "remus100", "remus100_propeller"]
+    result = sweep(load(CATALOGUE, {f"{OPTIONS}.vehicles": names, "samples.count": 6}), tmp_path / "out")
+    rows = result.rows.to_pylist()
+    assert [row["note.forecast"] for row in rows] == [row["verdict"] == "PASS" for row in rows]
+    assert {row["note.vehicle"] for row in rows if row["note.forecast"]} == {"nps_auv2", "remus100_propeller"}
+    assert {row["note.path"] for row in rows} == {"line", "helix"}
 
 
 @pytest.mark.flight

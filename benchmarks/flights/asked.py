@@ -14,7 +14,7 @@ LEAST_ADVANCE = 0.5
 """Share of the speed asked for by which the target advances at least: a vehicle that stands still has no error."""
 
 
-def checks(scenario: dict[str, Any], from_s: float, planar: bool) -> list[dict[str, Any]]:
+def checks(scenario: dict[str, Any], from_s: float, planar: bool, limit_m: float = LIMIT_M) -> list[dict[str, Any]]:
     """What is judged from a moment on [s], and over all of it.
 
     A vehicle for the plane is judged in its plane. It has no thrust up or down, and a hull that floats a degree off
@@ -30,7 +30,7 @@ def checks(scenario: dict[str, Any], from_s: float, planar: bool) -> list[dict[s
     elif planar:
         error = {"signal": "path_error.lateral", "component": 0}
     rms = {**error, "statistic": "rms", "from_s": from_s}
-    asked: list[dict[str, Any]] = [{"kind": "signal", "name": "error RMS", **rms, "at_most": LIMIT_M}]
+    asked: list[dict[str, Any]] = [{"kind": "signal", "name": "error RMS", **rms, "at_most": limit_m}]
     if "navigation" in scenario:
         sigma = {"signal": "navigation.position_sigma", "statistic": "rms", "from_s": from_s}
         own = {"numerator": rms, "denominator": sigma, "least_denominator": LIMIT_M / SIGMAS}

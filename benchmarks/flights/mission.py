@@ -12,6 +12,7 @@ from support.catalogue import wrong
 from support.catalogue.vehicles import Entry, catalogue
 
 from flights.ability import Ability, ability_of
+from flights.asked import LIMIT_M
 from flights.files import put
 from flights.paths import drawn_path
 from flights.plan import LEAST_FOR_A_LOSS, Plan, stream
@@ -41,6 +42,7 @@ class Mission:
         from_s: when the judging begins [s].
         planar: whether the vehicle is asked for the plane at its depth.
         steep: whether the path is steeper than the analysis asks of a vehicle that is steered.
+        limit_m: largest error RMS.
     """
 
     plan: Plan
@@ -53,6 +55,7 @@ class Mission:
     from_s: float
     planar: bool
     steep: bool
+    limit_m: float = LIMIT_M
 
 
 @dataclass

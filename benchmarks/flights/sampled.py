@@ -36,7 +36,7 @@ def sampled(mission: Mission) -> Sample:
         "speed_m_s": mission.scenario["guidance"]["speed_m_s"],
         "through_water_m_s": mission.through_water_m_s,
     }
-    return overrides | {"checks": checks(mission.scenario, mission.from_s, mission.planar)}, notes
+    return overrides | {"checks": checks(mission.scenario, mission.from_s, mission.planar, mission.limit_m)}, notes
 
 
 def _faults(mission: Mission) -> str:

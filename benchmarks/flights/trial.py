@@ -1,4 +1,4 @@
-"""Every vehicle of the catalogue on a level line, at a point and on a helix, in still water."""
+"""Every vehicle on a level line, at a point and on a helix, in still water."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from support.catalogue.vehicles import catalogue
+from support.catalogue.steered import steered_by_fins
+from support.catalogue.vehicles import Entry, catalogue
 
 from flights.ability import Ability, ability_of
+from flights.asked import LIMIT_M
 from flights.files import put
 from flights.mission import Mission
 from flights.paths import CENTRE_M
@@ -22,12 +24,23 @@ JUDGED_S = 20.0
 
 HELIX_SLOPE = np.radians(8.0)
 
+OF_LENGTH = 0.05
+"""Largest error RMS of such a vehicle, in its lengths; `LIMIT_M` at least."""
+
+WIDE = 15.0
+"""Radius of the helix of a vehicle that its fins steer, in its lengths."""
+
+
+def every_vehicle() -> dict[str, Entry]:
+    """Name -> vehicle: the catalogue, and those that their fins steer."""
+    return catalogue() | steered_by_fins()
+
 
 def trials(vehicles: Sequence[str], files: Path) -> list[tuple[str, str]]:
     """Each vehicle with each of `FLIGHTS` that it is asked for: at a point only who can stay there.
 
     Args:
-        vehicles: names of the catalogue.
+        vehicles: names of `every_vehicle`.
         files: folder under which the models go.
     """
     found = []
@@ -39,26 +52,33 @@ def trials(vehicles: Sequence[str], files: Path) -> list[tuple[str, str]]:
 
 def trial_of(vehicle: str, path: str, folder: Path) -> Mission:
     """One flight of a vehicle in still water, half a metre off at the start, heading along the path."""
-    entry = catalogue()[vehicle]
+    entry = every_vehicle()[vehicle]
     model, able = _able(vehicle, folder)
     infante = vehicle.startswith("infante")
-    speed = 1.2 if infante else float(np.clip(0.5 * able.top_m_s, 0.1, 0.4))
+    speed = 1.2 if infante else entry.speed_m_s or float(np.clip(0.5 * able.top_m_s, 0.1, 0.4))
     plan = Plan(0, vehicle, "catalogue", path, ())
     from_s = 40.0 if path == "point" else 20.0 + 10.0 / speed
-    scenario = _scenario(path, speed, from_s + JUDGED_S, max(3.0, 2.0 * able.length_m, 9.0 * speed), entry.planar)
+    radius, way_on = max(3.0, 2.0 * able.length_m, 9.0 * speed), 0.5 if infante else 0.0
+    if entry.speed_m_s is not None:
+        from_s, radius, way_on = 60.0 + 20.0 * able.length_m / speed, WIDE * able.length_m, speed
+    scenario = _scenario(path, speed, from_s + JUDGED_S, radius, entry.planar)
     scenario |= {"name": f"trial_{path}", "model": str(model)}
-    scenario["initial"]["velocity_m_s"] = [0.5 if infante else 0.0, 0.0, 0.0]
+    scenario["initial"]["velocity_m_s"] = [way_on, 0.0, 0.0]
+    if path == "helix" and entry.speed_m_s is not None:
+        scenario["path"]["pitch_m"] *= -1.0  # it is flown so far that it would rise out of the water
+        scenario["initial"]["attitude_deg"][1] = float(np.degrees(HELIX_SLOPE))  # along it
     if infante:
         scenario["guidance"] |= {"approach_angle_deg": 45.0, "stop_at_end": False}
     if entry.lost:
         scenario["events"] = [{"kind": "thrusters", "at_s": 0.0, "thrusters": list(entry.lost), "state": "dead"}]
         scenario["control"] = {"faults": "told"}
     through = 0.05 if path == "point" else speed
-    return Mission(plan, model, scenario, entry.lost, {}, {}, through, from_s, entry.planar, False)
+    limit = LIMIT_M if entry.speed_m_s is None else max(LIMIT_M, OF_LENGTH * able.length_m)
+    return Mission(plan, model, scenario, entry.lost, {}, {}, through, from_s, entry.planar, False, limit)
 
 
 def _able(vehicle: str, folder: Path) -> tuple[Path, Ability]:
-    entry = catalogue()[vehicle]
+    entry = every_vehicle()[vehicle]
     model = put(folder / "model.xml", entry.make())
     return model, ability_of(model, entry.lost, entry.planar)
 

@@ -45,12 +45,14 @@ class Entry:
         make: its MJCF text.
         lost: names of its dead thrusters.
         planar: whether it is one for the plane at its depth.
+        speed_m_s: at which its fins steer it; None for one that thrusters steer.
     """
 
     name: str
     make: Callable[[], str]
     lost: tuple[str, ...] = ()
     planar: bool = False
+    speed_m_s: float | None = None
 
 
 @cache
