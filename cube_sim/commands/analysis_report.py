@@ -20,9 +20,11 @@ from cube_sim.actuation.path_following.trim import CourseAttitudes
 from cube_sim.actuation.path_following.verdict import Verdict
 from cube_sim.actuation.survivability import LossCase
 from cube_sim.commands.as_flown import as_flown, fails_without_fins, left_without, table_as_flown
+from cube_sim.commands.stuck_flight import ReadModel
 from cube_sim.commands.stuck_report import FaultCase, fault_cases
 from cube_sim.control.authority import Capability
 from cube_sim.control.critical_speed import CriticalSpeed, critical_speed
+from cube_sim.control.foreseen import Foreseen
 from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
 from cube_sim.control.transient import Transient
 from cube_sim.control.turning_limit import turning_of
@@ -172,7 +174,14 @@ def report_on(
         save_picture(picture, A, limits, table, names=names, title=title)
     cases = None
     if stuck:
-        cases = fault_cases(vehicle, requirements.speed_m_s, lost=gone, cost_limit=cost_limit, progress=progress)
+        cases = fault_cases(
+            vehicle,
+            requirements.speed_m_s,
+            lost=gone,
+            cost_limit=cost_limit,
+            read=ReadModel(model, loaded),
+            progress=progress,
+        )
     noted = tuple(remarks(loaded, vehicle))
     if fins is not None and not planar and fails_without_fins(vehicle, gone, requirements.speed_m_s, cost_limit):
         noted = (*noted, STEERED_AT_SPEED_ONLY)
@@ -383,13 +392,16 @@ def _fault_case(case: FaultCase) -> dict[str, Any]:
         "rest_m_s": case.rest_m_s,
         "alone_m_s": case.alone_m_s,
         "found_s": case.found_s,
-        "transient": _transient(case.transient),
-        "transient_at_rest": _transient(case.transient_at_rest),
+        "transient": _transient(case.transient, case.foreseen),
+        "transient_at_rest": _transient(case.transient_at_rest, case.foreseen_at_rest),
     }
 
 
-def _transient(transient: Transient) -> dict[str, Any]:
+def _transient(transient: Transient, ahead: Foreseen | None) -> dict[str, Any]:
     return {
+        "foreseen_m": None if ahead is None else ahead.farthest_m,
+        "with_margin_m": None if ahead is None else ahead.with_margin_m,
+        "going_on": None if ahead is None else ahead.going_on,
         "bound_m": transient.bound_m,
         "no_bound": transient.reason or None,
         "turns_rad": transient.turns_rad,

@@ -9,8 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cube_sim.actuation import PathRequirements, analyse
+from cube_sim.commands.stuck_flight import BesideFaults, ReadModel
 from cube_sim.control.authority import Authority, Capability, remaining_capability
 from cube_sim.control.force_first import LITTLE_TORQUE
+from cube_sim.control.foreseen import Foreseen
 from cube_sim.control.holding import LOOKED_AHEAD_S, carried_off_m
 from cube_sim.control.left_alone import carried_m
 from cube_sim.control.loop_times import USUAL_PERIOD_S, LoopTimes, angular_acceleration, mean_delay
@@ -57,6 +59,8 @@ class FaultCase:
         found_s: by when the fault is found, at the speed asked for [s].
         transient: of a flight at that speed, level and nose ahead.
         transient_at_rest: of one that stays in a place, level.
+        foreseen: how far the first leaves its path, by its law flown ahead; None where it is not.
+        foreseen_at_rest: the same of the other.
     """
 
     fault: Fault
@@ -70,6 +74,8 @@ class FaultCase:
     found_s: float
     transient: Transient
     transient_at_rest: Transient
+    foreseen: Foreseen | None = None
+    foreseen_at_rest: Foreseen | None = None
 
 
 def every_fault(vehicle: Vehicle, gone: tuple[str, ...] = ()) -> list[Fault]:
@@ -89,6 +95,7 @@ def fault_cases(
     faults: list[Fault] | None = None,
     lost: tuple[str, ...] = (),
     cost_limit: float | None = None,
+    read: ReadModel | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[FaultCase, ...]:
     """Judge single faults, in still water.
@@ -99,10 +106,11 @@ def fault_cases(
         faults: to judge; default `every_fault`.
         lost: names of thrusters that are dead already.
         cost_limit: see `cube_sim.control.authority.capability`.
+        read: the model that the vehicle is of, to fly it ahead; None not to.
         progress: called with (cases done, all cases).
     """
     asked = every_fault(vehicle, lost) if faults is None else faults
-    beside, cases = _Beside(vehicle, speed_m_s, lost, cost_limit), []
+    beside, cases = _Beside(vehicle, speed_m_s, lost, cost_limit, read), []
     for fault in asked:
         cases.append(beside.case(fault))
         if progress is not None:
@@ -113,7 +121,14 @@ def fault_cases(
 class _Beside:
     """A vehicle on its way, and what is the same of it beside every fault."""
 
-    def __init__(self, vehicle: Vehicle, speed_m_s: float, lost: tuple[str, ...], cost_limit: float | None) -> None:
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        speed_m_s: float,
+        lost: tuple[str, ...],
+        cost_limit: float | None,
+        read: ReadModel | None,
+    ) -> None:
         thrusters, hull = vehicle.thrusters, vehicle.dynamics
         self._vehicle, self._hull, self._names = vehicle, hull, thrusters.names
         self._A, self._limits, self._lost, self._cost_limit = (
@@ -138,6 +153,10 @@ class _Beside:
         times = LoopTimes.behind(delay, turning, self._whole.authority in (Authority.PLANE, Authority.LINE))
         self._loops = LoopSpeeds(times.velocity, times.attitude, times.rate, OBSERVER_S, delay)
         self._verdicts: dict[str, tuple[bool, str]] = {}
+        self._on_its_way, self._in_place = (
+            None if read is None else BesideFaults(read, vehicle, self._whole, speed_m_s, in_place, cost_limit)
+            for in_place in (False, True)
+        )
 
     def case(self, fault: Fault) -> FaultCase:
         """What becomes of it beside a fault."""
@@ -149,6 +168,8 @@ class _Beside:
             far = max(left.turned.wanders_m, left.turned.level_m)
             rest = 0.0 if far <= NEAR_M else far / TURNED_FOR_S
         follows, reason = self._follows(left, fault)
+        given = 0.0 if fault.force_N is None else fault.force_N
+        resting, at_rest = self._transient(left, index, fault, np.zeros(3))
         return FaultCase(
             fault=fault,
             authority=left.authority,
@@ -160,7 +181,9 @@ class _Beside:
             alone_m_s=alone,
             found_s=found,
             transient=on_its_way,
-            transient_at_rest=self._transient(left, index, fault, np.zeros(3))[1],
+            transient_at_rest=at_rest,
+            foreseen=None if self._on_its_way is None else self._on_its_way.foreseen(index, given, left, found),
+            foreseen_at_rest=None if self._in_place is None else self._in_place.foreseen(index, given, left, resting),
         )
 
     def _left(self, health: Health) -> Capability:

@@ -16,7 +16,7 @@ with the closest wrench pushes the hull meanwhile. (Beside a stuck thruster the 
 it less.)
 
 Where nothing holds it, where it has to turn to another attitude first, or the attitude has to point the thrust, the law
-follows no such bound, and none is given.
+follows no such bound, and none is given. What is foreseen then stands in `cube_sim.control.foreseen`.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ import numpy as np
 
 from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.closing import unit_box
+from cube_sim.control.foreseen import Foreseen, in_metres
 from cube_sim.control.pace import LEAST_PACE, Facets
 from cube_sim.control.roomiest_attitude import has_enough, roomiest_attitude
 from cube_sim.control.thrown import LoopSpeeds, Thrown
@@ -79,6 +80,19 @@ class Transient(NamedTuple):
     def words(self) -> str:
         """One clause for the log."""
         return f"no bound of the transient: {self.reason}" if self.reason else f"transient at most {self.bound_m:.2g} m"
+
+    def known_within(self, less_known_m: float) -> Transient:
+        """The same of a hull of which it is known only so well where it is."""
+        return self._replace(bound_m=self.bound_m + less_known_m)
+
+    def words_with(self, ahead: Foreseen | None) -> str:
+        """One clause for the log, with what is foreseen; None where nothing is."""
+        if ahead is None:
+            return self.words
+        if not self.reason:
+            most = max(self.bound_m, ahead.with_margin_m)
+            return f"transient at most {most:.2g} m, {in_metres(ahead.farthest_m)} m foreseen"
+        return f"transient {ahead.words}; no bound: {self.reason}"
 
 
 class _Room:

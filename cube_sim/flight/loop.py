@@ -323,7 +323,7 @@ class Loop:
         write_power(self._rows, 0, t, supply.power, supply.energy, supply.voltage, supply.charge)
         try:
             tells_nothing = judged or not self._watches.surface.under_water  # thrusters in the air are not faulty
-            news = respond_to_faults(mission, store, t, tells_nothing) or other_voltage or self.tick == 0
+            news = respond_to_faults(mission, store, t, tells_nothing, self._known) or other_voltage or self.tick == 0
             if news and not mission.inflow.varies:
                 record_actuation(mission, store, t, mission.force_ratio)
             if begun.reached == UNANSWERED:

@@ -8,17 +8,17 @@ from numpy.typing import ArrayLike
 from cube_sim.control.authority import Authority
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.roomiest_attitude import has_enough_somewhere
-from cube_sim.control.thrown import Thrown
-from cube_sim.control.transient import transient
-from cube_sim.mission.moment import forces_of
 from cube_sim.mission.prepare import Mission
+from cube_sim.mission.transient_ahead import transient_ahead
 from cube_sim.mission.way_of_flying import depth_not_kept
 from cube_sim.recording.signal_store import SignalStore
-from cube_sim.spatial import Matrix, conjugate, multiply
+from cube_sim.spatial import Matrix, State
 from cube_sim.vehicle.state import read_state
 
 
-def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged: bool = False) -> bool:
+def respond_to_faults(
+    mission: Mission, recorder: SignalStore, t: float, judged: bool = False, known: State | None = None
+) -> bool:
     """Hand what is now believed of the thrusters to allocation and controller.
 
     Args:
@@ -27,6 +27,7 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
         t: simulated time [s].
         judged: whether the forces of this tick have been entered into the evidence already, or say nothing: those of
             a vehicle that is out of the water.
+        known: the state the controller saw at the tick before; None where it has seen none.
 
     Returns:
         Whether the health believed in has changed.
@@ -54,7 +55,7 @@ def respond_to_faults(mission: Mission, recorder: SignalStore, t: float, judged:
     depth = depth_not_kept(mission.ability, left, mission.outline) if level else None
     able = mission.ability
     slower = able.badly_pointed(left), able.too_tight(left), mission.too_fast(left)
-    more = filter(None, (level, depth, *slower, overpowered(mission), transient_ahead(mission)))
+    more = filter(None, (level, depth, *slower, overpowered(mission), transient_ahead(mission, known)))
     recorder.log(t, "WARNING", "; ".join((text, f"{left.authority.name}: {left.reason}", *more)))
     return True
 
@@ -74,37 +75,6 @@ def overpowered(mission: Mission) -> str | None:
     if has_enough_somewhere(*follower.kept(mission.force_ratio), attitude):
         return None
     return "in no attitude can the others make up for what is stuck: it will be turned about, or carried off"
-
-
-def transient_ahead(mission: Mission) -> str | None:
-    """Words for how far the vehicle leaves its path now that a fault is known; None where nothing can be said.
-
-    Args:
-        mission: whose controller goes on with what is left, thrown off as far as its motion shows.
-    """
-    follower = mission.controller
-    healthy = mission.allocator.health.responsive & (mission.allocator.health.efficiency == 1.0)
-    if not isinstance(follower, PathFollower) or healthy.all():
-        return None
-    state = read_state(mission.vehicle, mission.data)
-    hull, R, error = follower.loops.dynamics, state.rotation, follower.view(state).error
-    off = multiply(conjugate(follower.desired), state.quaternion)
-    wanted, thrusters = follower.memory[0]["velocity"], mission.vehicle.thrusters
-    thrown = Thrown(
-        off_m=float(np.linalg.norm(error if mission.path.length <= 0.0 else error[1:])),
-        velocity=state.velocity - R.T @ wanted,
-        turned=2.0 * float(np.copysign(1.0, off[0])) * off[1:],
-        rates=state.rates,
-        learned=follower.disturbance,
-    )
-    # It pushes on until the others have made up for it.
-    loops, ratio = follower.loop_speeds(mission.ability.delay_s), mission.force_ratio
-    expected = forces_of(mission, mission.data.act[thrusters.activations])
-    given = mission.data.actuator_force[thrusters.actuators]
-    wrench = mission.ability.A @ np.where(healthy, 0.0, given - expected)
-    push = np.asarray(np.linalg.solve(hull.total_mass, wrench), dtype=np.float64)
-    thrown = thrown.pushed_on(push, loops.delay)
-    return transient(follower.capability, hull, loops, thrown, R, wanted, follower.current, ratio).words
 
 
 def record_actuation(

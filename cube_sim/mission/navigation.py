@@ -115,6 +115,12 @@ class StateEstimation:
         self.record(recorder, np.array([t]), answer, navigator.error, navigator.inertial[None])
         return estimated(answer[0])
 
+    @property
+    def position_sigma_m(self) -> float:
+        """Standard deviation of the estimated position along its least known axis, as the filter believes it [m]."""
+        navigator = self._navigator
+        return 0.0 if navigator is None else float(np.sqrt(np.max(np.diag(navigator.filter.P)[:3])))
+
     def stage(self, ticks: int) -> tuple[NavigationParameters, NavigationMemory] | None:
         """The first arguments of `cube_sim.navigation.estimating.estimate` for so many ticks.
 

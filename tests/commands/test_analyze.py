@@ -10,6 +10,7 @@ from support.propelled_torpedo import FASTEST, propelled_torpedo, thrust
 from typer.testing import CliRunner
 
 from cube_sim.commands.cli import app
+from cube_sim.control.foreseen import in_metres
 
 CUBE = "models/cube.xml"
 
@@ -101,7 +102,7 @@ def test_json_is_the_whole_analysis():
     assert content["losses"] is None
 
 
-def test_every_single_fault_is_tabulated_with_the_bound_of_its_transient_or_why_there_is_none():
+def test_every_single_fault_is_tabulated_with_what_is_foreseen_and_the_bound_or_why_there_is_none():
     result = analyze(CUBE, "--stuck", "--lost", "T8")
     assert result.exit_code == 0
     rows = [line.split() for line in result.output.splitlines() if line.startswith("T")]
@@ -112,8 +113,12 @@ def test_every_single_fault_is_tabulated_with_the_bound_of_its_transient_or_why_
         assert case["thruster"] == row[0]
         bound = case["transient"]
         assert (bound["bound_m"] is None) == (bound["no_bound"] is not None)
-        if bound["bound_m"] is not None:
-            assert f"{bound['bound_m']:.2g}" == row[-2]
+        assert 0.0 < bound["foreseen_m"] < bound["with_margin_m"]
+        first = row.index("/")
+        assert row[first - 1].rstrip("+") == in_metres(bound["foreseen_m"])
+        at_most = max(bound["bound_m"] or 0.0, bound["with_margin_m"])
+        assert row[first + 1].lstrip("~") == f"{at_most:.2g}"
+        assert row[first + 1].startswith("~") == (bound["bound_m"] is None)
     assert any(case["transient"]["bound_m"] for case in cases)
     assert any(case["transient"]["no_bound"] for case in cases)
     assert json.loads(analyze(CUBE, "--json").output)["stuck"] is None
