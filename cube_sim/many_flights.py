@@ -17,6 +17,7 @@ from cube_sim.flight_statistics import Signals
 from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
 from cube_sim.mission.own.given import AnyScenario, loaded_with
+from cube_sim.mission.setpoints import commanded
 from cube_sim.recording.channels import SUPPLY, channel_table
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
@@ -245,7 +246,9 @@ def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
     pushed = any(force_events(one.scenario) for one in loaded)
     phased = ("1",) * any(one.scenario.phases for one in loaded)
     timed = any(is_timed(one.scenario.phases) for one in loaded)
-    channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed, phased, timed, ("F1",))
+    told = tuple(dict.fromkeys(name for one in loaded for name in commanded(one.scenario)))
+    others = told, (("1", "1"),) * len(told)
+    channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed, phased, timed, ("F1",), *others)
     known = dict.fromkeys(f"{channel.name}.{field.name}" for channel in channels for field in channel.fields)
     for one in loaded:
         sensed = channels_of(one.scenario.navigation)

@@ -38,6 +38,7 @@ class TickRows(NamedTuple):
     water: Table
     disturbance: Table
     fins: Table
+    setpoints: Table
 
     def named(self) -> Iterator[tuple[str, Table]]:
         """Channel and rows, for `SignalStore.extend`."""
@@ -159,6 +160,25 @@ def write_fins(rows, k, t, wanted, deflections, made):
         rows.fins[k, 1 + i], rows.fins[k, 1 + n + i] = wanted[i], deflections[i]
     for i in range(6):
         rows.fins[k, 1 + 2 * n + i] = made[i]
+
+
+@compiled
+def write_setpoints(rows, k, t, setpoints, act):
+    """The row of the scenario's set-points.
+
+    Args:
+        rows: `TickRows`.
+        k: which of them.
+        t: simulated time [s].
+        setpoints: `cube_sim.mission.setpoints.SetpointParts`.
+        act: MuJoCo's.
+    """
+    n = len(setpoints.actuators)
+    rows.setpoints[k, 0] = t
+    for i in range(n):
+        actuator, activation = setpoints.actuators[i], setpoints.activations[i]
+        rows.setpoints[k, 1 + i] = setpoints.wanted[i]
+        rows.setpoints[k, 1 + n + i] = setpoints.lengths[actuator] if activation < 0 else act[activation]
 
 
 @compiled

@@ -38,7 +38,9 @@ def _row(rows, table, k):
         return rows.water[k]
     if table == 11:
         return rows.disturbance[k]
-    return rows.fins[k]
+    if table == 12:
+        return rows.fins[k]
+    return rows.setpoints[k]
 
 
 @compiled

@@ -12,13 +12,14 @@ from cube_sim.allocation.fin_shares import with_missed
 from cube_sim.control.controller import Decision
 from cube_sim.control.following import FOLLOWED
 from cube_sim.flight.action import Action
-from cube_sim.flight.rows import TickRows, write_actuation, write_disturbance, write_fins, write_motion
+from cube_sim.flight.rows import TickRows, write_actuation, write_disturbance, write_fins, write_motion, write_setpoints
 from cube_sim.guidance.view_record import record_of
 from cube_sim.mission import Mission
 from cube_sim.mission.disturbance import pushes_of
 from cube_sim.mission.fault_response import record_actuation
 from cube_sim.mission.fins import FinAnswer
 from cube_sim.mission.moment import commands_for, feel, forces_of
+from cube_sim.mission.setpoints import command_others, parts_of
 from cube_sim.mission.supply import allocate_at
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.spatial import State, Vector
@@ -107,6 +108,10 @@ def tick(
         mission.data.ctrl[mission.fins.fins.actuators] = turned
         write_fins(rows, 0, t, turned, mission.data.act[mission.fins.fins.activations], made)
     mission.data.ctrl[thrusters.actuators] = commands
+    if mission.setpoints is not None:
+        parts = parts_of(mission.setpoints, mission.data)
+        command_others(parts, t, mission.data.ctrl)
+        write_setpoints(rows, 0, t, parts, mission.data.act)
     # The errors recorded are those of the true state, not of the estimate.
     attitude_error = decision.attitude_error if known is state else angle_of_turn(decision.quaternion, state.quaternion)
     _write(mission, rows, t, state, decision, attitude_error, allocation, commands)

@@ -9,6 +9,7 @@ from cube_sim.control.authority import Authority
 from cube_sim.guidance.path import Path
 from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
+from cube_sim.mission.setpoints import Setpoints
 from cube_sim.recording.channels import SUPPLY, WHY_NOT_SUPPLIED, Channel, channel_table
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.phase_blocks import is_timed
@@ -19,8 +20,9 @@ PATH_POINTS = 400
 """Points of the polyline by which a recording shows the path."""
 
 
-def recorded_channels(scenario: Scenario, vehicle: Vehicle) -> tuple[Channel, ...]:
+def recorded_channels(scenario: Scenario, vehicle: Vehicle, setpoints: Setpoints | None = None) -> tuple[Channel, ...]:
     """The channel table of a run, with the names of the vehicle's thrusters and the scenario's sensors in it."""
+    told = () if setpoints is None else setpoints.told
     return channel_table(
         vehicle.thrusters.names,
         PATH_POINTS,
@@ -31,6 +33,8 @@ def recorded_channels(scenario: Scenario, vehicle: Vehicle) -> tuple[Channel, ..
         tuple(phase.name for phase in scenario.phases),
         is_timed(scenario.phases),
         () if vehicle.fins is None else vehicle.fins.names,
+        tuple(each.name for each in told),
+        tuple((each.wanted_unit, each.reached_unit) for each in told),
     ) + channels_of(scenario.navigation)
 
 

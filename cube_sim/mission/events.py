@@ -16,6 +16,7 @@ from cube_sim.scenario.event_blocks import (
     AnyEvent,
     CurrentEventBlock,
     ForceEventBlock,
+    SetpointEventBlock,
     ThrusterEventBlock,
 )
 from cube_sim.scenario.sensor_event_block import SensorEventBlock
@@ -74,7 +75,8 @@ class Events:
         while self._pending and self._pending[0].at_s <= t + SAME_S:
             _, over, event = self._pending.pop(0)
             if not over:
-                lines.append(("WARNING", self._apply(event)))
+                planned = isinstance(event, SetpointEventBlock)
+                lines.append(("INFO" if planned else "WARNING", self._apply(event)))
             elif event.ends is not None:
                 if isinstance(event, SensorEventBlock):
                     self._sensors.end(event)
@@ -102,6 +104,8 @@ class Events:
                 self._change_current(event)
                 return event.message
             case ForceEventBlock():  # it is in the model from the start
+                return event.message
+            case SetpointEventBlock():  # it is in the table from the start
                 return event.message
             case SensorEventBlock():
                 self._sensors.begin(event)

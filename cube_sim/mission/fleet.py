@@ -86,7 +86,7 @@ def prepare_fleet(loaded: LoadedFleet) -> FleetMission:
     set_physics(model, loaded.scenario.together)
     data = mujoco.MjData(model)
     for name, one in loaded.vehicles.items():
-        put_initial(data, flown[name].vehicle, one.scenario)
+        put_initial(model, data, flown[name].vehicle, one.scenario)
     vehicles = {name: hull.vehicle for name, hull in flown.items()}
     missions = {
         name: mission_of(one, alone[name], flown[name], data, _others(data, vehicles, name))

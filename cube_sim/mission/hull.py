@@ -10,6 +10,7 @@ import numpy as np
 
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.mission.disturbance import force_events, set_pushes
+from cube_sim.mission.setpoints import commanded, require_possible_setpoints, setpoints_of
 from cube_sim.mission.water import water_schedule
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
@@ -17,6 +18,8 @@ from cube_sim.vehicle.compiled_once import CompiledOnce, room
 from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.mjcf.numeric_names import CURRENT, SURFACE
 from cube_sim.vehicle.mjcf.time_step import require_time_step
+from cube_sim.vehicle.other_actuators import other_actuators
+from cube_sim.vehicle.standing import as_it_stands
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
 
@@ -41,6 +44,8 @@ def flown_hull(loaded: Loaded) -> CompiledHull:
             text = "the model has a current of its own by time and height, water:current: leave one of both out"
             raise ScenarioError([loaded.mistake(_of_the_schedule(scenario), text)])
         hull = _hull(loaded, scenario.model, "model", {**given, **water_parameters(scenario)})
+    require_possible_setpoints(loaded, *hull)
+    hull = _as_told(hull, scenario)
     set_pushes(loaded, *hull)
     set_physics(hull.model, scenario)
     try:
@@ -98,7 +103,18 @@ def believed_hull(loaded: Loaded, flown: CompiledHull) -> CompiledHull:
     if fins != there:
         text = f"has the fins {', '.join(there) or 'of none'}; the vehicle that flies has {', '.join(fins) or 'none'}"
         raise ScenarioError([loaded.mistake("knowledge.model", f"{file}: {text}")])
-    return believed
+    known = other_actuators(*believed).keys() >= {*commanded(loaded.scenario)}
+    return _as_told(believed, loaded.scenario) if known else believed
+
+
+def _as_told(hull: CompiledHull, scenario: Scenario) -> CompiledHull:
+    """The hull with its ballast and its joints where the scenario's set-points have them at time 0."""
+    setpoints = setpoints_of(scenario, *hull)
+    if setpoints is None:
+        return hull
+    data = mujoco.MjData(hull.model)
+    setpoints.begin(hull.model, data)
+    return CompiledHull(hull.model, as_it_stands(hull.model, hull.vehicle.name, data))
 
 
 def _hull(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence[float]]) -> CompiledHull:
@@ -165,11 +181,11 @@ def _chosen_hull(loaded: Loaded, model: mujoco.MjModel, key: str) -> Vehicle:
 def initial_state(model: mujoco.MjModel, vehicle: Vehicle, scenario: Scenario) -> mujoco.MjData:
     """MuJoCo's data at the scenario's initial condition."""
     data = mujoco.MjData(model)
-    put_initial(data, vehicle, scenario)
+    put_initial(model, data, vehicle, scenario)
     return data
 
 
-def put_initial(data: mujoco.MjData, vehicle: Vehicle, scenario: Scenario) -> None:
+def put_initial(model: mujoco.MjModel, data: mujoco.MjData, vehicle: Vehicle, scenario: Scenario) -> None:
     """Put a vehicle into its scenario's initial condition."""
     initial = scenario.initial
     q = quaternion_from_euler(*np.radians(initial.attitude_deg))
@@ -178,3 +194,5 @@ def put_initial(data: mujoco.MjData, vehicle: Vehicle, scenario: Scenario) -> No
     data.qpos[at + 3 : at + 7] = q
     data.qvel[dof : dof + 3] = rotation_from_quaternion(q) @ np.array(initial.velocity_m_s)
     data.qvel[dof + 3 : dof + 6] = np.radians(initial.rates_deg_s)
+    if (setpoints := setpoints_of(scenario, model, vehicle)) is not None:
+        setpoints.begin(model, data)

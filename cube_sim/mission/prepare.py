@@ -34,6 +34,7 @@ from cube_sim.mission.path import path_of
 from cube_sim.mission.phases import Phases, phases_of
 from cube_sim.mission.refusals import require_a_value_per_thruster, require_possible_events, require_signals
 from cube_sim.mission.sensor_faults import sensor_faults
+from cube_sim.mission.setpoints import Setpoints, setpoints_of
 from cube_sim.mission.stopping import Stops
 from cube_sim.mission.supply import supply_of
 from cube_sim.mission.water import initial_currents
@@ -72,6 +73,7 @@ class Mission:
         outline: (n,3) points on the whole path, evenly spaced [m], world axes.
         stops: what ends the flight before its time.
         phases: the legs of the mission; none where it has one path.
+        setpoints: what the scenario tells other actuators; None where it tells none.
         codes: code of the user's own, by the value in whose place it stands.
         inflow: what the thrusters can hold as the moment has it; see `cube_sim.mission.moment`.
     """
@@ -95,6 +97,7 @@ class Mission:
     stops: Stops
     phases: Phases
     inflow: Inflow
+    setpoints: Setpoints | None = None
     codes: Codes = field(default_factory=dict)
 
     @property
@@ -153,7 +156,8 @@ def mission_of(
     believed = believed_hull(loaded, alone)
     model, vehicle = flown
     path, outline = _path(loaded, codes)
-    channels = recorded_channels(scenario, vehicle)
+    setpoints = setpoints_of(scenario, model, vehicle)
+    channels = recorded_channels(scenario, vehicle, setpoints)
     require_signals(loaded, vehicle, channels)
     require_possible_events(loaded, vehicle)
     require_a_value_per_thruster(loaded, vehicle)
@@ -188,6 +192,7 @@ def mission_of(
         stops=Stops(scenario, channels),
         phases=phases,
         inflow=inflow,
+        setpoints=setpoints,
         codes=codes,
     )
     if mission.phases:

@@ -33,6 +33,7 @@ WATCHED = (
     "water",
     "disturbance",
     "fins",
+    "setpoints",
 )
 """Channels with a row at every tick that the loop itself writes, in the order of their tables."""
 SIGNAL, PATH_END, TIMED, RESTING = range(4)

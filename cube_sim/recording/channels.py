@@ -132,6 +132,8 @@ def why_absent(signal: str) -> str:
         return WHY_NOT_SUPPLIED[quantity]
     if channel == "fins":
         return "the vehicle has no fin that a servo turns"
+    if channel == "setpoints":
+        return "the scenario has no setpoints, and no event of kind setpoint"
     if channel == DISTURBANCE.name:
         return "the scenario has no event of kind force"
     if channel == "phase":
@@ -165,6 +167,17 @@ def _fins(fins: tuple[str, ...]) -> tuple[Channel, ...]:
     return (Channel("fins", fields),)
 
 
+def _setpoints(names: tuple[str, ...], units: tuple[tuple[str, str], ...]) -> tuple[Channel, ...]:
+    if not names:
+        return ()
+    wanted, reached = (", ".join(unit) for unit in zip(*units, strict=True))
+    fields = (
+        Field("wanted", len(names), wanted, "what each actuator of the scenario's set-points is told", names),
+        Field("reached", len(names), reached, "where each stands: its joint, or the volume of ballast", names),
+    )
+    return (Channel("setpoints", fields),)
+
+
 @lru_cache(maxsize=16)  # of many flights it is the same
 def _phase(names: tuple[str, ...], timed: bool) -> tuple[Channel, ...]:
     flown = Field("index", 1, "1", "which phase is flown, a code", (), names)
@@ -183,6 +196,8 @@ def channel_table(
     phases: tuple[str, ...] = (),
     timed: bool = False,
     fins: tuple[str, ...] = (),
+    setpoints: tuple[str, ...] = (),
+    setpoint_units: tuple[tuple[str, str], ...] = (),
 ) -> tuple[Channel, ...]:
     """Declare what a run of a vehicle with these thrusters records.
 
@@ -196,6 +211,8 @@ def channel_table(
         phases: names of the phases, if there are any.
         timed: whether any of them has a time limit.
         fins: names of the fins that servos turn, if there are any.
+        setpoints: names of the actuators that the scenario commands, if there are any.
+        setpoint_units: of each, that of its command and that of what it has reached.
 
     Returns:
         The channels in the order in which they are written.
@@ -310,5 +327,6 @@ def channel_table(
         ),
         *((DISTURBANCE,) if pushed else ()),
         *_fins(fins),
+        *_setpoints(setpoints, setpoint_units),
         *_phase(phases, timed),
     )

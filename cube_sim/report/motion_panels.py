@@ -109,6 +109,23 @@ def fin_panels(subjects: Subjects) -> Iterator[Panel]:
     yield from panels(subjects, "Moment by deflection, body axes", "N m", traces, height=110)
 
 
+def setpoint_panels(subjects: Subjects) -> Iterator[Panel]:
+    """What actuators of the scenario's set-points are told, and where they stand; none where it tells none."""
+    subject = next((each for each in subjects if each.has("setpoints.wanted")), None)
+    if subject is None:
+        return
+    fields = subject.run.fields["setpoints.wanted"], subject.run.fields["setpoints.reached"]
+    for k, name in enumerate(fields[0].columns):
+        only, units = slice(k, k + 1), [field.units[k] for field in fields]
+        wanted = signal_traces(subjects, "setpoints.wanted", "wanted", "dashed", only)
+        reached = signal_traces(subjects, "setpoints.reached", "reached", "solid", only)
+        if units[0] == units[1]:
+            yield from panels(subjects, f"Set-point of {name}", units[0], [*wanted, *reached], height=110)
+        else:
+            yield from panels(subjects, f"Set-point of {name}", units[0], wanted, height=110)
+            yield from panels(subjects, f"{name}, reached", units[1], reached, height=110)
+
+
 def power_panels(subjects: Subjects) -> Iterator[Panel]:
     """Power of all motors, what they have drawn, voltage and charge where they change; none of a model without."""
     if not any(np.any(subject.rows("power.motor")[:, 1:] > 0) for subject in subjects):

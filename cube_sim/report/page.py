@@ -35,6 +35,7 @@ from cube_sim.report.motion_panels import (
     power_panels,
     sensor_names,
     sensor_panels,
+    setpoint_panels,
     thruster_panels,
     velocity_panels,
     water_panels,
@@ -165,6 +166,7 @@ def _sections(
     yield "errors", "Errors", _drawn(error_panels(subjects), axis)
     yield "thrusters", "Thrusters", _thrusters(subjects, axis, told)
     yield "fins", "Fins", _drawn(fin_panels(subjects), axis)
+    yield "setpoints", "Set-points", _drawn(setpoint_panels(subjects), axis)
     yield "wrench", "Wrench", _drawn(wrench_panels(subjects), axis)
     yield "velocity", "Velocity", _drawn(velocity_panels(subjects), axis)
     yield "power", "Power and charge", _drawn(power_panels(subjects), axis)

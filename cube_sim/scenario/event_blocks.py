@@ -14,6 +14,7 @@ from cube_sim.scenario.values import (
     ZERO,
     Newtons,
     Newtons3,
+    Number,
     Place,
     Seconds,
     WaterVelocity,
@@ -158,6 +159,23 @@ class ForceEventBlock(EventBlock):
         return None if self.for_s is None else (self.at_s + self.for_s, f"{self.name or 'the push'}: over")
 
 
+class SetpointEventBlock(EventBlock):
+    """An actuator of `setpoints`, or any other that is no thruster and no fin, is told something else from then on."""
+
+    kind: Literal["setpoint"]
+    actuator: str = Field(min_length=1, description="Its name in the model.")
+    value: Number = Field(description="The command from then on, in the actuator's own unit.")
+    over_s: float = Field(
+        default=0.0, ge=0, le=86400, description="Time in which it changes evenly from what it was [s]. 0: at once."
+    )
+
+    @property
+    def what(self) -> str:
+        """See `EventBlock.what`."""
+        return f"{self.actuator}: to {self.value:g}" + (f" within {self.over_s:g} s" if self.over_s else "")
+
+
 AnyEvent = Annotated[
-    ThrusterEventBlock | CurrentEventBlock | ForceEventBlock | SensorEventBlock, Field(discriminator="kind")
+    ThrusterEventBlock | CurrentEventBlock | ForceEventBlock | SensorEventBlock | SetpointEventBlock,
+    Field(discriminator="kind"),
 ]

@@ -28,6 +28,7 @@ from cube_sim.scenario.path_blocks import AnyPath, PythonPathBlock
 from cube_sim.scenario.phase_blocks import PhaseBlock, WaypointBlock
 from cube_sim.scenario.python_block import NAME, NAMED_OR_OWN, OwnPython
 from cube_sim.scenario.samples_block import SamplesBlock
+from cube_sim.scenario.setpoint_block import SetpointsBlock
 from cube_sim.scenario.stop_blocks import AnyStop, require_time_to_stop
 from cube_sim.scenario.telemetry_block import TelemetryBlock
 from cube_sim.scenario.values import (
@@ -255,6 +256,12 @@ class Scenario(Block):
     knowledge: KnowledgeBlock = KnowledgeBlock()
     telemetry: TelemetryBlock = TelemetryBlock()
     allocation: AllocationBlock = AllocationBlock()
+    setpoints: dict[str, SetpointsBlock] = Field(
+        default={},
+        description="What actuators of the model are told over time that are neither thrusters nor servos of fins, by"
+        " their names: ballast, moving masses, joints of an arm. At time 0 they are where they are told to be. The"
+        " controller is not told.",
+    )
     events: Annotated[tuple[AnyEvent, ...], Strict(False)] = Field(
         default=(), description="What happens during the run."
     )

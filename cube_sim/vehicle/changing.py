@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.laws.push import COLUMNS
+from cube_sim.vehicle.mjcf.ballast import ballast_table
 from cube_sim.vehicle.mjcf.elements import element_values, is_of_element, require_possible, set_compiled_element
 from cube_sim.vehicle.mjcf.fins import fin_rows
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
@@ -122,9 +123,12 @@ def water_of(model: mujoco.MjModel, numerics: Mapping[str, NDArray[np.float64]] 
     }
     packed = packing.packed_parameters(model)
     table = packed[int(packed[layout.THRUSTERS]) :][: model.nu]
-    turning = np.flatnonzero(table == layout.FIN_SERVO).tolist()
-    servos = {model.site(model.actuator_trnid[i, 0]).name: i for i in turning}
-    return read_parameters(numerics, bodies, thrusters, sites, servos)
+
+    def moved(kind: int) -> dict[str, int]:
+        return {model.site(model.actuator_trnid[i, 0]).name: int(i) for i in np.flatnonzero(table == kind)}
+
+    servos, pumps = moved(layout.FIN_SERVO), moved(layout.BALLAST_STATE)
+    return read_parameters(numerics, bodies, thrusters, sites, servos, pumps)
 
 
 def _carrier(model: mujoco.MjModel, body: int) -> str | None:
@@ -183,6 +187,7 @@ def _packed(
         model,
         np.flatnonzero(before[int(before[layout.THRUSTERS]) :][: model.nu] == layout.FORCE_STATE).tolist(),
         packing.link_places(model, link_ids, half_axes[len(ids) :]),
+        ballast_table(model, read.ballast, [hull.body for hull in read.hulls], read.density),
     )
     fixed = [i for i in range(layout.HEADER_SIZE) if i != layout.SURFACE]
     if packed.size != before.size or not np.array_equal(packed[fixed], before[fixed]):

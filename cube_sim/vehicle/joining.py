@@ -78,6 +78,9 @@ def vehicle_in(model: mujoco.MjModel, alone: Vehicle, prefix: str) -> Vehicle:
     names = tuple(name.removeprefix(prefix) for name in there.thrusters.names)
     thrusters = _with_indices(alone.thrusters, there.thrusters, prefix)
     fins = None if alone.fins is None or there.fins is None else replace(there.fins, names=alone.fins.names)
+    ballast = there.ballast
+    if alone.ballast is not None and ballast is not None:
+        ballast = replace(ballast, names=alone.ballast.names)
     if names != alone.thrusters.names:
         raise ModelError(there.name, f"has the thrusters {', '.join(names)} among others, and others alone")
     return replace(
@@ -88,6 +91,7 @@ def vehicle_in(model: mujoco.MjModel, alone: Vehicle, prefix: str) -> Vehicle:
         dof_address=there.dof_address,
         thrusters=thrusters,
         fins=fins,
+        ballast=ballast,
     )
 
 

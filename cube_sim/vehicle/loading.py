@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.mjcf.ballast import ballast_table, pump_elements
 from cube_sim.vehicle.mjcf.elements import is_of_element, set_elements
 from cube_sim.vehicle.mjcf.fins import AREA, fin_rows, servo_elements
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
@@ -121,11 +122,12 @@ def _immerse(
     bodies = {body.name: _carrier(body) for body in spec.bodies if body.name and body.name != "world"}
     thrusters = thruster_elements(spec)
     sites = {site.name: site.parent.name for site in spec.sites if site.name}
-    servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics])
-    parameters = read_parameters(numerics, bodies, thrusters, sites, servos)
+    pumps = pump_elements(spec, numerics)
+    servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics], pumps.values())
+    parameters = read_parameters(numerics, bodies, thrusters, sites, servos, pumps)
     hulls = [hull.body for hull in parameters.hulls]
     words = [
-        *unused_thruster_words(spec, in_file, hulls, thrusters, servos.values()),
+        *unused_thruster_words(spec, in_file, hulls, thrusters, [*servos.values(), *pumps.values()]),
         *unlikely_fin_words(spec, parameters.fins, {hull.body: hull.volume for hull in parameters.hulls}),
     ]
     for text in words:
@@ -170,9 +172,9 @@ def _immerse(
     half_axes = half_axes_of_all(model, data, [*ids, *link_ids], [*parameters.hulls, *parameters.links])
     places = packing.link_places(model, link_ids, half_axes[len(ids) :])
     process, half_axes = user_forces.process_number(), half_axes[: len(ids)]
-    packed = packing.pack_parameters(
-        parameters, ids, dofs, half_axes, table, process, pushes, fins, model, kept, places
-    )
+    ballast = ballast_table(model, parameters.ballast, hulls, parameters.density)
+    by_model = fins, model, kept, places, ballast
+    packed = packing.pack_parameters(parameters, ids, dofs, half_axes, table, process, pushes, *by_model)
     model.numeric_data[start : start + packed.size] = packed
     structs.verify(model, data)
     set_inverse_weights(model, data, ids)

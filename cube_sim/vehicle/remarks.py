@@ -30,7 +30,7 @@ def remarks(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
     """Sentences on a hull left to itself, and on what no analysis looks at."""
     g = float(np.linalg.norm(vehicle.gravity))
     weight, lift = vehicle.mass * g, vehicle.displaced_mass * g
-    said = [_buoyancy(model, vehicle, weight, lift)]
+    said = [_buoyancy(model, vehicle, weight, lift), *_ballast(vehicle, lift - weight)]
     if g > 0.0:
         moment = _most(vehicle, slice(3, 5))
         said += _at_rest(lift * vehicle.centre_of_buoyancy - weight * vehicle.centre_of_mass, weight, moment)
@@ -42,10 +42,12 @@ def cautions(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
     less = (vehicle.displaced_mass - vehicle.mass) * float(np.linalg.norm(vehicle.gravity))
     said = kept_words(model) + _stiff(model, vehicle)
     push = _most(vehicle, slice(0, 3))
+    push += _most_ballast(vehicle)
     if abs(less) > max(push, NEUTRAL * vehicle.mass) and not Fins.from_model(model, _number(model, vehicle)).names:
         how = "sinks" if less < 0.0 else "rises"
         said.append(
-            f"{how} with {abs(less):.3g} N, and its thrusters give {push:.3g} N at most, whichever way it points"
+            f"{how} with {abs(less):.3g} N, and its {_givers(vehicle)} give {push:.3g} N at most, whichever way it "
+            "points"
         )
     return said
 
@@ -54,6 +56,18 @@ def _most(vehicle: Vehicle, rows: slice) -> float:
     """A bound of the force [N], or moment [N m], that all thrusters together give in any direction."""
     largest = np.abs(vehicle.thrusters.limits).max(axis=1, initial=0.0)
     return float(largest @ np.linalg.norm(vehicle.actuation_matrix[rows], axis=0))
+
+
+def _most_ballast(vehicle: Vehicle) -> float:
+    """A bound of the lift or weight that all ballast makes [N]."""
+    if vehicle.ballast is None:
+        return 0.0
+    each = np.abs(vehicle.ballast.lift_per_volume) * np.abs(vehicle.ballast.travel).max(axis=1)
+    return float(each.sum() * np.linalg.norm(vehicle.gravity))
+
+
+def _givers(vehicle: Vehicle) -> str:
+    return "thrusters" if vehicle.ballast is None else "thrusters and ballast"
 
 
 def _buoyancy(model: mujoco.MjModel, vehicle: Vehicle, weight: float, lift: float) -> str:
@@ -65,6 +79,28 @@ def _buoyancy(model: mujoco.MjModel, vehicle: Vehicle, weight: float, lift: floa
         return f"{text}: sinks with {-less:.3g} N"
     below = -floating_height(model, vehicle)
     return f"{text}: rises with {less:.3g} N; floats with its origin {below:.2g} m below the surface"
+
+
+def _ballast(vehicle: Vehicle, less: float) -> list[str]:
+    """What its ballast does to a hull that is lifted by so much [N] without it."""
+    ballast, g = vehicle.ballast, float(np.linalg.norm(vehicle.gravity))
+    if ballast is None:
+        return []
+    per_litre, said = 1e-3 * g * ballast.lift_per_volume, list[str]()
+    reach = np.array([0.0, 0.0])
+    each = ballast.names, per_litre, 1e3 * ballast.travel, 1e3 * ballast.rate
+    for name, lift, travel, rate in zip(*each, strict=True):
+        ends = np.sort(lift * travel) + 0.0
+        reach += ends
+        text = f"its ballast '{name}' takes {travel[0]:.3g} to {travel[1]:.3g} l, {rate:.3g} l/s at most: "
+        said.append(f"{text}{ends[0]:.3g} to {ends[1]:.3g} N of lift")
+    if abs(less) <= NEUTRAL * vehicle.mass * g:
+        return [*said, "it is neutral with its ballast at 0 l"]
+    if not reach[0] <= -less <= reach[1]:
+        return [*said, "no ballast it takes makes it neutral"]
+    if len(per_litre) > 1:
+        return [*said, "its ballast can make it neutral"]
+    return [*said, f"it is neutral with its ballast at {-less / per_litre[0]:.3g} l"]
 
 
 def _at_rest(righting: np.ndarray, weight: float, moment: float) -> list[str]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.spatial import skew
+from cube_sim.vehicle.ballast import Ballast
 from cube_sim.vehicle.carried_water import carried_water, link_records
 from cube_sim.vehicle.fins import Fins
 from cube_sim.vehicle.lift import HullLift
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 class Vehicle:
     """One hull of a water model; matrices are in body axes at the body origin.
 
-    What it carries is in all of them as it stands at the reference pose, the water on links as well.
+    What it carries is in all of them as it stands at the reference pose, or at that asked for, the water on links too.
 
     Attributes:
         name: the body's name.
@@ -46,6 +47,7 @@ class Vehicle:
         thrusters: names, indices, limits, characteristics, pulses and power of the m thrusters.
         fins: the k fins that servos turn; None for none.
         lift: what the flow lifts of the hull; None for nothing.
+        ballast: what is pumped to make it lighter or heavier; None for none.
     """
 
     name: str
@@ -64,6 +66,7 @@ class Vehicle:
     thrusters: Thrusters
     fins: Fins | None = None
     lift: HullLift | None = None
+    ballast: Ballast | None = None
 
     @property
     def mass(self) -> float:
@@ -93,12 +96,13 @@ class Vehicle:
         return dynamics if self.lift is None else self.lift.known_as(dynamics)
 
     @staticmethod
-    def from_model(model: mujoco.MjModel, name: str | None = None) -> Vehicle:
+    def from_model(model: mujoco.MjModel, name: str | None = None, qpos: NDArray[np.float64] | None = None) -> Vehicle:
         """Read a hull from a model made by `load_model`.
 
         Args:
             model: the compiled model.
             name: which hull; may be left out when there is only one.
+            qpos: (nq,) where its joints stand; left out, the reference pose.
 
         Raises:
             ModelError: the model has no water, or no such hull, or several and no name was given.
@@ -115,7 +119,8 @@ class Vehicle:
         warn_of_unread(model, chosen, names[chosen])
         for link in links:
             warn_of_unread(model, model.body(int(link[layout.BODY])).name, link)
-        return _vehicle(model, names[chosen], links, chosen, list(names).index(chosen))
+        pose = model.qpos0 if qpos is None else qpos
+        return _vehicle(model, names[chosen], links, chosen, list(names).index(chosen), pose)
 
 
 def hull_names(model: mujoco.MjModel) -> tuple[str, ...]:
@@ -135,11 +140,16 @@ def _hull_records(packed: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _vehicle(
-    model: mujoco.MjModel, record: NDArray[np.float64], links: NDArray[np.float64], name: str, number: int
+    model: mujoco.MjModel,
+    record: NDArray[np.float64],
+    links: NDArray[np.float64],
+    name: str,
+    number: int,
+    qpos: NDArray[np.float64],
 ) -> Vehicle:
     body, dof = int(record[layout.BODY]), int(record[layout.DOF])
     data = mujoco.MjData(model)
-    data.qpos[:] = model.qpos0
+    data.qpos[:] = qpos
     mujoco.mj_forward(model, data)
     mass_matrix, centre_of_mass = _rigid_body(model, data, body)
     thrusters = Thrusters.from_model(model, body)
@@ -148,7 +158,7 @@ def _vehicle(
     mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
     joint_axes = moment[thrusters.actuators, dof : dof + 6].T
     water = carried_water(data, record, links)
-    fins = Fins.from_model(model, number)
+    fins, ballast = Fins.from_model(model, number), Ballast.from_model(model, number)
     return Vehicle(
         name=name,
         body=body,
@@ -166,6 +176,7 @@ def _vehicle(
         thrusters=thrusters,
         fins=fins if fins.names else None,
         lift=HullLift.from_model(model, number, water.added_mass, water.added_mass_of_links),
+        ballast=ballast if ballast.names else None,
     )
 
 

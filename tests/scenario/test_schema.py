@@ -24,6 +24,8 @@ WITHOUT_UNIT = {
     "share",
     "schema_version",
     "seed",
+    "value",
+    "values",
     "charge",
     "mass",
     "added_mass",

@@ -71,7 +71,7 @@ def _columns_times(address: int, x: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(sum(float(columns[j, i]) * x[j] for j in range(6)) for i in range(6))
 
 
-_ROOM = np.zeros(layout.HULL_SIZE)
+_ROOM, _INERTIA = np.zeros(layout.HULL_SIZE), np.zeros(36)
 _MEMORY = SimpleNamespace(
     double=lambda address, i: ctypes.c_double.from_address(address + 8 * i).value,
     columns_times=_columns_times,
@@ -83,6 +83,7 @@ _MEMORY = SimpleNamespace(
     force_table=lambda: ctypes.addressof(user_forces._table),
     call_force=_call_force,
     room_for_hull=lambda: _ROOM.ctypes.data,
+    room_for_inertia=lambda: _INERTIA.ctypes.data,
 )
 
 
@@ -112,6 +113,7 @@ _NUMBA = SimpleNamespace(njit=_as_it_is, cfunc=_as_it_is, types=_TYPES)
 _PLAIN = (
     "cube_sim.tuples",
     "cube_sim.vehicle.laws.",
+    "cube_sim.vehicle.plugin.ballast_record",
     "cube_sim.vehicle.plugin.inertia",
     "cube_sim.vehicle.plugin.curve_record",
     "cube_sim.vehicle.plugin.lift_record",

@@ -12,8 +12,9 @@ an ordinary scenario, and every rule of this page holds for it.
 | `schema_version`, `name`, `description`, `duration_s`, `physics`, `control_period_s`, `current_m_s`, \
 `current_profile`, `surface_m`; `events` of the water; `checks` over several vehicles; `samples` | \
 `model`, `vehicle`, `initial`, `thrusters`, \
-`parameters`, `battery`, `path`, `guidance`, `control`, `navigation`, `knowledge`, `telemetry`, `allocation`, `stop` | \
-`events` of its thrusters, `checks` of its own, `seed` |
+`parameters`, `battery`, `path`, `guidance`, `control`, `navigation`, `knowledge`, `telemetry`, `allocation`, \
+`setpoints`, `stop` | \
+`events` of its thrusters and set-points, `checks` of its own, `seed` |
 
 Vehicles of one model each get a copy of it; a model with several hulls is shared by vehicles that name different ones
 (`vehicle`). The random streams of a vehicle come of the seed at the top and of its name, not of its place in the list;

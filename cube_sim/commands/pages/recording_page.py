@@ -64,6 +64,7 @@ WRITTEN_BY = {
     "water": "the water (the truth) and the current observer (the estimate)",
     "disturbance": "the scenario's events of kind `force`",
     "fins": "the allocation, and MuJoCo",
+    "setpoints": "the scenario's `setpoints` and events of kind `setpoint`, and MuJoCo; where it has any",
     "phase": "the scenario's phases, at the tick at which one begins",
     "navigation": "the estimator",
     "navigation_error": "the estimator against MuJoCo",
@@ -255,6 +256,8 @@ def _tables(m: int) -> tuple[Channel, ...]:
         phases=("the names of the phases",),
         timed=True,
         fins=(*(f"F{i + 1}" for i in range(m - 1)), "Fk"),
+        setpoints=(*(f"A{i + 1}" for i in range(m - 1)), "Ak"),
+        setpoint_units=(("of the actuator", "of the actuator"),) * m,
     )
 
 
@@ -276,7 +279,7 @@ def _section(channel: Channel, wider: Channel) -> Iterator[str]:
         wider: the same of a vehicle with two: what has grown is per thruster.
     """
     yield heading(3, code(channel.name))
-    many = "k" if channel.name == "fins" else "m"
+    many = "k" if channel.name in ("fins", "setpoints") else "m"
     rows = [_row(one, two, many) for one, two in zip(channel.fields, wider.fields, strict=True)]
     yield table(("field", "columns", "unit", "what it is"), rows)
 
@@ -294,6 +297,6 @@ def _row(field: Field, wider: Field, many: str) -> tuple[str, str, str, str]:
 
 
 def _elided(columns: tuple[str, ...]) -> str:
-    if len(columns) <= _FEW and not {"Tm", "Fk"} & set(columns):
+    if len(columns) <= _FEW and not {"Tm", "Fk", "Ak"} & set(columns):
         return ", ".join(columns)
     return f"{columns[0]} ... {columns[-1]}"

@@ -112,9 +112,10 @@ def _entry(value: Schema) -> Schema:
 
 def _many(value: Schema, of_what: str) -> str:
     """What holds one block, or many, in a word."""
-    return (
-        f"list of {of_what}s" if "items" in value else f"{of_what}s by path" if _entry(value) is not value else of_what
-    )
+    if "items" in value:
+        return f"list of {of_what}s"
+    key = "path" if "path" in value.get("description", "") else "name"
+    return f"{of_what}s by {key}" if _entry(value) is not value else of_what
 
 
 def scenario_page() -> str:

@@ -30,13 +30,16 @@ from cube_sim.guidance.target_record import RunningParts
 from cube_sim.mission import Mission
 from cube_sim.mission.disturbance import pushes_of
 from cube_sim.mission.moment import budget_of
+from cube_sim.mission.setpoints import parts_of
 from cube_sim.mission.surface_watch import Boxes
 from cube_sim.native.compiled import prepare
 from cube_sim.navigation.estimating import ERROR, ESTIMATE, NavigationMemory, NavigationParameters
 from cube_sim.navigation.imu import INERTIAL
 from cube_sim.navigation.reading import READING
 from cube_sim.spatial import Vector
+from cube_sim.vehicle.ballast import ballast_rows
 from cube_sim.vehicle.current import current_table
+from cube_sim.vehicle.laws.ballast import DENSITY
 from cube_sim.vehicle.laws.push import COLUMNS
 from cube_sim.vehicle.plugin import structs
 from cube_sim.vehicle.plugin.guard import TEXT_BYTES, guards
@@ -132,6 +135,7 @@ def _arguments(
         _hull(mission, boxes),
         _feed(mission),
         _fins(mission),
+        parts_of(mission.setpoints, mission.data),
         evidence,
         sensing,
         course,
@@ -233,10 +237,12 @@ def engine_of(mission: Mission) -> Engine:
 def is_classical(model: mujoco.MjModel) -> bool:
     """Whether a step is Runge-Kutta's of fourth order, and goes on from what `mj_forward` has found.
 
-    An own force that sees commands is not what it was when that ran: the tick's commands were not given yet.
+    What sees commands, an own force or a tank that is being filled, is not what it was when that ran: the tick's were
+    not given yet.
     """
     compared = model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_FWDINV
-    seen = any(force.sees for force in force_records(packed_parameters(model)))
+    packed = packed_parameters(model)
+    seen = any(force.sees for force in force_records(packed)) or any(ballast_rows(packed)[:, DENSITY] > 0.0)
     return model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 and not compared and not seen
 
 

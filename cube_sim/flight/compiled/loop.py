@@ -17,13 +17,21 @@ from cube_sim.control.probing import put_probe
 from cube_sim.control.safe_mode import loses_target
 from cube_sim.control.shortage import watch_shortage
 from cube_sim.flight.compiled.callees import ANSWERING, ESTIMATING, SHARING, STEERING
-from cube_sim.flight.rows import write_actuation, write_disturbance, write_fins, write_motion, write_power
+from cube_sim.flight.rows import (
+    write_actuation,
+    write_disturbance,
+    write_fins,
+    write_motion,
+    write_power,
+    write_setpoints,
+)
 from cube_sim.flight.stop_law import condition_met
 from cube_sim.guidance.path_record import path_row
 from cube_sim.guidance.speed import speed_at
 from cube_sim.guidance.target_record import advanced, see_from_target
 from cube_sim.guidance.view_record import VIEW
 from cube_sim.mission.divergence import DIVERGED, all_below
+from cube_sim.mission.setpoints import command_others
 from cube_sim.mission.surface_watch import CLEAR_M, top_of
 from cube_sim.native.callee import call_at
 from cube_sim.native.compiled import compiled, unlocked
@@ -83,8 +91,8 @@ def _top(e, hull):
 
 @unlocked
 def fly(
-    codes, first, count, tick, engine, hull, feed, fins, evidence, sensing, course, law, planar, answering, thrusters,
-    moment, rows, notes, stops,
+    codes, first, count, tick, engine, hull, feed, fins, setpoints, evidence, sensing, course, law, planar, answering,
+    thrusters, moment, rows, notes, stops,
 ):  # fmt: skip
     """Fly up to so many ticks.
 
@@ -99,6 +107,7 @@ def fly(
         hull: `Hull`.
         feed: `Feed`.
         fins: `FinServos`.
+        setpoints: `cube_sim.mission.setpoints.SetpointParts`.
         evidence: `FaultWatch`.
         sensing: `Sensing`.
         course: `Course`.
@@ -259,6 +268,9 @@ def fly(
             commands = commands_of_forces(feed.curves, feed.starts, asked)
         for i in range(m):
             e.ctrl[feed.actuators[i]], force[i] = commands[i], thrusters.force[i] * force_ratio
+        if len(setpoints.actuators) > 0:
+            command_others(setpoints, t, e.ctrl)
+            write_setpoints(rows, k, t, setpoints, e.act)
         notes.pace[k], notes.force_ratio[k] = out.pace, force_ratio
         put(water, hull.wind)
         if hull.sheared:

@@ -29,6 +29,7 @@ from cube_sim.flight.compiled.parts import (
 from cube_sim.flight.rows import TickRows
 from cube_sim.guidance.law import Target
 from cube_sim.mission import Mission
+from cube_sim.mission.setpoints import SetpointParts
 from cube_sim.spatial import Record, State, Vector
 from cube_sim.vehicle.plugin.clock import held_still
 
@@ -44,6 +45,7 @@ class FlyArguments(NamedTuple):
     hull: Hull
     feed: Feed
     fins: FinServos
+    setpoints: SetpointParts
     evidence: FaultWatch
     sensing: Sensing
     course: Course

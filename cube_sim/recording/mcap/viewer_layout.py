@@ -19,6 +19,7 @@ _PLOTS = (
     ("Thruster forces", ("thrusters.force",)),
     ("Wrench demanded", ("wrench.demanded",)),
     ("Fin deflections", ("fins.deflection",)),
+    ("Set-points", ("setpoints.reached",)),
 )
 
 

@@ -27,6 +27,7 @@ from cube_sim.recording.rerun.plots import (
     MOMENT,
     NAVIGATION,
     POWER,
+    SETPOINTS,
     SURPRISE,
     THRUSTERS,
     VELOCITY,
@@ -106,6 +107,7 @@ def _plots(plot: Plots, drawn: Drawn, names: Collection[str]) -> Iterator[rrb.Vi
     yield tabs(
         (THRUSTERS, "Thruster forces [N]"),
         (FINS, "Fin deflections [deg]"),
+        (SETPOINTS, "Set-points"),
         (FORCE, "Force [N]"),
         (MOMENT, "Moment [N m]"),
         (WATER, "Current [m/s]"),

@@ -76,6 +76,7 @@ NAVIGATION, WATER, POWER = "/plot/navigation", "/plot/water", "/plot/power"
 VELOCITY, HEIGHT, HEADING = "/plot/velocity", "/plot/height", "/plot/heading"
 BATTERY, SURPRISE = "/plot/battery", "/plot/surprise"
 THRUSTERS, FINS, LANES, HEALTH = "/plot/thrusters", "/plot/fins", "/state", "/health"
+SETPOINTS = "/plot/setpoints"
 
 _BRIGHT, _DARK = (palette.ORANGE, palette.SKY, palette.GREEN), ((84, 60, 8), (30, 62, 82), (8, 60, 44))
 """Colours of x, y and z: thin bright lines on broad dark ones, so that both are seen where they agree."""
@@ -156,6 +157,21 @@ def _forces(table: _Table) -> Iterator[Curves]:
         names = tuple(f"{name} [{force.unit}]" for name in force.columns)
         yield Curves("thrusters", "force", THRUSTERS, names, tuple(palette.series(force.width)))
     yield from _fins(table)
+    yield from _setpoints(table)
+
+
+def _setpoints(table: _Table) -> Iterator[Curves]:
+    """What each actuator has reached on what it is told: a thin bright line on a broad dark one."""
+    for field, width, share in (("wanted", 6.0, 0.35), ("reached", 1.5, 1.0)):
+        if told := table.get("setpoints", {}).get(field):
+            names = tuple(f"{name} {field} [{unit}]" for name, unit in zip(told.columns, told.units, strict=True))
+            colours = _shaded(told.width, share)
+            yield Curves("setpoints", field, f"{SETPOINTS}/{field}", names, colours, width=width)
+
+
+def _shaded(count: int, share: float) -> tuple[Rgb, ...]:
+    series = np.array(palette.series(count))
+    return tuple((int(r), int(g), int(b)) for r, g, b in (share * series).tolist())
 
 
 def _fins(table: _Table) -> Iterator[Curves]:
@@ -163,8 +179,7 @@ def _fins(table: _Table) -> Iterator[Curves]:
     for field, what, width, share in (("deflection_wanted", "wanted", 6.0, 0.35), ("deflection", "had", 1.5, 1.0)):
         if deflection := table.get("fins", {}).get(field):
             names = tuple(f"{name} {what} [deg]" for name in deflection.columns)
-            series = np.array(palette.series(deflection.width))
-            colours = tuple((int(r), int(g), int(b)) for r, g, b in (share * series).tolist())
+            colours = _shaded(deflection.width, share)
             yield Curves("fins", field, f"{FINS}/{what}", names, colours, width=width, derived=np.degrees)
 
 

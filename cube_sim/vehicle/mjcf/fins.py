@@ -16,7 +16,7 @@ A servo is an actuator at that site, ``dyntype="user" dynprm="lag rate"`` [s, ra
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, pi, sqrt
 
@@ -87,12 +87,13 @@ def read_fins(
     )
 
 
-def servo_elements(spec: mujoco.MjSpec, fins: Sequence[str]) -> dict[str, int]:
+def servo_elements(spec: mujoco.MjSpec, fins: Sequence[str], others: Collection[int] = ()) -> dict[str, int]:
     """Fin site -> index of the actuator that turns it.
 
     Args:
         spec: of the model.
         fins: sites with an area of a fin.
+        others: indices of the actuators that pump ballast.
 
     Raises:
         ModelError: an actuator at a fin's site that is no servo, one that MuJoCo would not run as its numbers say, or a
@@ -103,6 +104,10 @@ def servo_elements(spec: mujoco.MjSpec, fins: Sequence[str]) -> dict[str, int]:
         if actuator.trntype != mujoco.mjtTrn.mjTRN_SITE:
             continue
         name = actuator.name or f"actuator {index}"
+        if index in others:
+            if actuator.target in fins:
+                raise ModelError(actuator.target, "is a fin and ballast; one of the two is right")
+            continue
         if actuator.target not in fins:
             _require_no_servo(actuator, name)
             continue
@@ -119,7 +124,8 @@ def _require_no_servo(actuator: mujoco.MjsActuator, name: str) -> None:
         raise ModelError(
             name,
             f"has dyntype=\"user\" and turns no fin: site '{actuator.target}' has no area; give "
-            f'{actuator.target}:{AREA} [m^2], or biastype="user" to a thruster',
+            f"{actuator.target}:{AREA} [m^2], {actuator.target}:ballast_displaces to a pump of ballast, or "
+            'biastype="user" to a thruster',
         )
 
 

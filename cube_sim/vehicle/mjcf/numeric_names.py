@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.mjcf.ballast import BALLAST_PARAMETERS
 from cube_sim.vehicle.mjcf.body_lift import CORIOLIS, CROSS_FLOW, PRODUCTS, STATIONS
 from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS
 from cube_sim.vehicle.mjcf.fins import FIN_PARAMETERS
@@ -52,7 +53,7 @@ THRUSTER_PARAMETERS = (
     *PROPELLER_PARAMETERS,
 )
 
-_KNOWN = HULL_PARAMETERS + THRUSTER_PARAMETERS + FIN_PARAMETERS
+_KNOWN = HULL_PARAMETERS + THRUSTER_PARAMETERS + FIN_PARAMETERS + BALLAST_PARAMETERS
 _OF_WATER = tuple(name.partition(":")[2] for name in WATER_PARAMETERS)
 _NEARLY = 0.8  # share of letters in common, as difflib counts them
 _NEARLY_WATER = 0.85  # of the word itself: the weather is not meant
@@ -181,6 +182,10 @@ def _judge(
     if parameter in FIN_PARAMETERS:
         if owner not in sites and owner not in bodies:
             raise ModelError(name, f"no site or body '{owner}'; the model has {', '.join([*sites, *bodies])}")
+        return
+    if parameter in BALLAST_PARAMETERS:
+        if owner not in sites:
+            raise ModelError(name, f"no site '{owner}'; the model has {', '.join(sites) or 'none'}")
         return
     if owner not in bodies and owner not in thrusters:
         raise ModelError(name, f"no body or thruster '{owner}'; the model has {', '.join([*bodies, *thrusters])}")

@@ -21,6 +21,7 @@
                                         `cube_sim.vehicle.mjcf.propellers`
     <body>:velocity_products ...        lift and cross-flow drag, see `cube_sim.vehicle.mjcf.body_lift`
     <site>:fin_...                      fins, see `cube_sim.vehicle.mjcf.fins`
+    <site>:ballast_...                  variable ballast, see `cube_sim.vehicle.mjcf.ballast`
     water:current                       rows time [s], height z [m], v_x, v_y, v_z [m/s] (world axes) on a full grid of
                                         times and heights, added to `option wind`; linear between, constant beyond
 
@@ -40,6 +41,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
+from cube_sim.vehicle.mjcf.ballast import BallastParameters, read_ballast
 from cube_sim.vehicle.mjcf.body_lift import strips, velocity_products
 from cube_sim.vehicle.mjcf.fins import FinParameters, read_fins
 from cube_sim.vehicle.mjcf.numbers import either as _either
@@ -135,6 +137,7 @@ class WaterParameters:
         fins: all fins, in the order of their sites.
         density: of the water [kg/m^3].
         surface: height of the surface, world axes [m]; inf for endless water.
+        ballast: all variable ballast, in the order of its sites.
     """
 
     hulls: tuple[HullParameters, ...]
@@ -144,6 +147,7 @@ class WaterParameters:
     fins: tuple[FinParameters, ...]
     density: float
     surface: float
+    ballast: tuple[BallastParameters, ...] = ()
 
 
 def read_parameters(
@@ -152,6 +156,7 @@ def read_parameters(
     thrusters: Sequence[ThrusterElement | None],
     sites: Mapping[str, str],
     servos: Mapping[str, int],
+    pumps: Mapping[str, int],
 ) -> WaterParameters:
     """Validate the numerics of a model.
 
@@ -162,6 +167,7 @@ def read_parameters(
         thrusters: one entry per actuator of the model; None for one that is no thruster.
         sites: name -> the body that carries it, for every named site.
         servos: site of a fin -> index of the actuator that turns it.
+        pumps: site of ballast -> index of the actuator that pumps there.
 
     Raises:
         ModelError: names the numeric at fault and says what would be right.
@@ -186,7 +192,8 @@ def read_parameters(
     described = tuple(_thruster(numerics, element, density) if element else None for element in thrusters)
     fins = read_fins(numerics, sites, [hull.body for hull in hulls], servos)
     surface = _scalar(numerics, SURFACE) if SURFACE in numerics else np.inf
-    return WaterParameters(hulls, links, described, _current(numerics), fins, density, surface)
+    ballast = read_ballast(numerics, sites, [hull.body for hull in hulls], pumps)
+    return WaterParameters(hulls, links, described, _current(numerics), fins, density, surface, ballast)
 
 
 def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float) -> HullParameters:

@@ -27,7 +27,7 @@ def unused_thruster_words(
         numerics: names of the file's; parameters given to `load_model` may well be of both a hull and its thrusters.
         hulls: names of the hulls.
         thrusters: one entry per actuator; None for one that is no thruster.
-        servos: indices of the actuators that turn fins.
+        servos: indices of the actuators that turn fins or pump ballast.
     """
     said = []
     for i, actuator in enumerate(spec.actuators):

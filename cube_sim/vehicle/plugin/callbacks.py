@@ -18,6 +18,9 @@ import numba
 from numba import types
 
 from cube_sim.tuples import minus, plus6, stacked, to_body
+from cube_sim.vehicle.laws.ballast import ACTUATOR as PUMP
+from cube_sim.vehicle.laws.ballast import HULL as BALLAST_OF_HULL
+from cube_sim.vehicle.laws.ballast import SITE, STATE, ballast_wrench
 from cube_sim.vehicle.laws.current import accelerating_water, current_at, velocity_at
 from cube_sim.vehicle.laws.fin import servo_rate
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
@@ -26,6 +29,7 @@ from cube_sim.vehicle.laws.propeller import HULL as OF_HULL
 from cube_sim.vehicle.laws.push import COLUMNS, push_wrench
 from cube_sim.vehicle.laws.surface import faded, fading_wrench, share_of_depth
 from cube_sim.vehicle.plugin import layout
+from cube_sim.vehicle.plugin.ballast_record import ballast_rows, with_tanks
 from cube_sim.vehicle.plugin.curve_record import steady_force
 from cube_sim.vehicle.plugin.inertia import put_factors, put_inertia
 from cube_sim.vehicle.plugin.lift_record import lift_wrench
@@ -40,6 +44,7 @@ from cube_sim.vehicle.plugin.memory import (
     matrix,
     put,
     room_for_hull,
+    room_for_inertia,
     vector,
 )
 from cube_sim.vehicle.plugin.propeller_wrench import propeller_force, table_of, unheld_torque
@@ -111,12 +116,16 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         return address
 
     @numba.njit
-    def share_under_water(m, d, packed, actuator):
-        """Share of a thruster that is under water, by the depth and the size of its site."""
-        site = integer(field(m, actuator_trnid), 2 * actuator)
+    def share_of_site(m, d, packed, site):
+        """Share of a site that is under water, by its depth and its size."""
         depth = double(packed, layout.SURFACE) - double(field(d, site_xpos), 3 * site + 2)
         radius = double(field(m, site_size), 3 * site)
         return share_of_depth(depth, radius) if depth < radius else 1.0
+
+    @numba.njit
+    def share_under_water(m, d, packed, actuator):
+        """Share of a thruster that is under water."""
+        return share_of_site(m, d, packed, integer(field(m, actuator_trnid), 2 * actuator))
 
     @numba.njit
     def through_water(m, d, packed, hull):
@@ -171,6 +180,26 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
 
     put_arm, put_link = build_link_water(model, data, water_at)
 
+    @numba.njit
+    def rate_of(m, d, actuator, state):
+        """How fast a servo or a pump moves its state, by its command [1/s of its unit]."""
+        travel, prm = field(m, actuator_ctrlrange) + 16 * actuator, field(m, actuator_dynprm) + 8 * dynprm * actuator
+        target = min(max(double(field(d, ctrl), actuator), double(travel, 0)), double(travel, 1))
+        return servo_rate(target, state, double(prm, 0), double(prm, 1))
+
+    @numba.njit
+    def wrench_of_ballast(m, d, packed, hull, down, nu, nu_r):
+        """What the ballast of a hull, by its number, does to it, a 6-tuple [N, N m]; gravity in body axes."""
+        total = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        rows = ballast_rows(packed + 8 * int(double(packed, layout.BALLAST)))
+        for k in range(rows.shape[0]):
+            row = rows[k]
+            if row[BALLAST_OF_HULL] == hull:
+                volume = double(field(d, act), int(row[STATE]))
+                rate, share = rate_of(m, d, int(row[PUMP]), volume), share_of_site(m, d, packed, int(row[SITE]))
+                total = plus6(total, ballast_wrench(row, volume, rate, share, down, nu, nu_r))
+        return total
+
     def passive(m, d):
         packed = parameters_of(m)
         if packed == 0:
@@ -186,6 +215,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         surface, propellers = double(packed, layout.SURFACE), double(packed, layout.PROPELLERS) >= 0.0
         links = int(double(packed, layout.LINK_COUNT))
         factored = field(m, nv) == 6 * count and links == 0  # hulls are all there is, each a block of its own
+        ballast = int(double(packed, layout.BALLAST))
         for k in range(count):
             hull = packed + 8 * (int(double(packed, layout.HULLS)) + k * layout.HULL_SIZE)
             body, dof = int(double(hull, layout.BODY)), int(double(hull, layout.DOF))
@@ -196,9 +226,12 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             if at_surface:
                 wet, share, gradient = under_water(hull, room_for_hull(), position, R, surface)
             M_A = matrix(wet + 8 * layout.ADDED_MASS, 6, 6)
-            rows = field(m, m_rowadr) + 4 * dof
+            rows, moved = field(m, m_rowadr) + 4 * dof, wet + 8 * layout.ADDED_MASS
+            if ballast >= 0:
+                tanks = ballast_rows(packed + 8 * ballast)
+                moved = with_tanks(tanks, float(k), field(d, act), moved, room_for_inertia())
             put_inertia(
-                M_A,
+                matrix(moved, 6, 6),
                 R,
                 matrix(field(d, cdof) + 48 * dof, 6, 6),
                 vector(field(d, crb) + 80 * body, 10),
@@ -242,6 +275,8 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                 if at_surface:
                     lifted = faded(share, lifted)
                 F = plus6(F, lifted)
+            if ballast >= 0:
+                F = plus6(F, wrench_of_ballast(m, d, packed, float(k), to_body(R, down), nu, nu_r))
             if propellers:
                 F = plus6(F, torques_of_propellers(m, d, packed, float(k), nu_r))
             function = int(double(hull, layout.FORCE))
@@ -320,17 +355,18 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             return put_rates(packed, d, integer(field(m, actuator_actadr), actuator))
         if record == layout.NO_THRUSTER:
             return 0.0
-        travel, parameters = field(m, actuator_ctrlrange) + 16 * actuator, dynprm * actuator
-        target = min(max(double(field(d, ctrl), actuator), double(travel, 0)), double(travel, 1))
-        adr, prm = integer(field(m, actuator_actadr), actuator), field(m, actuator_dynprm)
+        adr = integer(field(m, actuator_actadr), actuator)
         deflection = double(field(d, act), adr)
         if record >= 0:
+            travel, parameters = field(m, actuator_ctrlrange) + 16 * actuator, dynprm * actuator
+            target = min(max(double(field(d, ctrl), actuator), double(travel, 0)), double(travel, 1))
+            prm = field(m, actuator_dynprm)
             lags = double(prm, parameters), double(prm, parameters + 1)
             first, second = lag_rates(target, deflection, double(field(d, act), adr + 1), lags[0], lags[1])
             put(field(d, act_dot), adr, first)
             put(field(d, act_dot), adr + 1, second)
             return 0.0
-        return servo_rate(target, deflection, double(prm, parameters), double(prm, parameters + 1))
+        return rate_of(m, d, actuator, deflection)
 
     # With numpy's error model a division by zero gives inf, as in C: nothing here can raise, so no exception code.
     options = {"error_model": "numpy"}

@@ -6,7 +6,8 @@ doubles from the array's beginning:
     header          MAGIC, number of hulls, start of the hull records, start of the thruster table,
                     start of the current's table or -1, number of the process whose user forces it names,
                     start of the table of pushes or -1, start of the tables of lift or -1, height of the water's surface
-                    [m] or inf where there is none, start of the propellers or -1, number of links, start of theirs
+                    [m] or inf where there is none, start of the propellers or -1, number of links, start of theirs,
+                    start of the ballast or -1
     hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric;
                     REACH [m] is the height above its origin that no part of it is beyond in any attitude, -inf for a
                     hull without extent; SEES is 1 where its own force sees commands and activations, STATES how many
@@ -16,7 +17,7 @@ doubles from the array's beginning:
     link records    the same values of each link: DOF is the last of the degrees of freedom that move it, and a link has
                     no force of its own
     thruster table  one value per actuator of the model: the start of its curve record, -1 for no thruster, -2 for the
-                    servo of a fin, -3 for what keeps the state of an own force
+                    servo of a fin, -3 for what keeps the state of an own force, -4 for a pump of ballast
     curve records   c_DZ-, c_DZ+, F_DZ-, F_DZ+ [N], n, efficiency, supply, stuck [N], k_P-, k_P+ [W/N^1.5],
                     voltage [V], pulse widths of the commands -1, 0 and 1 [us], number of its propeller or -1,
                     start of its record of voltages or -1, c_1..c_n, F_1..F_n [N]; stuck is NaN for a thruster that is
@@ -28,6 +29,7 @@ doubles from the array's beginning:
                     deflection is in it, the fin's number stands for the hull's
     propellers      n, number of values in open-water points, n rows as `cube_sim.vehicle.laws.propeller` has them, and
                     these points
+    ballast         n, and n rows as `cube_sim.vehicle.laws.ballast` has them
     voltages        of each table of curves at several voltages, as `cube_sim.vehicle.laws.voltage_law` has it
     current         n_t, n_z, t_1.. [s], z_1.. [m], (v_x, v_y, v_z) [m/s] time by time
 
@@ -48,10 +50,10 @@ FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's tabl
 
 # the header
 COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES, LIFT, SURFACE, PROPELLERS = 1, 2, 3, 4, 5, 6, 7, 8, 9
-LINK_COUNT, LINKS = 10, 11
-HEADER_SIZE = 12
+LINK_COUNT, LINKS, BALLAST = 10, 11, 12
+HEADER_SIZE = 13
 # in the thruster table
-NO_THRUSTER, FIN_SERVO, FORCE_STATE = -1, -2, -3
+NO_THRUSTER, FIN_SERVO, FORCE_STATE, BALLAST_STATE = -1, -2, -3, -4
 # one hull record, or link record
 BODY, DOF, DISPLACED_MASS, CENTRE, ADDED_MASS, LINEAR, QUADRATIC, FORCE = 0, 1, 2, 3, 6, 42, 78, 114
 REACH, HALF_AXES = 115, 116

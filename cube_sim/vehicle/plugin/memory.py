@@ -170,6 +170,16 @@ def room_for_hull(typingctx):
     return types.int64(), codegen
 
 
+@intrinsic
+def room_for_inertia(typingctx):
+    """Address of room for a matrix (6,6), on the stack of the function that asks."""
+
+    def codegen(context, builder, signature, args):
+        return builder.ptrtoint(cgutils.alloca_once(builder, _DOUBLE, size=36), _INT64)
+
+    return types.int64(), codegen
+
+
 @numba.njit("float64[::1](int64, int64)")
 def vector(address, n):
     """(n,) view of doubles."""

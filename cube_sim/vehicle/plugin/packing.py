@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.laws.ballast import COLUMNS as BALLAST_COLUMNS
 from cube_sim.vehicle.laws.body_lift import PRODUCT_COLUMNS, STRIP_COLUMNS
 from cube_sim.vehicle.laws.fin import COLUMNS as FIN_COLUMNS
 from cube_sim.vehicle.laws.push import COLUMNS, HULL
@@ -87,6 +88,7 @@ def pack_parameters(
     model: mujoco.MjModel | None = None,
     states: Collection[int] = (),
     links: Sequence[LinkPlace] = (),
+    ballast: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
     """(n,) values as `cube_sim.vehicle.plugin.layout` says.
 
@@ -102,6 +104,7 @@ def pack_parameters(
         model: compiled, for the places of propellers; None where there is none yet.
         states: the actuators that keep the state of an own force.
         links: where each link is.
+        ballast: (n,9) the table of `cube_sim.vehicle.laws.ballast`; zeros where it is not known yet.
     """
     hulls = [_hull_record(*row) for row in zip(parameters.hulls, bodies, dofs, half_axes, forces, strict=True)]
     for record, hull in zip(hulls, parameters.hulls, strict=True):
@@ -117,10 +120,11 @@ def pack_parameters(
     table: list[float] = []
     curves: list[NDArray[np.float64]] = []
     propellers = 0
-    servos = {fin.servo for fin in parameters.fins}
+    servos, pumps = {fin.servo for fin in parameters.fins}, {each.pump for each in parameters.ballast}
     for actuator, thruster in enumerate(parameters.thrusters):
         if thruster is None:
             other = layout.FORCE_STATE if actuator in states else layout.NO_THRUSTER
+            other = layout.BALLAST_STATE if actuator in pumps else other
             table.append(float(layout.FIN_SERVO if actuator in servos else other))
             continue
         table.append(float(end))
@@ -139,9 +143,13 @@ def pack_parameters(
     starts = layout.HEADER_SIZE, table_start, current_start, process, pushes_start, lift_start, parameters.surface
     count, of_links = len(parameters.hulls), len(parameters.links)
     links_start = layout.HEADER_SIZE + layout.HULL_SIZE * count if of_links else -1.0
-    header = np.array([layout.MAGIC, count, *starts, propellers_start, of_links, links_start])
-    at_voltages = _voltage_records(parameters, curves, end + lift.size + turning.size)
-    return np.concatenate([header, *hulls, np.array(table), *curves, current, pushed, lift, turning, *at_voltages])
+    end += lift.size + turning.size
+    tanks = _ballast_record(parameters, ballast)
+    ends = of_links, links_start, end if tanks.size else -1.0
+    header = np.array([layout.MAGIC, count, *starts, propellers_start, *ends])
+    at_voltages = _voltage_records(parameters, curves, end + tanks.size)
+    records = *curves, current, pushed, lift, turning, tanks, *at_voltages
+    return np.concatenate([header, *hulls, np.array(table), *records])
 
 
 def packed_size(parameters: WaterParameters, pushes: int = 0) -> int:
@@ -215,6 +223,13 @@ def _lift_record(parameters: WaterParameters, fins: NDArray[np.float64] | None) 
     if not any(len(each) for each in tables):
         return np.empty(0)
     return np.concatenate([np.array([len(each) for each in tables], dtype=float), *(each.ravel() for each in tables)])
+
+
+def _ballast_record(parameters: WaterParameters, table: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    n = len(parameters.ballast)
+    if not n:
+        return np.empty(0)
+    return np.concatenate([[float(n)], np.zeros(n * BALLAST_COLUMNS) if table is None else table.ravel()])
 
 
 def _of_fins(parameters: WaterParameters, power: float) -> NDArray[np.float64]:
