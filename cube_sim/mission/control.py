@@ -46,6 +46,11 @@ from cube_sim.wrench.matrix import lever_arm
 REST = 3.0
 """How many times the force at which the widest dead zone ends is asked for again where it could not be made; and the
 torque that it makes on the thrusters' rms arm."""
+BY_FINS = (
+    "the planar law has a torque that pushes nothing aside, and leaves depth to the water; fins steer this vehicle, and"
+    " hold its depth: leave control.law out, motion_6dof follows the path by them"
+)
+"""Why a vehicle that its fins steer does not fly the planar law."""
 
 
 def controller_of(
@@ -75,6 +80,8 @@ def controller_of(
     time, flow = control.disturbance_time_s, control.current_time_s
     whole, within_limit = ability.whole, ability.within_limit
     in_plane = whole.authority is Authority.UNICYCLE and ability.steered_by is None
+    if control.law == "planar_lapierre_2007" and ability.steered_by is not None:
+        raise ScenarioError([loaded.mistake("control.law", BY_FINS)])
     if control.law == "planar_lapierre_2007" or (control.law is None and in_plane):
         return planar_follower(loaded, believed, path)
     times = _times(scenario, believed.vehicle, dynamics, ability)

@@ -14,19 +14,27 @@ from cube_sim.control.balanced_attitude import ROLL_OF_FINS
 from cube_sim.errors import ScenarioError
 from cube_sim.flight import Flight
 
-LINE, HELIX = SCENARIOS / "remus100_line.yaml", SCENARIOS / "remus100_helix.yaml"
+LINE, HELIX, CIRCLE, SINUSOID = (
+    SCENARIOS / f"remus100_{name}.yaml" for name in ("line", "helix", "circle", "sinusoid")
+)
 SHORT = {"duration_s": 4, "checks": [{"kind": "allowed_forces"}]}
 ACROSS = {"current_m_s": [0.0, 0.3, 0.0]}
 SETTLED = [{"kind": "signal", "signal": "path_error.cross_track", "statistic": "rms", "from_s": 80, "at_most": 1}]
 
 
 @pytest.mark.parametrize(
-    "changes",
-    [ACROSS, {"navigation": {}}, {"allocation.method": "pseudo_inverse"}],
-    ids=lambda changes: next(iter(changes)),
+    ("path", "changes"),
+    [
+        (HELIX, ACROSS),
+        (HELIX, {"navigation": {}}),
+        (HELIX, {"allocation.method": "pseudo_inverse"}),
+        (CIRCLE, {}),
+        (SINUSOID, {}),
+    ],
+    ids=["across", "navigated", "baseline", "circle", "sinusoid"],
 )
-def test_both_loops_fly_the_same(changes, monkeypatch):
-    assert assert_same_flight(HELIX, {**SHORT, **changes}, monkeypatch) > 0.9
+def test_both_loops_fly_the_same(path, changes, monkeypatch):
+    assert assert_same_flight(path, {**SHORT, **changes}, monkeypatch) > 0.9
 
 
 def test_what_the_fins_are_asked_for_is_what_they_come_to():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.places import MODELS
+from support.places import MODELS, SCENARIOS
 from support.planar_flight import INFANTE
 
 import cube_sim
@@ -120,6 +120,16 @@ def test_rounding_is_not_read_as_a_resistance(changes, tmp_path):
     model, vehicle = infante_with(changes, tmp_path)
     drag = 0.0 if "0 0 0 0 0 0" in changes[0][1] else INFANTE.D_uu
     np.testing.assert_allclose(identify_planar_model(model, vehicle), INFANTE._replace(D_uu=drag), atol=0.01)
+
+
+@pytest.mark.parametrize("name", ["remus100_circle", "remus100_sinusoid", "nps_auv2_line"])
+def test_a_vehicle_that_its_fins_steer_is_refused_in_one_line_with_the_remedy(name):
+    """Which works: the same path is flown without the key (tests/laws)."""
+    with pytest.raises(ScenarioError) as told:
+        prepare(load(SCENARIOS / f"{name}.yaml", {"control.law": "planar_lapierre_2007"}))
+    (line,) = str(told.value).splitlines()
+    assert "fins steer this vehicle, and hold its depth: leave control.law out" in line
+    assert prepare(load(SCENARIOS / f"{name}.yaml")).ability.steered_by is not None
 
 
 def test_the_law_named_takes_the_hull_that_the_planar_law_refuses(tmp_path):
