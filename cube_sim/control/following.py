@@ -9,7 +9,16 @@ import numpy as np
 
 from cube_sim.control.loops import loop_wrench
 from cube_sim.control.oscillation_centre import levelled_turning
-from cube_sim.control.pace import LEAST_PACE, RESERVE, PaceDemand, in_range, is_allowed, largest_share, wrench_at_pace
+from cube_sim.control.pace import (
+    LEAST_PACE,
+    RESERVE,
+    PaceDemand,
+    in_range,
+    is_allowed,
+    largest_share,
+    share_while_it_helps,
+    wrench_at_pace,
+)
 from cube_sim.control.shortage import PATIENCE_S
 from cube_sim.guidance.view_record import path_turning
 from cube_sim.native.compiled import compiled
@@ -154,7 +163,10 @@ def follow(
             hull, R, k.velocity_time, v_ref, flow, along_velocity, along_acceleration, pointed, unknown
         )
         if waits:
-            pace = largest_share(hull, left, normals, bounds, held_shares, force_ratio, demand, -1.0)
+            if left[0].by_momentum:
+                pace = share_while_it_helps(hull, left, normals, bounds, held_shares, force_ratio, demand)
+            else:
+                pace = largest_share(hull, left, normals, bounds, held_shares, force_ratio, demand, -1.0)
             if pace < -1.0 and short_s > PATIENCE_S:
                 # Nothing would be gained by standing: what is kept for errors goes into the pace, or it is the least.
                 all_force = force_ratio / (1.0 - RESERVE)

@@ -25,6 +25,8 @@ FINEST = 16
 current too strong."""
 LEAST_PACE = 0.25
 """Share of the speed below which the vehicle turns to an attitude in which the thrusters have more (a choice)."""
+NO_BOUND_N = 1e-9
+"""A facet that allows less than this allows nothing [N]."""
 HALVINGS = 5
 """Steps of bisection between two of them."""
 
@@ -171,7 +173,13 @@ def largest_share(hull, left, normals, bounds, held_shares, force_ratio, demand,
             return -2.0
     if low == 1.0:
         return low
-    high = low + step
+    return _between(hull, left, normals, bounds, held_shares, force_ratio, demand, low)
+
+
+@compiled
+def _between(hull, left, normals, bounds, held_shares, force_ratio, demand, low):
+    """The largest share that is allowed between one that is and the next step, that is not, to 0.2 %."""
+    high = low + 1.0 / FINEST
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         wrench = in_range(left, wrench_at_pace(hull, demand, middle))
@@ -180,3 +188,43 @@ def largest_share(hull, left, normals, bounds, held_shares, force_ratio, demand,
         else:
             high = middle
     return low
+
+
+@compiled
+def worst_excess(normals, bounds, held_shares, force_ratio, wrench):
+    """By how much a wrench (6-tuple) exceeds what is attainable with the reserve, as a share of the facet's bound."""
+    worst = -np.inf
+    for i in range(len(bounds)):
+        excess = facet_excess(normals, bounds, held_shares, force_ratio, i, wrench)
+        worst = max(worst, excess / max(abs(force_ratio * bounds[i]), NO_BOUND_N))
+    return worst
+
+
+@compiled
+def share_while_it_helps(hull, left, normals, bounds, held_shares, force_ratio, demand):
+    """The share to which the demand's part of the speed falls where a hull points its thrust.
+
+    It falls to what is allowed only as long as each step brings it nearer to that. Such a hull needs its way on:
+    slower, the water holds less of it, and what it is short of may grow. A speed far below, or back, may be allowed,
+    but is not what its attitude points. Where nothing on the way is allowed, it is the nearest, `LEAST_PACE` at least.
+
+    Args:
+        hull: as for `largest_share`, like all that follow.
+        left: see there.
+        normals: see there.
+        bounds: see there.
+        held_shares: see there.
+        force_ratio: see there.
+        demand: see there.
+    """
+    nearest, share = np.inf, 1.0
+    for i in range(FINEST + 1):
+        tried = 1.0 - i / FINEST
+        wrench = in_range(left, wrench_at_pace(hull, demand, tried))
+        excess = worst_excess(normals, bounds, held_shares, force_ratio, wrench)
+        if excess >= nearest:
+            break
+        nearest, share = excess, tried
+        if is_allowed(normals, bounds, held_shares, force_ratio, wrench):
+            return share if i == 0 else _between(hull, left, normals, bounds, held_shares, force_ratio, demand, share)
+    return max(share, LEAST_PACE)
