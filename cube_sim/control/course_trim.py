@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -221,8 +222,20 @@ def _near(R: Matrix, other: Matrix) -> bool:
     return bool(np.trace(R.T @ other) >= 1.0 + 2.0 * np.cos(JUDGED_RAD))
 
 
-def slowest_zero_time(left: Capability, hull: Dynamics, speed_m_s: float, time_s: float = 0.0) -> float:
-    """How slow the velocity loop has to be for the zeros of the trim of a level course [s], see `zero_time`.
+class LevelMotion(NamedTuple):
+    """The steady motion of a level course in the trim that is taken.
+
+    Attributes:
+        velocity: through the water (3,) [m/s], body axes.
+        up: (3,) world up in body axes.
+    """
+
+    velocity: Vector
+    up: Vector
+
+
+def level_motion(left: Capability, hull: Dynamics, speed_m_s: float, time_s: float = 0.0) -> LevelMotion | None:
+    """The motion whose zeros say how slow the loops have to be; None where no trim is sought, or there is none.
 
     Args:
         left: what the thrusters can do.
@@ -232,7 +245,7 @@ def slowest_zero_time(left: Capability, hull: Dynamics, speed_m_s: float, time_s
     """
     trims = CourseTrims.of(left, hull, speed_m_s, 0.0, time_s)
     if trims is None:
-        return 0.0
+        return None
     trim = trims.nearest(np.eye(3))
     R, found = trims.attitudes.trimmed((np.eye(3) if trim is None else trim)[None])
-    return zero_time(left, hull, R[0].T @ trims.attitudes.velocity, R[0, 2]) if found[0] else 0.0
+    return LevelMotion(R[0].T @ trims.attitudes.velocity, R[0, 2]) if found[0] else None

@@ -15,7 +15,7 @@ from cube_sim.control.balancing import FARTHEST_RAD
 from cube_sim.control.closing import closing_speed
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
-from cube_sim.control.course_trim import SLOWER, CourseTrims, slowest_zero_time
+from cube_sim.control.course_trim import SLOWER, CourseTrims, level_motion
 from cube_sim.control.current import CurrentObserver, told_of_water
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
@@ -26,6 +26,7 @@ from cube_sim.control.loops import MotionLoops
 from cube_sim.control.moment_budget import NOTHING_MOVES, MomentBudget
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
+from cube_sim.control.pointing_zero import most_turning, zero_time
 from cube_sim.control.priority import force_with_torque, yield_attitude
 from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.resting import Rest, nearest_rest
@@ -48,6 +49,8 @@ BALANCING = 0.6
 thrust; where roll or pitch is left to the water, all of it."""
 MOST_WAITING = 4.0
 """The loop whose attitude points the thrust is made no slower than this many times its time (a choice)."""
+ROOM_TO_TURN = 2.0
+"""A hull that is to turn slowly may turn this many times as fast as the path does in its tightest turn (a choice)."""
 RESTING = 0.9
 """Share of their force with which thrusters hold a hull at rest in an attitude that it is to come to (a choice)."""
 OVERPOWERED = "in no attitude can the others make up for what is stuck"
@@ -144,12 +147,15 @@ class PathFollower:
         if left.authority in POINTING:
             # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
             pointing = self._pointing_time(left)
-            slower = max(self.loops.velocity_time, SLOWER * pointing)
+            slower, turn = max(self.loops.velocity_time, SLOWER * pointing), self.loops.most_rate
             if isinstance(self.approach, Approach):
-                most = self.approach.most_speed
-                slower = max(slower, slowest_zero_time(left, self.loops.dynamics, most, self.pointing_time))
+                level = level_motion(left, self.loops.dynamics, self.approach.most_speed, self.pointing_time)
+                if level is not None:
+                    slower = max(slower, zero_time(left, self.loops.dynamics, *level))
+                    turn = max(most_turning(left, self.loops.dynamics, *level, slower, turn), self._turns_with_path)
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
-            self._loops = replace(self.loops, velocity_time=slower, attitude_time=pointing)
+            turn = min(turn, self.loops.most_rate)
+            self._loops = replace(self.loops, velocity_time=slower, attitude_time=pointing, most_rate=turn)
         elif isinstance(self.approach, Approach):
             affords = closing_speed(left, self.loops.dynamics, self.approach.lateral_time)
             self._approach = self.approach.at_closing_speed(affords)
@@ -410,6 +416,11 @@ class PathFollower:
         wanted = 0.0 if slowest is None else 1.0 / slowest
         return min(max(self.pointing_time, wanted), MOST_WAITING * self.pointing_time)
 
+    @property
+    def _turns_with_path(self) -> float:
+        """How fast it must be free to turn for the tightest turn of its path [rad/s]."""
+        return ROOM_TO_TURN * self.approach.most_speed / self.radius if isinstance(self.approach, Approach) else 0.0
+
     def _balanced_from(self, rotation: Matrix) -> BalancedAttitude:
         """A search for balance that begins in an attitude."""
         return BalancedAttitude(
@@ -418,7 +429,7 @@ class PathFollower:
             rotation,
             self._loops.attitude_time * (1.0 if self.capability.authority is Authority.TRIM else BALANCING),
             self._wish,
-            most_rate=self.loops.most_rate,
+            most_rate=self._loops.most_rate,
         )
 
     def _judged_again(self, balanced: BalancedAttitude, rotation: Matrix) -> BalancedAttitude:

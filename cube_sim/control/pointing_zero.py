@@ -4,9 +4,14 @@ A hull that turns to point its force is pushed the wrong way at first where the 
 or where it has more added mass along its course than across. From attitude to place the transfer function then has
 zeros in the right half plane, and no loop around it can be faster than the slowest of them (J. S. Freudenberg and
 D. P. Looze, IEEE TAC 30, 1985).
+
+A hull that turns fast meets more drag for each radian per second. What its stern has to push against that is the longer
+in coming back: the zeros are slower, the faster it turns.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +23,11 @@ from cube_sim.vehicle.dynamics import Dynamics
 HALF_AS_FAST = 2.0
 """A loop around what it sees is to cross over below half of its slowest zero in the right half plane (S. Skogestad and
 I. Postlethwaite, Multivariable Feedback Control, 2005, section 5.7)."""
+EASED = 2.0
+"""A hull turns no faster than where its zeros are this many times slower than its velocity loop (a choice): twice is
+what `HALF_AS_FAST` leaves of them."""
+BISECTED = 12
+"""Times the interval of rates is halved in which that one lies."""
 SAME = 1e-3
 """Share by which two zeros differ that are one."""
 _AT_REST = 1e-9
@@ -34,6 +44,41 @@ def zero_time(left: Capability, hull: Dynamics, velocity: Vector, up: Vector) ->
     of_centre = inverse_zeros(left, hull, velocity, up, centre=True)
     apart = np.abs(of_centre[:, None] - of_hull).min(axis=1) > SAME * np.abs(of_centre)
     return max(_slowest(of_hull), HALF_AS_FAST * _slowest(of_centre[apart]))
+
+
+def most_turning(
+    left: Capability, hull: Dynamics, velocity: Vector, up: Vector, velocity_time: float, most: float
+) -> float:
+    """How fast a hull may turn for its velocity loop to be slow enough for the zeros there [rad/s].
+
+    A loop whose zeros have become slower than it is turns the hull to and fro, as far as its thrusters can.
+
+    Args:
+        left: as for `inverse_zeros`, like the next three.
+        hull: see there.
+        velocity: see there.
+        up: see there.
+        velocity_time: of the velocity loop [s].
+        most: as fast as it turns at all [rad/s].
+    """
+
+    def eased(rate: float) -> bool:
+        return zero_time(left, turning_fast(hull, rate), velocity, up) <= EASED * velocity_time
+
+    if eased(most):
+        return most
+    slow, fast = 0.0, most
+    for _ in range(BISECTED):
+        middle = 0.5 * (slow + fast)
+        slow, fast = (middle, fast) if eased(middle) else (slow, middle)
+    return slow
+
+
+def turning_fast(hull: Dynamics, rate: float) -> Dynamics:
+    """The hull with the drag per radian per second that it meets where it turns at a rate [rad/s]."""
+    more = np.zeros((6, 6))
+    more[:, 3:] = rate * hull.quadratic_damping[:, 3:]
+    return replace(hull, linear_damping=hull.linear_damping + more)
 
 
 def _slowest(inverse: NDArray[np.complex128]) -> float:

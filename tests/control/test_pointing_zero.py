@@ -9,8 +9,8 @@ from support.flights import FORCES_ONLY
 
 import cube_sim
 from cube_sim.control.authority import remaining_capability
-from cube_sim.control.course_trim import slowest_zero_time
-from cube_sim.control.pointing_zero import inverse_zeros
+from cube_sim.control.course_trim import level_motion
+from cube_sim.control.pointing_zero import EASED, inverse_zeros, most_turning, turning_fast, zero_time
 from cube_sim.control.yielding import WaterHold
 from cube_sim.spatial import rotation_about
 from cube_sim.wrench.health import Health
@@ -25,6 +25,11 @@ def left_of(name, folder, speed_m_s, dead=()):
     health = Health(working, np.full(len(working), np.nan))
     hold = WaterHold.of(vehicle.dynamics, speed_m_s)
     return vehicle.dynamics, remaining_capability(vehicle.actuation_matrix, vehicle.thrusters.limits, health, hold=hold)
+
+
+def slowest_zero_time(left, hull, speed_m_s):
+    motion = level_motion(left, hull, speed_m_s)
+    return 0.0 if motion is None else zero_time(left, hull, *motion)
 
 
 def given_way(left):
@@ -84,6 +89,57 @@ def test_none_where_the_hull_is_pushed_the_right_way_at_once(tmp_path):
     for name in ("three_astern_up", "cube"):
         hull, left = left_of(name, tmp_path, 0.4)
         assert slowest_zero_time(left, hull, 0.4) == 0.0
+
+
+@pytest.mark.parametrize("rate_rad_s", [0.05, 0.3])
+def test_a_hull_that_turns_fast_has_the_drag_of_its_rate(rate_rad_s, tmp_path):
+    hull, _ = left_of("torpedo_four_fins", tmp_path, 0.1)
+    turning = np.array([0.0, 0.0, 0.0, 0.0, 0.0, rate_rad_s])
+    assert np.allclose(turning_fast(hull, rate_rad_s).linear_damping @ turning, hull.damping(turning), rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["torpedo", "torpedo_fins", "torpedo_four_fins"])
+def test_a_torpedo_that_goes_slowly_turns_no_faster_than_its_loop_bears(name, tmp_path):
+    """There its zeros are twice as slow as at rest: what its stern pushes against has grown to twice as much."""
+    hull, left = left_of(name, tmp_path, 0.1)
+    slow, fast = level_motion(left, hull, 0.1), level_motion(left, hull, 0.4)
+    at_rest = zero_time(left, hull, *slow)
+    rate = most_turning(left, hull, *slow, at_rest, 0.5)
+    assert np.isclose(zero_time(left, turning_fast(hull, rate), *slow), EASED * at_rest, rtol=0.01)
+    assert rate < 0.2
+    assert most_turning(left, hull, *fast, 4.6, 0.5) == 0.5
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_torpedo_on_sensors_does_not_swing_about_its_path(seed, tmp_path):
+    """At 0.1 m/s it needs no more force ahead than what a centimetre per second of error asks for aside.
+
+    Turning to and fro at 0.3 rad/s it made 2 cm/s along its path: its stern pushed it more than its thrust did.
+    """
+    model = tmp_path / "model.xml"
+    model.write_text(catalogue()["torpedo_four_fins"].make())
+    scenario = {
+        "schema_version": 1,
+        "name": "slow",
+        "model": str(model),
+        "seed": seed,
+        "duration_s": 170.0,
+        "initial": {"position_m": [1.5, -0.2, -19.3], "attitude_deg": [0.0, 0.0, 140.0]},
+        "path": {"type": "line", "start_m": [0, 0, -20], "end_m": [24, -30, -20]},
+        "guidance": {"speed_m_s": 0.1},
+        "navigation": {
+            "dvl": {"rate_hz": 2.0, "noise_m_s": 0.01},
+            "position": {"rate_hz": 0.5, "noise_m": 0.4},
+        },
+        "checks": FORCES_ONLY,
+    }
+    run = cube_sim.fly(scenario, record="none")
+    t, error = run.signals["path_error.cross_track"].T
+    arc = run.signals["target.arc_length"][:, 1]
+    late = t > 110.0
+    assert error[late].max() < 0.5
+    assert arc[-1] - arc[late][0] > 0.5 * 0.1 * 60.0
 
 
 @pytest.mark.flight
