@@ -234,7 +234,9 @@ class LevelMotion(NamedTuple):
     up: Vector
 
 
-def level_motion(left: Capability, hull: Dynamics, speed_m_s: float, time_s: float = 0.0) -> LevelMotion | None:
+def level_motion(
+    left: Capability, hull: Dynamics, speed_m_s: float, time_s: float = 0.0, radius_m: float = inf
+) -> LevelMotion | None:
     """The motion whose zeros say how slow the loops have to be; None where no trim is sought, or there is none.
 
     Args:
@@ -242,10 +244,11 @@ def level_motion(left: Capability, hull: Dynamics, speed_m_s: float, time_s: flo
         hull: the body.
         speed_m_s: of the course, through the water.
         time_s: of the loop that points the thrust, for the trim that is taken; see `CourseTrims`.
+        radius_m: of the tightest turn of the path, for that trim, too; infinite where it has none.
     """
     trims = CourseTrims.of(left, hull, speed_m_s, 0.0, time_s)
     if trims is None:
         return None
-    trim = trims.nearest(np.eye(3))
+    trim = trims.nearest(np.eye(3), radius_m=radius_m)
     R, found = trims.attitudes.trimmed((np.eye(3) if trim is None else trim)[None])
     return LevelMotion(R[0].T @ trims.attitudes.velocity, R[0, 2]) if found[0] else None

@@ -149,12 +149,13 @@ class PathFollower:
             pointing = self._pointing_time(left)
             slower, turn = max(self.loops.velocity_time, SLOWER * pointing), self.loops.most_rate
             if isinstance(self.approach, Approach):
-                level = level_motion(left, self.loops.dynamics, self.approach.most_speed, self.pointing_time)
+                hull, speed = self.loops.dynamics, self.approach.most_speed
+                level = level_motion(left, hull, speed, self.pointing_time, self.radius)
                 if level is not None:
-                    slower = max(slower, zero_time(left, self.loops.dynamics, *level))
-                    turn = max(most_turning(left, self.loops.dynamics, *level, slower, turn), self._turns_with_path)
+                    slower = max(slower, zero_time(left, hull, *level))
+                    room = ROOM_TO_TURN * speed / self.radius
+                    turn = max(most_turning(left, hull, *level, slower, turn), min(turn, room))
                 self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
-            turn = min(turn, self.loops.most_rate)
             self._loops = replace(self.loops, velocity_time=slower, attitude_time=pointing, most_rate=turn)
         elif isinstance(self.approach, Approach):
             affords = closing_speed(left, self.loops.dynamics, self.approach.lateral_time)
@@ -415,11 +416,6 @@ class PathFollower:
         slowest = None if trims is None else trims.slowest_elsewhere_rad_s(np.eye(3), self.radius)
         wanted = 0.0 if slowest is None else 1.0 / slowest
         return min(max(self.pointing_time, wanted), MOST_WAITING * self.pointing_time)
-
-    @property
-    def _turns_with_path(self) -> float:
-        """How fast it must be free to turn for the tightest turn of its path [rad/s]."""
-        return ROOM_TO_TURN * self.approach.most_speed / self.radius if isinstance(self.approach, Approach) else 0.0
 
     def _balanced_from(self, rotation: Matrix) -> BalancedAttitude:
         """A search for balance that begins in an attitude."""

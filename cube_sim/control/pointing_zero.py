@@ -51,7 +51,9 @@ def most_turning(
 ) -> float:
     """How fast a hull may turn for its velocity loop to be slow enough for the zeros there [rad/s].
 
-    A loop whose zeros have become slower than it is turns the hull to and fro, as far as its thrusters can.
+    A loop whose zeros have become slower than it is turns the hull to and fro, as far as its thrusters can. Nor may
+    turning push it faster than it goes: the water then meets it from another side than the attitude is found for, and
+    the search passes over the trim that was to be taken.
 
     Args:
         left: as for `inverse_zeros`, like the next three.
@@ -65,6 +67,9 @@ def most_turning(
     def eased(rate: float) -> bool:
         return zero_time(left, turning_fast(hull, rate), velocity, up) <= EASED * velocity_time
 
+    pushed = float(np.linalg.norm(dragged_along(left, hull), ord=2))
+    if pushed > 0.0:
+        most = min(most, float(np.linalg.norm(velocity)) / pushed)
     if eased(most):
         return most
     slow, fast = 0.0, most
@@ -72,6 +77,12 @@ def most_turning(
         middle = 0.5 * (slow + fast)
         slow, fast = (middle, fast) if eased(middle) else (slow, middle)
     return slow
+
+
+def dragged_along(left: Capability, hull: Dynamics) -> Matrix:
+    """(3,3) [m]: how far turning drags the hull along, by the force that comes with its torque."""
+    M = hull.total_mass
+    return np.linalg.solve(M[:3, :3], left.dragged_force @ M[3:, 3:])
 
 
 def turning_fast(hull: Dynamics, rate: float) -> Dynamics:
@@ -113,7 +124,7 @@ def inverse_zeros(
     M, S = hull.total_mass, skew(velocity)
     D = hull.steady_wrench_slope(np.concatenate([velocity, np.zeros(3)]))
     steady = np.linalg.pinv(n @ (D[:, :3] @ S - hull.restoring_slope(up)) @ axes)
-    dragged = np.linalg.solve(M[:3, :3], left.dragged_force @ M[3:, 3:]) if centre else np.zeros((3, 3))
+    dragged = dragged_along(left, hull) if centre else np.zeros((3, 3))
     first = n @ (M[:, :3] @ S + D[:, 3:] + D[:, :3] @ dragged) @ axes @ steady
     second = n @ (M[:, 3:] + M[:, :3] @ dragged) @ axes @ steady
     # second s^2 + first s + 1 = 0 in x = 1 / s

@@ -110,6 +110,45 @@ def test_a_torpedo_that_goes_slowly_turns_no_faster_than_its_loop_bears(name, tm
     assert most_turning(left, hull, *fast, 4.6, 0.5) == 0.5
 
 
+def test_turning_pushes_a_hull_no_faster_than_it_goes(tmp_path):
+    """Without one of two thrusters astern a hull is pushed by 0.65 m for each radian of yaw."""
+    hull, left = left_of("five_survey", tmp_path, 0.15, dead=["T1"])
+    motion = level_motion(left, hull, 0.15, 1.2, radius_m=3.0)
+    rate = most_turning(left, hull, *motion, 5.0, 1.0)
+    torque = np.array([0.0, 0.0, hull.total_mass[5, 5] * rate])
+    force = -left.lost[:3] @ np.linalg.lstsq(left.lost[:3].T @ left.lost[:3], left.lost[3:].T @ torque, rcond=None)[0]
+    M = np.diag(hull.total_mass)[:3]
+    assert np.isclose(np.linalg.norm(force / M), 0.15, rtol=0.05)
+    assert 0.2 < rate < 0.3
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("yaw_deg", [180.0, -90.0, 0.0])
+def test_it_comes_to_the_trim_that_it_wishes_for(yaw_deg, tmp_path):
+    """Turning at 1 rad/s it was pushed past it, flew stern first, and left its path by 0.9 m in the next corner."""
+    model = tmp_path / "model.xml"
+    model.write_text(catalogue()["five_survey"].make())
+    scenario = {
+        "schema_version": 1,
+        "name": "corner",
+        "model": str(model),
+        "duration_s": 136.0,
+        "initial": {"position_m": [-0.3, 0.8, -19.8], "attitude_deg": [0.0, 0.0, yaw_deg]},
+        "path": {
+            "type": "polyline",
+            "points_m": [[0, 0, -20], [13.5, 0.3, -22.4], [19.6, -5.1, -21.8], [17.9, -15.2, -22]],
+            "corner_radius_m": 2.0,
+        },
+        "guidance": {"speed_m_s": 0.14},
+        "control": {"faults": "told"},
+        "events": [{"kind": "thrusters", "at_s": 0.0, "thrusters": ["T1"], "state": "dead"}],
+        "checks": FORCES_ONLY,
+    }
+    run = cube_sim.fly(scenario, record="none")
+    t, error = run.signals["path_error.cross_track"].T
+    assert error[t > 70.0].max() < 0.06
+
+
 @pytest.mark.flight
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_torpedo_on_sensors_does_not_swing_about_its_path(seed, tmp_path):
