@@ -82,7 +82,7 @@ def most_turning(
 def dragged_along(left: Capability, hull: Dynamics) -> Matrix:
     """(3,3) [m]: how far turning drags the hull along, by the force that comes with its torque."""
     M = hull.total_mass
-    return np.linalg.solve(M[:3, :3], left.dragged_force @ M[3:, 3:])
+    return np.asarray(np.linalg.solve(M[:3, :3], left.dragged_force @ M[3:, 3:]), dtype=np.float64)
 
 
 def turning_fast(hull: Dynamics, rate: float) -> Dynamics:
