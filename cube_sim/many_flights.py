@@ -14,6 +14,7 @@ from typing import Any, Protocol
 from cube_sim.asked_store import AskedStore
 from cube_sim.errors import OwnCodeError, ScenarioError
 from cube_sim.flight_statistics import Signals
+from cube_sim.mission.channels import fins_fail
 from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
 from cube_sim.mission.own.given import AnyScenario, loaded_with
@@ -247,7 +248,7 @@ def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
     phased = ("1",) * any(one.scenario.phases for one in loaded)
     timed = any(is_timed(one.scenario.phases) for one in loaded)
     told = tuple(dict.fromkeys(name for one in loaded for name in commanded(one.scenario)))
-    others = told, (("1", "1"),) * len(told)
+    others = told, (("1", "1"),) * len(told), ("F1",) * any(fins_fail(one.scenario) for one in loaded)
     channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed, phased, timed, ("F1",), *others)
     known = dict.fromkeys(f"{channel.name}.{field.name}" for channel in channels for field in channel.fields)
     for one in loaded:

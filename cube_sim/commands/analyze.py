@@ -22,7 +22,9 @@ EPILOG = "Exit code: 0 analysed, 2 bad input."
 
 def analyze(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="MJCF file of a vehicle: models/cube.xml.")],
-    lost: Annotated[str, typer.Option(metavar="NAMES", help="Dead thrusters, for example T1,T4.")] = "",
+    lost: Annotated[
+        str, typer.Option(metavar="NAMES", help="Dead thrusters, and fins that no longer steer, for example T1,T4.")
+    ] = "",
     losses: Annotated[
         int, typer.Option(metavar="N", help="Tabulate every loss of up to N thrusters, at most 3, on top of --lost.")
     ] = 0,

@@ -26,6 +26,7 @@ from cube_sim.flight.tick import NotANumberError, tick
 from cube_sim.mission import Mission
 from cube_sim.mission.divergence import divergence, why_broken_off
 from cube_sim.mission.fault_response import record_actuation, respond_to_faults
+from cube_sim.mission.fin_response import record_fin_health
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.run_conditions import BALLAST_DROPPED, BATTERY_EMPTY, PATH_GIVEN_UP
@@ -305,11 +306,19 @@ class Loop:
         with self._broken_off_on_errors():
             self._control(warnings, action, begun)
 
+    def apply_events(self) -> None:
+        """What the scenario lets happen at this tick."""
+        mission, t = self.mission, self.time_s
+        fins = mission.events.fin_health
+        for level, message in mission.events.apply_due(t):
+            self._store.log(t, level, message)
+        if mission.events.fin_health is not fins:
+            record_fin_health(mission, self._store, t)
+
     def _control(self, warnings: list[str], action: Action, begun: Begun) -> None:
         mission, store, t = self.mission, self._store, self.time_s
         if begun.reached == BEGIN:
-            for level, message in mission.events.apply_due(t):
-                store.log(t, level, message)
+            self.apply_events()
             mujoco.mj_forward(mission.model, mission.data)
         while warnings:
             store.log(t, "WARNING", f"MuJoCo: {warnings.pop(0)}")

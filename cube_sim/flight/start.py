@@ -11,6 +11,7 @@ from cube_sim.errors import CubeSimError, FlightError
 from cube_sim.flight.compiled import compile_beside, wait_for_loop
 from cube_sim.mission import Mission, prepare
 from cube_sim.mission.copying import packed, unpacked
+from cube_sim.mission.fin_response import record_fin_health
 from cube_sim.mission.first_warnings import first_warnings
 from cube_sim.mission.fleet import FleetMission, prepare_fleet
 from cube_sim.mission.own.given import NOT_AGAIN, why_not_again
@@ -58,6 +59,7 @@ def described(mission: Mission, store: SignalStore) -> None:
         if reason := why_not_again(code):
             store.log(0.0, "WARNING", f"{key}: {code.name} {NOT_AGAIN}: {reason}")
     store.log(0.0, "INFO", way_of_flying(mission.ability))
+    record_fin_health(mission, store, 0.0)
     tell_phase(mission, store, 0.0)
 
 

@@ -125,7 +125,7 @@ def _steer(mission: Mission, decision: Decision, known: State) -> FinAnswer | No
         return None
     deflections = mission.data.act[mission.fins.fins.activations]
     seen = decision.wrench, known, decision.current, deflections, mission.force_ratio
-    return mission.fins.share(mission.fins.parts(mission.allocator), *seen)
+    return mission.fins.share(mission.fins.parts(mission.allocator, mission.events.fins_told), *seen)
 
 
 def _write(

@@ -44,11 +44,6 @@ class VehicleLoop(Loop):
         self._stretch: Stretch | None = None
         self._begun_at = 0
 
-    def apply_events(self) -> None:
-        """What the scenario lets happen to the vehicle at this tick."""
-        for level, message in self.mission.events.apply_due(self.time_s):
-            self._store.log(self.time_s, level, message)
-
     def begin_stretch(self, most: int) -> bool:
         """Whether compiled code can fly the next tick, and up to so many."""
         if self._stretch is None and not self.ended and self.tick >= self._python_until:

@@ -19,6 +19,7 @@ from cube_sim.mission.water import fastest_current, initial_currents
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.fin_health import FinHealth
 from cube_sim.vehicle.fins import FinsAtSpeed
 from cube_sim.wrench.health import Health
 
@@ -106,15 +107,21 @@ class Ability:
         fastest = max(fastest_through_water(self.courses, self.speed_m_s, current) for current in currents)
         return replace(self, fastest_m_s=fastest)
 
-    def left(self, health: Health) -> Capability:
-        """What it can do, within the cost limit, with thrusters in the state believed."""
-        left = remaining_capability(
-            *with_fins(self.A, self.limits, health, self.steered_by), self.cost_limit, self.hold
-        )
+    def left(self, health: Health, known: FinHealth | None = None) -> Capability:
+        """What it can do, within the cost limit, with thrusters and fins in the state believed.
+
+        Fins that do not steer count as lost: what a jammed one makes is for the others to make up for, tick by tick.
+
+        Args:
+            health: of the thrusters.
+            known: of the fins; None for whole ones.
+        """
+        judged = with_fins(self.A, self.limits, health, self.steered_by, known)
+        left = remaining_capability(*judged, self.cost_limit, self.hold)
         if self.fins is None or self.steered_by is not None or not needs_fins(left) or self.hold.hull is None:
             return left
         hold = with_way_on(self.hold, self.speed_m_s, self.courses)
-        return remaining_capability(*with_fins(self.A, self.limits, health, self.fins), self.cost_limit, hold)
+        return remaining_capability(*with_fins(self.A, self.limits, health, self.fins, known), self.cost_limit, hold)
 
     def too_tight(self, left: Capability) -> str | None:
         """Words for turns of the path that are too tight for what is left; None where they are kept."""
@@ -153,18 +160,23 @@ def with_way_on(hold: WaterHold, speed_m_s: float, courses: Matrix) -> WaterHold
     return WaterHold.of(hold.hull, speed_m_s, inclinations_of(courses))
 
 
-def with_fins(A: Matrix, limits: Matrix, health: Health, fins: FinsAtSpeed | None) -> tuple[Matrix, Matrix, Health]:
-    """Matrix (6,m+k), limits (m+k,4) and health of thrusters and fins; nobody says that a fin has failed.
+def with_fins(
+    A: Matrix, limits: Matrix, health: Health, fins: FinsAtSpeed | None, known: FinHealth | None = None
+) -> tuple[Matrix, Matrix, Health]:
+    """Matrix (6,m+k), limits (m+k,4) and health of thrusters and fins.
 
     Args:
         A: (6,m) of the thrusters.
         limits: (m,4) of them [N].
         health: of them.
         fins: the k fins; None for none.
+        known: of them; None for whole ones.
     """
     if fins is None:
         return A, limits, health
     whole = Health.whole(len(fins.limits))
+    if known is not None:
+        whole.efficiency[~known.steers] = 0.0
     together = Health(*(np.concatenate(pair) for pair in zip(health, whole, strict=True)))
     return np.column_stack([A, fins.matrix]), np.vstack([limits, fins.limits]), together
 

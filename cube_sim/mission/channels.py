@@ -12,6 +12,7 @@ from cube_sim.mission.navigation import channels_of
 from cube_sim.mission.setpoints import Setpoints
 from cube_sim.recording.channels import SUPPLY, WHY_NOT_SUPPLIED, Channel, channel_table
 from cube_sim.scenario import Scenario
+from cube_sim.scenario.fin_event_block import FinEventBlock
 from cube_sim.scenario.phase_blocks import is_timed
 from cube_sim.spatial import Matrix
 from cube_sim.vehicle.vehicle import Vehicle
@@ -35,7 +36,13 @@ def recorded_channels(scenario: Scenario, vehicle: Vehicle, setpoints: Setpoints
         () if vehicle.fins is None else vehicle.fins.names,
         tuple(each.name for each in told),
         tuple((each.wanted_unit, each.reached_unit) for each in told),
+        vehicle.fins.names if vehicle.fins is not None and fins_fail(scenario) else (),
     ) + channels_of(scenario.navigation)
+
+
+def fins_fail(scenario: Scenario) -> bool:
+    """Whether a scenario has a fin fail."""
+    return any(isinstance(event, FinEventBlock) for event in scenario.events)
 
 
 def why_unknown(quantity: str, scenario: Scenario, vehicle: Vehicle) -> str:

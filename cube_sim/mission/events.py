@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil
+from math import ceil, nan, radians
 from sys import maxsize
 from typing import NamedTuple, assert_never
 
@@ -19,9 +19,11 @@ from cube_sim.scenario.event_blocks import (
     SetpointEventBlock,
     ThrusterEventBlock,
 )
+from cube_sim.scenario.fin_event_block import FinEventBlock
 from cube_sim.scenario.sensor_event_block import SensorEventBlock
-from cube_sim.vehicle import faults
+from cube_sim.vehicle import faults, fin_faults
 from cube_sim.vehicle.current import set_current
+from cube_sim.vehicle.fin_health import FinHealth
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.health import Health
 
@@ -54,6 +56,8 @@ class Events:
 
     Attributes:
         health: the true state of the thrusters.
+        fin_health: that of the fins.
+        fins_told: what the controller has been told of these.
     """
 
     def __init__(
@@ -68,6 +72,8 @@ class Events:
         water = water_schedule(scenario)
         self._tables = None if water is None else list(water.tables[1:])
         self.health = Health.whole(len(vehicle.thrusters.names))
+        self.fin_health = FinHealth.whole(0 if vehicle.fins is None else len(vehicle.fins.names))
+        self.fins_told = self.fin_health
 
     def apply_due(self, t: float) -> list[tuple[str, str]]:
         """Apply the events due at t [s]; returns level and text of a line each, for the log."""
@@ -114,6 +120,10 @@ class Events:
                 for name in event.thrusters:
                     self._change(name, event)
                 return event.message
+            case FinEventBlock():
+                for name in event.fins:
+                    self._change_fin(name, event)
+                return event.message
             case _:
                 assert_never(event)
 
@@ -122,6 +132,29 @@ class Events:
             self._model.opt.wind[:] = event.current_m_s
         elif not event.over_s:  # what changes within a time is in the table from the start
             set_current(self._model, self._tables.pop(0))
+
+    def _change_fin(self, name: str, event: FinEventBlock) -> None:
+        fins = self._vehicle.fins
+        assert fins is not None
+        index = fins.names.index(name)
+        model, in_model, health = self._model, self._model.actuator(int(fins.actuators[index])).name, self.fin_health
+        if event.state == "jammed":
+            angle = None if event.angle_deg is None else radians(event.angle_deg)
+            fin_faults.jam_fin(model, in_model, angle)
+            self.fin_health = health.with_fin(index, jammed=True, angle=nan if angle is None else angle)
+        elif event.state == "loose":
+            fin_faults.loosen_fin(model, in_model)
+            self.fin_health = health.with_fin(index, loose=True)
+        elif event.rate_deg_s is not None:
+            fin_faults.slow_fin(model, in_model, radians(event.rate_deg_s))
+            self.fin_health = health.with_fin(index, rate=radians(event.rate_deg_s))
+        elif event.travel_deg is not None:
+            low, high = map(radians, event.travel_deg)
+            fin_faults.shorten_travel(model, in_model, low, high)
+            self.fin_health = health.with_fin(index, travel=(low, high))
+        else:
+            fin_faults.repair_fin(model, in_model)
+            self.fin_health = health.with_fin(index)
 
     def _change(self, name: str, event: ThrusterEventBlock) -> None:
         index = self._vehicle.thrusters.names.index(name)

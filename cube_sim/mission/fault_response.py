@@ -1,4 +1,4 @@
-"""The controller learns of thruster faults the way the scenario says, and goes on with the thrusters left."""
+"""The controller learns of faults the way the scenario says, and goes on with the thrusters and fins left."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from cube_sim.control.authority import Authority
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.roomiest_attitude import has_enough_somewhere
+from cube_sim.mission.fin_response import learn_of_fins
 from cube_sim.mission.prepare import Mission
 from cube_sim.mission.transient_ahead import transient_ahead
 from cube_sim.mission.way_of_flying import depth_not_kept
@@ -19,7 +20,7 @@ from cube_sim.vehicle.state import read_state
 def respond_to_faults(
     mission: Mission, recorder: SignalStore, t: float, judged: bool = False, known: State | None = None
 ) -> bool:
-    """Hand what is now believed of the thrusters to allocation and controller.
+    """Hand what is now believed of thrusters and fins to allocation and controller.
 
     Args:
         mission: whose MuJoCo data are up to date at t.
@@ -32,6 +33,12 @@ def respond_to_faults(
     Returns:
         Whether the health believed in has changed.
     """
+    of_fins = learn_of_fins(mission, recorder, t)
+    return _learn_of_thrusters(mission, recorder, t, judged, known) or of_fins
+
+
+def _learn_of_thrusters(mission: Mission, recorder: SignalStore, t: float, judged: bool, known: State | None) -> bool:
+    """Hand what is now believed of the thrusters to allocation and controller; whether that has changed."""
     allocator = mission.allocator
     if mission.fault_finding is not None:
         found, ratio = mission.fault_finding, mission.force_ratio
@@ -46,7 +53,7 @@ def respond_to_faults(
         allocator.told = health  # the same news: told from now on by the object alone
         return False
     allocator.set_health(health)
-    left = mission.ability.left(health)
+    left = mission.ability.left(health, mission.events.fins_told)
     mission.controller.reconfigure(left)
     text = health.describe(mission.vehicle.thrusters.names)
     level = (

@@ -12,6 +12,7 @@ from cube_sim.allocation.fin_shares import FinParts, steer_fins
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
 from cube_sim.spatial import State, Vector
+from cube_sim.vehicle.fin_health import FinHealth
 from cube_sim.vehicle.fins import Fins, FinsAtSpeed
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.axes import SPATIAL
@@ -77,11 +78,14 @@ class FinSteering:
         together = np.column_stack([allocator.A, at_speed.matrix])
         return FinSteering(flown.fins, fins, scenario.control_period_s, lever_arm(together, SPATIAL))
 
-    def parts(self, allocator: FaultTolerant) -> FinParts:
-        """What the sharing knows, with thrusters in the state that is believed.
+    def parts(self, allocator: FaultTolerant, known: FinHealth) -> FinParts:
+        """What the sharing knows, with thrusters and fins in the state that is believed.
+
+        A fin that does not steer is asked for where it is: what it makes there counts, and is nobody's to change.
 
         Args:
             allocator: over the thrusters.
+            known: of the fins.
         """
         health, scale = allocator.health, SPATIAL.scale(self.length_m)
         forces = np.ascontiguousarray(allocator.limits_now[:, [0, 3]] * health.efficiency[:, None])
@@ -89,10 +93,13 @@ class FinSteering:
         forces[stuck] = health.stuck[stuck, None]
         moving = scale[:, None] * allocator.A[:, forces[:, 0] < forces[:, 1]]
         beyond = np.eye(6) - (moving @ np.linalg.pinv(moving) if moving.size else 0.0)
-        reach = self.believed.rate * (self.believed.lag_s + self.period_s)
         fins = self.believed
+        rate = np.minimum(np.where(known.steers, fins.rate, 0.0), known.rate)
+        reach = rate * (fins.lag_s + self.period_s)
+        travel = np.clip(fins.travel, known.travel[:, :1], known.travel[:, 1:])
+        travel[known.loose] = -np.pi, np.pi  # wherever the flow turns it
         tables = fins.table, fins.linear, fins.square
-        return FinParts(*tables, fins.travel, reach, allocator.A, forces, beyond, scale)
+        return FinParts(*tables, travel, reach, allocator.A, forces, beyond, scale)
 
     def share(
         self, parts: FinParts, wrench: Vector, known: State, current: Vector, deflections: Vector, force_ratio: float

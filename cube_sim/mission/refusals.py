@@ -17,11 +17,15 @@ from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.check_blocks import BaselineCheckBlock
 from cube_sim.scenario.check_windows import statistics_of, windows_of
 from cube_sim.scenario.event_blocks import ThrusterEventBlock
+from cube_sim.scenario.fin_event_block import FinEventBlock
 from cube_sim.scenario.named_signals import signal_mistakes, unit_mistakes
 from cube_sim.vehicle.vehicle import Vehicle
 
 SAME_DEPTH_M = 0.05
 """By how much a vehicle that cannot change depth may start above or below its path."""
+
+SAME_DEG = 1e-3
+"""By so much an angle may be beyond a fin's travel, which files have in radians."""
 
 
 def require_signals(loaded: Loaded, vehicle: Vehicle, channels: tuple[Channel, ...]) -> None:
@@ -176,13 +180,15 @@ def require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
         if event.at_s >= duration:
             text = f"{event.at_s:g} s is not before the end of the run at {duration:g} s"
             mistakes.append(loaded.mistake(f"events.{i}.at_s", text, because="duration_s"))
+        if isinstance(event, FinEventBlock):
+            mistakes += [loaded.mistake(*each) for each in _impossible_fins(i, event, vehicle)]
         if not isinstance(event, ThrusterEventBlock):
             continue
         for j, name in enumerate(event.thrusters):
             if name not in thrusters.names:
                 text = f"no thruster '{name}'; the model has {', '.join(thrusters.names)}"
                 if vehicle.fins is not None and name in vehicle.fins.names:
-                    text += f"; '{name}' turns a fin, and fins have no faults in scenarios"
+                    text += f"; '{name}' turns a fin, which fails by an event of kind: fins"
                 mistakes.append(loaded.mistake(f"events.{i}.thrusters.{j}", text))
             elif event.force_N is not None:
                 low, _, _, high = thrusters.limits[thrusters.names.index(name)]
@@ -191,3 +197,22 @@ def require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
                     mistakes.append(loaded.mistake(f"events.{i}.force_N", text))
     if mistakes:
         raise ScenarioError(mistakes)
+
+
+def _impossible_fins(i: int, event: FinEventBlock, vehicle: Vehicle) -> Iterator[tuple[str, str]]:
+    """What of an event, the i-th, cannot happen to the fins of a vehicle: dotted path and words."""
+    fins = vehicle.fins
+    for j, name in enumerate(event.fins):
+        if fins is None or name not in fins.names:
+            there = "no fin that a servo turns" if fins is None else ", ".join(fins.names)
+            text = f"no fin '{name}'; the model has {there}"
+            if name in vehicle.thrusters.names:
+                text += f"; '{name}' is a thruster, which fails by an event of kind: thrusters"
+            yield f"events.{i}.fins.{j}", text
+            continue
+        low, high = np.degrees(fins.travel[fins.names.index(name)]).tolist()
+        asked = [] if event.angle_deg is None else [("angle_deg", event.angle_deg)]
+        asked += [(f"travel_deg.{end}", angle) for end, angle in enumerate(event.travel_deg or ())]
+        for key, angle in asked:
+            if not low - SAME_DEG <= angle <= high + SAME_DEG:
+                yield f"events.{i}.{key}", f"{name} turns from {low:.4g} to {high:.4g} deg, not to {angle:g} deg"

@@ -132,6 +132,8 @@ def why_absent(signal: str) -> str:
         return WHY_NOT_SUPPLIED[quantity]
     if channel == "fins":
         return "the vehicle has no fin that a servo turns"
+    if channel == "fin_health":
+        return "the scenario has no event of kind fins"
     if channel == "setpoints":
         return "the scenario has no setpoints, and no event of kind setpoint"
     if channel == DISTURBANCE.name:
@@ -167,6 +169,17 @@ def _fins(fins: tuple[str, ...]) -> tuple[Channel, ...]:
     return (Channel("fins", fields),)
 
 
+def _fin_health(fins: tuple[str, ...]) -> tuple[Channel, ...]:
+    if not fins:
+        return ()
+    codes = "0 whole, 1 slow, 2 short of travel, 3 jammed, 4 loose"
+    fields = (
+        Field("state", len(fins), "1", f"what is truly wrong with each fin: {codes}", fins),
+        Field("believed", len(fins), "1", "the same as the controller believes it", fins),
+    )
+    return (Channel("fin_health", fields, ON_CHANGE),)
+
+
 def _setpoints(names: tuple[str, ...], units: tuple[tuple[str, str], ...]) -> tuple[Channel, ...]:
     if not names:
         return ()
@@ -198,6 +211,7 @@ def channel_table(
     fins: tuple[str, ...] = (),
     setpoints: tuple[str, ...] = (),
     setpoint_units: tuple[tuple[str, str], ...] = (),
+    failing: tuple[str, ...] = (),
 ) -> tuple[Channel, ...]:
     """Declare what a run of a vehicle with these thrusters records.
 
@@ -213,6 +227,7 @@ def channel_table(
         fins: names of the fins that servos turn, if there are any.
         setpoints: names of the actuators that the scenario commands, if there are any.
         setpoint_units: of each, that of its command and that of what it has reached.
+        failing: names of the fins again, where the scenario has any of them fail.
 
     Returns:
         The channels in the order in which they are written.
@@ -328,5 +343,6 @@ def channel_table(
         *((DISTURBANCE,) if pushed else ()),
         *_fins(fins),
         *_setpoints(setpoints, setpoint_units),
+        *_fin_health(failing),
         *_phase(phases, timed),
     )

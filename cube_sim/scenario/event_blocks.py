@@ -9,6 +9,7 @@ from pydantic.types import Strict
 
 from cube_sim.scenario.current_block import CurrentProfileBlock
 from cube_sim.scenario.event_block import EventBlock
+from cube_sim.scenario.fin_event_block import FinEventBlock
 from cube_sim.scenario.sensor_event_block import SensorEventBlock
 from cube_sim.scenario.values import (
     ZERO,
@@ -176,6 +177,6 @@ class SetpointEventBlock(EventBlock):
 
 
 AnyEvent = Annotated[
-    ThrusterEventBlock | CurrentEventBlock | ForceEventBlock | SensorEventBlock | SetpointEventBlock,
+    ThrusterEventBlock | FinEventBlock | CurrentEventBlock | ForceEventBlock | SensorEventBlock | SetpointEventBlock,
     Field(discriminator="kind"),
 ]

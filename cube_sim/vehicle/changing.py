@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.fin_faults import servo_rows
 from cube_sim.vehicle.laws.push import COLUMNS
+from cube_sim.vehicle.laws.servo_fault import TARGET
 from cube_sim.vehicle.mjcf.ballast import ballast_table
 from cube_sim.vehicle.mjcf.elements import element_values, is_of_element, require_possible, set_compiled_element
 from cube_sim.vehicle.mjcf.fins import fin_rows
@@ -196,6 +198,7 @@ def _packed(
     for at in table[table >= 0.0].astype(int).tolist():
         for state in _STATES:
             packed[at + state] = before[at + state]
+    servo_rows(packed)[:, TARGET:] = servo_rows(before)[:, TARGET:]
     if pushes_at >= 0:
         end = pushes_at + 1 + pushes * COLUMNS
         packed[pushes_at:end] = before[pushes_at:end]

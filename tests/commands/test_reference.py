@@ -121,7 +121,7 @@ def test_every_example_can_be_flown(where, tmp_path):
 
 def test_every_channel_says_who_writes_it():
     sensors = dict.fromkeys(READINGS, 1.0)
-    told = {"setpoints": ("A1",), "setpoint_units": (("m", "m"),)}
+    told = {"setpoints": ("A1",), "setpoint_units": (("m", "m"),), "failing": ("F1",)}
     channels = (
         *channel_table(("T1",), 2, pushed=True, phases=("leg",), timed=True, fins=("F1",), **told),
         *navigation_channels(sensors),

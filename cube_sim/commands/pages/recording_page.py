@@ -64,6 +64,7 @@ WRITTEN_BY = {
     "water": "the water (the truth) and the current observer (the estimate)",
     "disturbance": "the scenario's events of kind `force`",
     "fins": "the allocation, and MuJoCo",
+    "fin_health": "the scenario's events of kind `fins`, and what the controller is told of them; where it has any",
     "setpoints": "the scenario's `setpoints` and events of kind `setpoint`, and MuJoCo; where it has any",
     "phase": "the scenario's phases, at the tick at which one begins",
     "navigation": "the estimator",
@@ -258,6 +259,7 @@ def _tables(m: int) -> tuple[Channel, ...]:
         fins=(*(f"F{i + 1}" for i in range(m - 1)), "Fk"),
         setpoints=(*(f"A{i + 1}" for i in range(m - 1)), "Ak"),
         setpoint_units=(("of the actuator", "of the actuator"),) * m,
+        failing=(*(f"F{i + 1}" for i in range(m - 1)), "Fk"),
     )
 
 
@@ -279,7 +281,7 @@ def _section(channel: Channel, wider: Channel) -> Iterator[str]:
         wider: the same of a vehicle with two: what has grown is per thruster.
     """
     yield heading(3, code(channel.name))
-    many = "k" if channel.name in ("fins", "setpoints") else "m"
+    many = "k" if channel.name in ("fins", "fin_health", "setpoints") else "m"
     rows = [_row(one, two, many) for one, two in zip(channel.fields, wider.fields, strict=True)]
     yield table(("field", "columns", "unit", "what it is"), rows)
 

@@ -169,7 +169,8 @@ def _fins(mission: Mission) -> FinServos:
     fins = mission.fins.fins
     n = len(fins.names)
     room = np.zeros(n), np.zeros(n), np.zeros(6), np.zeros(6)
-    return FinServos(True, fins.actuators, fins.activations, mission.fins.parts(mission.allocator), *room)
+    parts = mission.fins.parts(mission.allocator, mission.events.fins_told)
+    return FinServos(True, fins.actuators, fins.activations, parts, *room)
 
 
 def _no_fins() -> FinServos:

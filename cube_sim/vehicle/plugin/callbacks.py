@@ -22,17 +22,21 @@ from cube_sim.vehicle.laws.ballast import ACTUATOR as PUMP
 from cube_sim.vehicle.laws.ballast import HULL as BALLAST_OF_HULL
 from cube_sim.vehicle.laws.ballast import SITE, STATE, ballast_wrench
 from cube_sim.vehicle.laws.current import accelerating_water, current_at, velocity_at
+from cube_sim.vehicle.laws.fin import HULL as FIN_OF_HULL
 from cube_sim.vehicle.laws.fin import servo_rate
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
 from cube_sim.vehicle.laws.propeller import ACTIVATION, ACTUATOR, AXIS, CURVE, lag_rates
 from cube_sim.vehicle.laws.propeller import HULL as OF_HULL
 from cube_sim.vehicle.laws.push import COLUMNS, push_wrench
+from cube_sim.vehicle.laws.servo_fault import ACTUATOR as TURNS
+from cube_sim.vehicle.laws.servo_fault import COLUMNS as SERVO_COLUMNS
+from cube_sim.vehicle.laws.servo_fault import FIN, LOOSE, faulty_rate, loose_rate
 from cube_sim.vehicle.laws.surface import faded, fading_wrench, share_of_depth
 from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.ballast_record import ballast_rows, with_tanks
 from cube_sim.vehicle.plugin.curve_record import steady_force
 from cube_sim.vehicle.plugin.inertia import put_factors, put_inertia
-from cube_sim.vehicle.plugin.lift_record import lift_wrench
+from cube_sim.vehicle.plugin.lift_record import fin_row, lift_wrench
 from cube_sim.vehicle.plugin.link_water import build_link_water
 from cube_sim.vehicle.plugin.memory import (
     call_force,
@@ -346,6 +350,23 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
                     put(field(d, act_dot), state + i, double(field(d, userdata), rates + i))
         return first
 
+    @numba.njit
+    def rate_of_fin(m, d, packed, actuator, deflection):
+        """How fast a servo turns its fin [rad/s], its faults counted in."""
+        travel, prm = field(m, actuator_ctrlrange) + 16 * actuator, field(m, actuator_dynprm) + 8 * dynprm * actuator
+        target = min(max(double(field(d, ctrl), actuator), double(travel, 0)), double(travel, 1))
+        servos = packed + 8 * int(double(packed, layout.SERVOS))
+        rows = matrix(servos + 8, int(double(servos, 0)), SERVO_COLUMNS)
+        for k in range(rows.shape[0]):
+            row = rows[k]
+            if row[TURNS] == actuator:
+                if row[LOOSE] == 0.0:
+                    return faulty_rate(row, target, deflection, double(prm, 0), double(prm, 1))
+                fin = fin_row(packed + 8 * int(double(packed, layout.LIFT)), int(row[FIN]))
+                hull = packed + 8 * (int(double(packed, layout.HULLS)) + int(fin[FIN_OF_HULL]) * layout.HULL_SIZE)
+                return loose_rate(fin, deflection, double(prm, 0), through_water(m, d, packed, hull))
+        return servo_rate(target, deflection, double(prm, 0), double(prm, 1))
+
     def servo(m, d, actuator):
         packed = parameters_of(m)
         if packed == 0:
@@ -366,7 +387,9 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             put(field(d, act_dot), adr, first)
             put(field(d, act_dot), adr + 1, second)
             return 0.0
-        return rate_of(m, d, actuator, deflection)
+        if record == layout.BALLAST_STATE:
+            return rate_of(m, d, actuator, deflection)
+        return rate_of_fin(m, d, packed, actuator, deflection)
 
     # With numpy's error model a division by zero gives inf, as in C: nothing here can raise, so no exception code.
     options = {"error_model": "numpy"}

@@ -7,7 +7,7 @@ doubles from the array's beginning:
                     start of the current's table or -1, number of the process whose user forces it names,
                     start of the table of pushes or -1, start of the tables of lift or -1, height of the water's surface
                     [m] or inf where there is none, start of the propellers or -1, number of links, start of theirs,
-                    start of the ballast or -1
+                    start of the ballast or -1, start of the servos of fins or -1
     hull records    HULL_SIZE values each; matrices lie there column by column, and the added mass is symmetric;
                     REACH [m] is the height above its origin that no part of it is beyond in any attitude, -inf for a
                     hull without extent; SEES is 1 where its own force sees commands and activations, STATES how many
@@ -30,12 +30,13 @@ doubles from the array's beginning:
     propellers      n, number of values in open-water points, n rows as `cube_sim.vehicle.laws.propeller` has them, and
                     these points
     ballast         n, and n rows as `cube_sim.vehicle.laws.ballast` has them
+    servos          n, and n rows as `cube_sim.vehicle.laws.servo_fault` has them, one for each fin that a servo turns
     voltages        of each table of curves at several voltages, as `cube_sim.vehicle.laws.voltage_law` has it
     current         n_t, n_z, t_1.. [s], z_1.. [m], (v_x, v_y, v_z) [m/s] time by time
 
 `cube_sim.vehicle.plugin.packing` writes it. Efficiency, supply, stuck, a curve that has a record of voltages, the
-velocities of the current and the pushes are meant to change while a model is in use (`cube_sim.vehicle.faults`,
-`cube_sim.vehicle.current`, `cube_sim.vehicle.pushes`).
+servos' faults, the velocities of the current and the pushes are meant to change while a model is in use
+(`cube_sim.vehicle.faults`, `cube_sim.vehicle.fin_faults`, `cube_sim.vehicle.current`, `cube_sim.vehicle.pushes`).
 """
 
 from __future__ import annotations
@@ -50,8 +51,8 @@ FORCE_TABLE = "cube_sim_force_table"  # the linker's name of this process's tabl
 
 # the header
 COUNT, HULLS, THRUSTERS, CURRENT, PROCESS, PUSHES, LIFT, SURFACE, PROPELLERS = 1, 2, 3, 4, 5, 6, 7, 8, 9
-LINK_COUNT, LINKS, BALLAST = 10, 11, 12
-HEADER_SIZE = 13
+LINK_COUNT, LINKS, BALLAST, SERVOS = 10, 11, 12, 13
+HEADER_SIZE = 14
 # in the thruster table
 NO_THRUSTER, FIN_SERVO, FORCE_STATE, BALLAST_STATE = -1, -2, -3, -4
 # one hull record, or link record

@@ -17,6 +17,14 @@ from cube_sim.vehicle.plugin.memory import double, matrix
 
 
 @numba.njit
+def fin_row(tables, fin):
+    """The row of a fin, by its number among all of them, in the record at an address."""
+    products, strips, fins = int(double(tables, 0)), int(double(tables, 1)), int(double(tables, 2))
+    start = tables + 40 + 8 * (products * PRODUCT_COLUMNS + strips * STRIP_COLUMNS)
+    return matrix(start, fins, COLUMNS)[fin]
+
+
+@numba.njit
 def lift_wrench(tables, hull, activations, nu_r):
     """The wrench of a hull's fins, velocity products and strips, a 6-tuple [N, N m], body axes.
 

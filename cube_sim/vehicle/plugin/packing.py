@@ -18,6 +18,7 @@ from cube_sim.vehicle.laws.ballast import COLUMNS as BALLAST_COLUMNS
 from cube_sim.vehicle.laws.body_lift import PRODUCT_COLUMNS, STRIP_COLUMNS
 from cube_sim.vehicle.laws.fin import COLUMNS as FIN_COLUMNS
 from cube_sim.vehicle.laws.push import COLUMNS, HULL
+from cube_sim.vehicle.laws.servo_fault import WHOLE
 from cube_sim.vehicle.mjcf.parameters import CurrentProfile, ThrusterParameters, WaterParameters
 from cube_sim.vehicle.mjcf.water_body import WaterBody
 from cube_sim.vehicle.plugin import layout
@@ -144,11 +145,11 @@ def pack_parameters(
     count, of_links = len(parameters.hulls), len(parameters.links)
     links_start = layout.HEADER_SIZE + layout.HULL_SIZE * count if of_links else -1.0
     end += lift.size + turning.size
-    tanks = _ballast_record(parameters, ballast)
-    ends = of_links, links_start, end if tanks.size else -1.0
+    tanks, turned = _ballast_record(parameters, ballast), _servo_record(parameters)
+    ends = of_links, links_start, end if tanks.size else -1.0, end + tanks.size if turned.size else -1.0
     header = np.array([layout.MAGIC, count, *starts, propellers_start, *ends])
-    at_voltages = _voltage_records(parameters, curves, end + tanks.size)
-    records = *curves, current, pushed, lift, turning, tanks, *at_voltages
+    at_voltages = _voltage_records(parameters, curves, end + tanks.size + turned.size)
+    records = *curves, current, pushed, lift, turning, tanks, turned, *at_voltages
     return np.concatenate([header, *hulls, np.array(table), *records])
 
 
@@ -230,6 +231,11 @@ def _ballast_record(parameters: WaterParameters, table: NDArray[np.float64] | No
     if not n:
         return np.empty(0)
     return np.concatenate([[float(n)], np.zeros(n * BALLAST_COLUMNS) if table is None else table.ravel()])
+
+
+def _servo_record(parameters: WaterParameters) -> NDArray[np.float64]:
+    rows = [[float(fin.servo), float(k), *WHOLE] for k, fin in enumerate(parameters.fins) if fin.servo is not None]
+    return np.concatenate([[float(len(rows))], np.ravel(rows)]) if rows else np.empty(0)
 
 
 def _of_fins(parameters: WaterParameters, power: float) -> NDArray[np.float64]:
