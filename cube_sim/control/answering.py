@@ -6,11 +6,13 @@ for any other: the numbers are the same.
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cube_sim.control.attitude_mode import DESIRED
+from cube_sim.control.ceiling import keep_below
 from cube_sim.control.current import observe_current, told_of_water
 from cube_sim.control.disturbance import observe_disturbance
 from cube_sim.control.following import follow
@@ -45,6 +47,7 @@ SETTINGS = np.dtype(
         ("current_damping", np.float64),
         ("levelling_time", np.float64),
         ("least_closing", np.float64),
+        ("highest", np.float64),
         ("most_rest", np.float64, 2),
         ("attitude", np.float64, 4),
     ]
@@ -52,11 +55,11 @@ SETTINGS = np.dtype(
 """How a `PathFollower` is put together.
 
 It pursues its target, or approaches the path; which attitude it asks for; the attitude is balanced; turning drags the
-hull along; the thrusters' budget is known; the target waits; it moves in a level plane only; the force is served before
-the torque. Then the times of the observers [s], 0 for none, the time over which what the current is read off is smeared
-[s], 0 where the hull does not spin, the damping of that observer, the levelling time [s], the share of its closing
-speed that the path's own speed is, the force and the torque that are asked for again
-[N, N m], the attitude that is held.
+hull along; the thrusters' budget is known; the target waits; it moves in a level plane only; the force is served
+before the torque. Then the times of the observers [s], 0 for none, the time over which what the current is read off
+is smeared [s], 0 where the hull does not spin, the damping of that observer, the levelling time [s], the share of its
+closing speed that the path's own speed is, the height above which the hull is not asked [m], the force and the torque
+that are asked for again [N, N m], the attitude that is held.
 """
 
 
@@ -189,6 +192,8 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio,
         velocity, acceleration = pursuit_motion(seen, p.pursuit, slope)
     else:
         velocity, acceleration = approach_motion(seen, p.approach, speed, slope)
+    if s.highest < inf:
+        keep_below(view, velocity, acceleration, s.highest, time)
     if s.dragged:
         acceleration += p.centre[0].pushed / time
     unknown = np.zeros(6)

@@ -141,7 +141,7 @@ def compiled_parts(
     settings["waits"] = follower.waits and isinstance(approach, Approach)
     settings["least_closing"] = approach.least_closing if isinstance(approach, Approach) else 1.0
     settings["most_rest"], settings["level"] = follower.most_rest, follower.capability.level
-    settings["force_first"] = first is not None
+    settings["force_first"], settings["highest"] = first is not None, follower.highest
     if observer is not None:
         settings["disturbance_time"] = observer.time
         settings["smeared_time"] = follower.smeared_time

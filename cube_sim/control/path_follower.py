@@ -12,6 +12,7 @@ from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitud
 from cube_sim.control.authority import Authority, Capability, capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.balancing import FARTHEST_RAD
+from cube_sim.control.ceiling import Ceiling, keep_below, most_up
 from cube_sim.control.closing import closing_speed
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
@@ -79,6 +80,7 @@ class PathFollower:
         waits: whether the speed along the path falls to what the thrusters can keep.
         capability: what the thrusters can still do; demands are projected onto it.
         limits_move: whether what the thrusters can make follows inflow and voltage, see `moment`.
+        ceiling: what the hull lacks near the surface, above which it is not asked; None in endless water.
         path_first: whether the attitude gives way to the path when the thrusters cannot serve both. Where the attitude
             has to point the thrust, it never does.
     """
@@ -98,6 +100,7 @@ class PathFollower:
     capability: Capability = field(default_factory=lambda: capability(np.eye(6)))
     path_first: bool = False
     limits_move: bool = False
+    ceiling: Ceiling | None = None
 
     def __post_init__(self) -> None:
         """Fly with what the thrusters can do from the start."""
@@ -124,6 +127,7 @@ class PathFollower:
         self._left = left.record(self.loops.dynamics.total_mass)
         self.dragged = bool(self._left["dragged"].any())
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
+        self.highest = inf if self.ceiling is None else self.ceiling.highest(self.most_up)
         if left.authority is Authority.HOLONOMIC and left.held.any():
             # A thruster has stuck: whether the others have enough beside it is seen at once.
             wished = rotation_from_quaternion(self.desired)
@@ -178,6 +182,12 @@ class PathFollower:
         self.shortage = np.zeros(1, SHORTAGE)
         self.centre = np.zeros(1, CENTRE)
         self.reconfigure(self.capability)
+
+    @property
+    def most_up(self) -> float:
+        """The force straight up that the thrusters make, the hull upright, beside what is stuck [N]."""
+        normals, bounds, held_shares = self._budget
+        return most_up(normals, bounds - held_shares) if len(bounds) else 0.0
 
     @property
     def moment(self) -> MomentBudget:
@@ -297,22 +307,31 @@ class PathFollower:
 
     def _motion(self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float) -> DesiredMotion:
         """The desired motion of the hull, or of its centre of oscillation where turning pushes it."""
+        there = view
         if goal is None and self.capability.level:
             level = record_of(view)
             see_level(level)
             view = view_of(level)
         if not self.dragged:
-            return self._approach.motion(view) if goal is None else goal.motion(state.position)
+            return self._below(self._approach.motion(view), there) if goal is None else goal.motion(state.position)
         time = self._loops.velocity_time
         seen = record_of(view if goal is None else view._replace(speed=0.0))
         watch_centre(self._left, self.centre, state.rotation, state.rates, seen, dt, time)
         shift, pushed = self.centre["shift"][0], self.centre["pushed"][0]
         if goal is None:
             see_centre(seen, self.centre)
-            motion = self._approach.motion(view_of(seen))
+            motion = self._below(self._approach.motion(view_of(seen)), there)
         else:
             motion = goal.motion(state.position - shift)
         return DesiredMotion(motion.velocity, motion.acceleration + pushed / time)
+
+    def _below(self, motion: DesiredMotion, view: TargetView) -> DesiredMotion:
+        """The same, no higher than the hull can be held."""
+        if self.highest == inf:
+            return motion
+        below = DesiredMotion(*(np.array(each, dtype=np.float64) for each in motion))
+        keep_below(record_of(view), *below, self.highest, self._loops.velocity_time)
+        return below
 
     def _situation(self, state: State, view: TargetView, current: Vector, force_ratio: float) -> Situation:
         """What the attitude may depend on."""

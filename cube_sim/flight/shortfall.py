@@ -9,7 +9,8 @@ import numpy as np
 
 from cube_sim.allocation import Status
 from cube_sim.flight.rows import TickRows
-from cube_sim.spatial import Matrix, Vector
+from cube_sim.spatial import Matrix, Vector, rotation_from_quaternion
+from cube_sim.vehicle.floating import Buoyancy
 from cube_sim.wrench.axes import SPATIAL
 
 FORWARD_PORT_UP = (("forward", "backward"), ("to port", "to starboard"), ("up", "down"))
@@ -21,6 +22,8 @@ AT_LIMIT = 0.98
 """A thruster at this share of its largest force counts as one at its limit: the optimum keeps off it by rounding."""
 MOSTLY = 0.5
 """A stretch of which less is missed is said to be so for that share of it (a choice)."""
+WORTH_A_WORD = 0.01
+"""Share of a hull that is out of the water from which on that is told (a choice)."""
 OUT_OF_RANGE = 1e-3
 """A missing wrench of which the thrusters make less than this share, in whatever direction, is none of theirs."""
 
@@ -36,6 +39,7 @@ class Thrust(NamedTuple):
         fins: names of the k fins that servos turn.
         per_newton: (6,k) wrench of a newton of each at the speed of the mission [1, m].
         travel: (k,2) least and largest deflection [rad].
+        afloat: the hull at the surface; None in endless water.
     """
 
     names: Sequence[str]
@@ -45,6 +49,33 @@ class Thrust(NamedTuple):
     fins: Sequence[str] = ()
     per_newton: Matrix = np.zeros((6, 0))
     travel: Matrix = np.zeros((0, 2))
+    afloat: Afloat | None = None
+
+
+class Afloat(NamedTuple):
+    """A hull at the surface.
+
+    Attributes:
+        buoyancy: how the water carries it.
+        surface: its height [m], world axes.
+    """
+
+    buoyancy: Buoyancy
+    surface: float
+
+    def out_of_water(self, height: float, quaternion: Vector) -> str:
+        """Words for the lift that is missing where a part of the hull is out of the water; "" where none is.
+
+        Args:
+            height: of its origin [m], world axes.
+            quaternion: its attitude (4,).
+        """
+        there = self.surface - height, rotation_from_quaternion(quaternion)[2]
+        share, missing = self.buoyancy.share(*there), self.buoyancy.weight - self.buoyancy.carried(*there)
+        if share > 1.0 - WORTH_A_WORD or missing <= 0.0:
+            return ""
+        out = _number(100.0 - 100.0 * share)
+        return f"{_number(missing)} N of lift missing because the hull is {out} % out of the water"
 
 
 class Shortfall:
@@ -66,6 +97,7 @@ class Shortfall:
         self._demanded, self._missing = np.zeros(6), np.zeros(6)
         self._seen = self._missed = self._spanned = 0
         self._force, self._share, self._wanted = np.zeros(0), np.zeros(0), np.zeros(0)
+        self._height, self._quaternion = 0.0, np.array([1.0, 0.0, 0.0, 0.0])
 
     def take(self, t: float, rows: TickRows, k: int, status: Status, force_ratio: float) -> None:
         """Take in a tick whose demand was not made.
@@ -88,6 +120,7 @@ class Shortfall:
             self._force = rows.thrusters[k, 1 : 1 + m].copy()
             self._share = believed_efficiency(rows, k) * force_ratio
             self._wanted = rows.fins[k, 1:].copy()
+            self._height, self._quaternion = float(rows.pose[k, 3]), rows.pose[k, 4:8].copy()
 
     def go_on(self, times: Sequence[float], rows: TickRows, start: int, end: int, force_ratio: Vector) -> None:
         """Take in and watch many ticks at once, whose demands were not made, with what is believed in the stretch.
@@ -130,7 +163,9 @@ class Shortfall:
         worth = np.flatnonzero(np.abs(scaled) >= WORTH_TELLING * np.max(np.abs(scaled), initial=0.0))
         parts = [self._component(i) for i in worth.tolist() if scaled[i] != 0.0]
         cause = self._cause(thrust, scaled)
-        return f"at worst, at {self._at:.2f} s, {', '.join(parts)}{f': {cause}' if cause else ''}"
+        out = "" if thrust.afloat is None else thrust.afloat.out_of_water(self._height, self._quaternion)
+        why = "; ".join(filter(None, (cause, out)))
+        return f"at worst, at {self._at:.2f} s, {', '.join(parts)}{f': {why}' if why else ''}"
 
     def _component(self, i: int) -> str:
         asked, missing = float(self._demanded[i]), float(self._missing[i])
@@ -139,9 +174,12 @@ class Shortfall:
             asked * missing <= 0.0,
         )  # more is made, or something where nothing is asked
         size = _number(missing) if more else f"{_number(missing)} of {_number(asked)}"
+        where = TURNS[i - 3] if i >= 3 else FORWARD_PORT_UP[i][int((missing < 0.0) != more)]
+        if not more and abs(missing) > abs(asked) and _number(missing) != _number(asked):
+            beside = f"{_number(missing - asked)} {unit} made the other way"
+            return f"all {_number(asked)} {unit} {where} missing and {beside}"
         if not more and abs(missing) < abs(asked) and _number(missing) == _number(asked):
             size = f"all but {_number(asked - missing)} of {_number(asked)}"
-        where = TURNS[i - 3] if i >= 3 else FORWARD_PORT_UP[i][int((missing < 0.0) != more)]
         return f"{size} {unit} {where} {'too much' if more else 'missing'}"
 
     def _cause(self, thrust: Thrust, scaled: Vector) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from cube_sim.flight.compiled import BEGIN, ESTIMATED, JUDGED, FlownTicks
 from cube_sim.flight.off_path_log import OffPathLog
 from cube_sim.flight.rows import TickRows
-from cube_sim.flight.shortfall import Thrust
+from cube_sim.flight.shortfall import Afloat, Thrust
 from cube_sim.flight.unattainable_log import UnattainableLog
 from cube_sim.mission import Mission
 from cube_sim.mission.fault_response import record_actuation
@@ -20,6 +21,7 @@ from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.surface_watch import SurfaceWatch
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.spatial import State, Vector
+from cube_sim.vehicle.floating import Buoyancy, water_surface
 from cube_sim.wrench.axes import SPATIAL
 from cube_sim.wrench.matrix import lever_arm
 
@@ -65,6 +67,8 @@ class Watches:
         fins, at_speed = mission.vehicle.fins, mission.ability.fins
         if fins is not None and at_speed is not None:
             thrust = thrust._replace(fins=fins.names, per_newton=at_speed.matrix, travel=fins.travel)
+        if (surface := water_surface(mission.model)) < inf:
+            thrust = thrust._replace(afloat=Afloat(Buoyancy.of(mission.model, mission.vehicle), surface))
         return Watches(
             UnattainableLog(store, thrust),
             PaceLog(store, mission.scenario.guidance.speed_m_s),

@@ -21,6 +21,7 @@ from cube_sim.errors import ScenarioError
 from cube_sim.guidance.path import Path
 from cube_sim.mission.ability import Ability, with_fins
 from cube_sim.mission.attitude import attitude_of, is_path_first
+from cube_sim.mission.ceiling import ceiling_of
 from cube_sim.mission.guidance import guidance_of
 from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.knowledge import believed_dynamics
@@ -143,6 +144,7 @@ def controller_of(
         waits=scenario.guidance.wait_for_thrusters and ability.steered_by is None,  # slower, fins make less
         capability=within_limit,
         path_first=is_path_first(control),
+        ceiling=ceiling_of(believed, scenario),
         limits_move=limits_move(believed.vehicle.thrusters, believed.model, scenario.battery is not None),
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf
 
 from cube_sim.mission import Mission
+from cube_sim.mission.ceiling import ceiling_words
 from cube_sim.mission.surface_watch import path_above_surface, top_over_origin
 from cube_sim.mission.way_of_flying import cannot_follow, steered_at_speed_only
 from cube_sim.vehicle.floating import water_surface
@@ -16,6 +17,8 @@ def first_warnings(mission: Mission) -> list[str]:
     surface, near = water_surface(mission.model), None
     if surface < inf:
         near = path_above_surface(mission.outline, surface, top_over_origin(mission.model, mission.vehicle))
+    if near is not None and (lifted := ceiling_words(mission)):
+        near = f"{near}; {lifted}"
     follows = cannot_follow(mission.ability, mission.outline)
     still = None if mission.path.length > 0.0 else steered_at_speed_only(mission.ability)
     fast = mission.too_fast(mission.ability.within_limit)

@@ -43,7 +43,8 @@ class Boxes(NamedTuple):
 class SurfaceWatch:
     """Logs each time that the vehicle comes out of the water, and at the end how long and how high it was.
 
-    Its top is that of its geoms, those of its moving parts included; one without geoms is its origin.
+    Its top is that of its geoms, those of its moving parts included, and of its propellers where it is upright; one
+    without geoms is its origin.
 
     Args:
         recorder: whose log it is.
@@ -132,10 +133,8 @@ def top_of(places, rotations, geoms, radii, centres, halves, surface):
 
 
 def top_over_origin(model: mujoco.MjModel, vehicle: Vehicle) -> float:
-    """Height of an upright hull's highest point over its origin [m]; 0 for one without geoms."""
-    data = mujoco.MjData(model)
-    data.qpos[vehicle.qpos_address : vehicle.qpos_address + 7] = 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
-    mujoco.mj_kinematics(model, data)
+    """Height of an upright hull's highest point, a propeller's or its own, over its origin [m]; 0 without geoms."""
+    data = _upright(model, vehicle)
     return max(0.0, top_of(data.geom_xpos, data.geom_xmat, *_boxes(model, vehicle)[:-1], -np.inf))
 
 
@@ -143,7 +142,35 @@ def _boxes(model: mujoco.MjModel, vehicle: Vehicle) -> Boxes:
     its_own = model.body_rootid[model.geom_bodyid] == model.body_rootid[vehicle.body]
     geoms = np.flatnonzero(its_own & ~np.isin(model.geom_type, _WITHOUT_EXTENT))
     boxes = model.geom_aabb[geoms]
-    return Boxes(geoms, model.geom_rbound[geoms], boxes[:, :3].copy(), boxes[:, 3:].copy(), water_surface(model))
+    found = Boxes(
+        geoms, model.geom_rbound[geoms].copy(), boxes[:, :3].copy(), boxes[:, 3:].copy(), water_surface(model)
+    )
+    return _up_to_its_thrusters(model, vehicle, found) if len(geoms) else found
+
+
+def _up_to_its_thrusters(model: mujoco.MjModel, vehicle: Vehicle, boxes: Boxes) -> Boxes:
+    """The same, the box of the upright hull's top up to its highest propeller, which else would be out before it is."""
+    data = _upright(model, vehicle)
+    sites = model.actuator_trnid[vehicle.thrusters.actuators, 0]
+    propellers = (data.site_xpos[sites, 2] + model.site_size[sites, 0]).max(initial=-np.inf)
+    up = data.geom_xmat[boxes.geoms, 6:]  # third row of R_WG
+    tops = data.geom_xpos[boxes.geoms, 2] + (up * boxes.centres + np.abs(up) * boxes.halves).sum(axis=1)
+    k = int(np.argmax(tops))
+    if propellers > tops[k]:
+        j = int(np.argmax(np.abs(up[k])))
+        more = float(propellers - tops[k]) / abs(float(up[k, j]))
+        boxes.radii[k] += more
+        boxes.halves[k, j] += 0.5 * more
+        boxes.centres[k, j] += 0.5 * more * np.sign(up[k, j])
+    return boxes
+
+
+def _upright(model: mujoco.MjModel, vehicle: Vehicle) -> mujoco.MjData:
+    """With the hull's origin in that of the world."""
+    data = mujoco.MjData(model)
+    data.qpos[vehicle.qpos_address : vehicle.qpos_address + 7] = 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+    mujoco.mj_kinematics(model, data)
+    return data
 
 
 def path_above_surface(points: NDArray[np.float64], surface: float, top: float) -> str | None:

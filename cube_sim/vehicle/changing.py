@@ -76,13 +76,14 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
         if name in numerics:
             model.numeric(name).data[:] = numerics[name]
     packed[:] = changed
+    gears = model.actuator_gear.copy()
     for i, thruster in enumerate(read.thrusters):
         if thruster is not None:
             model.actuator_ctrlrange[i] = thruster.characteristic.commands[[0, -1]]
             if thruster.propeller is not None:
                 model.actuator_gear[i, 5] = thruster.propeller.arm
     data = mujoco.MjData(model)
-    if elements:
+    if elements or not np.array_equal(gears, model.actuator_gear):
         mujoco.mj_setConst(model, data)
         _set_means(model, means)
     set_inverse_weights(model, data, [model.body(hull.body).id for hull in read.hulls])

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.carried_water import link_records, pose_on
+from cube_sim.vehicle.laws.surface import share_of_depth
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -15,6 +19,8 @@ LEAST_LIFT = 1e-6
 
 LEAST_EXTENT_M = 1e-9
 """Half height of what has no extent (rounding, a choice) [m]."""
+UP = np.array([0.0, 0.0, 1.0])
+"""World up in the axes of an upright body."""
 _HEIGHT_M = 1e-9  # to which the height of a hull with links is found
 
 
@@ -35,7 +41,8 @@ def floating_height(model: mujoco.MjModel, vehicle: Vehicle, lighter: float = 0.
         vehicle: the hull.
         lighter: weight that it has let go [N].
     """
-    extents, centres, lifts = _ellipsoids(model, vehicle)
+    carried = Buoyancy.of(model, vehicle)
+    extents, centres, lifts = *carried.extents(UP), carried.lifts
     awash = -float((centres + extents).max())
     if not weighs_less(vehicle, lighter):
         return awash
@@ -48,27 +55,6 @@ def floating_height(model: mujoco.MjModel, vehicle: Vehicle, lighter: float = 0.
     return -float(t) * float(extents[0]) - float(centres[0])
 
 
-def _ellipsoids(model: mujoco.MjModel, vehicle: Vehicle) -> tuple[Vector, Vector, Vector]:
-    """Half heights [m], heights of the centres over the origin [m] and displaced masses [kg] of hull and links, (n,).
-
-    The hull is upright, its arm as at the reference pose.
-    """
-    packed = packing.packed_parameters(model)
-    start, count = int(packed[layout.HULLS]), int(packed[layout.COUNT])
-    records = packed[start : start + count * layout.HULL_SIZE].reshape(count, layout.HULL_SIZE)
-    hull = next(each for each in records if each[layout.BODY] == vehicle.body)
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    found = [(float(hull[layout.HALF_AXES + 2]), float(hull[layout.CENTRE + 2]), float(hull[layout.DISPLACED_MASS]))]
-    for link in link_records(model, packed, vehicle.body):
-        R, place = pose_on(data, vehicle.body, int(link[layout.BODY]))
-        extent = float(np.linalg.norm(link[layout.HALF_AXES : layout.HALF_AXES + 3] * R[2]))
-        centre = float(place[2] + R[2] @ link[layout.CENTRE : layout.CENTRE + 3])
-        found.append((extent, centre, float(link[layout.DISPLACED_MASS])))
-    extents, centres, lifts = np.array(found).T
-    return extents, centres, lifts
-
-
 def _balanced(extents: Vector, centres: Vector, shares: Vector, share: float, awash: float) -> float:
     """Height [m] at which that share of the whole volume is under water, by halving, from awash to dry."""
     low, high = awash, float((extents - centres).max())
@@ -78,6 +64,69 @@ def _balanced(extents: Vector, centres: Vector, shares: Vector, share: float, aw
         under = float(shares @ (0.25 * (1.0 + t) ** 2 * (2.0 - t)))
         low, high = (middle, high) if under > share else (low, middle)
     return 0.5 * (low + high)
+
+
+@dataclass(frozen=True)
+class Buoyancy:
+    """How the water carries a hull that comes out of it, with its links as at the reference pose.
+
+    Attributes:
+        half_axes: (n,3) of the ellipsoids over which the volumes of hull and links are spread [m].
+        rotations: (n,3,3) from their axes to those of the hull's body.
+        centres: (n,3) of them [m], body axes.
+        lifts: (n,) that each has under water [N].
+        weight: of all [N].
+    """
+
+    half_axes: NDArray[np.float64]
+    rotations: NDArray[np.float64]
+    centres: NDArray[np.float64]
+    lifts: Vector
+    weight: float
+
+    @staticmethod
+    def of(model: mujoco.MjModel, vehicle: Vehicle) -> Buoyancy:
+        """That of a hull of a model made by `load_model`."""
+        packed = packing.packed_parameters(model)
+        start, count = int(packed[layout.HULLS]), int(packed[layout.COUNT])
+        records = packed[start : start + count * layout.HULL_SIZE].reshape(count, layout.HULL_SIZE)
+        hull = next(each for each in records if each[layout.BODY] == vehicle.body)
+        data = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
+        links = link_records(model, packed, vehicle.body)
+        found = [(hull, np.eye(3), np.zeros(3))]
+        found += [(link, *pose_on(data, vehicle.body, int(link[layout.BODY]))) for link in links]
+        g = float(np.linalg.norm(vehicle.gravity))
+        return Buoyancy(
+            np.array([record[layout.HALF_AXES : layout.HALF_AXES + 3] for record, _, _ in found]),
+            np.array([R for _, R, _ in found]),
+            np.array([place + R @ record[layout.CENTRE : layout.CENTRE + 3] for record, R, place in found]),
+            np.array([record[layout.DISPLACED_MASS] * g for record, _, _ in found]),
+            _weight(vehicle),
+        )
+
+    def extents(self, up: Vector) -> tuple[Vector, Vector]:
+        """Half heights (n,) and heights of the centres over the origin (n,) [m], with world up (3,) in body axes."""
+        halves = np.linalg.norm(self.half_axes * np.einsum("nij,i->nj", self.rotations, up), axis=1)
+        return halves, self.centres @ up
+
+    def carried(self, depth: float, up: Vector) -> float:
+        """What the water carries [N].
+
+        Args:
+            depth: of the hull's origin below the surface [m].
+            up: world up in body axes (3,).
+        """
+        shares = [
+            share_of_depth(depth - centre, max(half, LEAST_EXTENT_M))
+            for half, centre in zip(*(each.tolist() for each in self.extents(up)), strict=True)
+        ]
+        return float(np.array(shares) @ self.lifts)
+
+    def share(self, depth: float, up: Vector) -> float:
+        """Share of what it carries whole; arguments are those of `carried`."""
+        whole = float(self.lifts.sum())
+        return self.carried(depth, up) / whole if whole > 0.0 else 1.0
 
 
 def weighs_less(vehicle: Vehicle, lighter: float = 0.0) -> bool:
