@@ -53,7 +53,7 @@ class Point(NamedTuple):
 
     Attributes:
         vectors: position from the target [m], world axes; velocity and rates, body axes; activations of the thrusters;
-            the wrench commanded; what the controller remembers (k,).
+            the wrench commanded; what the controller remembers, and where joints are and how they move (k,).
         rotations: attitude of the hull, and the desired one where the controller carries it on; each (3,3).
     """
 
@@ -187,6 +187,7 @@ class FlownLoop:
                 self._memories += [getattr(owner, name)[field][0] for field in fields]
         if self.controller.current_observer is not None:
             self._memories.append(self.controller.current_observer.estimate)
+        self._memories += [self._data.qpos[at + 7 :], self._data.qvel[dof + 6 :]]  # joints of an arm
         return self._read(wrench)
 
     def _read(self, applied: Vector) -> Point:

@@ -13,6 +13,7 @@ from cube_sim.scenario import load
 
 CHECKS = [{"kind": "allowed_forces"}]
 COMPILED = {
+    "bluerov2_arm",
     "bluerov2_battery",
     "bluerov2_free",
     "bluerov2_gust",
