@@ -1,4 +1,8 @@
-"""What holds of every vehicle in models/: it loads, floats, and says what everything is called and where it is from."""
+"""What holds of every vehicle in models/: it loads, floats, flies, and says what all is called and where it is from.
+
+That it flies as the analysis says, and as `cube-sim new` writes, is held in tests/test_missions.py and
+tests/commands/test_new.py; that shipped scenarios fly, in tests/laws/test_every_scenario.py.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +12,11 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pytest
-from support.places import MODEL_FILES
+from flights.trial import every_vehicle
+from support.places import MODEL_FILES, SCENARIO_FILES, STEERED_BY_FINS, WRITTEN_MODEL_FILES
 
 import cube_sim
+from cube_sim.commands.analysis_report import report_on
 
 pytestmark = pytest.mark.parametrize("path", MODEL_FILES, ids=lambda path: path.stem)
 
@@ -82,3 +88,18 @@ def test_it_stays_as_it_floats_and_at_rest(path):
     slowed = vehicle.dynamics.linear_damping[2, 2] * abs(data.qvel[2])  # heave drag alone
     assert slowed <= abs(sinking) + 1e-9 + gives_way
     assert vehicle.centre_of_buoyancy[2] > vehicle.centre_of_mass[2]
+
+
+def test_it_is_analysed_as_it_flies(path):
+    """At the speed of its trials; REMUS 100 has more lift than its fins hold, which is said."""
+    entry = every_vehicle()[path.stem]
+    report = report_on(path, planar=entry.planar, speed_m_s=entry.speed_m_s)
+    verdict = report.analysis.verdict
+    assert verdict.follows == (path.stem != "remus100"), verdict.reason
+    assert (report.fins is not None) == (path.stem in STEERED_BY_FINS)
+
+
+def test_a_shipped_scenario_flies_it(path):
+    """Or `cube-sim new` writes one that is flown."""
+    flown = [each for each in SCENARIO_FILES if f"\nmodel: ../models/{path.name}\n" in each.read_text()]
+    assert flown or path in WRITTEN_MODEL_FILES
