@@ -21,11 +21,12 @@ class ModelError(CubeSimError):
         element: name of the MJCF element at fault, e.g. ``hull:added_mass``.
         reason: what is wrong and what would be right.
         model: path of the model, or "" when it was built in memory.
+        place: ``file:line:column`` of the element, or "" where none is known.
     """
 
-    def __init__(self, element: str, reason: str, model: str = "") -> None:
-        self.element, self.reason, self.model = element, reason, model
-        super().__init__(": ".join(part for part in (model, element, reason) if part))
+    def __init__(self, element: str, reason: str, model: str = "", place: str = "") -> None:
+        self.element, self.reason, self.model, self.place = element, reason, model, place
+        super().__init__(": ".join(part for part in (place or model, element, reason) if part))
 
 
 class ShapeError(CubeSimError):

@@ -19,6 +19,7 @@ from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
 from cube_sim.mission.own.given import AnyScenario, loaded_with
 from cube_sim.mission.setpoints import commanded
+from cube_sim.nearest import among
 from cube_sim.recording.channels import SUPPLY, channel_table
 from cube_sim.run_log import LogLine
 from cube_sim.scenario import Loaded
@@ -256,7 +257,7 @@ def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
         known |= dict.fromkeys(f"{channel.name}.{field.name}" for channel in sensed for field in channel.fields)
     unknown = [name for name in wanted if name not in known]
     if unknown and loaded:
-        raise ValueError(f"no signal {unknown[0]!r}; there are {', '.join(known)}")
+        raise ValueError(f"no signal {unknown[0]!r}; there are {among(unknown[0], known)}")
 
 
 def flies_in_python(loaded: Loaded) -> bool:

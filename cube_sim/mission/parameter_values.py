@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.scenario.values import Numbers
 from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS, element_values
-
-_ELEMENTS = ", ".join(f"<hull>:{each}" for each in ELEMENT_PARAMETERS)
+from cube_sim.vehicle.vehicle import hull_names
 
 
 def parameter_values(name: str, given: Mapping[str, Numbers], model: mujoco.MjModel) -> NDArray[np.float64]:
@@ -33,8 +33,9 @@ def parameter_values(name: str, given: Mapping[str, Numbers], model: mujoco.MjMo
         return values
     names = [model.numeric(i).name for i in range(model.nnumeric)]
     if name not in names:
-        listed = ", ".join(each for each in names if ":" in each and not each.startswith("cube_sim"))
-        raise ModelError(name, f"no '{name}'; the model has {listed}, and of hulls {_ELEMENTS}")
+        listed = [each for each in names if ":" in each and not each.startswith("cube_sim")]
+        listed += [f"{hull}:{each}" for hull in hull_names(model) for each in ELEMENT_PARAMETERS]
+        raise ModelError(name, f"no '{name}'; the model has {among(name, listed)}")
     return np.array(model.numeric(name).data, dtype=np.float64)
 
 

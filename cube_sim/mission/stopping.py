@@ -7,6 +7,7 @@ from math import ceil
 
 import numpy as np
 
+from cube_sim.nearest import among
 from cube_sim.recording.channels import Channel
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.stop_blocks import (
@@ -141,10 +142,10 @@ def impossible_stops(scenario: Scenario, channels: tuple[Channel, ...]) -> Itera
         if not isinstance(stop, SignalStopBlock):
             continue
         if stop.signal in recorded - widths.keys():
-            text = f"'{stop.signal}' is not known to the loop at every tick; there are {', '.join(widths)}"
+            text = f"'{stop.signal}' is not known to the loop at every tick; there are {among(stop.signal, widths)}"
             yield f"stop.{i}.signal", text
         elif stop.signal not in widths:
-            text = f"no signal '{stop.signal}' is recorded at every tick; there are {', '.join(widths)}"
+            text = f"no signal '{stop.signal}' is recorded at every tick; there are {among(stop.signal, widths)}"
             yield f"stop.{i}.signal", text
         elif stop.component is not None and stop.component >= widths[stop.signal]:
             yield f"stop.{i}.component", f"{stop.signal} has columns 0 to {widths[stop.signal] - 1}"

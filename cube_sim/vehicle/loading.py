@@ -19,6 +19,7 @@ from cube_sim.vehicle.mjcf.fins import AREA, fin_rows, servo_elements
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
 from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
+from cube_sim.vehicle.mjcf.places import place_in_words, place_of
 from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, set_gears, thruster_elements
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.mjcf.unlikely_fins import unlikely_fin_words
@@ -70,12 +71,16 @@ def _load(
         spec, name = path, path.modelname
     else:
         raise ModelError("", f"a model is loaded from an MJCF file or an MjSpec, not from {_kind(path)}")
+    file = None if spec is path else Path(name)
     try:
         return _immerse(_own_copy(spec) if spec is path else spec, parameters, forces, pushes)
     except ModelError as error:
-        raise ModelError(error.element, error.reason, name) from None
+        by_file = file is not None and error.element not in parameters
+        place = place_of(file, error.element) if by_file and file is not None else None
+        raise ModelError(error.element, error.reason, name, "" if place is None else str(place)) from None
     except ValueError as error:  # MuJoCo's compiler
-        raise ModelError("compile", _one_line(error), name) from None
+        place, words = (name, _one_line(error)) if file is None else place_in_words(file, _one_line(error))
+        raise ModelError("compile", words, name, place) from None
 
 
 def _kind(thing: object) -> str:
@@ -103,7 +108,8 @@ def _read(path: Path) -> mujoco.MjSpec:
     try:
         return mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
-        raise ModelError("", _one_line(error), str(path)) from None
+        place, words = place_in_words(path, _one_line(error))
+        raise ModelError("", words, str(path), place) from None
 
 
 def _immerse(

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.vehicle.mjcf.ballast import BALLAST_PARAMETERS
 from cube_sim.vehicle.mjcf.body_lift import CORIOLIS, CROSS_FLOW, PRODUCTS, STATIONS
 from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS
@@ -204,5 +205,5 @@ def _meant(parameter: str, known: Sequence[str] = _KNOWN) -> list[str]:
 
 def _unknown(parameter: str, known: Sequence[str] = _KNOWN) -> str:
     meant = _meant(parameter, known)
-    told = f" (did you mean {meant[0]}?)" if meant else ""
-    return f"is no parameter of the water{told}; there are {', '.join(known)}, and {', '.join(WATER_PARAMETERS)}"
+    told = f" (did you mean {meant[0]}?)" if meant else f"; there are {among(parameter, (*known, *WATER_PARAMETERS))}"
+    return f"is no parameter of the water{told}"
