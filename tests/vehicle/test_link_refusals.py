@@ -30,6 +30,7 @@ MISTAKES = [
     ("fore:surface_half_axes", [0.1, 0.1, 0.0], "half-axes [m] are positive"),
     ("fore:velocity_products", [2.0, 1.0, 2.0, -3.0], f"is for a hull, and 'fore' is a link of 'hull'; {LINK}"),
     ("fore:cross_flow_drag", [1.0, 1.0], f"is for a hull, and 'fore' is a link of 'hull'; {LINK}"),
+    ("fore:thruster_dead_zone", [-1.0, 1.0], f"is for a hull or a thruster, and 'fore' is a link of 'hull'; {LINK}"),
     ("fore:aded_mass", [1.0] * 6, "did you mean added_mass?"),
     ("for:added_mass", [1.0] * 6, "no body 'for'; the model has hull, fore, hand, post"),
     ("elbow:added_mass", [1.0] * 6, "no body 'elbow'"),

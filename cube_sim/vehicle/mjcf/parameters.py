@@ -53,6 +53,7 @@ from cube_sim.vehicle.mjcf.numeric_names import (
     HULL_PARAMETERS,
     LINK_PARAMETERS,
     SURFACE,
+    THRUSTER_PARAMETERS,
     bodies_in_water,
     one_water,
 )
@@ -188,7 +189,9 @@ def read_parameters(
     if density <= 0.0:
         raise ModelError(DENSITY, f"is {density:g}; a density [kg/m^3] is positive")
     hulls = tuple(_hull(numerics, name, density) for name in names if bodies[name] == name)
-    links = tuple(_link(numerics, name, str(bodies[name]), density) for name in names if bodies[name] != name)
+    links = tuple(
+        _link(numerics, name, str(bodies[name]), density, actuators) for name in names if bodies[name] != name
+    )
     described = tuple(_thruster(numerics, element, density) if element else None for element in thrusters)
     fins = read_fins(numerics, sites, [hull.body for hull in hulls], servos)
     surface = _scalar(numerics, SURFACE) if SURFACE in numerics else np.inf
@@ -205,12 +208,16 @@ def _hull(numerics: Mapping[str, NDArray[np.float64]], body: str, density: float
     )
 
 
-def _link(numerics: Mapping[str, NDArray[np.float64]], body: str, hull: str, density: float) -> LinkParameters:
-    for parameter in HULL_PARAMETERS:
+def _link(
+    numerics: Mapping[str, NDArray[np.float64]], body: str, hull: str, density: float, actuators: Sequence[str]
+) -> LinkParameters:
+    others = HULL_PARAMETERS if body in actuators else (*HULL_PARAMETERS, *THRUSTER_PARAMETERS)
+    for parameter in others:
         if parameter not in LINK_PARAMETERS and f"{body}:{parameter}" in numerics:
             raise ModelError(
                 f"{body}:{parameter}",
-                f"is for a hull, and '{body}' is a link of '{hull}'; a link takes {', '.join(LINK_PARAMETERS)}",
+                f"is for a hull{' or a thruster' * (parameter in THRUSTER_PARAMETERS)}, and '{body}' is a link of "
+                f"'{hull}'; a link takes {', '.join(LINK_PARAMETERS)}",
             )
     return LinkParameters(**vars(water_body(numerics, body, density)), hull=hull)
 
