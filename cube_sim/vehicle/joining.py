@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.mjcf.numeric_names import force_owner
+from cube_sim.vehicle.plugin.user_force_kinds import kind_of
+from cube_sim.vehicle.plugin.user_forces import resolve
 from cube_sim.vehicle.thrusters import Thrusters
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -61,6 +64,8 @@ def joined_model(parts: Sequence[ModelPart], pushes: int = 0) -> mujoco.MjModel:
             _leave_surroundings(spec)
         for key in list(spec.keys):  # of a state of this model alone
             spec.delete(key)
+        if len(whole.actuators) > 0:
+            _require_blind_forces(spec, part)
         whole.attach(spec, prefix=part.prefix, frame=whole.worldbody.add_frame())
         parameters |= {f"{part.prefix}{name}": value for name, value in part.parameters.items()}
     return load_model(whole, parameters, pushes=pushes)
@@ -112,6 +117,17 @@ def _require_same_options(whole: mujoco.MjSpec, spec: mujoco.MjSpec, part: Model
         if name not in _SET_FOR_ALL and not np.array_equal(here, there):
             said = f"{name} is {_shown(there)}, that of the vehicles before it {_shown(here)}: there is one world"
             raise ModelError("option", said, part.file)
+
+
+def _require_blind_forces(spec: mujoco.MjSpec, part: ModelPart) -> None:
+    """Refuse a hull's own force that reads commands: it counts actuators of its file, which come behind others here."""
+    bodies = [body.name for body in spec.bodies]
+    for text in spec.texts:
+        if force_owner(text.name, text.data, bodies) is None:
+            continue
+        if kind_of(resolve(text.data, text.name), text.name).sees:
+            said = "reads commands and activations by their number, which other vehicles shift: put its vehicle first"
+            raise ModelError(f"{part.prefix}{text.name}", said, part.file)
 
 
 def _options(spec: mujoco.MjSpec) -> list[str]:

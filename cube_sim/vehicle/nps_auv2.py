@@ -29,7 +29,7 @@ PROPELLER, STERN_PLANES = 0, 2  # among the actuators of the model
 def race(time, position, rotation, velocity, through_water, command, activation):
     """Wrench in body axes (6,) [N, N m] of the race; velocities through the water, FLU: w and q have the other sign.
 
-    The model's actuators are the first of those that fly: its propeller, rudder and stern planes.
+    Its propeller, rudder and stern planes have to be the first actuators that fly (`cube_sim.vehicle.joining`).
     """
     u, w, p, q = max(through_water[0], 0.0), through_water[2], through_water[3], through_water[4]
     turned, delta = SPEED * activation[PROPELLER], activation[STERN_PLANES]

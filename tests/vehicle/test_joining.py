@@ -65,3 +65,14 @@ def test_other_worlds_do_not_go_together(tmp_path, before, after, said):
     files = write(tmp_path, "cube.xml", CUBE), write(tmp_path, "other.xml", CUBE.replace(before, after))
     with pytest.raises(ModelError, match=said):
         joined_model((ModelPart(files[0], "a/"), ModelPart(files[1], "b/")))
+
+
+def test_a_force_that_counts_actuators_has_its_vehicle_come_first():
+    """The race of NPS AUV II reads its propeller and its stern planes by their numbers in its file."""
+    nps, cube = (str(MODELS / f"{name}.xml") for name in ("nps_auv2", "cube"))
+    model = joined_model((ModelPart(nps, "a/"), ModelPart(cube, "b/")))
+    assert [model.actuator(i).name for i in (0, 2)] == ["a/propeller", "a/stern_planes"]
+    said = "b/hull:force: reads commands and activations by their number, .*: put its vehicle first"
+    with pytest.raises(ModelError, match=said):
+        joined_model((ModelPart(cube, "a/"), ModelPart(nps, "b/")))
+    joined_model((ModelPart(cube, "a/"), ModelPart(str(MODELS / "infante.xml"), "b/")))  # reads none
