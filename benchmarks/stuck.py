@@ -40,6 +40,8 @@ from support.catalogue.vehicles import catalogue  # noqa: E402
 
 PROCESSOR_S = 1800.0
 """Processor time the flights of one vehicle on one path may take."""
+NEAR_M = 0.01
+"""Nearer to its path than this, ratios of what was foreseen say nothing."""
 WORSE_M, SHOWN = 0.5, 25
 """A flight that ends so much farther off than a foil is worse, and how many of these are listed."""
 DRAWN_PATHS = ("line", "point", "arc", "circle", "helix", "sinusoid", "spline")
@@ -129,6 +131,14 @@ def print_summary(rows: list[Row]) -> None:
         widths = zip(counts, (8, 10, 10, 6, 9, 6, 10, 5), strict=True)
         figures = "".join(f"{count:{width}d}" for count, width in widths)
         print(f"{path + ', ' + state:18s}{figures}{worst[0]:19.3f}{worst[1]:7.2f}{len(bound):8d}{broken:8d}")
+    told = [row for row in rows if row["with_margin_m"] is not None]
+    beyond = [row for row in told if row["law_worst_m"] > row["with_margin_m"] + row["start_m"]]
+    far = [row["foreseen_m"] / row["law_worst_m"] for row in told if row["law_worst_m"] > NEAR_M]
+    if far:
+        shares = ", ".join(f"{share:.2f}" for share in np.percentile(far, [5, 50, 95]))
+        print(f"foreseen beforehand for {len(told)}: {shares} of what was flown (5 %, median, 95 %)")
+    for row in beyond:
+        print(f"BEYOND: {said(row)}; foreseen {row['foreseen_m']:.3f} m, {row['with_margin_m']:.3f} m with a margin")
     for row in rows:
         if not row["within"]:
             print(f"BROKEN: {said(row)}, at most {row['bound_m']:.3f} m")

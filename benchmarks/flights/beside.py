@@ -80,8 +80,9 @@ def flown(task: Task, out: Path, foils: bool) -> list[Row]:
     if foils and task.path == "point":
         flights |= {"off": _Off(law)}
     rows, faults = [], _faults(task, able)
-    for fault, case in zip(faults, _foreseen(law, faults, lost, speed), strict=True):
+    for fault, case in zip(faults, _foreseen(law, model, faults, lost, speed), strict=True):
         expected = case.transient_at_rest if task.path == "point" else case.transient
+        ahead = case.foreseen_at_rest if task.path == "point" else case.foreseen
         row: Row = {
             "vehicle": task.vehicle,
             "path": task.path,
@@ -96,6 +97,8 @@ def flown(task: Task, out: Path, foils: bool) -> list[Row]:
             "why_not": case.reason,
             "bound_m": expected.bound_m,
             "no_bound": expected.reason,
+            "foreseen_m": None if ahead is None else ahead.farthest_m,
+            "with_margin_m": None if ahead is None else ahead.with_margin_m,
             "rest_m_s": min(case.rest_m_s, case.alone_m_s),
         }
         for name, each in flights.items():
@@ -114,14 +117,16 @@ def flown(task: Task, out: Path, foils: bool) -> list[Row]:
     return rows
 
 
-def _foreseen(law: _Law, faults: list[Fault], lost: tuple[str, ...], speed: float):
+def _foreseen(law: _Law, model: Path, faults: list[Fault], lost: tuple[str, ...], speed: float):
     """What ``cube-sim analyze --stuck`` says of each fault beforehand."""
+    from cube_sim.commands.stuck_flight import ReadModel
     from cube_sim.commands.stuck_report import Fault as Asked
     from cube_sim.commands.stuck_report import fault_cases
 
     vehicle = law.mission.vehicle
-    names = vehicle.thrusters.names
-    return fault_cases(vehicle, speed, faults=[Asked(names[f.thruster], f.force_N) for f in faults], lost=lost)
+    names, read = vehicle.thrusters.names, ReadModel(model, law.mission.model)
+    asked = [Asked(names[f.thruster], f.force_N) for f in faults]
+    return fault_cases(vehicle, speed, faults=asked, lost=lost, read=read)
 
 
 def _made(vehicle: str) -> tuple[tuple[str, ...], bool, str]:
