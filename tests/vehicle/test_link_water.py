@@ -282,3 +282,35 @@ def test_other_parameters_for_a_compiled_model():
     assert apart(other.flown(model, start, 0.5), other.flown(other.model(), start, 0.5)) < 1e-9
     assert np.array_equal(model.body_invweight0.shape, other.model().body_invweight0.shape)
     np.testing.assert_allclose(model.dof_invweight0, other.model().dof_invweight0, rtol=1e-9)
+
+
+def test_two_vehicles_with_arms_in_one_model_move_as_each_alone():
+    """Behind the first one's joints, degrees of freedom and records of the second begin elsewhere."""
+    rng = np.random.default_rng(12)
+    each = [arm_of(rng, *ARMS[name]) for name in ("a part fixed on a link", "two hinges")]
+    each = [replace(one, hull=replace(one.hull, current=(0.1, 0.0, 0.05))) for one in each]
+    starts = [random_start(rng, len(one.moving)) for one in each]
+    whole = mujoco.MjSpec()
+    for name, one in zip("ab", each, strict=True):
+        spec = mujoco.MjSpec.from_string(one.text(0.002))
+        whole.option = spec.option
+        whole.attach(spec, prefix=f"{name}/", frame=whole.worldbody.add_frame())
+    model = cube_sim.load_model(whole)
+    data, q, v = mujoco.MjData(model), 0, 0
+    alone = []
+    for one, start in zip(each, starts, strict=True):
+        single = one.model(0.002)
+        there = mujoco.MjData(single)
+        one.set_state(there, start)
+        data.qpos[q : q + single.nq], data.qvel[v : v + single.nv] = there.qpos, there.qvel
+        q, v = q + single.nq, v + single.nv
+        mujoco.mj_step(single, there, nstep=250)
+        alone.append(np.concatenate([there.qpos, there.qvel]))
+    mujoco.mj_step(model, data, nstep=250)
+    n = len(each[0].moving)
+    first = np.concatenate([data.qpos[: 7 + n], data.qvel[: 6 + n]])
+    second = np.concatenate([data.qpos[7 + n :], data.qvel[6 + n :]])
+    np.testing.assert_allclose(first, alone[0], atol=1e-10)
+    np.testing.assert_allclose(second, alone[1], atol=1e-10)
+    vehicle, single = cube_sim.Vehicle.from_model(model, "b/hull"), cube_sim.Vehicle.from_model(each[1].model())
+    np.testing.assert_allclose(vehicle.added_mass, single.added_mass, atol=1e-12)
