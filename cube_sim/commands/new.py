@@ -59,14 +59,21 @@ def scenario(
     typer.echo(f"fly it:  {to_paste('run', file)}")
 
 
-def write_scenario(model: Path, file: Path, hull: str | None) -> str:
+def write_scenario(model: Path, file: Path, hull: str | None, voltages: tuple[float, float] | None = None) -> str:
     """Write a first scenario for a model; what it flies, in words.
+
+    Args:
+        model: the MJCF file.
+        file: to be written.
+        hull: its name, where the model has several.
+        voltages: of a battery, empty and full [V]; None for none.
 
     Raises:
         CubeSimError: the model cannot be flown, or flies nothing that is tried.
         OSError: the file cannot be written.
     """
     from cube_sim.commands.analysis_report import report_on
+    from cube_sim.commands.drafted_battery import drafted_battery
     from cube_sim.commands.starter import NoStarterError, candidates_by_fins, head_of, starter_for, text_of
 
     report = report_on(model, hull=hull)
@@ -82,11 +89,12 @@ def write_scenario(model: Path, file: Path, hull: str | None) -> str:
                 f"{model}: with its fins ({names}) it follows paths at none of the speeds that are tried, "
                 f"{speeds[0]:g} to {speeds[-1]:g} m/s: {last.reason}"
             )
-    chosen = starter_for(model, hull, tried)
+    battery = None if voltages is None else drafted_battery(report.vehicle.thrusters, *voltages)
+    chosen = starter_for(model, hull, tried, battery)
     if tried is not None:
         report = report_on(model, hull=hull, speed_m_s=chosen.candidate.speed_m_s)
     thrusters, head = report.vehicle.thrusters.names, head_of(report)
-    text = text_of(chosen.candidate, model, hull, chosen.limits, file.parent, head, chosen.measured, thrusters)
+    text = text_of(chosen.candidate, model, hull, chosen.limits, file.parent, head, chosen.measured, thrusters, battery)
     with written_whole(file) as part:
         part.write_text(text, encoding="utf-8")
     return chosen.candidate.what

@@ -155,7 +155,8 @@ def vehicle(
         hull = _hull(mass_kg, mesh, size_m, unit, turn, centre_of_mass_m, neutral, urdf)
         places = places_from(hull.origin, places)
         require_near(places, hull.middle, hull.size)
-        _write(name, folder, hull, places, kinds, at_voltages)
+        voltages = None if battery_v is None else _battery(battery_v)
+        _write(name, folder, hull, places, kinds, at_voltages, voltages)
     except CubeSimError as error:
         stop(BAD_INPUT, str(error))
     except OSError as error:
@@ -248,6 +249,7 @@ def _write(
     places: list[ThrusterPlace],
     kinds: dict[str, KnownThruster],
     at_voltages: dict[str, tuple[KnownThruster, ...]],
+    voltages: tuple[float, float] | None,
 ) -> None:
     from cube_sim.commands.new import write_scenario
     from cube_sim.vehicle_draft.hull import DENSITY, GRAVITY
@@ -273,7 +275,7 @@ def _write(
         for file, text in files.items():
             file.write_text(text, encoding="utf-8")
         try:
-            what = write_scenario(model, scenario, None)
+            what = write_scenario(model, scenario, None, voltages)
         except CubeSimError as error:
             refused = error
     for file in files:

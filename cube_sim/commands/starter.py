@@ -28,6 +28,8 @@ _SLACK = 2.0
 _LEAST_LIMIT_M = 0.05
 _SLOWEST = 0.5
 """Share of its speed at which a target that never arrives has to move on."""
+BEYOND_CRITICAL = "is beyond this vehicle's critical speed of"
+"""What the log says at the beginning of a mission that is too fast for the hull's stability."""
 _FURTHEST_M, _REACH_M = 0.1, 0.5
 """Cross-track RMS up to which a path counts as followed, and distance to its end up to which that is reached."""
 
@@ -108,19 +110,29 @@ def candidates_by_fins() -> Iterator[Candidate]:
         )
 
 
-def starter_for(model: Path, hull: str | None, tried: Sequence[Candidate] | None = None) -> Starter:
-    """The first candidate that a vehicle flies well.
+def starter_for(
+    model: Path, hull: str | None, tried: Sequence[Candidate] | None = None, battery: Mapping[str, str] | None = None
+) -> Starter:
+    """The first candidate that a vehicle flies well, below its critical speed if there is one.
+
+    Args:
+        model: the MJCF file.
+        hull: name of the hull, where the model has several.
+        tried: in their order; None: all of `candidates`.
+        battery: keys of that block, which feeds the thrusters; None for none.
 
     Raises:
         NoStarterError: there is none.
     """
     from cube_sim import simulation
 
-    refused = []
+    refused, too_fast = [], None
     with tempfile.TemporaryDirectory() as folder:
         for number, candidate in enumerate(candidates() if tried is None else tried):
             scenario = Path(folder, f"{number}.yaml")
-            scenario.write_text(text_of(candidate, model, hull, _first_limits(candidate), scenario.parent))
+            scenario.write_text(
+                text_of(candidate, model, hull, _first_limits(candidate), scenario.parent, battery=battery)
+            )
             try:
                 run = simulation.fly(scenario, out=Path(folder, str(number)), record="none")
             except CubeSimError as error:
@@ -130,9 +142,15 @@ def starter_for(model: Path, hull: str | None, tried: Sequence[Candidate] | None
             if run.verdict == "PASS":
                 values = [check.value or 0.0 for check in run.checks]
                 measured = dict(zip(_checked(candidate), values, strict=False))
-                return Starter(candidate, {name: _limit(value) for name, value in measured.items()}, measured)
+                starter = Starter(candidate, {name: _limit(value) for name, value in measured.items()}, measured)
+                if not any(BEYOND_CRITICAL in line.text for line in run.log):
+                    return starter
+                too_fast = too_fast or starter
+                continue
             failed = next(check for check in run.checks if check.verdict != "PASS")
             refused.append(f"{_told(candidate)}: {_failure(failed)}")
+    if too_fast is not None:
+        return too_fast
     raise NoStarterError("\n".join([f"{model}: flies none of the paths that were tried", *refused]))
 
 
@@ -174,6 +192,7 @@ def text_of(
     head: Sequence[str] = (),
     measured: Mapping[str, float] | None = None,
     thrusters: Sequence[str] = (),
+    battery: Mapping[str, str] | None = None,
 ) -> str:
     """A scenario file.
 
@@ -186,6 +205,7 @@ def text_of(
         head: lines of remarks at its top.
         measured: by the flight that chose it.
         thrusters: names; of the first an event is shown, as a remark.
+        battery: keys of that block; None for none.
     """
     x, y, z = candidate.position_m
     half = candidate.duration_s / 2
@@ -211,6 +231,8 @@ def text_of(
     ]
     if candidate.control:
         lines += ["control:", *(f"  {key}: {value}" for key, value in candidate.control.items())]
+    if battery:
+        lines += ["", "battery:", *(f"  {key}: {value}" for key, value in battery.items())]
     if thrusters:
         lines += [
             "",

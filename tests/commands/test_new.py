@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 from support.command_line import call
-from support.places import CUBE, WRITTEN_MODEL_FILES
+from support.places import CUBE, MODELS, WRITTEN_MODEL_FILES
 
 from cube_sim import fly
 from cube_sim.commands import starter
@@ -136,3 +136,15 @@ def test_names_of_files_are_scalars_whatever_is_in_them(text):
 @pytest.mark.parametrize(("measured", "limit"), [(0.0, 0.05), (0.02, 0.05), (0.03, 0.06), (0.031, 0.07), (0.12, 0.3)])
 def test_limits_are_twice_what_was_measured_in_one_digit(measured, limit):
     assert starter._limit(measured) == limit
+
+
+@pytest.mark.flight
+def test_what_is_beyond_the_critical_speed_is_the_last_choice():
+    """The six-thruster BlueROV2 is stable up to 0.37 m/s; it flies a line at 0.4 m/s all the same."""
+    model = MODELS / "bluerov2_vectored.xml"
+    faster, slower = (
+        next(each for each in starter.candidates() if (each.what, each.speed_m_s) == wanted)
+        for wanted in (("a line, joined from beside it", 0.4), ("a level wave", 0.3))
+    )
+    assert starter.starter_for(model, None, (faster, slower)).candidate == slower
+    assert starter.starter_for(model, None, (faster,)).candidate == faster

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 from support.command_line import call
 from support.hull_shapes import ellipsoid, ellipsoid_added_mass, write_stl
-from support.places import REPO
+from support.places import MODELS, REPO
 
 import cube_sim
 import cube_sim.vehicle.faults
+from cube_sim.commands.drafted_battery import drafted_battery
 from cube_sim.vehicle.known_thrusters import known_thruster
 
 SIX = (
@@ -48,7 +51,7 @@ def here(tmp_path, monkeypatch):
 def unflown(monkeypatch):
     """Choosing a scenario is another's test."""
 
-    def write(model, file, hull):
+    def write(model, file, hull, voltages=None):
         file.write_text("chosen\n")
         return "nothing"
 
@@ -69,6 +72,33 @@ def test_on_a_battery_thrusters_get_their_curves_at_several_voltages(here, monke
         data.act[:] = 1.0
         mujoco.mj_forward(model, data)
         assert data.actuator_force[0] == pytest.approx(known_thruster("T200", volts).forces[-1], rel=1e-4)
+
+
+@pytest.mark.flight
+def test_a_vehicle_on_a_battery_has_it_in_its_scenario_and_flies_on_it(here, monkeypatch, capsys):
+    size = "--mass-kg", 11.5, "--size-m", "0.46,0.34,0.25", *FLAGS
+    code, *_ = call(monkeypatch, capsys, "new", "vehicle", "rov", *size, "--battery-v", "12.8,16.8")
+    assert code == 0
+    text = Path("rov/scenarios/rov_first.yaml").read_text()
+    assert text.count("# a choice: ") == 2
+    run = cube_sim.run("rov/scenarios/rov_first.yaml", record="none")
+    assert run.verdict == "PASS"
+    voltage, charge = (run.signals[f"power.{each}"][:, 1] for each in ("voltage", "charge"))
+    assert 12.8 < voltage.min() < voltage.max() <= 16.8
+    assert 0.5 < charge[-1] < 1.0
+
+
+def test_a_drafted_battery_sags_and_lasts_as_small_vehicles_do():
+    """Full power by T200's table at 14.8 V; a quarter of an hour of half of that empties it."""
+    vehicle = cube_sim.Vehicle.from_model(cube_sim.load_model(MODELS / "bluerov2_heavy.xml"))
+    thrusters = vehicle.thrusters
+    keys = {name: text.partition("#")[0].strip() for name, text in drafted_battery(thrusters, 12.8, 16.8).items()}
+    power = sum(max(k * abs(f) ** 1.5 for k, f in zip(ks, fs, strict=True)) for ks, fs in zip(
+        thrusters.power_coefficients.tolist(), thrusters.limits[:, [0, 3]].tolist(), strict=True))  # fmt: skip
+    assert float(keys["capacity_Wh"]) == pytest.approx(power * 8 / 60, rel=0.01)
+    assert float(keys["resistance_ohm"]) * (0.5 * power / 14.8) == pytest.approx(1.48, rel=0.05)
+    bare = dataclasses.replace(thrusters, power_coefficients=0.0 * thrusters.power_coefficients)
+    assert drafted_battery(bare, 12.8, 16.8) is None
 
 
 @pytest.mark.parametrize(
@@ -351,7 +381,7 @@ def test_a_table_of_ones_own_is_taken_at_its_voltage_and_without_power(here, unf
 
 @pytest.mark.parametrize("there", [False, True])
 def test_where_writing_fails_nothing_stays(there, here, monkeypatch, capsys):
-    def write(model, file, hull):
+    def write(model, file, hull, voltages=None):
         assert model.exists()
         file.write_text("half")
         raise OSError(28, "No space left on device", str(file))
