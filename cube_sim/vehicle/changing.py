@@ -19,6 +19,7 @@ from cube_sim.vehicle.mjcf.fins import fin_rows
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
 from cube_sim.vehicle.mjcf.numeric_names import CURRENT, require_parameter
 from cube_sim.vehicle.mjcf.parameters import WaterParameters, read_parameters
+from cube_sim.vehicle.mjcf.propellers import shaft_lag_s
 from cube_sim.vehicle.mjcf.thruster_elements import is_thruster, thruster_element
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.plugin import layout, packing
@@ -82,6 +83,8 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
             model.actuator_ctrlrange[i] = thruster.characteristic.commands[[0, -1]]
             if thruster.propeller is not None:
                 model.actuator_gear[i, 5] = thruster.propeller.arm
+                if thruster.propeller.shaft is not None:
+                    model.actuator_dynprm[i, 1] = shaft_lag_s(thruster.propeller)
     data = mujoco.MjData(model)
     if elements or not np.array_equal(gears, model.actuator_gear):
         mujoco.mj_setConst(model, data)

@@ -20,7 +20,13 @@ from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
 from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.places import place_in_words, place_of
-from cube_sim.vehicle.mjcf.thruster_elements import limit_commands, set_gears, thruster_elements
+from cube_sim.vehicle.mjcf.propellers import fastest_change_s, shaft_lag_s
+from cube_sim.vehicle.mjcf.thruster_elements import (
+    limit_commands,
+    set_gears,
+    set_shaft_lags,
+    thruster_elements,
+)
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.mjcf.unlikely_fins import unlikely_fin_words
 from cube_sim.vehicle.mjcf.unused import keep_words, unused_thruster_words
@@ -142,6 +148,8 @@ def _immerse(
     links = [link.body for link in parameters.links]
     set_elements(spec, of_elements, [*hulls, *links], thrusters)
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
+    shafts = [each and each.propeller and each.propeller.shaft and each.propeller for each in parameters.thrusters]
+    set_shaft_lags(spec, [each and shaft_lag_s(each) for each in shafts])
     set_gears(spec, [each and each.propeller and each.propeller.arm for each in parameters.thrusters])
     for text in spec.texts:
         if (owner := force_owner(text.name, text.data, list(bodies))) is not None:
@@ -161,6 +169,12 @@ def _immerse(
     spec.add_numeric(name=layout.PACKED, size=packing.packed_size(parameters, pushes), data=[0.0])
     model = spec.compile()
     require_time_step(model)
+    for index, each in enumerate(shafts):
+        if each and fastest_change_s(each) < 0.5 * model.opt.timestep:
+            text = f"has a shaft that settles within {fastest_change_s(each):.2g} s"
+            raise ModelError(
+                model.actuator(index).name, f"{text}; a time step of at most twice that is right, or a larger inertia"
+            )
     if np.any(model.tendon_armature != 0.0):
         raise ModelError("tendon", "has armature, which a hull's inertia has no room for; put armature on a joint")
     ids = [model.body(name).id for name in hulls]

@@ -12,28 +12,44 @@ and go on beyond its ends as they end there: on each line K = a + b J, so that
 which is the bilinear form of manoeuvring models (T. I. Fossen, Guidance and Control of Ocean Vehicles, 1994, section
 4.1.2: T_nn = rho D^4 a, T_|n|u = rho D^3 b), has no singularity at n = 0, and leaves a propeller that stands without
 force. J is positive where the water runs the way the propeller drives it, for both senses of rotation.
+
+The speed follows the command with a lag or, where a motor is known, by the torques on the shaft, w = 2 pi n,
+
+    I w' = K (U - K w) / R - Q - b w - Q_0 clip(w / w_0, -1, 1):
+
+a motor of constant K [N m/A], which is [V s/rad] as well, and resistance R at a voltage U, its inductance left out;
+what the water takes; friction, viscous and dry, the latter evened out below w_0.
 """
 
 from __future__ import annotations
 
-from math import sqrt
+from math import pi, sqrt
 
 from cube_sim.native.compiled import compiled
 
 HULL, ACTUATOR, ACTIVATION, CURVE, PLACE, AXIS = 0, 1, 2, 3, 4, 7
 RHO_D3, DIAMETER, ADVANCE, DELIVERED, HAND = 10, 11, 12, 13, 14
-SPEEDS, SLOWEST, ARM, AHEAD, ASTERN = 15, 17, 19, 20, 22
+SPEEDS, SLOWEST, ARM = 15, 17, 19
+MOTOR, RESISTANCE, INERTIA, DRY, VISCOUS, VOLTAGE = 20, 21, 22, 23, 24, 25
+AHEAD, ASTERN = 26, 28
 """Columns of a table of propellers, a row each.
 
 Number of the hull; index of the actuator; where the rotor's state lies among the activations; where its curve record
 begins; place (3) from the body origin [m] and axis (3), the way it pushes, in body axes; rho D^3 [kg]; D [m]; 1 - w;
 1 - t; 1 for a right-handed propeller, -1 for a left-handed one, 0 for one that leaves no torque to the hull; speed of
 rotation [rev/s] at the commands -1 and 1, both above 0; those below which it stands, backwards and ahead; torque that
-the hull gets of MuJoCo per newton [m]; and where the open-water points begin and how many, ahead and astern.
+the hull gets of MuJoCo per newton [m]; K [N m/A], 0 for one without a motor, R [ohm], I [kg m^2], Q_0 [N m], b [N m s]
+and the voltage U of full command [V]; and where the open-water points begin and how many, ahead and astern. With a
+motor the speeds are those at full command in water that does not flow: units in which the rotor's state is counted.
 """
-COLUMNS = 24
+COLUMNS = 30
 POINT = 3
 """An open-water point: J, K_T, K_Q."""
+TWO_PI = 2.0 * pi
+DRY_BELOW = 0.02
+"""Share of the speed without load below which dry friction is evened out (a choice): w_0."""
+HALVINGS, DOUBLINGS = 60, 8
+"""Of the search for the speed at which the torques on a shaft balance."""
 STANDS = 1e-12
 """Speed of rotation below which a propeller counts as standing [rev/s]: J is a number above."""
 
@@ -95,6 +111,8 @@ def rotation(row, state, voltage_ratio):
         voltage_ratio: supply voltage over that of the speeds.
     """
     side = 1 if state > 0.0 else 0
+    if row[MOTOR] > 0.0:  # the state is the speed itself
+        return state * row[SPEEDS + side]
     n = state * row[SPEEDS + side] * voltage_ratio
     return 0.0 if abs(n) < row[SLOWEST + side] else n
 
@@ -110,8 +128,68 @@ def speed_of_advance(row, nu_r):
 
 
 @compiled
-def fastest(row, ahead, voltage_ratio):
-    """Largest speed of rotation [rev/s], with its sign, ahead or astern; arguments as in `rotation`."""
+def load_torque(row, points, n, u_a):
+    """What a shaft takes to turn steadily [N m]: the water and friction; arguments as in `open_water`."""
+    w, w_0 = TWO_PI * n, DRY_BELOW * row[VOLTAGE] / row[MOTOR]
+    return open_water(row, points, n, u_a)[1] + row[VISCOUS] * w + row[DRY] * min(max(w / w_0, -1.0), 1.0)
+
+
+@compiled
+def motor_torque(row, n, volts):
+    """K (U - K w) / R [N m] of a motor at a speed [rev/s] and a voltage [V]."""
+    return row[MOTOR] * (volts - row[MOTOR] * TWO_PI * n) / row[RESISTANCE]
+
+
+@compiled
+def shaft_rate(row, points, state, volts, u_a):
+    """How fast the state of a rotor with a motor changes [1/s].
+
+    Args:
+        row: (`COLUMNS`,) of the table.
+        points: numbers in which its open-water points lie.
+        state: of it, its speed in units of `SPEEDS`.
+        volts: at its motor [V].
+        u_a: speed of advance [m/s].
+    """
+    n = rotation(row, state, 1.0)
+    turning = (motor_torque(row, n, volts) - load_torque(row, points, n, u_a)) / (TWO_PI * row[INERTIA])
+    side = 1 if state > 0.0 or (state == 0.0 and turning > 0.0) else 0
+    return turning / row[SPEEDS + side]
+
+
+@compiled
+def balanced_speed(row, points, volts, u_a):
+    """Speed of rotation [rev/s] at which the torques on a shaft balance; arguments as in `shaft_rate`."""
+    sign = 1.0 if volts >= 0.0 else -1.0
+    low, high = 0.0, abs(volts) / (row[MOTOR] * TWO_PI) + 1e-9
+    for _ in range(DOUBLINGS):  # water that drives the propeller turns it faster than its motor alone
+        n = sign * high
+        if sign * (motor_torque(row, n, volts) - load_torque(row, points, n, u_a)) <= 0.0:
+            break
+        low, high = high, 2.0 * high
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        n = sign * middle
+        if sign * (motor_torque(row, n, volts) - load_torque(row, points, n, u_a)) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return sign * 0.5 * (low + high)
+
+
+@compiled
+def command_of_speed(row, points, n, u_a, voltage_ratio):
+    """The command that holds a speed of rotation [rev/s] of a shaft with a motor; the nearest there is."""
+    volts = row[MOTOR] * TWO_PI * n + row[RESISTANCE] / row[MOTOR] * load_torque(row, points, n, u_a)
+    return min(max(volts / (row[VOLTAGE] * voltage_ratio), -1.0), 1.0)
+
+
+@compiled
+def fastest(row, points, u_a, ahead, voltage_ratio):
+    """Largest speed of rotation [rev/s], with its sign, ahead or astern; arguments as in `rotation`, `open_water`."""
+    if row[MOTOR] > 0.0:
+        volts = row[VOLTAGE] * voltage_ratio
+        return balanced_speed(row, points, volts if ahead else -volts, u_a)
     return row[SPEEDS + 1] * voltage_ratio if ahead else -row[SPEEDS] * voltage_ratio
 
 
@@ -121,7 +199,10 @@ def held_forces(row, points, u_a, voltage_ratio):
 
     On each side from the slowest rotation to the fastest, as far as the force has the sign of the rotation.
     """
-    most, least = fastest(row, True, voltage_ratio), fastest(row, False, voltage_ratio)
+    most, least = (
+        fastest(row, points, u_a, True, voltage_ratio),
+        fastest(row, points, u_a, False, voltage_ratio),
+    )
     highest = max(thrust_at(row, points, most, u_a), 0.0)
     lowest = min(thrust_at(row, points, least, u_a), 0.0)
     above = min(max(thrust_at(row, points, min(row[SLOWEST + 1], most), u_a), 0.0), highest)
@@ -174,12 +255,18 @@ def state_of_force(row, points, force, u_a, voltage_ratio):
     lowest, below, above, highest = held_forces(row, points, u_a, voltage_ratio)
     if force > 0.0 and force >= 0.5 * above and highest > 0.0:
         n = rotation_of(row, points, min(force, highest), u_a)
-        n = min(max(n, row[SLOWEST + 1] * (1.0 + 1e-12)), fastest(row, True, voltage_ratio))
-        return n / fastest(row, True, voltage_ratio)
+        if row[MOTOR] > 0.0:
+            return command_of_speed(row, points, n, u_a, voltage_ratio)
+        most = fastest(row, points, u_a, True, voltage_ratio)
+        n = min(max(n, row[SLOWEST + 1] * (1.0 + 1e-12)), most)
+        return n / most
     if force < 0.0 and force <= 0.5 * below and lowest < 0.0:
         n = rotation_of(row, points, max(force, lowest), u_a)
-        n = max(min(n, -row[SLOWEST] * (1.0 + 1e-12)), fastest(row, False, voltage_ratio))
-        return n / -fastest(row, False, voltage_ratio)
+        if row[MOTOR] > 0.0:
+            return command_of_speed(row, points, n, u_a, voltage_ratio)
+        most = fastest(row, points, u_a, False, voltage_ratio)
+        n = max(min(n, -row[SLOWEST] * (1.0 + 1e-12)), most)
+        return n / -most
     return 0.0
 
 

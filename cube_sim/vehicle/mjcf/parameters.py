@@ -257,9 +257,9 @@ def _thruster(
     numerics: Mapping[str, NDArray[np.float64]], element: ThrusterElement, density: float
 ) -> ThrusterParameters:
     actuator, body = element.name, element.body
-    propeller = propeller_of(numerics, actuator, body, element.site, element.site_body, density)
     power_name = _either(numerics, actuator, body, "thruster_power")
     voltage = _voltage(numerics, _either(numerics, actuator, body, "thruster_voltage"))
+    propeller = propeller_of(numerics, actuator, body, element.site, element.site_body, density, voltage)
     table = _voltage_table(numerics, actuator, body, propeller)
     if (propeller or table) and f"{actuator}:thruster_dead_zone" in numerics:
         instead = "propeller_slowest" if propeller else "the rows of first thrust"

@@ -12,8 +12,15 @@
                                        no torque of it, as of a pair that turns against one another
     <body>:propeller_...               each of these for all thrusters of a hull, where they have none of their own
 
+    <actuator>:propeller_motor         K_t [N m/A, V s/rad], R [ohm]: its speed follows from the torques on its shaft,
+                                       its command is the share of thruster_voltage; propeller_speed is left out
+    <actuator>:propeller_shaft         I [kg m^2] of all that turns, dry friction Q_0 [N m] and viscous b [N m s];
+                                       with a motor
+
 Its site is on the hull itself, z the way it pushes. Its lag is that of its speed of rotation: ``dyntype="filter"`` with
 one time constant, or ``dyntype="user" dynprm="T1 T2"`` with two in a row, of the speed controller and of the rotor.
+With a motor it is ``dyntype="user" dynprm="T1 T2"``, T1 the lag of the voltage. T2 is put there at loading: I over the
+slope of the torques by the speed at full command, for whoever reckons with a lag.
 """
 
 from __future__ import annotations
@@ -28,6 +35,9 @@ from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
 from cube_sim.vehicle.mjcf.numbers import Numerics, either, rows, scalar, vector
 
+DRY_BELOW = 0.02
+"""As in `cube_sim.vehicle.laws.propeller`."""
+
 DIAMETER, LINEAR, OPEN_WATER = "propeller_diameter", "propeller_linear", "propeller_open_water"
 PROPELLER_PARAMETERS = (
     DIAMETER,
@@ -38,10 +48,33 @@ PROPELLER_PARAMETERS = (
     "propeller_wake",
     "propeller_slowest",
     "propeller_hand",
+    "propeller_motor",
+    "propeller_shaft",
 )
 _CURVE = "thruster_characteristic"
 _SIDE_POINTS = 24
 """Points a side of the curve that stands for a propeller at rest, where one is looked at (a choice)."""
+
+
+@dataclass(frozen=True)
+class ShaftParameters:
+    """What turns a propeller.
+
+    Attributes:
+        motor: K_t [N m/A].
+        resistance: R [ohm].
+        inertia: I [kg m^2].
+        dry: Q_0 [N m].
+        viscous: b [N m s].
+        voltage: at the motor at full command [V].
+    """
+
+    motor: float
+    resistance: float
+    inertia: float
+    dry: float
+    viscous: float
+    voltage: float
 
 
 @dataclass(frozen=True)
@@ -60,6 +93,7 @@ class PropellerParameters:
         hand: 1, -1 or 0.
         ahead: (n,3) J, K_T, K_Q of one that turns ahead.
         astern: (k,3) of one that turns backwards.
+        shaft: what turns it; None where its speed follows its command.
     """
 
     site: str
@@ -73,6 +107,7 @@ class PropellerParameters:
     hand: float
     ahead: NDArray[np.float64]
     astern: NDArray[np.float64]
+    shaft: ShaftParameters | None = None
 
     @property
     def arm(self) -> float:
@@ -83,6 +118,8 @@ class PropellerParameters:
     def curve(self) -> Characteristic:
         """Command to force in water that does not flow."""
         share = np.linspace(0.0, 1.0, _SIDE_POINTS + 1)
+        if self.shaft is not None:
+            return self._curve_of_shaft(share)
         slow = self.slowest[0] / self.speeds[0], self.slowest[1] / self.speeds[1]
         back, ahead = (start + (1.0 - start) * share for start in slow)
         commands = np.unique(np.concatenate([-back, [0.0], ahead]))
@@ -93,9 +130,41 @@ class PropellerParameters:
         forces = np.where(commands < 0.0, -largest[0], largest[1]) * commands**2
         return Characteristic(commands, forces + 0.0, (-largest[0] * slow[0] ** 2 + 0.0, largest[1] * slow[1] ** 2))
 
+    def _curve_of_shaft(self, share: NDArray[np.float64]) -> Characteristic:
+        """The curve by speeds that are shares of those at full command."""
+        scale = (1.0 - self.deduction) * self.density * self.diameter**4
+        commands, forces = [], []
+        assert self.shaft is not None
+        for side, most, sign in ((self.astern, self.speeds[0], -1.0), (self.ahead, self.speeds[1], 1.0)):
+            n = most * share
+            K_T, _ = _at_rest(side)
+            volts = volts_at_rest(self.shaft, self.density * self.diameter**5, side, n)
+            commands.append(sign * volts / self.shaft.voltage)
+            forces.append(sign * scale * K_T * n * n)
+        both = np.concatenate([commands[0][:0:-1], commands[1]]), np.concatenate([forces[0][:0:-1], forces[1]])
+        both[0][[0, -1]] = -1.0, 1.0
+        return Characteristic(both[0], both[1] + 0.0, (0.0, 0.0))
+
+
+def volts_at_rest(
+    shaft: ShaftParameters, rho_D5: float, side: NDArray[np.float64], n: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Voltages [V] that hold speeds n (k,) [rev/s], not negative, in water that does not flow.
+
+    Args:
+        shaft: what turns the propeller.
+        rho_D5: rho D^5 [kg m^2].
+        side: (j,3) its rows J, K_T, K_Q.
+        n: [rev/s].
+    """
+    w = 2.0 * np.pi * n
+    dry = np.clip(w / (DRY_BELOW * shaft.voltage / shaft.motor), 0.0, 1.0)
+    load = rho_D5 * _at_rest(side)[1] * n * n + shaft.viscous * w + shaft.dry * dry
+    return shaft.motor * w + shaft.resistance / shaft.motor * load
+
 
 def propeller_of(
-    numerics: Numerics, actuator: str, body: str, site: str, site_body: str, density: float
+    numerics: Numerics, actuator: str, body: str, site: str, site_body: str, density: float, voltage: float | None
 ) -> PropellerParameters | None:
     """The propeller that a thruster is; None for one that has a characteristic.
 
@@ -106,6 +175,7 @@ def propeller_of(
         site: that it pushes at.
         site_body: the body that carries the site.
         density: of the water [kg/m^3].
+        voltage: that feeds it [V]; None where nobody says it.
 
     Raises:
         ModelError: names the numeric at fault and says what would be right.
@@ -117,7 +187,8 @@ def propeller_of(
     if site_body != body:
         raise ModelError(site, f"is a propeller's on '{site_body}'; the site of a propeller is on the hull itself")
     D = _positive(numerics, diameter, "a diameter [m]")
-    speeds = _speeds(numerics, named["propeller_speed"], actuator)
+    shaft = _shaft(numerics, named, actuator, voltage)
+    speeds = (1.0, 1.0) if shaft else _speeds(numerics, named["propeller_speed"], actuator)
     slowest = _slowest(numerics, named["propeller_slowest"], speeds)
     wake, deduction = _pair(numerics, named["propeller_wake"])
     if not (wake < 1.0 and deduction < 1.0):
@@ -131,7 +202,66 @@ def propeller_of(
     astern = ahead
     if (name := named["propeller_astern"]) is not None:
         astern = _table(numerics, name)
-    return PropellerParameters(site, body, D, density, wake, deduction, speeds, slowest, hand, ahead, astern)
+    if shaft is not None:
+        speeds = _full_speed(shaft, density * D**5, astern), _full_speed(shaft, density * D**5, ahead)
+    return PropellerParameters(site, body, D, density, wake, deduction, speeds, slowest, hand, ahead, astern, shaft)
+
+
+def _shaft(
+    numerics: Numerics, named: Mapping[str, str | None], actuator: str, voltage: float | None
+) -> ShaftParameters | None:
+    motor, shaft = named["propeller_motor"], named["propeller_shaft"]
+    if motor is None or shaft is None:
+        if motor is not None or shaft is not None:
+            missing = "propeller_shaft" if shaft is None else "propeller_motor"
+            raise ModelError(f"{actuator}:{missing}", f"is missing; {motor or shaft} stands alone, both go together")
+        return None
+    for key in ("propeller_speed", "propeller_slowest"):
+        if (name := named[key]) is not None:
+            raise ModelError(name, f"stands beside {motor}; with a motor the speed follows from the torques")
+    K_t, R = vector(numerics, motor, 2).tolist()
+    if not (K_t > 0.0 and R > 0.0):
+        raise ModelError(motor, f"is {K_t:g} {R:g}; K_t [N m/A] and R [ohm] are positive")
+    inertia, dry, viscous = vector(numerics, shaft, 3).tolist()
+    if not (inertia > 0.0 and dry >= 0.0 and viscous >= 0.0):
+        right = "I [kg m^2] above 0, Q_0 [N m] and b [N m s] not below, is right"
+        raise ModelError(shaft, f"is {inertia:g} {dry:g} {viscous:g}; {right}")
+    if voltage is None:
+        text = f"is missing; '{actuator}' has a motor, whose full command it is"
+        raise ModelError(f"{actuator}:thruster_voltage", text)
+    if dry * R / K_t >= voltage:
+        raise ModelError(shaft, f"has dry friction of {dry:g} N m, and {voltage:g} V give {K_t * voltage / R:g} N m")
+    return ShaftParameters(K_t, R, inertia, dry, viscous, voltage)
+
+
+def _full_speed(shaft: ShaftParameters, rho_D5: float, side: NDArray[np.float64]) -> float:
+    """Speed [rev/s] at full voltage in water that does not flow."""
+    low, high = 0.0, shaft.voltage / (2.0 * np.pi * shaft.motor)
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        if float(volts_at_rest(shaft, rho_D5, side, np.array([middle]))[0]) < shaft.voltage:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+def shaft_lag_s(propeller: PropellerParameters) -> float:
+    """I over the slope of the torques by the speed, at full command ahead in water that does not flow [s]."""
+    shaft = propeller.shaft
+    assert shaft is not None
+    K_Q, n = _at_rest(propeller.ahead)[1], propeller.speeds[1]
+    by_water = propeller.density * propeller.diameter**5 * 2.0 * K_Q * n / (2.0 * np.pi)
+    return shaft.inertia / (shaft.motor**2 / shaft.resistance + shaft.viscous + by_water)
+
+
+def fastest_change_s(propeller: PropellerParameters) -> float:
+    """The shortest time in which its shaft settles [s]: at rest, where dry friction is steepest, or at full command."""
+    shaft = propeller.shaft
+    assert shaft is not None
+    dry = shaft.dry / (DRY_BELOW * shaft.voltage / shaft.motor)
+    at_rest = shaft.inertia / (shaft.motor**2 / shaft.resistance + shaft.viscous + dry)
+    return min(at_rest, shaft_lag_s(propeller))
 
 
 def _diameter_of(numerics: Numerics, named: Mapping[str, str | None], actuator: str, body: str) -> str | None:

@@ -136,6 +136,24 @@ def set_gears(spec: mujoco.MjSpec, arms: Sequence[float | None]) -> None:
         actuator.gear = [0.0, 0.0, 1.0, 0.0, 0.0, arm]
 
 
+def set_shaft_lags(spec: mujoco.MjSpec, lags: Sequence[float | None]) -> None:
+    """Let the model say how long the shafts of motors take to settle.
+
+    Args:
+        spec: changed here.
+        lags: one entry per actuator [s]; None for one that has no motor.
+
+    Raises:
+        ModelError: a motor whose shaft MuJoCo would not integrate.
+    """
+    for actuator, lag_s in zip(spec.actuators, lags, strict=True):
+        if lag_s is None:
+            continue
+        if actuator.dyntype != mujoco.mjtDyn.mjDYN_USER:
+            raise ModelError(actuator.name, 'has a motor; dyntype="user" dynprm="T1 T2" is right: voltage and shaft')
+        actuator.dynprm[1] = lag_s
+
+
 def _element(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator, index: int) -> ThrusterElement:
     name = actuator.name
     if not name:

@@ -13,6 +13,7 @@ not ours they return at once, also while it is being compiled.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import sqrt
 
 import numba
 from numba import types
@@ -25,7 +26,17 @@ from cube_sim.vehicle.laws.current import accelerating_water, current_at, veloci
 from cube_sim.vehicle.laws.fin import HULL as FIN_OF_HULL
 from cube_sim.vehicle.laws.fin import servo_rate
 from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
-from cube_sim.vehicle.laws.propeller import ACTIVATION, ACTUATOR, AXIS, CURVE, lag_rates
+from cube_sim.vehicle.laws.propeller import (
+    ACTIVATION,
+    ACTUATOR,
+    AXIS,
+    CURVE,
+    MOTOR,
+    VOLTAGE,
+    lag_rates,
+    shaft_rate,
+    speed_of_advance,
+)
 from cube_sim.vehicle.laws.propeller import HULL as OF_HULL
 from cube_sim.vehicle.laws.push import COLUMNS, push_wrench
 from cube_sim.vehicle.laws.servo_fault import ACTUATOR as TURNS
@@ -351,6 +362,14 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
         return first
 
     @numba.njit
+    def rate_of_shaft(m, d, packed, curve, row, points, adr):
+        """How fast the state of a rotor with a motor changes [1/s], by its curve record and where its states begin."""
+        hull = packed + 8 * (int(double(packed, layout.HULLS)) + int(row[OF_HULL]) * layout.HULL_SIZE)
+        u_a = speed_of_advance(row, through_water(m, d, packed, hull))
+        volts = double(field(d, act), adr) * row[VOLTAGE] * sqrt(double(curve, layout.SUPPLY))
+        return shaft_rate(row, points, double(field(d, act), adr + 1), volts, u_a)
+
+    @numba.njit
     def rate_of_fin(m, d, packed, actuator, deflection):
         """How fast a servo turns its fin [rad/s], its faults counted in."""
         travel, prm = field(m, actuator_ctrlrange) + 16 * actuator, field(m, actuator_dynprm) + 8 * dynprm * actuator
@@ -382,6 +401,14 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             travel, parameters = field(m, actuator_ctrlrange) + 16 * actuator, dynprm * actuator
             target = min(max(double(field(d, ctrl), actuator), double(travel, 0)), double(travel, 1))
             prm = field(m, actuator_dynprm)
+            if int(double(packed + 8 * record, layout.PROPELLER)) >= 0:
+                rows, points = table_of(packed + 8 * int(double(packed, layout.PROPELLERS)))
+                row = rows[int(double(packed + 8 * record, layout.PROPELLER))]
+                if row[MOTOR] > 0.0:
+                    put(field(d, act_dot), adr, (target - deflection) / double(prm, parameters))
+                    turning = rate_of_shaft(m, d, packed, packed + 8 * record, row, points, adr)
+                    put(field(d, act_dot), adr + 1, turning)
+                    return 0.0
             lags = double(prm, parameters), double(prm, parameters + 1)
             first, second = lag_rates(target, deflection, double(field(d, act), adr + 1), lags[0], lags[1])
             put(field(d, act_dot), adr, first)

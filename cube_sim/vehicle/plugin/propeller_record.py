@@ -31,6 +31,9 @@ def propeller_rows(
         row[law.RHO_D3], row[law.DIAMETER] = each.density * each.diameter**3, each.diameter
         row[law.ADVANCE], row[law.DELIVERED], row[law.HAND] = 1.0 - each.wake, 1.0 - each.deduction, each.hand
         row[law.SPEEDS : law.SLOWEST], row[law.SLOWEST : law.ARM], row[law.ARM] = each.speeds, each.slowest, each.arm
+        if (shaft := each.shaft) is not None:
+            numbers = shaft.motor, shaft.resistance, shaft.inertia, shaft.dry, shaft.viscous, shaft.voltage
+            row[law.MOTOR : law.AHEAD] = numbers
         row[law.AHEAD : law.ASTERN] = end, len(each.ahead)
         row[law.ASTERN :] = end + each.ahead.size, len(each.astern)
         table.append(row)
