@@ -12,11 +12,13 @@ from support.places import MODELS
 from support.vehicles import vehicle
 
 import cube_sim
+from cube_sim.commands.stuck_flight import ReadModel
 from cube_sim.commands.stuck_report import Fault, fault_cases
 from cube_sim.control.authority import Authority, remaining_capability
 from cube_sim.control.thrown import LoopSpeeds, Thrown, share_asked, thrown_by
 from cube_sim.control.transient import braking_m, keeps, transient
 from cube_sim.control.yielding import WaterHold
+from cube_sim.vehicle.loading import load_model
 from cube_sim.wrench.health import Health
 
 LOOPS = LoopSpeeds(velocity=0.5, attitude=0.5, rate=0.15, observer=1.0, delay=0.05)
@@ -140,8 +142,13 @@ def test_flights_leave_their_path_by_no_more_than_was_said_before_and_when_the_f
     (flown,) = cube_sim.fly_many(scenario, [{}], threads=1, signals=["path_error.cross_track"])
     t, error = flown.signals["path_error.cross_track"].T
     worst = float(np.max(error[t >= 12.0]))
-    (case,) = fault_cases(vehicle(name), 0.3, faults=[Fault(thruster, force)])
+    file = MODELS / f"{name}.xml"
+    read = ReadModel(file, load_model(str(file)))
+    (case,) = fault_cases(vehicle(name), 0.3, faults=[Fault(thruster, force)], read=read)
     assert 1e-4 < worst <= case.transient.bound_m < 0.6
+    assert worst <= case.foreseen.with_margin_m
+    assert 0.5 * worst <= case.foreseen.farthest_m <= 3.0 * worst + 0.01
+    assert not case.foreseen.going_on
     line = next(line for line in flown.log if "transient at most" in line.text)
     said = float(line.text.split("transient at most ")[1].split(" m")[0])
     assert float(np.max(error[t >= line.t])) <= said
