@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from cube_sim.vehicle.feeding import feeding_words
 from cube_sim.vehicle.fins import Fins, lift_tables
 from cube_sim.vehicle.floating import floating_height
 from cube_sim.vehicle.laws import fin
@@ -41,6 +42,8 @@ def cautions(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
     """Sentences on what is most likely a mistake, for the log of whoever flies the vehicle."""
     less = (vehicle.displaced_mass - vehicle.mass) * float(np.linalg.norm(vehicle.gravity))
     said = kept_words(model) + _stiff(model, vehicle)
+    if fed := feeding_words(vehicle.linear_damping, vehicle.quadratic_damping, vehicle.lift):
+        said.append(fed)
     push = _most(vehicle, slice(0, 3))
     push += _most_ballast(vehicle)
     if abs(less) > max(push, NEUTRAL * vehicle.mass) and not Fins.from_model(model, _number(model, vehicle)).names:
