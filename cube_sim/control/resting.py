@@ -12,7 +12,7 @@ import numpy as np
 
 from cube_sim.control.nearest_forces import QUICK, nearest_forces
 from cube_sim.control.pace import ForceBudget
-from cube_sim.control.roomiest_attitude import spread_attitudes
+from cube_sim.control.roomiest_attitude import excess, spread_attitudes
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.tuples import rotated, to_body, triple
@@ -70,6 +70,8 @@ def nearest_rest(hull: Record, budget: ForceBudget, force_ratio: float, flow_W: 
         flow_W: velocity through the water at rest (3,) [m/s], world axes.
         near: R_WB (3,3).
     """
+    if surely_rests(hull, budget, SHARES[0] * force_ratio, flow_W, near):
+        return Rest(near, np.zeros(6), True)
     found, scale = [], _reckoned(budget, force_ratio).scale
     attitudes = np.concatenate([near[None], _headed_like(near), spread_attitudes()])
     for share in SHARES:
@@ -83,6 +85,18 @@ def nearest_rest(hull: Record, budget: ForceBudget, force_ratio: float, flow_W: 
         if at_rest:
             return max(at_rest, key=lambda rest: float(np.sum(rest.attitude * near)))
     return min(found, key=lambda rest: float(np.linalg.norm(scale * rest.missing)))
+
+
+def surely_rests(hull: Record, budget: ForceBudget, force_ratio: float, flow_W: Vector, attitude: Matrix) -> bool:
+    """Whether the facets of what the thrusters make hold a hull at rest in an attitude; arguments as above.
+
+    They tell it exactly where all six components are there. Forces sought step by step may come to less: where columns
+    are nearly alike, as of a layout drawn by chance, many steps lead there.
+    """
+    if np.linalg.matrix_rank(budget.matrix) < 6:
+        return False
+    offsets = np.ascontiguousarray(budget.attainable.offsets)
+    return bool(excess(hull, budget.normals, offsets, budget.held_shares, force_ratio, triple(flow_W), attitude) <= 0.0)
 
 
 def rest_in(hull: Record, budget: ForceBudget, attitude: Matrix) -> Rest:
