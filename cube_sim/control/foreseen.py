@@ -176,12 +176,22 @@ def carried_along(follower: PathFollower, state: State, off_m: float, less_known
         off_m: how far it is off its path already.
         less_known_m: how much less is known of where it is.
     """
-    nu = np.concatenate([state.velocity, state.rates])
-    told = follower.loops.dynamics.record, follower.capability.held, state.rotation, nu, follower.current
-    carried = carried_m(*told, round(AHEAD_S))
+    carried = _carried(follower, state)
     farthest = off_m + float(carried[-1])
     going_on = bool(carried[-1] > 1.1 * carried[len(carried) // 2])
     return Foreseen(farthest, MARGIN * farthest + 2.0 * ROOM_M + less_known_m, going_on)
+
+
+def coasts_m(follower: PathFollower, state: State) -> float:
+    """How far a hull goes while it is looked ahead if all thrusters that are not stuck are off [m]."""
+    return float(_carried(follower, state)[-1])
+
+
+def _carried(follower: PathFollower, state: State) -> Vector:
+    """The largest distance from where it is within each second, thrusters off (n,) [m]."""
+    nu = np.concatenate([state.velocity, state.rates])
+    told = follower.loops.dynamics.record, follower.capability.held, state.rotation, nu, follower.current
+    return carried_m(*told, round(AHEAD_S))
 
 
 @compiled

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from cube_sim.control.authority import Authority
-from cube_sim.control.foreseen import AHEAD_S, Ahead, Foreseen, carried_along, foreseen
+from cube_sim.control.foreseen import AHEAD_S, Ahead, Foreseen, carried_along, coasts_m, foreseen
 from cube_sim.control.left_thrusters import LeftThrusters
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode
@@ -88,4 +88,8 @@ def _foreseen(
         at = state, given[budget.which], wrench, mission.scenario.control_period_s
         return Ahead(law, thrusters, *at, ratio, _in_place(mission), unknown).fly(AHEAD_S, until_back)
 
-    return foreseen(flown(np.zeros(6), False), flown(follower.disturbance, True), less_known_m)
+    ahead = foreseen(flown(np.zeros(6), False), flown(follower.disturbance, True), less_known_m)
+    if left.authority is not Authority.SAFE:
+        return ahead
+    coasts = off_m + coasts_m(follower, state) + less_known_m  # little is left that would keep it from that
+    return ahead._replace(with_margin_m=max(ahead.with_margin_m, coasts))

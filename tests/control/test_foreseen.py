@@ -186,6 +186,17 @@ def test_flights_do_what_was_foreseen_when_the_fault_was_found(model, events):
 
 
 @pytest.mark.flight
+def test_a_hull_that_nothing_drives_any_more_is_said_to_go_as_far_as_it_coasts():
+    flight = Flight(line("torpedo", [thruster_event(8.0, ["propeller"])], duration_s=20.0))
+    flight.fly(flight.mission.scenario.ticks)
+    said = next(said for said in flight.log if "transient" in said.text)
+    assert "SAFE" in said.text
+    t, x, *_ = flight.signals["pose.position"].T
+    coasted = float(x[-1] - x[np.searchsorted(t, said.t)])
+    assert said_of(said.text)[0] > coasted > 0.3
+
+
+@pytest.mark.flight
 def test_both_loops_foresee_the_same_on_sensors(monkeypatch):
     sensors = {"dvl": {"rate_hz": 5.0, "noise_m_s": 0.01}, "position": {"rate_hz": 0.5, "noise_m": 0.3}}
     scenario = line("bluerov2_heavy", TURNS[1], duration_s=15.0, navigation=sensors)
