@@ -217,3 +217,14 @@ def test_a_run_tells_of_the_fins_of_its_vehicle():
     assert thrust.fins == ("stern_planes", "rudder")
     np.testing.assert_array_equal(thrust.travel, fins.travel)
     np.testing.assert_allclose(np.linalg.norm(thrust.per_newton[:3], axis=0), 1.0)
+
+
+def test_no_more_is_missing_than_was_asked_for():
+    """What is made the other way is told beside: 46 N m asked, -2 N m made were "48 of 46 N m missing"."""
+    rows = flown(100)
+    missed(rows, range(100), [0.0, 0.0, 0.0, 0.0, 0.0, 46.0], [0.0, -4.0])
+    ((_, _, text),) = told(rows)
+    assert "all 46 N m of yaw missing and 2 N m made the other way" in text
+    rows = flown(100)
+    missed(rows, range(100), [0.0, 0.0, 0.0, 0.0, 0.0, 46.0], [0.0, -1e-9])
+    assert "46 of 46 N m of yaw missing" in told(rows)[0][2]
