@@ -21,6 +21,7 @@ from cube_sim.control.oscillation_centre import see_centre, watch_centre
 from cube_sim.control.own_law import OwnLawParts
 from cube_sim.control.pace import LEAST_PACE
 from cube_sim.control.refuge import look_back
+from cube_sim.control.steering_by_fins import keep_course
 from cube_sim.control.wanted_attitude import want_attitude
 from cube_sim.guidance.approach import approach_motion
 from cube_sim.guidance.pursuit import pursuit_motion
@@ -96,6 +97,7 @@ class LawParts(NamedTuple):
         memory: of `follow`, moved on.
         refuge: record of `cube_sim.control.refuge.REFUGE`, moved on.
         shortage: record of `cube_sim.control.shortage.SHORTAGE`, over once the refuge is no more needed.
+        course: record of `cube_sim.control.course_keeping.COURSE`, its water filled where fins steer.
         own: the law of the user's own that steers in place of cube_sim's; none where that does.
     """
 
@@ -128,6 +130,7 @@ class LawParts(NamedTuple):
     memory: Record
     refuge: Record
     shortage: Record
+    course: Record
     own: OwnLawParts
 
 
@@ -206,6 +209,10 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio,
     call_at(WANTING, wanting, (p, desired, view, R, q, dt, force_ratio))
     if p.refuge[0].taken:
         stay_in_refuge(p, desired, force_ratio)
+    if p.course[0].steered:
+        told = velocity, acceleration, unknown, current, dt, False
+        keep_course(hull, p.course, p.loops, p.memory, followed, desired, view, R, q, v, w, *told)
+        return
     follow(
         hull,
         p.loops,

@@ -16,6 +16,7 @@ from cube_sim.control.attitude_mode import DESIRED, AttitudeMode
 from cube_sim.control.authority import CAPABILITY
 from cube_sim.control.balancing import BALANCE
 from cube_sim.control.balancing import MEMORY as BALANCED
+from cube_sim.control.course_keeping import COURSE
 from cube_sim.control.disturbance import MEMORY as DISTURBANCE
 from cube_sim.control.fixed_attitude import FixedAttitude
 from cube_sim.control.force_first import NOT_FORCE_FIRST, ForceFirst
@@ -103,6 +104,7 @@ class CompiledParts:
             follower.memory,
             follower.refuge.memory,
             follower.shortage,
+            follower.course,
             no_own_law(),
         )
 
@@ -265,7 +267,7 @@ def resting_law() -> LawParts:
         *NO_BUDGET,
         *modes,
         np.zeros(3),
-        *zero(BALANCED, CENTRE, ASKED, REFUGE, SHORTAGE),
+        *zero(BALANCED, CENTRE, ASKED, REFUGE, SHORTAGE, COURSE),
         no_own_law(),
     )
     return LawParts._make(parts)

@@ -26,6 +26,8 @@ class Decision(NamedTuple):
         authority: how it flies with the thrusters it believes to have.
         pace: share of the speed along the path that is asked for; below 1 where the thrusters cannot keep it.
         given_up: why the path is no longer followed and what is done instead; "" while it is.
+        fins_water: the velocity of the water (3,) in which fins are turned [m/s], world axes: what is not explained yet
+            is taken for water, too; None for `current`.
     """
 
     wrench: Vector
@@ -41,6 +43,7 @@ class Decision(NamedTuple):
     authority: Authority
     pace: float = 1.0
     given_up: str = ""
+    fins_water: Vector | None = None
 
 
 class Controller(Protocol):

@@ -7,6 +7,7 @@ from math import inf
 
 import numpy as np
 
+from cube_sim.control.along_path import AlongPath
 from cube_sim.control.asked import MEMORY
 from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import Authority, Capability, capability
@@ -16,6 +17,7 @@ from cube_sim.control.ceiling import Ceiling, keep_below, most_up
 from cube_sim.control.closing import closing_speed
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
+from cube_sim.control.course_keeping import COURSE, CourseKeeping
 from cube_sim.control.course_trim import SLOWER, CourseTrims, level_motion
 from cube_sim.control.current import CurrentObserver, told_of_water
 from cube_sim.control.disturbance import DisturbanceObserver
@@ -34,6 +36,7 @@ from cube_sim.control.resting import Rest, nearest_rest
 from cube_sim.control.roomiest_attitude import has_enough
 from cube_sim.control.safe_mode import CLOSE_M, POINTING_M, LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.control.shortage import SHORTAGE, watch_shortage
+from cube_sim.control.steering_by_fins import keep_course
 from cube_sim.control.thrown import LoopSpeeds
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
@@ -81,6 +84,7 @@ class PathFollower:
         capability: what the thrusters can still do; demands are projected onto it.
         limits_move: whether what the thrusters can make follows inflow and voltage, see `moment`.
         ceiling: what the hull lacks near the surface, above which it is not asked; None in endless water.
+        fins_speed: that at which it is known what the fins make [m/s]; 0 where none steer it.
         path_first: whether the attitude gives way to the path when the thrusters cannot serve both. Where the attitude
             has to point the thrust, it never does.
     """
@@ -101,6 +105,7 @@ class PathFollower:
     path_first: bool = False
     limits_move: bool = False
     ceiling: Ceiling | None = None
+    fins_speed: float = 0.0
 
     def __post_init__(self) -> None:
         """Fly with what the thrusters can do from the start."""
@@ -125,7 +130,11 @@ class PathFollower:
         self.refuge, self._holding = Refuge(), None
         budget, turned = left.budget, left.turned
         self._left = left.record(self.loops.dynamics.total_mass)
-        self.dragged = bool(self._left["dragged"].any())
+        keeping = None
+        if isinstance(self.attitude, AlongPath):  # any other attitude is one that the thrust is pointed in
+            keeping = CourseKeeping.of(left, self.loops.dynamics, self.fins_speed)
+        self.course: Record = np.zeros(1, COURSE) if keeping is None else keeping.record(self.loops.attitude_time)
+        self.dragged = bool(self._left["dragged"].any()) and keeping is None
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
         self.highest = inf if self.ceiling is None else self.ceiling.highest(self.most_up)
         if left.authority is Authority.HOLONOMIC and left.held.any():
@@ -148,7 +157,10 @@ class PathFollower:
             self._goal = None
         elif self._goal is not None:
             self._goal.set_reason(left.reason)
-        if left.authority in POINTING:
+        if keeping is not None:
+            if isinstance(self.approach, Approach):
+                self._approach = self.approach.no_faster_than(keeping.lateral_time(self.loops.attitude_time))
+        elif left.authority in POINTING:
             # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
             pointing = self._pointing_time(left)
             slower, turn = max(self.loops.velocity_time, SLOWER * pointing), self.loops.most_rate
@@ -178,6 +190,7 @@ class PathFollower:
             other.waits,
         )
         self.path_first, self._goal = other.path_first, None
+        self.fins_speed = other.fins_speed
         self.monitor = LossOfTargetMonitor(self.safe_mode)
         self.shortage = np.zeros(1, SHORTAGE)
         self.centre = np.zeros(1, CENTRE)
@@ -218,7 +231,10 @@ class PathFollower:
             if self.refuge.taken:
                 self._look_back(situation, dt)
             quaternion = attitude.quaternion
-            self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
+            if self.keeps_course:
+                quaternion = self._keep_course(followed, state, view, goal, motion, disturbance, current, dt)
+            else:
+                self._follow(followed, state, view, goal, motion, attitude, disturbance, current, applied, force_ratio)
             self._rests = goal is not None and goal.afloat(state.position)
             if self._rests or (self._holding is not None and self._holding.left_alone):
                 followed["wrench"] = self.capability.held
@@ -246,6 +262,7 @@ class PathFollower:
             authority=self.capability.authority if goal is None else Authority.SAFE,
             pace=float(answer["pace"]),
             given_up="" if goal is None else goal.reason,
+            fins_water=self.course["water"][0].copy() if self.keeps_course else None,
         )
 
     def _seen(self, state: State) -> Record | None:
@@ -304,6 +321,39 @@ class PathFollower:
             self.balanced is not None,
             float(self.shortage["since"][0]),
         )
+
+    def _keep_course(
+        self,
+        followed: Record,
+        state: State,
+        view: TargetView,
+        goal: SafeModeGoal | None,
+        motion: DesiredMotion,
+        disturbance: Vector,
+        current: Vector,
+        dt: float,
+    ) -> Vector:
+        """The law of a vehicle that its fins steer, its answer into `followed`; the attitude wanted (4,)."""
+        desired = np.zeros(1, DESIRED)
+        keep_course(
+            self.loops.dynamics.record,
+            self.course,
+            self._loops.record,
+            self.memory,
+            followed,
+            desired,
+            record_of(view),
+            state.rotation,
+            state.quaternion,
+            state.velocity,
+            state.rates,
+            *motion,
+            disturbance,
+            current,
+            dt,
+            goal is not None,
+        )
+        return desired["quaternion"][0]
 
     def _motion(self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float) -> DesiredMotion:
         """The desired motion of the hull, or of its centre of oscillation where turning pushes it."""
@@ -399,6 +449,9 @@ class PathFollower:
         if self._goal is not None and self._held_in is not None and not self.capability.steers_by_attitude:
             self.balanced = None
             return self._held_in
+        if self.keeps_course:
+            self.balanced = None
+            return self._wish
         chosen = self.refuge.taken or self.balanced is not None or self.capability.steers_by_attitude
         if self.pressed and not chosen and self._is_under_way(state, force_ratio):
             self.shortage["since"], self.shortage["pressed"] = 0.0, False
@@ -509,9 +562,20 @@ class PathFollower:
         return bool(left.held.any())
 
     @property
+    def keeps_course(self) -> bool:
+        """Whether its fins steer it: its heading follows the course, and nothing is pointed."""
+        return bool(self.course["steered"][0])
+
+    @property
+    def points(self) -> bool:
+        """Whether its attitude points the thrust, whatever else."""
+        return self.capability.steers_by_attitude and not self.keeps_course
+
+    @property
     def budgeted(self) -> bool:
         """Whether the wrench asked for is compared with what the thrusters make: one that is turned round takes any."""
-        return self.capability.budget is not None and self.capability.authority is not Authority.TURNED
+        known = self.capability.budget is not None and not self.keeps_course
+        return known and self.capability.authority is not Authority.TURNED
 
     @property
     def smeared_time(self) -> float:
@@ -527,7 +591,7 @@ class PathFollower:
     def ready(self) -> CompiledParts | None:
         """What one compiled call a tick goes on with as it stands; None where Python has something to say."""
         taken = self.refuge.taken
-        balanced = self.capability.steers_by_attitude or (self.pressed and not taken)
+        balanced = self.points or (self.pressed and not taken)
         if self._goal is not None or (self.balanced is not None) != balanced:
             return None
         if taken and not self.force_first:

@@ -124,7 +124,8 @@ def _steer(mission: Mission, decision: Decision, known: State) -> FinAnswer | No
     if mission.fins is None:
         return None
     deflections = mission.data.act[mission.fins.fins.activations]
-    seen = decision.wrench, known, decision.current, deflections, mission.force_ratio
+    water = decision.current if decision.fins_water is None else decision.fins_water
+    seen = decision.wrench, known, water, deflections, mission.force_ratio
     return mission.fins.share(mission.fins.parts(mission.allocator, mission.events.fins_told), *seen)
 
 

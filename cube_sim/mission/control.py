@@ -146,6 +146,7 @@ def controller_of(
         path_first=is_path_first(control),
         ceiling=ceiling_of(believed, scenario),
         limits_move=limits_move(believed.vehicle.thrusters, believed.model, scenario.battery is not None),
+        fins_speed=0.0 if ability.fins is None else scenario.guidance.speed_m_s,
     )
 
 

@@ -127,6 +127,7 @@ def fly(
     body, warned, text = e.hull[2], e.warnings.sum(), e.text.ctypes.data
     view, desired, followed = np.zeros(1, VIEW), np.zeros(1, DESIRED), np.zeros(1, FOLLOWED)
     given, activation, force, current = np.empty(m), np.empty(m), np.empty(m), np.zeros(3)
+    fins_water = np.zeros(3)
     secondary, parts, sides = np.zeros(6), np.empty(12), np.empty(len(thrusters.which), np.int8)
     disturbance, water, nobody, wrench = np.zeros(6), np.empty(3), np.zeros(m, np.bool_), np.empty(6)
     for k in range(first, count):
@@ -238,7 +239,10 @@ def fly(
         if fins.steered:
             for i in range(len(fins.actuators)):
                 fins.deflections[i] = e.act[fins.activations[i]]
-            motion_seen = R, speed, rates, current
+            put(fins_water, current)
+            if law.course[0].steered:
+                put(fins_water, law.course[0].water)
+            motion_seen = R, speed, rates, fins_water
             shared = fins.wanted, fins.made, fins.rest
             put(wrench, out.wrench)
             missed = call_at(

@@ -63,7 +63,7 @@ class Steering(NamedTuple):
         if type(controller) is not PathFollower or (parts := controller.ready) is None:
             return None
         left = controller.capability
-        told = controller.target, controller.monitor.memory, controller.shortage, left.steers_by_attitude
+        told = controller.target, controller.monitor.memory, controller.shortage, controller.points
         yielding = controller.coupling, controller.attitude_yields
         return cls(False, parts.arguments(controller), resting_planar_law(), *told, *yielding, float(left.authority))
 
