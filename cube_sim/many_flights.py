@@ -249,7 +249,8 @@ def _require_possible(wanted: Sequence[str], loaded: Sequence[Loaded]) -> None:
     phased = ("1",) * any(one.scenario.phases for one in loaded)
     timed = any(is_timed(one.scenario.phases) for one in loaded)
     told = tuple(dict.fromkeys(name for one in loaded for name in commanded(one.scenario)))
-    others = told, (("1", "1"),) * len(told), ("F1",) * any(fins_fail(one.scenario) for one in loaded)
+    joints = (("J1", "1"),), (("J1", "1"),)
+    others = told, (("1", "1"),) * len(told), ("F1",) * any(fins_fail(one.scenario) for one in loaded), *joints
     channels = channel_table(("T1",), 1, (), (), SUPPLY, pushed, phased, timed, ("F1",), *others)
     known = dict.fromkeys(f"{channel.name}.{field.name}" for channel in channels for field in channel.fields)
     for one in loaded:

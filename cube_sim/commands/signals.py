@@ -62,9 +62,9 @@ def _recorded(scenario: Path, settings: list[str] | None) -> tuple[tuple[Channel
     if isinstance(loaded, LoadedFleet):
         from cube_sim.mission.fleet import fleet_channels
 
-        each = {name: recorded_channels(one.scenario, flown_hull(one).vehicle) for name, one in loaded.vehicles.items()}
+        each = {name: recorded_channels(one.scenario, *flown_hull(one)) for name, one in loaded.vehicles.items()}
         return fleet_channels(loaded.scenario, each), loaded.scenario.control_period_s
-    return recorded_channels(loaded.scenario, flown_hull(loaded).vehicle), loaded.scenario.control_period_s
+    return recorded_channels(loaded.scenario, *flown_hull(loaded)), loaded.scenario.control_period_s
 
 
 def to_list(channels: Iterable[Channel], period_s: float) -> list[dict[str, Any]]:

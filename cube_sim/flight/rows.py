@@ -39,6 +39,7 @@ class TickRows(NamedTuple):
     disturbance: Table
     fins: Table
     setpoints: Table
+    joints: Table
 
     def named(self) -> Iterator[tuple[str, Table]]:
         """Channel and rows, for `SignalStore.extend`."""
@@ -179,6 +180,26 @@ def write_setpoints(rows, k, t, setpoints, act):
         actuator, activation = setpoints.actuators[i], setpoints.activations[i]
         rows.setpoints[k, 1 + i] = setpoints.wanted[i]
         rows.setpoints[k, 1 + n + i] = setpoints.lengths[actuator] if activation < 0 else act[activation]
+
+
+@compiled
+def write_joints(rows, k, t, joints, qpos, qvel):
+    """The row of the joints of what the hull carries.
+
+    Args:
+        rows: `TickRows`.
+        k: which of them.
+        t: simulated time [s].
+        joints: `cube_sim.vehicle.carried_joints.JointPlaces`.
+        qpos: MuJoCo's.
+        qvel: MuJoCo's.
+    """
+    n = len(joints.positions)
+    rows.joints[k, 0] = t
+    for i in range(n):
+        rows.joints[k, 1 + i] = qpos[joints.positions[i]]
+    for i in range(len(joints.velocities)):
+        rows.joints[k, 1 + n + i] = qvel[joints.velocities[i]]
 
 
 @compiled

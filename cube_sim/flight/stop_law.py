@@ -40,7 +40,9 @@ def _row(rows, table, k):
         return rows.disturbance[k]
     if table == 12:
         return rows.fins[k]
-    return rows.setpoints[k]
+    if table == 13:
+        return rows.setpoints[k]
+    return rows.joints[k]
 
 
 @compiled

@@ -12,7 +12,15 @@ from cube_sim.allocation.fin_shares import with_missed
 from cube_sim.control.controller import Decision
 from cube_sim.control.following import FOLLOWED
 from cube_sim.flight.action import Action
-from cube_sim.flight.rows import TickRows, write_actuation, write_disturbance, write_fins, write_motion, write_setpoints
+from cube_sim.flight.rows import (
+    TickRows,
+    write_actuation,
+    write_disturbance,
+    write_fins,
+    write_joints,
+    write_motion,
+    write_setpoints,
+)
 from cube_sim.guidance.view_record import record_of
 from cube_sim.mission import Mission
 from cube_sim.mission.disturbance import pushes_of
@@ -112,6 +120,8 @@ def tick(
         parts = parts_of(mission.setpoints, mission.data)
         command_others(parts, t, mission.data.ctrl)
         write_setpoints(rows, 0, t, parts, mission.data.act)
+    if mission.joints is not None:
+        write_joints(rows, 0, t, mission.joints.places, mission.data.qpos, mission.data.qvel)
     # The errors recorded are those of the true state, not of the estimate.
     attitude_error = decision.attitude_error if known is state else angle_of_turn(decision.quaternion, state.quaternion)
     _write(mission, rows, t, state, decision, attitude_error, allocation, commands)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 
 from cube_sim.allocation import Status
@@ -9,21 +10,30 @@ from cube_sim.control.authority import Authority
 from cube_sim.guidance.path import Path
 from cube_sim.mission.disturbance import force_events
 from cube_sim.mission.navigation import channels_of
-from cube_sim.mission.setpoints import Setpoints
+from cube_sim.mission.setpoints import setpoints_of
 from cube_sim.recording.channels import SUPPLY, WHY_NOT_SUPPLIED, Channel, channel_table
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.fin_event_block import FinEventBlock
 from cube_sim.scenario.phase_blocks import is_timed
 from cube_sim.spatial import Matrix
+from cube_sim.vehicle.carried_joints import carried_joints
 from cube_sim.vehicle.vehicle import Vehicle
 
 PATH_POINTS = 400
 """Points of the polyline by which a recording shows the path."""
 
 
-def recorded_channels(scenario: Scenario, vehicle: Vehicle, setpoints: Setpoints | None = None) -> tuple[Channel, ...]:
-    """The channel table of a run, with the names of the vehicle's thrusters and the scenario's sensors in it."""
+def recorded_channels(scenario: Scenario, model: mujoco.MjModel, vehicle: Vehicle) -> tuple[Channel, ...]:
+    """The channel table of a run, with the names of the vehicle's thrusters and the scenario's sensors in it.
+
+    Args:
+        scenario: to be flown.
+        model: that flies.
+        vehicle: in it.
+    """
+    setpoints = setpoints_of(scenario, model, vehicle)
     told = () if setpoints is None else setpoints.told
+    joints = carried_joints(model, vehicle.body, vehicle.thrusters.prefix)
     return channel_table(
         vehicle.thrusters.names,
         PATH_POINTS,
@@ -37,6 +47,8 @@ def recorded_channels(scenario: Scenario, vehicle: Vehicle, setpoints: Setpoints
         tuple(each.name for each in told),
         tuple((each.wanted_unit, each.reached_unit) for each in told),
         vehicle.fins.names if vehicle.fins is not None and fins_fail(scenario) else (),
+        () if joints is None else joints.positions,
+        () if joints is None else joints.velocities,
     ) + channels_of(scenario.navigation)
 
 

@@ -43,6 +43,7 @@ from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.attitude_blocks import AlongPathBlock
 from cube_sim.scenario.path_blocks import PythonPathBlock
 from cube_sim.spatial import Matrix
+from cube_sim.vehicle.carried_joints import CarriedJoints, carried_joints
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.laws.inflow import Inflow
 from cube_sim.vehicle.power_supply import PowerSupply
@@ -74,6 +75,7 @@ class Mission:
         stops: what ends the flight before its time.
         phases: the legs of the mission; none where it has one path.
         setpoints: what the scenario tells other actuators; None where it tells none.
+        joints: of what the hull carries; None where it carries nothing that moves.
         codes: code of the user's own, by the value in whose place it stands.
         inflow: what the thrusters can hold as the moment has it; see `cube_sim.mission.moment`.
     """
@@ -98,6 +100,7 @@ class Mission:
     phases: Phases
     inflow: Inflow
     setpoints: Setpoints | None = None
+    joints: CarriedJoints | None = None
     codes: Codes = field(default_factory=dict)
 
     @property
@@ -156,8 +159,7 @@ def mission_of(
     believed = believed_hull(loaded, alone)
     model, vehicle = flown
     path, outline = _path(loaded, codes)
-    setpoints = setpoints_of(scenario, model, vehicle)
-    channels = recorded_channels(scenario, vehicle, setpoints)
+    channels = recorded_channels(scenario, model, vehicle)
     require_signals(loaded, vehicle, channels)
     require_possible_events(loaded, vehicle)
     require_a_value_per_thruster(loaded, vehicle)
@@ -192,7 +194,8 @@ def mission_of(
         stops=Stops(scenario, channels),
         phases=phases,
         inflow=inflow,
-        setpoints=setpoints,
+        setpoints=setpoints_of(scenario, model, vehicle),
+        joints=carried_joints(model, vehicle.body, vehicle.thrusters.prefix),
         codes=codes,
     )
     if mission.phases:

@@ -35,6 +35,7 @@ WATCHED = (
     "disturbance",
     "fins",
     "setpoints",
+    "joints",
 )
 """Channels with a row at every tick that the loop itself writes, in the order of their tables."""
 SIGNAL, PATH_END, TIMED, RESTING = range(4)

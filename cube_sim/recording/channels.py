@@ -136,6 +136,8 @@ def why_absent(signal: str) -> str:
         return "the scenario has no event of kind fins"
     if channel == "setpoints":
         return "the scenario has no setpoints, and no event of kind setpoint"
+    if channel == "joints":
+        return "the vehicle carries nothing on a joint"
     if channel == DISTURBANCE.name:
         return "the scenario has no event of kind force"
     if channel == "phase":
@@ -191,6 +193,19 @@ def _setpoints(names: tuple[str, ...], units: tuple[tuple[str, str], ...]) -> tu
     return (Channel("setpoints", fields),)
 
 
+def _joints(positions: tuple[tuple[str, str], ...], velocities: tuple[tuple[str, str], ...]) -> tuple[Channel, ...]:
+    if not positions:
+        return ()
+    names, units = zip(*positions, strict=True)
+    stands = "where each joint of what the hull carries stands; a ball by its quaternion"
+    rates, rate_units = zip(*velocities, strict=True)
+    fields = (
+        Field("position", len(names), ", ".join(units), stands, names),
+        Field("velocity", len(rates), ", ".join(rate_units), "how fast each of them moves", rates),
+    )
+    return (Channel("joints", fields),)
+
+
 @lru_cache(maxsize=16)  # of many flights it is the same
 def _phase(names: tuple[str, ...], timed: bool) -> tuple[Channel, ...]:
     flown = Field("index", 1, "1", "which phase is flown, a code", (), names)
@@ -212,6 +227,8 @@ def channel_table(
     setpoints: tuple[str, ...] = (),
     setpoint_units: tuple[tuple[str, str], ...] = (),
     failing: tuple[str, ...] = (),
+    joint_positions: tuple[tuple[str, str], ...] = (),
+    joint_velocities: tuple[tuple[str, str], ...] = (),
 ) -> tuple[Channel, ...]:
     """Declare what a run of a vehicle with these thrusters records.
 
@@ -228,6 +245,8 @@ def channel_table(
         setpoints: names of the actuators that the scenario commands, if there are any.
         setpoint_units: of each, that of its command and that of what it has reached.
         failing: names of the fins again, where the scenario has any of them fail.
+        joint_positions: name and unit of each number of position of what the hull carries on joints, if it does.
+        joint_velocities: the same of velocity.
 
     Returns:
         The channels in the order in which they are written.
@@ -343,6 +362,7 @@ def channel_table(
         *((DISTURBANCE,) if pushed else ()),
         *_fins(fins),
         *_setpoints(setpoints, setpoint_units),
+        *_joints(joint_positions, joint_velocities),
         *_fin_health(failing),
         *_phase(phases, timed),
     )

@@ -132,7 +132,11 @@ class Shape:
 
 def vehicle_shapes(model: mujoco.MjModel, vehicle: str | None = None) -> list[Shape]:
     """List the geoms that move with the vehicle, in body axes."""
-    body = vehicle_body(model, vehicle)
+    return body_shapes(model, vehicle_body(model, vehicle))
+
+
+def body_shapes(model: mujoco.MjModel, body: int) -> list[Shape]:
+    """List the geoms of a body that moves and of what is welded to it, in its axes."""
     return _shapes(model, body, [i for i in range(model.ngeom) if _welded_to(model, i) == body])
 
 

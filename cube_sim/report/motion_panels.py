@@ -126,6 +126,17 @@ def setpoint_panels(subjects: Subjects) -> Iterator[Panel]:
             yield from panels(subjects, f"{name}, reached", units[1], reached, height=110)
 
 
+def joint_panels(subjects: Subjects) -> Iterator[Panel]:
+    """Where each joint stands that the hull carries; none where it carries nothing on a joint."""
+    subject = next((each for each in subjects if each.has("joints.position")), None)
+    if subject is None:
+        return
+    field = subject.run.fields["joints.position"]
+    for k, (name, unit) in enumerate(zip(field.columns, field.units, strict=True)):
+        traces = signal_traces(subjects, "joints.position", only=slice(k, k + 1))
+        yield from panels(subjects, f"Joint {name}", unit, traces, height=110)
+
+
 def power_panels(subjects: Subjects) -> Iterator[Panel]:
     """Power of all motors, what they have drawn, voltage and charge where they change; none of a model without."""
     if not any(np.any(subject.rows("power.motor")[:, 1:] > 0) for subject in subjects):

@@ -31,6 +31,7 @@ from cube_sim.report.motion_panels import (
     depth_panels,
     error_panels,
     fin_panels,
+    joint_panels,
     navigation_panels,
     power_panels,
     sensor_names,
@@ -167,6 +168,7 @@ def _sections(
     yield "thrusters", "Thrusters", _thrusters(subjects, axis, told)
     yield "fins", "Fins", _drawn(fin_panels(subjects), axis)
     yield "setpoints", "Set-points", _drawn(setpoint_panels(subjects), axis)
+    yield "joints", "Joints", _drawn(joint_panels(subjects), axis)
     yield "wrench", "Wrench", _drawn(wrench_panels(subjects), axis)
     yield "velocity", "Velocity", _drawn(velocity_panels(subjects), axis)
     yield "power", "Power and charge", _drawn(power_panels(subjects), axis)

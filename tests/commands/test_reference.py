@@ -122,6 +122,7 @@ def test_every_example_can_be_flown(where, tmp_path):
 def test_every_channel_says_who_writes_it():
     sensors = dict.fromkeys(READINGS, 1.0)
     told = {"setpoints": ("A1",), "setpoint_units": (("m", "m"),), "failing": ("F1",)}
+    told |= {"joint_positions": (("J1", "m"),), "joint_velocities": (("J1", "m/s"),)}
     channels = (
         *channel_table(("T1",), 2, pushed=True, phases=("leg",), timed=True, fins=("F1",), **told),
         *navigation_channels(sensors),

@@ -66,6 +66,7 @@ WRITTEN_BY = {
     "fins": "the allocation, and MuJoCo",
     "fin_health": "the scenario's events of kind `fins`, and what the controller is told of them; where it has any",
     "setpoints": "the scenario's `setpoints` and events of kind `setpoint`, and MuJoCo; where it has any",
+    "joints": "MuJoCo, at the start of the control period; where the hull carries anything on a joint",
     "phase": "the scenario's phases, at the tick at which one begins",
     "navigation": "the estimator",
     "navigation_error": "the estimator against MuJoCo",
@@ -248,6 +249,7 @@ def recording_page() -> str:
 def _tables(m: int) -> tuple[Channel, ...]:
     """The channels of a vehicle with m thrusters, T1 to Tm, and as many fins."""
     names = tuple(f"T{i + 1}" for i in range(m - 1))
+    joints = (*(f"J{i + 1}" for i in range(m - 1)), "Jk")
     return channel_table(
         (*names, "Tm"),
         PATH_POINTS,
@@ -260,6 +262,8 @@ def _tables(m: int) -> tuple[Channel, ...]:
         setpoints=(*(f"A{i + 1}" for i in range(m - 1)), "Ak"),
         setpoint_units=(("of the actuator", "of the actuator"),) * m,
         failing=(*(f"F{i + 1}" for i in range(m - 1)), "Fk"),
+        joint_positions=tuple((name, "rad or m") for name in joints),
+        joint_velocities=tuple((name, "rad/s or m/s") for name in joints),
     )
 
 
@@ -281,7 +285,7 @@ def _section(channel: Channel, wider: Channel) -> Iterator[str]:
         wider: the same of a vehicle with two: what has grown is per thruster.
     """
     yield heading(3, code(channel.name))
-    many = "k" if channel.name in ("fins", "fin_health", "setpoints") else "m"
+    many = "k" if channel.name in ("fins", "fin_health", "setpoints", "joints") else "m"
     rows = [_row(one, two, many) for one, two in zip(channel.fields, wider.fields, strict=True)]
     yield table(("field", "columns", "unit", "what it is"), rows)
 
@@ -299,6 +303,6 @@ def _row(field: Field, wider: Field, many: str) -> tuple[str, str, str, str]:
 
 
 def _elided(columns: tuple[str, ...]) -> str:
-    if len(columns) <= _FEW and not {"Tm", "Fk", "Ak"} & set(columns):
+    if len(columns) <= _FEW and not {"Tm", "Fk", "Ak", "Jk"} & set(columns):
         return ", ".join(columns)
     return f"{columns[0]} ... {columns[-1]}"

@@ -38,6 +38,7 @@ from cube_sim.navigation.imu import INERTIAL
 from cube_sim.navigation.reading import READING
 from cube_sim.spatial import Vector
 from cube_sim.vehicle.ballast import ballast_rows
+from cube_sim.vehicle.carried_joints import places_of
 from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.laws.ballast import DENSITY
 from cube_sim.vehicle.laws.push import COLUMNS
@@ -136,6 +137,7 @@ def _arguments(
         _feed(mission),
         _fins(mission),
         parts_of(mission.setpoints, mission.data),
+        places_of(mission.joints),
         evidence,
         sensing,
         course,

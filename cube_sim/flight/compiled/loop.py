@@ -21,6 +21,7 @@ from cube_sim.flight.rows import (
     write_actuation,
     write_disturbance,
     write_fins,
+    write_joints,
     write_motion,
     write_power,
     write_setpoints,
@@ -91,8 +92,8 @@ def _top(e, hull):
 
 @unlocked
 def fly(
-    codes, first, count, tick, engine, hull, feed, fins, setpoints, evidence, sensing, course, law, planar, answering,
-    thrusters, moment, rows, notes, stops,
+    codes, first, count, tick, engine, hull, feed, fins, setpoints, joints, evidence, sensing, course, law, planar,
+    answering, thrusters, moment, rows, notes, stops,
 ):  # fmt: skip
     """Fly up to so many ticks.
 
@@ -108,6 +109,7 @@ def fly(
         feed: `Feed`.
         fins: `FinServos`.
         setpoints: `cube_sim.mission.setpoints.SetpointParts`.
+        joints: `cube_sim.vehicle.carried_joints.JointPlaces`.
         evidence: `FaultWatch`.
         sensing: `Sensing`.
         course: `Course`.
@@ -275,6 +277,8 @@ def fly(
         if len(setpoints.actuators) > 0:
             command_others(setpoints, t, e.ctrl)
             write_setpoints(rows, k, t, setpoints, e.act)
+        if len(joints.positions) > 0:
+            write_joints(rows, k, t, joints, e.qpos, e.qvel)
         notes.pace[k], notes.force_ratio[k] = out.pace, force_ratio
         put(water, hull.wind)
         if hull.sheared:

@@ -31,6 +31,7 @@ from cube_sim.guidance.law import Target
 from cube_sim.mission import Mission
 from cube_sim.mission.setpoints import SetpointParts
 from cube_sim.spatial import Record, State, Vector
+from cube_sim.vehicle.carried_joints import JointPlaces
 from cube_sim.vehicle.plugin.clock import held_still
 
 
@@ -46,6 +47,7 @@ class FlyArguments(NamedTuple):
     feed: Feed
     fins: FinServos
     setpoints: SetpointParts
+    joints: JointPlaces
     evidence: FaultWatch
     sensing: Sensing
     course: Course

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cube_sim.recording.batch import Batch, Rows
 from cube_sim.recording.geometry import thruster_mounts
 from cube_sim.recording.rerun import palette
+from cube_sim.recording.rerun.carried import CarriedDrawing
 from cube_sim.recording.rerun.drawn import Drawn
 from cube_sim.recording.rerun.ending import ending_text
 from cube_sim.recording.rerun.gaps import Gaps
@@ -60,6 +61,8 @@ class RunDrawing:
         mounts = thruster_mounts(model, vehicle)
         self._axes, self._thrusters = mounts.axes, mounts.names
         log_scene(recording, model, vehicle, drawn.places, drawn.measures, drawn.look, self._parts)
+        recorded = ("joints", "position") in self._columns
+        self._carried = CarriedDrawing(recording, model, vehicle, drawn.places, self._parts, recorded)
         if mounts.moving:
             moving = f"{', '.join(mounts.moving)}: on what moves on the hull, drawn in its reference pose"
             recording.log(f"{self._places.log}/model/moving thrusters", rr.TextLog(moving, level="WARN"), static=True)
@@ -160,6 +163,9 @@ class RunDrawing:
             if changed.size:
                 arrows = current[changed] * self._measures.arrow_m_per_m_s
                 self._send(self._places.current, rows[changed], rr.Arrows3D.columns(vectors=arrows))
+        elif name == "joints":
+            for entity, placed in self._carried.placed(self._values(rows, name, "position")):
+                self._send(entity, rows, placed)
         elif name == "health":
             self._mark_thrusters(rows)
         elif name == "sensor_position" and ("sensor_position", "position") in self._columns:

@@ -76,7 +76,7 @@ NAVIGATION, WATER, POWER = "/plot/navigation", "/plot/water", "/plot/power"
 VELOCITY, HEIGHT, HEADING = "/plot/velocity", "/plot/height", "/plot/heading"
 BATTERY, SURPRISE = "/plot/battery", "/plot/surprise"
 THRUSTERS, FINS, LANES, HEALTH = "/plot/thrusters", "/plot/fins", "/state", "/health"
-SETPOINTS = "/plot/setpoints"
+SETPOINTS, JOINTS = "/plot/setpoints", "/plot/joints"
 
 _BRIGHT, _DARK = (palette.ORANGE, palette.SKY, palette.GREEN), ((84, 60, 8), (30, 62, 82), (8, 60, 44))
 """Colours of x, y and z: thin bright lines on broad dark ones, so that both are seen where they agree."""
@@ -158,6 +158,9 @@ def _forces(table: _Table) -> Iterator[Curves]:
         yield Curves("thrusters", "force", THRUSTERS, names, tuple(palette.series(force.width)))
     yield from _fins(table)
     yield from _setpoints(table)
+    if joints := table.get("joints", {}).get("position"):
+        names = tuple(f"{name} [{unit}]" for name, unit in zip(joints.columns, joints.units, strict=True))
+        yield Curves("joints", "position", JOINTS, names, tuple(palette.series(joints.width)))
 
 
 def _setpoints(table: _Table) -> Iterator[Curves]:

@@ -108,10 +108,10 @@ def log_scene(
     recording.log(places.world, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for shape in world_shapes(model) if look.surroundings else ():
         solid = rr.components.FillMode.Solid
-        parts.draw(shape.name, partial(_log_shape, recording, f"{places.world}/surroundings", model, shape, solid))
+        parts.draw(shape.name, partial(log_shape, recording, f"{places.world}/surroundings", model, shape, solid))
     see_through = rr.components.FillMode.TransparentFillMajorWireframe
     for shape in vehicle_shapes(model, vehicle):
-        parts.draw(shape.name, partial(_log_shape, recording, f"{places.vehicle}/body", model, shape, see_through))
+        parts.draw(shape.name, partial(log_shape, recording, f"{places.vehicle}/body", model, shape, see_through))
     mounts = thruster_mounts(model, vehicle)
     _log_ducts(recording, mounts, places)
     recording.log(
@@ -202,13 +202,25 @@ def _log_ducts(recording: rr.RecordingStream, mounts: ThrusterMounts, places: Pl
     )
 
 
-def _log_shape(
+def log_shape(
     recording: rr.RecordingStream,
     parent: str,
     model: mujoco.MjModel,
     shape: Shape,
     fill: rr.components.FillMode,
 ) -> None:
+    """Draw one shape.
+
+    Args:
+        recording: into which.
+        parent: entity in whose axes it stands.
+        model: the compiled model.
+        shape: of it.
+        fill: how.
+
+    Raises:
+        ValueError: there is nothing like it to draw.
+    """
     geom = mujoco.mjtGeom
     colours = [palette.rgba8(shape.rgba)]
     placed = {"quaternions": [_xyzw(shape.rotation)], "colors": colours, "fill_mode": fill}
