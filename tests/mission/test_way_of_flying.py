@@ -90,5 +90,5 @@ def test_a_hull_whose_thrusters_do_all_that_its_fins_do_holds_a_point():
 
 def test_a_fin_is_told_from_a_thruster_where_a_thruster_is_to_fail():
     failing = {"events": [{"at_s": 0.5, "kind": "thrusters", "thrusters": ["rudder"], "state": "dead"}]}
-    with pytest.raises(ScenarioError, match=r"no thruster 'rudder'.*; 'rudder' turns a fin, and fins have no faults"):
+    with pytest.raises(ScenarioError, match=r"no thruster 'rudder'.*; 'rudder' turns a fin, which fails by"):
         prepare(load(SCENARIOS / "remus100_line.yaml", failing))
