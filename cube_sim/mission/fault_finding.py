@@ -14,7 +14,7 @@ from cube_sim.mission.hull import CompiledHull
 from cube_sim.mission.telemetry import Telemetry
 from cube_sim.scenario import Scenario
 from cube_sim.spatial import Matrix, Vector
-from cube_sim.vehicle.laws.inflow import Inflow, forces_in_flow
+from cube_sim.vehicle.laws.inflow import Inflow, whole_forces
 from cube_sim.vehicle.thrusters import Thrusters
 from cube_sim.wrench.health import Health
 
@@ -61,7 +61,7 @@ class FaultFinding:
             return self._diagnosis.health
         commands = data.act[self._thrusters.activations]
         if self._inflow.varies:
-            expected = forces_in_flow(self._inflow, share, commands)
+            expected = whole_forces(self._inflow, share, commands, measured, self._diagnosis.health.efficiency)
         else:
             expected = self._thrusters.force(commands)
         return self._diagnosis.update(expected, measured, force_ratio)

@@ -45,7 +45,7 @@ def flown(path, settings=None):
 def test_both_loops_fly_the_same(tmp_path, monkeypatch, settings):
     share = assert_same_flight(line_scenario(tmp_path), {"duration_s": 6.0, **settings}, monkeypatch)
     if "allocation.method" not in settings and "navigation" not in settings:
-        assert share > 0.7
+        assert share > 0.65
 
 
 def test_beside_fins_both_loops_fly_the_same(monkeypatch):
@@ -115,6 +115,13 @@ def test_at_its_speed_limit_the_pace_waits_and_nothing_saturates(tmp_path):
 def test_no_fault_is_found_where_there_is_none(tmp_path):
     """What the propeller should give is reckoned in its inflow: half of its rest thrust is none missing."""
     signals = flown(line_scenario(tmp_path, 2.0, 30.0), {"control.faults": "diagnosed"}).signals
+    np.testing.assert_array_equal(signals["health.believed"][:, 1:], 1.0)
+
+
+def test_a_current_that_nobody_knows_is_no_fault():
+    """The first seconds believe the water to be at rest, and a propeller gives another force in water that moves."""
+    settings = {"duration_s": 12.0, "current_m_s": [0.0, 0.2, 0.0], "control.faults": "diagnosed"}
+    signals = flown(REMUS, {**settings, "checks": [{"kind": "allowed_forces"}]}).signals
     np.testing.assert_array_equal(signals["health.believed"][:, 1:], 1.0)
 
 

@@ -40,7 +40,7 @@ from cube_sim.native.published import publish, published
 from cube_sim.tuples import angle_of_turn, put, put_matrix, sextuple, turned_to_world
 from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
-from cube_sim.vehicle.laws.inflow import commands_in_flow, feel_inflow, forces_in_flow
+from cube_sim.vehicle.laws.inflow import commands_in_flow, feel_inflow, whole_forces
 from cube_sim.vehicle.laws.push import push_wrench
 from cube_sim.vehicle.laws.supply_law import charge_left, feed_at, sag
 from cube_sim.vehicle.laws.supply_law import count as count_drawn
@@ -174,14 +174,14 @@ def fly(
         write_power(rows, k, t, power, supply.energy, supply.voltage, supply.charge)
         if evidence.watched:
             w = evidence.window
-            if inflow.varies:
-                whole = forces_in_flow(inflow, share, activation)
-            else:
-                whole = steady_forces(feed.curves, feed.starts, activation)
             measured = evidence.telemetry_gain * given
             if len(evidence.noise) > 0:
                 for i in range(m):
                     measured[i] += evidence.noise[k, i]
+            if inflow.varies:
+                whole = whole_forces(inflow, share, activation, measured, w.efficiency)
+            else:
+                whole = steady_forces(feed.curves, feed.starts, activation)
             enter_pair(w, whole, measured, force_ratio)
             if speaks_against(w, force_ratio):
                 return k, JUDGED

@@ -16,12 +16,16 @@ from cube_sim.spatial import Matrix, Vector
 from cube_sim.tuples import to_body
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, steady_forces
 from cube_sim.vehicle.laws.propeller import (
+    ADVANCE,
     held_forces,
     rotation,
     speed_of_advance,
     state_of_force,
     thrust_at,
 )
+
+FLOW_UNKNOWN_M_S = 0.5
+"""By how much the current at a propeller may be other than estimated (a choice): to its force that much is no fault."""
 
 
 class Inflow(NamedTuple):
@@ -97,6 +101,26 @@ def commands_in_flow(inflow, share, forces):
             row, u_a = inflow.rows[i], inflow.advance[i]
             commands[i] = state_of_force(row, inflow.points, forces[i], u_a, sqrt(share))
     return commands
+
+
+@compiled
+def whole_forces(inflow, share, commands, measured, efficiency):
+    """Steady forces (m,) [N] that whole thrusters make of commands (m,), as what is measured (m,) [N] leaves it open.
+
+    The flow at a propeller is known as well as the current is, which is estimated. As long as it is believed whole
+    (efficiency (m,) 1), what it would give in a flow slower or faster by `FLOW_UNKNOWN_M_S` at most is taken for what a
+    whole one gives. Other forces are held against that of the flow as it is estimated. The other arguments are those of
+    `commands_in_flow`.
+    """
+    forces = forces_in_flow(inflow, share, commands)
+    for i in range(len(commands)):
+        if inflow.turns[i] and efficiency[i] == 1.0:
+            row, u_a = inflow.rows[i], inflow.advance[i]
+            n, off = rotation(row, commands[i], sqrt(share)), row[ADVANCE] * FLOW_UNKNOWN_M_S
+            slower, faster = thrust_at(row, inflow.points, n, u_a - off), thrust_at(row, inflow.points, n, u_a + off)
+            if min(slower, faster) <= measured[i] <= max(slower, faster):
+                forces[i] = measured[i]
+    return forces
 
 
 @compiled
