@@ -28,13 +28,14 @@ from cube_sim.control.foreseen import Foreseen
 from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
 from cube_sim.control.transient import Transient
 from cube_sim.control.turning_limit import turning_of
-from cube_sim.errors import ActuationError
+from cube_sim.errors import ActuationError, ModelError
 from cube_sim.mission.parameter_values import parameter_values
 from cube_sim.mission.way_of_flying import STEERED_AT_SPEED_ONLY
 from cube_sim.scenario.document import parse_value
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.fins import FinsAtSpeed
 from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.mjcf.places import at_its_place
 from cube_sim.vehicle.mjcf.what_if import parameters_of, read_setting, set_sites
 from cube_sim.vehicle.remarks import remarks
 from cube_sim.vehicle.vehicle import Vehicle
@@ -121,7 +122,10 @@ def report_on(
     if picture is not None:
         check_path(picture)
     loaded = _loaded(model, settings)
-    vehicle = Vehicle.from_model(loaded, hull)
+    try:
+        vehicle = Vehicle.from_model(loaded, hull)
+    except ModelError as error:
+        raise at_its_place(error, model) from None
     A, names = vehicle.actuation_matrix, vehicle.thrusters.names
     if not names:
         raise ActuationError(f"{model}: {vehicle.name} has no thrusters")

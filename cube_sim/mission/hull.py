@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import mujoco
@@ -17,6 +18,7 @@ from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.compiled_once import CompiledOnce, room
 from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.mjcf.numeric_names import CURRENT, SURFACE
+from cube_sim.vehicle.mjcf.places import at_its_place
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.other_actuators import other_actuators
 from cube_sim.vehicle.standing import as_it_stands
@@ -152,7 +154,8 @@ def _compiled(
             where = "thrusters.dead_zone_N"
         elif error.element in parameters:
             where = "parameters"
-        raise ScenarioError([loaded.mistake(where, str(error))]) from None
+        told = str(error) if where == "parameters" else str(at_its_place(error, Path(file)))
+        raise ScenarioError([loaded.mistake(where, told)]) from None
     if not vehicle.thrusters.names:
         where = key if scenario.vehicle is None else "vehicle"
         raise ScenarioError([loaded.mistake(where, f"{file}: '{vehicle.name}' has no thruster")])

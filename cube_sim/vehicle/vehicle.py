@@ -15,6 +15,7 @@ from cube_sim.vehicle.ballast import Ballast
 from cube_sim.vehicle.carried_water import carried_water, link_records
 from cube_sim.vehicle.fins import Fins
 from cube_sim.vehicle.lift import HullLift
+from cube_sim.vehicle.mjcf.thruster_elements import require_fixed_thrusters
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.thrusters import Thrusters
 from cube_sim.vehicle.unread import warn_of_unread
@@ -105,7 +106,8 @@ class Vehicle:
             qpos: (nq,) where its joints stand; left out, the reference pose.
 
         Raises:
-            ModelError: the model has no water, or no such hull, or several and no name was given.
+            ModelError: the model has no water, or no such hull, or several and no name was given, or
+                a joint moves one of its thrusters against it.
         """
         packed = packing.packed_parameters(model).copy()
         records = _hull_records(packed)
@@ -115,6 +117,7 @@ class Vehicle:
         chosen = next(iter(names)) if name is None else name
         if chosen not in names:
             raise ModelError(chosen, f"is no hull; the model has {', '.join(names)}")
+        require_fixed_thrusters(model, int(names[chosen][layout.BODY]))
         links = link_records(model, packed, int(names[chosen][layout.BODY]))
         warn_of_unread(model, chosen, names[chosen])
         for link in links:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import cube_sim
+from cube_sim.commands.analysis_report import report_on
 from cube_sim.errors import ModelError
 
 TEXT = """<mujoco><compiler fusestatic="false"/><custom>
@@ -78,3 +79,39 @@ def test_a_link_that_mujoco_would_make_a_part_of_its_carrier():
     with pytest.raises(ModelError, match='hand: has water, and fusestatic="true"'):
         loaded(text, {"hand:volume": 1e-4})
     loaded(parameters={"hand:volume": 1e-4})
+
+
+PUSHED = """<mujoco><compiler fusestatic="false"/><custom>
+  <numeric name="water:density" data="1000"/><numeric name="hull:volume" data="0.01"/>
+  <numeric name="hull:thruster_characteristic" data="-1 -9 0 0 1 9"/>
+  <numeric name="hull:thruster_dead_zone" data="0 0"/></custom>
+  <worldbody><body name="hull"><freejoint/><geom size="0.1" mass="10"/>
+    <body name="arm" pos="0.2 0 0">{joint}<geom size="0.03" mass="1"/>
+      <body name="hand" pos="0.2 0 0"><geom size="0.02" mass="0.1"/><site name="G" zaxis="1 0 0"/></body></body>
+    </body></worldbody>
+  <actuator><general name="G" site="G" dyntype="filter" dynprm="0.02" gainprm="0" biastype="user"
+    gear="0 0 1 0 0 0"/></actuator>
+</mujoco>"""
+
+
+def test_a_thruster_that_a_joint_moves_is_flown_by_mujoco_alone(tmp_path):
+    path = tmp_path / "a.xml"
+    path.write_text(PUSHED.format(joint='<joint name="elbow" axis="0 1 0"/>'))
+    model = cube_sim.load_model(path)
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 1.0
+    mujoco.mj_step(model, data, nstep=50)
+    assert data.qvel[0] > 0.01
+    with pytest.raises(ModelError) as caught:
+        cube_sim.Vehicle.from_model(model)
+    assert caught.value.element == "G"
+    assert "is a thruster on 'hand', which joint 'elbow' moves against 'hull'; a site on 'hull'" in caught.value.reason
+    with pytest.raises(ModelError) as caught:
+        report_on(path)
+    line, column = (int(each) for each in caught.value.place.removeprefix(f"{path}:").split(":"))
+    assert path.read_text().splitlines()[line - 1][column - 1 :].startswith('<general name="G"')
+
+
+def test_a_thruster_on_what_is_fixed_to_the_hull_is_one_of_it():
+    model = loaded(PUSHED.format(joint=""))
+    assert cube_sim.Vehicle.from_model(model).actuation_matrix[:, 0] == pytest.approx([1, 0, 0, 0, 0, 0])

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.parsers import expat
 
+from cube_sim.errors import ModelError
+
 _OF_ACTUATORS, _NUMBERS = "actuator", ("numeric", "text")
 _LINE = re.compile(r",? line (\d+)\s*$")
 _TAG, _NAME = re.compile(r"Element '([^']*)'|\bin (\w+) Element name"), re.compile(r"Element name '([^']*)'")
@@ -74,6 +76,19 @@ def place_of(path: Path, element: str) -> Place | None:
         if place is not None:
             return place
     return None
+
+
+def at_its_place(error: ModelError, path: Path) -> ModelError:
+    """An error about a model that was read from a file, with the place in it where none is told yet.
+
+    Args:
+        error: of the model.
+        path: of the file.
+    """
+    if error.place or error.model:
+        return error
+    place = place_of(path, error.element)
+    return ModelError(error.element, error.reason, str(path), "" if place is None else str(place))
 
 
 def _is_called(place: Place, name: str) -> bool:

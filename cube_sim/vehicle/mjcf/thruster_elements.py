@@ -78,6 +78,34 @@ def carrier(model: mujoco.MjModel, actuator: int) -> int:
     return int(model.body_rootid[model.site_bodyid[model.actuator_trnid[actuator, 0]]])
 
 
+def require_fixed_thrusters(model: mujoco.MjModel, hull: int) -> None:
+    """Refuse a thruster that moves against its hull, where one matrix is to say what each thruster does.
+
+    MuJoCo steps it as it is. But nothing that shares out a force between thrusters follows the joint.
+
+    Args:
+        model: compiled, with or without its water.
+        hull: index of the body of the world that carries them.
+
+    Raises:
+        ModelError: names the thruster, and the joint that lies between.
+    """
+    for actuator in thruster_actuators(model, hull):
+        body = int(model.site_bodyid[model.actuator_trnid[actuator, 0]])
+        carried_by = body
+        while carried_by != hull:
+            if model.body_jntnum[carried_by]:
+                joint, itself = model.joint(int(model.body_jntadr[carried_by])).name, model.body(hull).name
+                mover = f"joint '{joint}'" if joint else "a joint"
+                raise ModelError(
+                    model.actuator(actuator).name,
+                    f"is a thruster on '{model.body(body).name}', which {mover} moves against '{itself}'; a site on "
+                    f"'{itself}', or on what no joint moves, is right: what shares out forces takes thrusters to stay "
+                    "where they are",
+                )
+            carried_by = int(model.body_parentid[carried_by])
+
+
 def thruster_element(model: mujoco.MjModel, actuator: int) -> ThrusterElement:
     """One of `thruster_elements` of a compiled model."""
     site = int(model.actuator_trnid[actuator, 0])
@@ -105,12 +133,12 @@ def limit_commands(spec: mujoco.MjSpec, curves: Sequence[Characteristic | None])
         if actuator.dyntype == mujoco.mjtDyn.mjDYN_USER:
             actuator.actdim = 2
         commands, forces = (float(curve.commands[0]), float(curve.commands[-1])), curve.limits[[0, -1]]
-        if _is_limited(spec, actuator.ctrllimited, actuator.ctrlrange):
+        if is_limited(spec, actuator.ctrllimited, actuator.ctrlrange):
             _require_inside(actuator.name, "ctrlrange", actuator.ctrlrange, commands, "leave it out or widen it")
         actuator.ctrllimited, actuator.ctrlrange = mujoco.mjtLimited.mjLIMITED_TRUE, commands
-        if _is_limited(spec, actuator.actlimited, actuator.actrange):
+        if is_limited(spec, actuator.actlimited, actuator.actrange):
             _require_inside(actuator.name, "actrange", actuator.actrange, commands, "leave it out or widen it")
-        if _is_limited(spec, actuator.forcelimited, actuator.forcerange):
+        if is_limited(spec, actuator.forcelimited, actuator.forcerange):
             _require_inside(actuator.name, "forcerange", actuator.forcerange, forces, "the curve is the limit")
 
 
@@ -220,7 +248,33 @@ def root_body(body: mujoco.MjsBody) -> str:
     return body.name
 
 
-def _is_limited(spec: mujoco.MjSpec, limited: mujoco.mjtLimited, bounds) -> bool:
+def require_ctrlrange_alone(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator, name: str, what: str) -> None:
+    """Refuse what MuJoCo would clip, or would not read, of an actuator whose activation is all that it does.
+
+    Args:
+        spec: of the model.
+        actuator: a pump or a servo.
+        name: of it.
+        what: its activation, in words.
+
+    Raises:
+        ModelError: names the actuator.
+    """
+    if is_limited(spec, actuator.actlimited, actuator.actrange) and (
+        actuator.actrange[0] > actuator.ctrlrange[0] or actuator.actrange[1] < actuator.ctrlrange[1]
+    ):
+        low, high = np.array(actuator.actrange).tolist()
+        raise ModelError(name, f"has the actrange {low:g} {high:g} inside its ctrlrange, which alone limits {what}")
+    gear = np.array(actuator.gear)
+    if not np.isin(gear, [0.0, 1.0]).all():
+        said = " ".join(f"{each:g}" for each in gear)
+        raise ModelError(name, f'has gear "{said}", which nothing reads: leave it out; ctrlrange and dynprm say {what}')
+    if is_limited(spec, actuator.forcelimited, actuator.forcerange):
+        raise ModelError(name, f"has a forcerange, and no force; leave it out: ctrlrange and dynprm say {what}")
+
+
+def is_limited(spec: mujoco.MjSpec, limited: mujoco.mjtLimited, bounds) -> bool:
+    """Whether a range of an actuator holds, as MuJoCo's compiler sees it."""
     if limited == mujoco.mjtLimited.mjLIMITED_AUTO:
         return bool(spec.compiler.autolimits) and bool(np.any(np.array(bounds) != 0.0))
     return limited == mujoco.mjtLimited.mjLIMITED_TRUE
