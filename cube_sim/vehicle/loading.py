@@ -17,7 +17,7 @@ from cube_sim.vehicle.mjcf.ballast import ballast_table, pump_elements
 from cube_sim.vehicle.mjcf.elements import is_of_element, set_elements
 from cube_sim.vehicle.mjcf.fins import AREA, fin_rows, servo_elements
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
-from cube_sim.vehicle.mjcf.numeric_names import force_owner, require_parameter
+from cube_sim.vehicle.mjcf.numeric_names import bodies_in_water, force_owner, one_water, require_parameter
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.places import place_in_words, place_of
 from cube_sim.vehicle.mjcf.propellers import fastest_change_s, shaft_lag_s
@@ -134,6 +134,7 @@ def _immerse(
     bodies = {body.name: _carrier(body) for body in spec.bodies if body.name and body.name != "world"}
     thrusters = thruster_elements(spec)
     sites = {site.name: site.parent.name for site in spec.sites if site.name}
+    bodies_in_water(one_water(numerics), list(bodies), [each.name for each in thrusters if each], sites)
     pumps = pump_elements(spec, numerics)
     servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics], pumps.values())
     parameters = read_parameters(numerics, bodies, thrusters, sites, servos, pumps)

@@ -259,6 +259,13 @@ def test_what_is_read_back():
         ({"more": '<numeric name="hull:ballast_displaces" data="1"/>'}, "no site 'hull'"),
         ({"more": '<numeric name="tank:ballast_displaces" data="2"/>'}, "a share"),
         ({"more": '<numeric name="tank:ballast_displace" data="1"/>'}, "did you mean ballast_displaces"),
+        ({"more": '<numeric name="tank.ballast_displaces" data="1"/>'}, "write tank:ballast_displaces"),
+        (
+            {"pump": 'dyntype="user" dynprm="1 1e-4" gainprm="0" actlimited="true" actrange="0 1e-4"'},
+            "has the actrange",
+        ),
+        ({"pump": 'dyntype="user" dynprm="1 1e-4" gainprm="0" gear="3"'}, 'has gear "3 0 0 0 0 0"'),
+        ({"pump": 'dyntype="user" dynprm="1 1e-4" gainprm="0" forcerange="-1 1"'}, "has a forcerange"),
         ({"more": '<numeric name="tank:fin_area" data="1"/><numeric name="tank:fin_lift_slope" data="3"/>'}, "one of"),
     ],
 )
@@ -267,3 +274,31 @@ def test_one_line_says_what_is_wrong(given, word):
         model_of(**given)
     assert word in str(told.value)
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "element", "told"),
+    [
+        ("bladder:ballast_displaces", "bladder:ballast_displace", "bladder:ballast_displace", "did you mean"),
+        ("bladder:ballast_displaces", "blader:ballast_displaces", "blader:ballast_displaces", "no site 'blader'"),
+        ("bladder:ballast_displaces", "bladder.ballast_displaces", "bladder.ballast_displaces", "has no colon"),
+        ("bladder:ballast_displaces", "hull:ballast_displaces", "hull:ballast_displaces", "no site 'hull'"),
+        ('name="tank" site="tank"', 'name="tank" site="tnak"', "tank", "no site 'tnak'; did you mean 'tank'?"),
+    ],
+)
+def test_a_slip_of_the_pen_is_told_where_it_is(tmp_path, old, new, element, told):
+    """The only number of a bladder, which makes it one: what the pump lacks is not what is wrong."""
+    path = tmp_path / "a.xml"
+    text = text_of()
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ModelError) as caught:
+        cube_sim.load_model(path)
+    assert caught.value.element == element
+    assert told in caught.value.reason
+    line, column = (int(each) for each in caught.value.place.split(":")[1:])
+    assert new in path.read_text().splitlines()[line - 1][column - 1 :].partition(">")[0]
+
+
+def test_an_actrange_as_wide_as_the_ctrlrange_is_none():
+    model_of(kind="bladder", pump=f'dyntype="user" dynprm="1 {RATE}" gainprm="0" actlimited="true" actrange="-1 1"')

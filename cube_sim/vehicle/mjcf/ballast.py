@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.mjcf.numbers import Numerics, scalar
+from cube_sim.vehicle.mjcf.thruster_elements import require_ctrlrange_alone
 
 DISPLACES, DENSITY = BALLAST_PARAMETERS = ("ballast_displaces", "ballast_density")
 
@@ -143,6 +144,7 @@ def _require_pump(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator, name: str, 
         )
     if actuator.delay:
         raise ModelError(name, "has a delay, which a pump has not; its lag is the first value of dynprm")
+    require_ctrlrange_alone(spec, actuator, name, "the volume")
     actuator.actdim = 1
 
 

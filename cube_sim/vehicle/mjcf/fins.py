@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from math import inf, pi, sqrt
 
 import mujoco
@@ -25,8 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.vehicle.mjcf.body_lift import product_of
 from cube_sim.vehicle.mjcf.numbers import Numerics, either, rows, scalar, vector
+from cube_sim.vehicle.mjcf.thruster_elements import require_ctrlrange_alone
 
 AREA, PRODUCTS = "fin_area", "fin_products"
 _SHAPE = ("fin_lift_slope", "fin_aspect_ratio", "fin_stall", "fin_drag")
@@ -104,6 +107,7 @@ def servo_elements(spec: mujoco.MjSpec, fins: Sequence[str], others: Collection[
         if actuator.trntype != mujoco.mjtTrn.mjTRN_SITE:
             continue
         name = actuator.name or f"actuator {index}"
+        _require_site(spec, actuator, name)
         if index in others:
             if actuator.target in fins:
                 raise ModelError(actuator.target, "is a fin and ballast; one of the two is right")
@@ -116,6 +120,14 @@ def servo_elements(spec: mujoco.MjSpec, fins: Sequence[str], others: Collection[
         _require_servo(spec, actuator, name)
         found[actuator.target] = index
     return found
+
+
+def _require_site(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator, name: str) -> None:
+    if spec.site(actuator.target) is None:
+        there = [site.name for site in spec.sites if site.name]
+        near = get_close_matches(actuator.target, there, n=1)
+        told = f"; did you mean '{near[0]}'?" if near else f"; the model has {among(actuator.target, there)}"
+        raise ModelError(name, f"no site '{actuator.target}'{told}")
 
 
 def _require_no_servo(actuator: mujoco.MjsActuator, name: str) -> None:
@@ -150,6 +162,7 @@ def _require_servo(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator, name: str)
         raise ModelError(name, f"has the ctrlrange {low:g} {high:g}; the fin's travel about 0 [rad] is right")
     if actuator.delay:
         raise ModelError(name, "has a delay, which a servo of a fin has not; its lag is the first value of dynprm")
+    require_ctrlrange_alone(spec, actuator, name, "the deflection")
     actuator.actdim = 1
 
 

@@ -101,6 +101,7 @@ def bodies_in_water(
         if name not in WATER_PARAMETERS:
             _require_colon(name, [*bodies, *thrusters], _KNOWN)
             _require_colon(name, ["water"], _OF_WATER)
+            _require_colon(name, [*sites], FIN_PARAMETERS + BALLAST_PARAMETERS)
             if ":" in name:
                 _judge(name, values, bodies, thrusters, hulls, sites)
     return [body for body in bodies if body in hulls]
