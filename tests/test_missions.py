@@ -190,7 +190,7 @@ def test_every_vehicle_of_the_catalogue_has_its_trials(tmp_path):
     assert count(whole) == len(every)
     asked = whole.scenario.samples.required
     assert (asked.pass_rate, asked.where, asked.each, asked.forecast) == (None, {}, "vehicle", "forecast")
-    assert len({vehicle for vehicle, _ in every}) == len(every_vehicle()) == 86 + 8
+    assert len({vehicle for vehicle, _ in every}) == len(every_vehicle()) == 87 + 8
     torpedo = {f"{OPTIONS}.vehicles": ["torpedo"], "samples.count": 3}
     plan = SamplePlan(load(CATALOGUE, torpedo))
     assert [plan.sample(k).notes["path"] for k in range(2)] == ["line", "helix"]  # it cannot stay at a point

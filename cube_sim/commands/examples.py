@@ -17,12 +17,14 @@ from cube_sim.shipped import shipped_root
 EPILOG = "Exit code: 0 copied, 2 the folder cannot take them, and nothing is written."
 SCENARIOS = (
     "cube_helix",
+    "bluerov2_arm",
     "bluerov2_free",
     "bluerov2_vectored_helix",
     "infante_line",
     "jack_exact",
     "nps_auv2_line",
     "remus100_line",
+    "remus100_propeller",
     "rov6_helix",
     "torpedo_line",
 )

@@ -13,11 +13,11 @@ from cube_sim.mission.disturbance import force_events, set_pushes
 from cube_sim.mission.events import Events
 from cube_sim.mission.hull import (
     CompiledHull,
-    dead_zones,
     flown_hull,
     put_initial,
     set_physics,
     surface_parameters,
+    thruster_parameters,
     water_parameters,
 )
 from cube_sim.mission.own.code import Codes
@@ -150,7 +150,7 @@ def _joined(loaded: LoadedFleet, alone: Mapping[str, CompiledHull]) -> tuple[muj
             parameters |= {
                 **surface_parameters(scenario),
                 **scenario.parameters,
-                **dead_zones(scenario, alone[name].vehicle),
+                **thruster_parameters(scenario, alone[name].vehicle),
             }
             prefixes[name] = prefix
         parts.append(ModelPart(file, prefix, parameters, again=file in of_file[:index]))

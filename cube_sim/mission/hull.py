@@ -126,10 +126,10 @@ def _hull(loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence
         once, vehicle = _compiled(loaded, file, key, parameters)
         return CompiledHull(once.model, vehicle)
     scenario = loaded.scenario
-    zoned = scenario.thrusters.dead_zone_N is not None
-    asked = file, room(parameters), scenario.vehicle, zoned, len(force_events(scenario))
+    of_thrusters = tuple(scenario.thrusters.model_dump(exclude_none=True))
+    asked = file, room(parameters), scenario.vehicle, of_thrusters, len(force_events(scenario))
     once, vehicle = shared.get(asked, lambda: _compiled(loaded, file, key, parameters))
-    given = {**parameters, **dead_zones(scenario, vehicle)}
+    given = {**parameters, **thruster_parameters(scenario, vehicle)}
     model = once.with_parameters(given)  # a flight changes its model
     if model is None:
         once, vehicle = _compiled(loaded, file, key, parameters)
@@ -141,12 +141,13 @@ def _compiled(
     loaded: Loaded, file: str, key: str, parameters: Mapping[str, Sequence[float]]
 ) -> tuple[CompiledOnce, Vehicle]:
     scenario = loaded.scenario
-    zone, pushes = scenario.thrusters.dead_zone_N, len(force_events(scenario))
+    pushes = len(force_events(scenario))
     try:
         once = CompiledOnce.of(file, parameters, pushes)
         vehicle = _chosen_hull(loaded, once.model, key)
-        if zone is not None:
-            once = CompiledOnce.of(file, {**parameters, **dead_zones(scenario, vehicle)}, pushes)
+        of_thrusters = thruster_parameters(scenario, vehicle)
+        if of_thrusters:
+            once = CompiledOnce.of(file, {**parameters, **of_thrusters}, pushes)
             vehicle = Vehicle.from_model(once.model, vehicle.name)
     except ModelError as error:
         where = key
@@ -162,13 +163,13 @@ def _compiled(
     return once, vehicle
 
 
-def dead_zones(scenario: Scenario, vehicle: Vehicle) -> dict[str, Sequence[float]]:
-    """The dead zone that a scenario gives to each thruster, as parameters of its model."""
-    zone = scenario.thrusters.dead_zone_N
-    if zone is None:
-        return {}
-    # Every thruster gets it, whether the model states dead zones per hull or per thruster.
-    return {f"{owner}:thruster_dead_zone": zone for owner in (vehicle.name, *vehicle.thrusters.names)}
+def thruster_parameters(scenario: Scenario, vehicle: Vehicle) -> dict[str, Sequence[float]]:
+    """What a scenario's `thrusters` block says of each, as parameters of its model."""
+    zone, given = scenario.thrusters.dead_zone_N, {}
+    if zone is not None:
+        # Every thruster gets it, whether the model states dead zones per hull or per thruster.
+        given |= {f"{owner}:thruster_dead_zone": zone for owner in (vehicle.name, *vehicle.thrusters.names)}
+    return given
 
 
 def _chosen_hull(loaded: Loaded, model: mujoco.MjModel, key: str) -> Vehicle:

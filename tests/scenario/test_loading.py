@@ -349,6 +349,7 @@ def test_every_misspelt_key_is_pointed_at_with_the_right_one(tmp_path):
     document = parse(text)
     tags = {"type", "kind", "mode"}
     keys = [location for location in document.keys if isinstance(location[-1], str) and location[-1] not in tags]
+    keys = [location for location in keys if location[:-1] != ("setpoints",)]  # names of the vehicle's own
     assert len(keys) > 50
     for depth in sorted({len(location) for location in keys}):
         changes, expected = {}, []
