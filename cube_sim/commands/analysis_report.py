@@ -34,8 +34,9 @@ from cube_sim.mission.way_of_flying import STEERED_AT_SPEED_ONLY
 from cube_sim.scenario.document import parse_value
 from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.fins import FinsAtSpeed
-from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.loading import load_unsaid
 from cube_sim.vehicle.mjcf.places import at_its_place
+from cube_sim.vehicle.mjcf.unused import kept_words
 from cube_sim.vehicle.mjcf.what_if import parameters_of, read_setting, set_sites
 from cube_sim.vehicle.remarks import remarks
 from cube_sim.vehicle.vehicle import Vehicle
@@ -186,7 +187,7 @@ def report_on(
             read=ReadModel(model, loaded),
             progress=progress,
         )
-    noted = tuple(remarks(loaded, vehicle))
+    noted = (*kept_words(loaded), *remarks(loaded, vehicle))
     if fins is not None and not planar and fails_without_fins(vehicle, gone, requirements.speed_m_s, cost_limit):
         noted = (*noted, STEERED_AT_SPEED_ONLY)
     speed = requirements.speed_m_s
@@ -200,14 +201,14 @@ def ahead_limits(vehicle: Vehicle, speed_m_s: float) -> Matrix:
 
 def _loaded(model: Path, settings: Sequence[str]) -> mujoco.MjModel:
     """A model, with other values than its file's where that is asked."""
-    as_it_is = load_model(str(model))
+    as_it_is = load_unsaid(str(model))
     if not settings:
         return as_it_is
     spec = mujoco.MjSpec.from_file(str(model))
     others = set_sites(spec, [read_setting(text, parse_value) for text in settings])
     relative = {each.key for each in others if each.how != "="}
     known = {key: parameter_values(key, {}, as_it_is) for key in relative}
-    return load_model(spec, parameters_of(others, known))
+    return load_unsaid(spec, parameters_of(others, known))
 
 
 def _turning(

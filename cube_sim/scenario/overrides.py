@@ -7,10 +7,13 @@ import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 from cube_sim.scenario.document import Location
 
+_TABLE = {"times_s", "values"}
+"""What a table of set-points has to have."""
 _INDEX = re.compile(r"0|[1-9][0-9]*")
 
 
@@ -53,7 +56,38 @@ def apply(data: Any, overrides: Mapping[str, Any]) -> tuple[Any, list[Override],
             messages.append(f"override {path}: {error.args[0]}")
         else:
             applied.append(Override(path, location, value))
+    messages += _in_no_table(data, applied)
     return data, applied, messages
+
+
+def _in_no_table(data: Any, applied: list[Override]) -> list[str]:
+    """A message for what is put into set-points that nobody has: a new table takes both of its lists.
+
+    Their names are an actuator's, so that a misspelt one makes a block of its own.
+    """
+    messages = []
+    for each in applied:
+        at = next((i for i, step in enumerate(each.location[:-2]) if step == "setpoints"), None)
+        if at is None:
+            continue
+        there = data
+        for step in each.location[: at + 1]:
+            there = there[step]
+        name = str(each.location[at + 1])
+        if name not in there:
+            continue
+        others = [key for key, block in there.items() if key != name and isinstance(block, dict) and {*block} >= _TABLE]
+        if isinstance(there[name], dict) and there[name].keys() >= _TABLE:
+            continue
+        there.pop(name)  # what it lacks is no news
+        near = get_close_matches(name, others, n=1)
+        meant = (
+            f"did you mean {near[0]}?"
+            if near
+            else f"a new table takes times_s and values, beside those of {', '.join(others) or 'none'}"
+        )
+        messages.append(f"override {each.path}: no set-points of '{name}'; {meant}")
+    return messages
 
 
 def _put(data: Any, path: str, value: Any) -> Location:

@@ -56,7 +56,7 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
         if is_of_element(name):
             require_possible(name, given)
             if element_values(model, name) is None:
-                raise ModelError(name, f"'{name.rpartition(':')[0]}' is no hull, and no thruster, of the model")
+                raise ModelError(name, f"'{name.rpartition(':')[0]}' is no body, and no thruster, of the model")
             elements[name] = given
         elif (matrix := _as_matrix(name, given, numerics)) is not None:
             numerics[name] = matrix

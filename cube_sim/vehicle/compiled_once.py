@@ -12,7 +12,7 @@ import numpy as np
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.changing import set_parameters, water_of
-from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.loading import load_unsaid
 from cube_sim.vehicle.mjcf.elements import INERTIA
 from cube_sim.vehicle.mjcf.unlikely_fins import unlikely_fin_words
 
@@ -45,7 +45,7 @@ class CompiledOnce:
     @staticmethod
     def of(source: str | Path | mujoco.MjSpec, parameters: Parameters, pushes: int = 0) -> CompiledOnce:
         """Compile a file; arguments and errors are those of `load_model`."""
-        return CompiledOnce(source, parameters, load_model(source, parameters, pushes=pushes))
+        return CompiledOnce(source, parameters, load_unsaid(source, parameters, pushes=pushes))
 
     def has(self, parameters: Parameters) -> bool:
         """Whether it was compiled with just these."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.loading import load_unsaid
 from cube_sim.vehicle.mjcf.numeric_names import force_owner
 from cube_sim.vehicle.plugin.user_force_kinds import kind_of
 from cube_sim.vehicle.plugin.user_forces import resolve
@@ -49,7 +49,7 @@ def joined_model(parts: Sequence[ModelPart], pushes: int = 0) -> mujoco.MjModel:
         ModelError: they cannot be joined: their waters or options differ; names the element.
     """
     if len(parts) == 1 and not parts[0].prefix:
-        return load_model(parts[0].file, parts[0].parameters, pushes=pushes)
+        return load_unsaid(parts[0].file, parts[0].parameters, pushes=pushes)
     whole = mujoco.MjSpec()
     whole.modelname = "fleet"
     whole.compiler.conflict = mujoco.mjtConflict.mjCONFLICT_MERGE
@@ -60,6 +60,8 @@ def joined_model(parts: Sequence[ModelPart], pushes: int = 0) -> mujoco.MjModel:
             _take_options(whole, spec)
         else:
             _require_same_options(whole, spec, part)
+            for name in _SET_FOR_ALL:  # of a difference MuJoCo would tell at attaching
+                setattr(spec.option, name, getattr(whole.option, name))
         if part.again:
             _leave_surroundings(spec)
         for key in list(spec.keys):  # of a state of this model alone
@@ -68,7 +70,7 @@ def joined_model(parts: Sequence[ModelPart], pushes: int = 0) -> mujoco.MjModel:
             _require_blind_forces(spec, part)
         whole.attach(spec, prefix=part.prefix, frame=whole.worldbody.add_frame())
         parameters |= {f"{part.prefix}{name}": value for name, value in part.parameters.items()}
-    return load_model(whole, parameters, pushes=pushes)
+    return load_unsaid(whole, parameters, pushes=pushes)
 
 
 def vehicle_in(model: mujoco.MjModel, alone: Vehicle, prefix: str) -> Vehicle:

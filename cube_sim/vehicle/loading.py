@@ -29,7 +29,7 @@ from cube_sim.vehicle.mjcf.thruster_elements import (
 )
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.mjcf.unlikely_fins import unlikely_fin_words
-from cube_sim.vehicle.mjcf.unused import keep_words, unused_thruster_words
+from cube_sim.vehicle.mjcf.unused import keep_words, kept_words, unused_thruster_words
 from cube_sim.vehicle.plugin import hook, layout, packing, structs, user_forces
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
 from cube_sim.vehicle.plugin.user_force_kinds import ForceKind, UserForce, kind_of
@@ -61,10 +61,23 @@ def load_model(
     Raises:
         ModelError: the file cannot be read or compiled, or its water makes no sense; names the element.
     """
+    model = load_unsaid(path, parameters, forces, pushes)
+    for text in kept_words(model):
+        warnings.warn(text, stacklevel=2)
+    return model
+
+
+def load_unsaid(
+    path: str | Path | mujoco.MjSpec,
+    parameters: Mapping[str, ArrayLike] | None = None,
+    forces: Mapping[str, UserForce] | None = None,
+    pushes: int = 0,
+) -> mujoco.MjModel:
+    """The same model for a caller who says himself what `kept_words` has of it; arguments and errors are the same."""
     with collect_warnings() as spoken:
         model = _load(path, dict(parameters or {}), dict(forces or {}), pushes)
     for text in spoken:
-        warnings.warn(f"MuJoCo: {text}", stacklevel=2)
+        warnings.warn(f"MuJoCo: {text}", stacklevel=3)
     return model
 
 
@@ -143,11 +156,9 @@ def _immerse(
         *unused_thruster_words(spec, in_file, hulls, thrusters, [*servos.values(), *pumps.values()]),
         *unlikely_fin_words(spec, parameters.fins, {hull.body: hull.volume for hull in parameters.hulls}),
     ]
-    for text in words:
-        warnings.warn(text, stacklevel=4)
     keep_words(spec, words)
     links = [link.body for link in parameters.links]
-    set_elements(spec, of_elements, [*hulls, *links], thrusters)
+    set_elements(spec, of_elements, [*bodies], thrusters)
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])
     shafts = [each and each.propeller and each.propeller.shaft and each.propeller for each in parameters.thrusters]
     set_shaft_lags(spec, [each and shaft_lag_s(each) for each in shafts])

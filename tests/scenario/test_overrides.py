@@ -134,3 +134,16 @@ def test_an_override_that_makes_a_block_another_kind_is_blamed_for_its_keys(tmp_
             "override path.type: path.end_m: unknown key",
         ]
         assert all(line.endswith("another type takes the whole block: path={...}") for line in found)
+
+
+def test_a_misspelt_actuator_in_an_override_is_told_the_one_there_is():
+    table = {"times_s": [0], "values": [1.0]}
+    for data, prefix in (
+        ({"setpoints": {"shoulder": table}}, ""),
+        ({"vehicles": {"a": {"setpoints": {"shoulder": table}}}}, "vehicles.a."),
+    ):
+        path = f"{prefix}setpoints.sholder.values"
+        assert apply(data, {path: [0]})[2] == [f"override {path}: no set-points of 'sholder'; did you mean shoulder?"]
+        assert apply(data, {f"{prefix}setpoints.shoulder.values": [0]})[2] == []
+        both = {f"{prefix}setpoints.elbow.times_s": [0], f"{prefix}setpoints.elbow.values": [1]}
+        assert apply(data, both)[2] == []

@@ -3,9 +3,11 @@
 import mujoco
 import numpy as np
 import pytest
+from support.ballasted import MODEL as BALLASTED
 from support.places import MODELS
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.changing import set_parameters
 from cube_sim.vehicle.loading import load_model
 from cube_sim.vehicle.mjcf.elements import element_values
 
@@ -67,8 +69,8 @@ def test_an_inertia_given_to_an_inertia_about_its_own_axes_is_about_the_bodys():
         ("hull:mass", [-1.0], "is -1; a mass"),
         ("hull:mass", [1.0, 2.0], "1 finite numbers are right"),
         ("hull:mass", [np.nan], "finite"),
-        ("hul:mass", [100.0], "no hull 'hul'; the model has hull"),
-        ("T1:mass", [100.0], "no hull 'T1'"),
+        ("hul:mass", [100.0], "no body 'hul'; the model has hull"),
+        ("T1:mass", [100.0], "no body 'T1'"),
         ("hull:inertia", [5.0, 5.0, 11.0], "principal moments 5 5 11"),
         ("hull:inertia", [5.0, 5.0, -1.0], "principal moments"),
         ("hull:inertia", [5.0, 5.0], "3 or 6 finite"),
@@ -88,3 +90,12 @@ def test_what_geoms_say_is_refused():
     assert text != CUBE
     with pytest.raises(ModelError, match="follows from the geoms"):
         load_model(mujoco.MjSpec.from_string(text), {"hull:mass": [100.0]})
+
+
+def test_what_a_hull_carries_has_a_mass_as_well_at_load_and_later():
+    spec = mujoco.MjSpec.from_string(BALLASTED)
+    given, later = load_model(spec, {"battery:mass": [6.0]}), load_model(spec)
+    assert flown(given).tobytes() != flown(later).tobytes()
+    set_parameters(later, {"battery:mass": [6.0]})
+    assert given.body("battery").mass == 6.0
+    assert flown(given).tobytes() == flown(later).tobytes()

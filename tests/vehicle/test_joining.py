@@ -1,5 +1,7 @@
 """Several MJCF files in one model: what comes along under its prefix, what is there once, what does not go together."""
 
+import warnings
+
 import mujoco
 import numpy as np
 import pytest
@@ -76,3 +78,13 @@ def test_a_force_that_counts_actuators_has_its_vehicle_come_first():
     with pytest.raises(ModelError, match=said):
         joined_model((ModelPart(cube, "a/"), ModelPart(nps, "b/")))
     joined_model((ModelPart(cube, "a/"), ModelPart(str(MODELS / "infante.xml"), "b/")))  # reads none
+
+
+def test_files_of_other_steps_are_joined_without_a_word_of_mujoco(tmp_path, capfd):
+    other = CUBE.replace('timestep="0.01"', 'timestep="0.005"')
+    assert other != CUBE
+    parts = ModelPart(write(tmp_path, "a.xml", CUBE), "a/"), ModelPart(write(tmp_path, "b.xml", other), "b/")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        joined_model(parts)
+    assert "conflict" not in "".join(capfd.readouterr())

@@ -85,7 +85,7 @@ def test_health_stays_and_a_copy_has_its_own():
         ({"T1:thruster_power": [1.0, 1.0]}, "the model has room for none"),
         ({"hull:added_mass": [-1.0] * 6}, "positive semidefinite"),
         ({"hull:mass": -1.0}, "a mass .* is positive"),
-        ({"wing:mass": 1.0}, "is no hull"),
+        ({"wing:mass": 1.0}, "is no body"),
         ({"hull:thruster_lag": 1e-3}, "unstable"),
         ({"hull:mass": "heavy"}, "numbers are right"),
     ],

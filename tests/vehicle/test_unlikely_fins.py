@@ -9,6 +9,8 @@ from support.lifting import Fin, Lifted
 from support.water_bodies import Body
 
 import cube_sim
+from cube_sim.vehicle.loading import load_unsaid
+from cube_sim.vehicle.mjcf.unused import kept_words
 from cube_sim.vehicle.remarks import cautions, remarks
 
 X, Y, Z = np.eye(3)
@@ -48,3 +50,10 @@ def test_fins_that_all_lie_ahead_are_told(places, told):
     model = cube_sim.load_model(Lifted(HULL, fins).spec())
     said = remarks(model, cube_sim.Vehicle.from_model(model))
     assert any(each.startswith("all its fins lie ahead of its centre of mass") for each in said) is told
+
+
+def test_who_says_it_himself_hears_nothing_of_python():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = load_unsaid(Lifted(HULL, (replace(RUDDER, area=200.0),)).spec())
+    assert "has an area of 200 m^2" in kept_words(model)[0]

@@ -35,27 +35,27 @@ def is_of_element(name: str) -> bool:
 
 
 def set_elements(
-    spec: mujoco.MjSpec, values: Values, hulls: Sequence[str], thrusters: Sequence[ThrusterElement | None]
+    spec: mujoco.MjSpec, values: Values, bodies: Sequence[str], thrusters: Sequence[ThrusterElement | None]
 ) -> None:
     """Give elements of a spec other values.
 
     Args:
         spec: changed here.
         values: name -> values (n,).
-        hulls: names of the hulls.
+        bodies: names of the hulls and of all they carry.
         thrusters: one entry per actuator; None for one that is no thruster.
 
     Raises:
         ModelError: names the parameter at fault and says what would be right.
     """
-    for name in sorted(values, key=lambda each: each.rpartition(":")[0] not in hulls):  # a thruster's own comes last
+    for name in sorted(values, key=lambda each: each.rpartition(":")[0] not in bodies):  # a thruster's own comes last
         owner, _, parameter = name.rpartition(":")
         given = values[name]
         require_possible(name, given)
         if parameter == LAG:
             _set_lag(spec, name, owner, float(given[0]), thrusters)
-        elif owner not in hulls:
-            raise ModelError(name, f"no hull '{owner}'; the model has {', '.join(hulls)}")
+        elif owner not in bodies:
+            raise ModelError(name, f"no body '{owner}'; the model has {', '.join(bodies)}")
         else:
             _set_inertial(spec, name, spec.body(owner), given)
 
