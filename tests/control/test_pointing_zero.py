@@ -63,7 +63,7 @@ def test_the_centre_of_oscillation_has_a_zero_of_its_own(tmp_path):
     hull, left = left_of("torpedo_four_fins", tmp_path, speed_m_s)
     ahead, up = np.array([speed_m_s, 0.0, 0.0]), np.eye(3)[2]
     z = 1.0 / float(max(inverse_zeros(left, hull, ahead, up, centre=True).real))
-    assert slowest_zero_time(left, hull, speed_m_s) >= 2.0 / z * 0.999
+    assert slowest_zero_time(left, hull, speed_m_s) >= 3.0 / z * 0.999
     dragged = left.record(hull.total_mass)["dragged"][0] @ np.eye(3)[1]
 
     def pushed(rate, pitch=1e-6):
@@ -146,7 +146,9 @@ def test_it_comes_to_the_trim_that_it_wishes_for(yaw_deg, tmp_path):
     }
     run = cube_sim.fly(scenario, record="none")
     t, error = run.signals["path_error.cross_track"].T
-    assert error[t > 70.0].max() < 0.06
+    # It comes to its line as exp(-t / 25 s), as slowly as the zero z lets it: its velocity loop takes 3 / z.
+    assert error[t > 80.0].max() < 0.08
+    assert error[t > 120.0].max() < 0.03
 
 
 @pytest.mark.flight
