@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,6 +19,9 @@ PATIENCE_S = 20.0
 """It stays off once it has come no nearer for this long (a choice)."""
 NEARER = 0.05
 """Share of its distance by which it has to come nearer within that time (a choice)."""
+OF_LATE_S, EVERY_S = 10.0, 1.0
+"""One that has been carried off and comes nearer by as much within the last 10 s is no news either; a distance is kept
+every second for it (choices)."""
 BACK_S = 5.0
 """It is on its path again once it has been for this long: one that swings about it is not (a choice)."""
 
@@ -36,6 +40,7 @@ class OffPathLog:
         self._since_s: float | None = None
         self._nearest_m, self._nearest_s, self._off_s = np.inf, 0.0, 0.0
         self._told = False
+        self._past: deque[tuple[float, float]] = deque()
 
     def quiet(self, rows: TickRows) -> bool:
         """Whether the ticks of these rows are no news."""
@@ -71,13 +76,23 @@ class OffPathLog:
             return
         if self._since_s is None:
             self._since_s, self._nearest_m = t, np.inf
+            self._past.clear()
         self._off_s = t
+        if not self._past or t - self._past[-1][0] >= EVERY_S:
+            self._past.append((t, off_m))
+        while len(self._past) > 1 and t - self._past[1][0] >= OF_LATE_S:
+            self._past.popleft()
         if given_up or off_m <= (1.0 - NEARER) * self._nearest_m:
             self._nearest_m, self._nearest_s = off_m, t
-        elif not self._told and t - self._nearest_s >= PATIENCE_S:
+        elif not self._told and t - self._nearest_s >= PATIENCE_S and not self._comes_nearer(t, off_m):
             self._told = True
             text = f"{off_m:.2g} m from it, farther than {OFF_M:g} m since {self._since_s:.2f} s, and comes no nearer"
             self._recorder.log(t, "WARNING", f"{OFF_PATH.begins}{text}")
+
+    def _comes_nearer(self, t: float, off_m: float) -> bool:
+        """Whether it does of late, from wherever it has been carried meanwhile."""
+        before, was_m = self._past[0]
+        return t - before >= OF_LATE_S and off_m <= (1.0 - NEARER) * was_m
 
 
 def off_path_m(rows: TickRows) -> NDArray[np.float64]:

@@ -58,6 +58,13 @@ def test_one_that_comes_nearer_or_is_off_for_a_while_is_no_news():
     assert told(flown(seconds((0.9 * OFF_M, 90.0)))) == []
 
 
+def test_one_that_is_carried_off_and_comes_back_is_no_news_unless_it_stays():
+    away, back = np.linspace(0.0, 4.0, 100), np.linspace(4.0, 2.0, 200)
+    assert told(flown(np.concatenate([away, back, np.linspace(2.0, 0.0, 300)]))) == []
+    ((t, _, _),) = told(flown(np.concatenate([away, back, np.full(300, 2.0)])))
+    assert 30.0 < t < 45.0
+
+
 def test_one_that_swings_about_its_path_stays_off_it():
     swings = np.abs(1.5 * np.sin(np.arange(0.0, 60.0, DT)))
     ((t, _, text),) = told(flown(swings))
