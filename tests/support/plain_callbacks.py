@@ -121,6 +121,7 @@ _PLAIN = (
     "cube_sim.vehicle.plugin.link_water",
     "cube_sim.vehicle.plugin.propeller_wrench",
     "cube_sim.vehicle.plugin.under_water",
+    "cube_sim.vehicle.plugin.water_on_body",
     "cube_sim.guidance.",
     "cube_sim.navigation.",
     "cube_sim.control.",

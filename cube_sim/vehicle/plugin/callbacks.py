@@ -22,10 +22,10 @@ from cube_sim.tuples import minus, plus6, stacked, to_body
 from cube_sim.vehicle.laws.ballast import ACTUATOR as PUMP
 from cube_sim.vehicle.laws.ballast import HULL as BALLAST_OF_HULL
 from cube_sim.vehicle.laws.ballast import SITE, STATE, ballast_wrench
-from cube_sim.vehicle.laws.current import accelerating_water, current_at, velocity_at
+from cube_sim.vehicle.laws.current import current_at, velocity_at
 from cube_sim.vehicle.laws.fin import HULL as FIN_OF_HULL
 from cube_sim.vehicle.laws.fin import servo_rate
-from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
+from cube_sim.vehicle.laws.hydrodynamics import relative_velocity
 from cube_sim.vehicle.laws.propeller import (
     ACTIVATION,
     ACTUATOR,
@@ -42,7 +42,7 @@ from cube_sim.vehicle.laws.push import COLUMNS, push_wrench
 from cube_sim.vehicle.laws.servo_fault import ACTUATOR as TURNS
 from cube_sim.vehicle.laws.servo_fault import COLUMNS as SERVO_COLUMNS
 from cube_sim.vehicle.laws.servo_fault import FIN, LOOSE, faulty_rate, loose_rate
-from cube_sim.vehicle.laws.surface import faded, fading_wrench, share_of_depth
+from cube_sim.vehicle.laws.surface import faded, share_of_depth
 from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.ballast_record import ballast_rows, with_tanks
 from cube_sim.vehicle.plugin.curve_record import steady_force
@@ -51,7 +51,6 @@ from cube_sim.vehicle.plugin.lift_record import fin_row, lift_wrench
 from cube_sim.vehicle.plugin.link_water import build_link_water
 from cube_sim.vehicle.plugin.memory import (
     call_force,
-    columns_times,
     double,
     field,
     force_table,
@@ -64,6 +63,7 @@ from cube_sim.vehicle.plugin.memory import (
 )
 from cube_sim.vehicle.plugin.propeller_wrench import propeller_force, table_of, unheld_torque
 from cube_sim.vehicle.plugin.under_water import under_water
+from cube_sim.vehicle.plugin.water_on_body import water_on_body
 
 _factor_mass_matrix = types.ExternalFunction("mj_factorM", types.void(types.int64, types.int64))
 _project_constraints = types.ExternalFunction("mj_projectConstraint", types.void(types.int64, types.int64))
@@ -240,7 +240,6 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             at_surface = double(position, 2) + double(hull, layout.REACH) > surface
             if at_surface:
                 wet, share, gradient = under_water(hull, room_for_hull(), position, R, surface)
-            M_A = matrix(wet + 8 * layout.ADDED_MASS, 6, 6)
             rows, moved = field(m, m_rowadr) + 4 * dof, wet + 8 * layout.ADDED_MASS
             if ballast >= 0:
                 tanks = ballast_rows(packed + 8 * ballast)
@@ -262,25 +261,9 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             v = field(d, qvel) + 8 * dof
             over_ground = (double(v, 0), double(v, 1), double(v, 2))
             nu = stacked(to_body(R, over_ground), (double(v, 3), double(v, 4), double(v, 5)))
-            displaced = double(wet, layout.DISPLACED_MASS)
-            r_CB = (double(wet, layout.CENTRE), double(wet, layout.CENTRE + 1), double(wet, layout.CENTRE + 2))
             current, surge = water_at(m, packed, time, double(position, 2), steady)
             nu_r = relative_velocity(R, nu, current)
-            added = wet + 8 * layout.ADDED_MASS
-            F = water_wrench_of(
-                columns_times(added, turning(nu_r)),
-                columns_times(added, nu_r),
-                columns_times(wet + 8 * layout.LINEAR, nu_r),
-                columns_times(wet + 8 * layout.QUADRATIC, squares(nu_r)),
-                R,
-                nu_r,
-                (-displaced * down[0], -displaced * down[1], -displaced * down[2]),
-                r_CB,
-            )
-            if at_surface:
-                F = plus6(F, fading_wrench(columns_times(hull + 8 * layout.ADDED_MASS, nu_r), gradient, nu, nu_r))
-            if profile >= 0:
-                F = plus6(F, accelerating_water(M_A, displaced, r_CB, R, surge))
+            F = water_on_body(hull, wet, at_surface, gradient, profile >= 0, R, nu, nu_r, surge, down)
             if pushes >= 0:
                 table = packed + 8 * pushes
                 from_outside = matrix(table + 8, int(double(table, 0)), COLUMNS)

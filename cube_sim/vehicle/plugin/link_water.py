@@ -11,10 +11,8 @@ from collections.abc import Callable, Mapping
 
 import numba
 
-from cube_sim.tuples import minus6, plus6
-from cube_sim.vehicle.laws.current import accelerating_water
-from cube_sim.vehicle.laws.hydrodynamics import relative_velocity, squares, turning, water_wrench_of
-from cube_sim.vehicle.laws.surface import fading_wrench
+from cube_sim.tuples import minus6
+from cube_sim.vehicle.laws.hydrodynamics import relative_velocity
 from cube_sim.vehicle.plugin import layout
 from cube_sim.vehicle.plugin.link_inertia import (
     add_link_force,
@@ -26,6 +24,7 @@ from cube_sim.vehicle.plugin.link_inertia import (
 )
 from cube_sim.vehicle.plugin.memory import columns_times, double, field, integer, matrix, room_for_hull
 from cube_sim.vehicle.plugin.under_water import under_water
+from cube_sim.vehicle.plugin.water_on_body import water_on_body
 
 
 def build_link_water(
@@ -86,22 +85,8 @@ def build_link_water(
         nu = seen_from(R, offset, velocity[0], velocity[1])
         current, surge = water_at(m, packed, double(d + time_, 0), double(position, 2), steady)
         nu_r = relative_velocity(R, nu, current)
-        displaced = double(wet, layout.DISPLACED_MASS)
-        r_CB = (double(wet, layout.CENTRE), double(wet, layout.CENTRE + 1), double(wet, layout.CENTRE + 2))
-        F = water_wrench_of(
-            columns_times(added, turning(nu_r)),
-            columns_times(added, nu_r),
-            columns_times(wet + 8 * layout.LINEAR, nu_r),
-            columns_times(wet + 8 * layout.QUADRATIC, squares(nu_r)),
-            R,
-            nu_r,
-            (-displaced * down[0], -displaced * down[1], -displaced * down[2]),
-            r_CB,
-        )
-        if at_surface:
-            F = plus6(F, fading_wrench(columns_times(link + 8 * layout.ADDED_MASS, nu_r), gradient, nu, nu_r))
-        if double(packed, layout.CURRENT) >= 0.0:
-            F = plus6(F, accelerating_water(matrix(added, 6, 6), displaced, r_CB, R, surge))
+        varies = double(packed, layout.CURRENT) >= 0.0
+        F = water_on_body(link, wet, at_surface, gradient, varies, R, nu, nu_r, surge, down)
         bias = unforced_acceleration(R, offset, velocity, last, parents, field(d, cdof_dot), field(d, qvel))
         F = minus6(F, columns_times(added, bias))
         add_link_force(F, R, offset, last, parents, field(d, cdof), field(d, qfrc_passive))
