@@ -40,11 +40,14 @@ def vehicle(
     size_m: Annotated[
         str | None, typer.Option(metavar="L,W,H", help="Size of a box instead of a mesh: length, width, height [m].")
     ] = None,
-    unit: Annotated[str, typer.Option(metavar="UNIT", help="Of the mesh: m, cm, mm, in or ft.")] = "m",
+    unit: Annotated[
+        str | None, typer.Option(metavar="UNIT", help="Of the mesh: m (the default), cm, mm, in or ft.")
+    ] = None,
     frame: Annotated[
         str,
         typer.Option(
-            metavar="FRAME", help="Of all that is given: FLU (y left, z up) or FRD (y right, z down); x is forward."
+            metavar="FRAME",
+            help="Of all that is given: FLU (y left, z up) or FRD (y right, z down); x is forward. A URDF is FLU.",
         ),
     ] = "FLU",
     thruster: Annotated[
@@ -103,10 +106,12 @@ def vehicle(
         stop(BAD_INPUT, f"{folder}: is there already; give another name")
     if frame.upper() not in FRAMES:
         stop(BAD_INPUT, f"--frame {frame}: {' or '.join(FRAMES)} is right")
-    if unit not in UNITS:
+    if unit is not None and unit not in UNITS:
         stop(BAD_INPUT, f"--unit {unit}: {', '.join(UNITS)} are right")
     if mesh is not None and size_m is not None:
         stop(BAD_INPUT, "--mesh and --size-m: one of the two says what the hull is")
+    if unit is not None and size_m is not None:
+        stop(BAD_INPUT, "--unit and --size-m: the unit is that of a mesh; a size is in metres")
     if mass_kg is not None and urdf is not None:
         stop(BAD_INPUT, "--mass-kg and --urdf: one of the two says what the vehicle weighs")
     if thruster and thrusters is not None:
@@ -152,7 +157,7 @@ def vehicle(
                 if not several[0].voltage <= volts <= several[-1].voltage:
                     raise ShapeError(f"--voltage-v {volts:g}: the battery's, {empty:g} to {full:g} V, is right")
         kinds = {kind: known_thruster(kind, volts, tables) for kind in named}
-        hull = _hull(mass_kg, mesh, size_m, unit, turn, centre_of_mass_m, neutral, urdf)
+        hull = _hull(mass_kg, mesh, size_m, unit or "m", turn, centre_of_mass_m, neutral, urdf)
         places = places_from(hull.origin, places)
         require_near(places, hull.middle, hull.size)
         voltages = None if battery_v is None else _battery(battery_v)

@@ -23,6 +23,8 @@ LOWER = 0.05
 choice: vehicles are ballasted to float upright)."""
 UNLIKELY = 20.0
 """A mesh that displaces so many times what the vehicle weighs, or so many times less, is in another unit."""
+IMPOSSIBLE = 1000.0
+"""Likewise, whatever its owner says (a choice: ten times its length, width and height)."""
 FURTHEST = 1.0
 """Lengths of the hull that its centre of mass may be from its middle (a choice)."""
 COARSE = 0.05
@@ -126,13 +128,17 @@ def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, draw
     origin = solid_of(mesh).centre
     mesh = mesh.moved(np.eye(3), origin)
     solid = solid_of(mesh)
-    likely = 1.0 / UNLIKELY <= DENSITY * solid.volume / weighed.mass <= UNLIKELY
-    if not sure and not likely:
-        unit = "--unit mm" if drawn else "--size-m is in metres"
-        raise ShapeError(
-            f"{what}: displaces {DENSITY * solid.volume:.3g} kg of water, and the vehicle weighs {weighed.mass:.3g} "
-            f"kg; is the unit right ({unit})? Say --neutral if it is"
-        )
+    times = DENSITY * solid.volume / weighed.mass
+    unlikely = (
+        ""
+        if 1.0 / UNLIKELY <= times <= UNLIKELY
+        else f"{what}: displaces {DENSITY * solid.volume:.3g} kg of water, and the vehicle weighs {weighed.mass:.3g} "
+        f"kg; is the unit right ({'--unit mm' if drawn else '--size-m is in metres'})?"
+    )
+    if unlikely and not sure:
+        raise ShapeError(f"{unlikely} Say --neutral if it is")
+    if not 1.0 / IMPOSSIBLE <= times <= IMPOSSIBLE:
+        raise ShapeError(f"{unlikely} --neutral does not mend that")
     water, drag = added_mass(mesh, DENSITY), drag_of(silhouettes_of(mesh), solid.size, DENSITY)
     lower = np.array([0.0, 0.0, -LOWER * solid.size[2]])
     mass, given = weighed.mass, weighed.centre_of_mass
@@ -175,7 +181,7 @@ def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, draw
         + "; rotation by strips (Hoerner 1965, ch. 3, and White 2011, table 7.3: cube_sim/hull_shape/drag.py)",
         "linear_damping": "the quadratic drag at 0.1 m/s, as identified tables of small vehicles have it (choice)",
     }
-    remarks = list(mesh.remarks)
+    remarks = [*mesh.remarks, *([unlikely] if unlikely else [])]
     lift, weight = DENSITY * volume * GRAVITY, mass * GRAVITY
     if abs(lift - weight) > NEUTRAL * weight:
         way = "rises" if lift > weight else "sinks"

@@ -284,6 +284,13 @@ def test_a_urdf_gives_mass_and_inertia_of_its_links(here, unflown, monkeypatch, 
     np.testing.assert_allclose(turn @ np.diag(body.inertia) @ turn.T, own + shifted, atol=1e-5)
 
 
+def test_a_hull_of_an_unlikely_size_is_taken_where_its_owner_insists_and_told(here, unflown, monkeypatch, capsys):
+    size = ("--size-m", "1.8,1.3,1.0", "--neutral")
+    code, _, stderr = call(monkeypatch, capsys, "new", "vehicle", "rov", *MASS, *size, *FLAGS)
+    assert code == 0
+    assert "displaces 2.34e+03 kg of water, and the vehicle weighs 11.5 kg; is the unit right" in stderr
+
+
 @pytest.mark.parametrize(
     ("given", "told"),
     [
@@ -294,6 +301,15 @@ def test_a_urdf_gives_mass_and_inertia_of_its_links(here, unflown, monkeypatch, 
         (("rov", *MASS, "--size-m", "1,2,0", *FLAGS), "--size-m 1,2,0: length, width and height [m] are positive"),
         (("rov", "--mass-kg", "-1", *SIZE, *FLAGS), "--mass-kg -1: a mass [kg] is positive"),
         (("rov", *MASS, *SIZE, "--mesh", "x.stl", *FLAGS), "--mesh and --size-m: one of the two says what the hull is"),
+        (
+            ("rov", *MASS, *SIZE, "--unit", "in", *FLAGS),
+            "--unit and --size-m: the unit is that of a mesh; a size is in metres",
+        ),
+        (
+            ("rov", *MASS, "--size-m", "18,13,10", "--neutral", *FLAGS),
+            "a closed box of 18 x 13 x 10 m: displaces 2.34e+06 kg of water, and the vehicle weighs 11.5 kg; is the "
+            "unit right (--size-m is in metres)? --neutral does not mend that",
+        ),
         (("rov", *MASS, "--mesh", "mm.stl", *FLAGS), "mm.stl: displaces 9.13e+10 kg of water, and the vehicle weighs"),
         (
             ("rov", *MASS, "--size-m", "460,340,250", *FLAGS),
