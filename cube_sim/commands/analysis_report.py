@@ -39,6 +39,7 @@ from cube_sim.vehicle.mjcf.places import at_its_place
 from cube_sim.vehicle.mjcf.unused import kept_words
 from cube_sim.vehicle.mjcf.what_if import parameters_of, read_setting, set_sites
 from cube_sim.vehicle.remarks import remarks
+from cube_sim.vehicle.unlikely.words import unlikely_words
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.axes import PLANAR, Matrix
@@ -187,7 +188,7 @@ def report_on(
             read=ReadModel(model, loaded),
             progress=progress,
         )
-    noted = (*kept_words(loaded), *remarks(loaded, vehicle))
+    noted = (*kept_words(loaded), *unlikely_words(loaded, vehicle.name), *remarks(loaded, vehicle))
     if fins is not None and not planar and fails_without_fins(vehicle, gone, requirements.speed_m_s, cost_limit):
         noted = (*noted, STEERED_AT_SPEED_ONLY)
     speed = requirements.speed_m_s

@@ -52,6 +52,7 @@ class FleetLoop:
         self._loops = {name: VehicleLoop(one, self._stores[name]) for name, one in mission.missions.items()}
         self._store = FleetStore(store, self._stores, mission.scenario)
         self._touching = Touching(mission)
+        self._vehicles = [one.vehicle for one in mission.missions.values()]
         self._period = mission.scenario.control_period_s
         self._words = np.zeros(TEXT_BYTES, np.uint8)
         model, data, words = mission.model._address, mission.data._address, self._words.ctypes.data
@@ -136,7 +137,7 @@ class FleetLoop:
             mujoco.mj_forward(mission.model, mission.data)
             while warnings:
                 self._store.log(t, "WARNING", f"MuJoCo: {warnings.pop(0)}")
-            self.ended = divergence(mission.model, mission.data) or ""
+            self.ended = divergence(mission.model, mission.data, self._vehicles) or ""
             if self.ended:
                 return
             for message in self._touching.changes(t, mission.data):
@@ -160,7 +161,7 @@ class FleetLoop:
 
     def _break_off(self, said: str) -> None:
         """End the flight early, because MuJoCo has said that it cannot go on."""
-        self.ended = why_broken_off(self.mission.model, self.mission.data, said)
+        self.ended = why_broken_off(self.mission.model, self.mission.data, said, self._vehicles)
 
     def finish(self) -> None:
         """Say at the end what there is to say of the whole flight."""

@@ -322,7 +322,7 @@ class Loop:
             mujoco.mj_forward(mission.model, mission.data)
         while warnings:
             store.log(t, "WARNING", f"MuJoCo: {warnings.pop(0)}")
-        self.ended = divergence(mission.model, mission.data) or ""
+        self.ended = divergence(mission.model, mission.data, [mission.vehicle]) or ""
         if self.ended:
             return
         self._watches.surface.note(t, mission.data)
@@ -393,7 +393,7 @@ class Loop:
 
     def _break_off(self, said: str) -> None:
         """End the flight early, because MuJoCo has said that it cannot go on."""
-        self.ended = why_broken_off(self.mission.model, self.mission.data, said)
+        self.ended = why_broken_off(self.mission.model, self.mission.data, said, [self.mission.vehicle])
 
     def finish(self) -> None:
         """Say at the end what there is to say of the whole flight, and let no answer go unconfirmed."""

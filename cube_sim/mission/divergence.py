@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import mujoco
 import numpy as np
 
 from cube_sim.mission.copying import integration_state, set_integration_state
 from cube_sim.native.compiled import compiled
+from cube_sim.vehicle.stiffness import stiff_words
+from cube_sim.vehicle.vehicle import Vehicle
 
 DIVERGED = 1e6
 """A position [m], velocity [m/s] or acceleration [m/s^2] beyond which a simulation has failed, far from any vehicle."""
 
 
-def divergence(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
+def divergence(model: mujoco.MjModel, data: mujoco.MjData, vehicles: Iterable[Vehicle] = ()) -> str | None:
     """Why the state is none that a vehicle can be in; None as long as it may be one.
 
     Args:
         model: the compiled model.
         data: of that model, its accelerations up to date (mj_forward).
+        vehicles: whose stiffness is a likely cause.
     """
     if all_below(DIVERGED, data.qpos, data.qvel, data.qacc):
         return None
@@ -36,21 +41,29 @@ def divergence(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
     finite = np.isfinite(values[worst])
     how = f"{values[worst]:.3g} in SI units, beyond {DIVERGED:g}" if finite else "not a number"
     at_start = " before anything has moved (see to the current, the initial state and the model)"
-    return f"the {quantity} of '{body}' is {how}{at_start if data.time == 0.0 else ''}"
+    ending = at_start if data.time == 0.0 else _likely_cause(model, vehicles)
+    return f"the {quantity} of '{body}' is {how}{ending}"
 
 
-def why_broken_off(model: mujoco.MjModel, data: mujoco.MjData, said: str) -> str:
+def why_broken_off(model: mujoco.MjModel, data: mujoco.MjData, said: str, vehicles: Iterable[Vehicle] = ()) -> str:
     """Why a flight ends because MuJoCo cannot go on; the state stays the last one, the rest of the data is made whole.
 
     Args:
         model: the compiled model.
         data: which MuJoCo has left in the middle of something.
         said: its words.
+        vehicles: whose stiffness is a likely cause.
     """
     state = integration_state(model, data)
     mujoco.mj_resetData(model, data)
     set_integration_state(model, data, state)
-    return f"MuJoCo cannot go on: {' '.join(said.split())}"
+    return f"MuJoCo cannot go on: {' '.join(said.split())}{_likely_cause(model, vehicles)}"
+
+
+def _likely_cause(model: mujoco.MjModel, vehicles: Iterable[Vehicle]) -> str:
+    """What of the vehicles is too stiff for the time step, in words behind a failure."""
+    words = [word for vehicle in vehicles for word in stiff_words(model, vehicle)]
+    return f"; most likely because {words[0]}" if words else ""
 
 
 @compiled

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.compiled_water import water_of
 from cube_sim.vehicle.fin_faults import servo_rows
 from cube_sim.vehicle.laws.push import COLUMNS
 from cube_sim.vehicle.laws.servo_fault import TARGET
@@ -18,9 +19,8 @@ from cube_sim.vehicle.mjcf.elements import element_values, is_of_element, requir
 from cube_sim.vehicle.mjcf.fins import fin_rows
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
 from cube_sim.vehicle.mjcf.numeric_names import CURRENT, require_parameter
-from cube_sim.vehicle.mjcf.parameters import WaterParameters, read_parameters
+from cube_sim.vehicle.mjcf.parameters import WaterParameters
 from cube_sim.vehicle.mjcf.propellers import shaft_lag_s
-from cube_sim.vehicle.mjcf.thruster_elements import is_thruster, thruster_element
 from cube_sim.vehicle.mjcf.time_step import require_time_step
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
@@ -107,42 +107,6 @@ def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
         return np.atleast_1d(np.asarray(values, dtype=float)).ravel()
     except (TypeError, ValueError):
         raise ModelError(name, f"is {values!r:.80}; numbers are right") from None
-
-
-def water_of(model: mujoco.MjModel, numerics: Mapping[str, NDArray[np.float64]] | None = None) -> WaterParameters:
-    """What the numerics say of a compiled model's elements.
-
-    Args:
-        model: made by `load_model`.
-        numerics: name -> values (n,) in place of all that the model has.
-
-    Raises:
-        ModelError: they make no sense.
-    """
-    if numerics is None:
-        numerics = {each.name: each.data for each in map(model.numeric, range(model.nnumeric - 1))}
-    named = [i for i in range(1, model.nbody) if model.body(i).name]
-    bodies = {model.body(i).name: _carrier(model, i) for i in named}
-    thrusters = [thruster_element(model, i) if is_thruster(model, i) else None for i in range(model.nu)]
-    sites = {
-        model.site(i).name: model.body(model.site_bodyid[i]).name for i in range(model.nsite) if model.site(i).name
-    }
-    packed = packing.packed_parameters(model)
-    table = packed[int(packed[layout.THRUSTERS]) :][: model.nu]
-
-    def moved(kind: int) -> dict[str, int]:
-        return {model.site(model.actuator_trnid[i, 0]).name: int(i) for i in np.flatnonzero(table == kind)}
-
-    servos, pumps = moved(layout.FIN_SERVO), moved(layout.BALLAST_STATE)
-    return read_parameters(numerics, bodies, thrusters, sites, servos, pumps)
-
-
-def _carrier(model: mujoco.MjModel, body: int) -> str | None:
-    """Name of the free body of the world that a body is, or that carries it; None where there is none."""
-    root = int(model.body_rootid[body])
-    first, count = model.body_jntadr[root], model.body_jntnum[root]
-    free = count == 1 and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE
-    return model.body(root).name if free else None
 
 
 def _with_elements(model: mujoco.MjModel, elements: Mapping[str, NDArray[np.float64]]) -> mujoco.MjModel:

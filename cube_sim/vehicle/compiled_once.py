@@ -11,10 +11,9 @@ import mujoco
 import numpy as np
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.changing import set_parameters, water_of
+from cube_sim.vehicle.changing import set_parameters
 from cube_sim.vehicle.loading import load_unsaid
 from cube_sim.vehicle.mjcf.elements import INERTIA
-from cube_sim.vehicle.mjcf.unlikely_fins import unlikely_fin_words
 
 Parameters = Mapping[str, Sequence[float]]
 Room = tuple[tuple[str, int], ...]
@@ -71,7 +70,7 @@ class CompiledOnce:
             set_parameters(model, parameters)
         except ModelError:
             return None
-        if self._cuts_off_another_part(model) or self._says_else_of_fins(model, changed):
+        if self._cuts_off_another_part(model):
             return None
         return model
 
@@ -100,14 +99,3 @@ class CompiledOnce:
         thrusters = self.model.actuator_biastype == mujoco.mjtBias.mjBIAS_USER
         limited = (self.model.actuator_forcelimited != 0) | (self.model.actuator_actlimited != 0)
         return bool((thrusters & limited).any())
-
-    def _says_else_of_fins(self, model: mujoco.MjModel, changed: Sequence[str]) -> bool:
-        """Whether something else is worth a word, which the compiled model keeps."""
-        parts = {name.rpartition(":")[2] for name in changed}
-        if not any(part == "volume" or part.startswith("fin_") for part in parts):
-            return False
-        spec, said = self._spec(), []
-        for each in (self.model, model):
-            water = water_of(each)
-            said.append(unlikely_fin_words(spec, water.fins, {hull.body: hull.volume for hull in water.hulls}))
-        return said[0] != said[1]

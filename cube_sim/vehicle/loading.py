@@ -28,12 +28,12 @@ from cube_sim.vehicle.mjcf.thruster_elements import (
     thruster_elements,
 )
 from cube_sim.vehicle.mjcf.time_step import require_time_step
-from cube_sim.vehicle.mjcf.unlikely_fins import unlikely_fin_words
 from cube_sim.vehicle.mjcf.unused import keep_words, kept_words, unused_thruster_words
 from cube_sim.vehicle.plugin import hook, layout, packing, structs, user_forces
 from cube_sim.vehicle.plugin.inverse_weights import set_inverse_weights
 from cube_sim.vehicle.plugin.user_force_kinds import ForceKind, UserForce, kind_of
 from cube_sim.vehicle.plugin.warnings import collect_warnings
+from cube_sim.vehicle.unlikely.words import unlikely_words
 
 
 def load_model(
@@ -62,7 +62,7 @@ def load_model(
         ModelError: the file cannot be read or compiled, or its water makes no sense; names the element.
     """
     model = load_unsaid(path, parameters, forces, pushes)
-    for text in kept_words(model):
+    for text in (*kept_words(model), *unlikely_words(model)):
         warnings.warn(text, stacklevel=2)
     return model
 
@@ -73,7 +73,7 @@ def load_unsaid(
     forces: Mapping[str, UserForce] | None = None,
     pushes: int = 0,
 ) -> mujoco.MjModel:
-    """The same model for a caller who says himself what `kept_words` has of it; arguments and errors are the same."""
+    """The same model for a caller who says himself what is to be said of it; arguments and errors are the same."""
     with collect_warnings() as spoken:
         model = _load(path, dict(parameters or {}), dict(forces or {}), pushes)
     for text in spoken:
@@ -152,11 +152,7 @@ def _immerse(
     servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics], pumps.values())
     parameters = read_parameters(numerics, bodies, thrusters, sites, servos, pumps)
     hulls = [hull.body for hull in parameters.hulls]
-    words = [
-        *unused_thruster_words(spec, in_file, hulls, thrusters, [*servos.values(), *pumps.values()]),
-        *unlikely_fin_words(spec, parameters.fins, {hull.body: hull.volume for hull in parameters.hulls}),
-    ]
-    keep_words(spec, words)
+    keep_words(spec, unused_thruster_words(spec, in_file, hulls, thrusters, [*servos.values(), *pumps.values()]))
     links = [link.body for link in parameters.links]
     set_elements(spec, of_elements, [*bodies], thrusters)
     limit_commands(spec, [thruster and thruster.characteristic for thruster in parameters.thrusters])

@@ -62,7 +62,7 @@ def allowed_commands(model: mujoco.MjModel, actuator: int) -> tuple[float, float
     low, high = -float("inf"), float("inf")
     if model.actuator_ctrllimited[actuator]:
         low, high = model.actuator_ctrlrange[actuator].tolist()
-    joint, gear = _joint(model, actuator), float(model.actuator_gear[actuator, 0])
+    joint, gear = driven_joint(model, actuator), float(model.actuator_gear[actuator, 0])
     if joint >= 0 and is_position_servo(model, actuator) and model.jnt_limited[joint]:
         ends = sorted(gear * end for end in model.jnt_range[joint].tolist())
         low, high = max(low, ends[0]), min(high, ends[1])
@@ -89,12 +89,12 @@ def stand_at(model: mujoco.MjModel, data: mujoco.MjData, actuator: int, command:
     first, count = int(model.actuator_actadr[actuator]), int(model.actuator_actnum[actuator])
     if first >= 0 and model.actuator_dyntype[actuator] in _LAGS:
         data.act[first : first + count] = command
-    joint, gear = _joint(model, actuator), float(model.actuator_gear[actuator, 0])
+    joint, gear = driven_joint(model, actuator), float(model.actuator_gear[actuator, 0])
     if joint >= 0 and gear != 0.0 and is_position_servo(model, actuator):
         data.qpos[model.jnt_qposadr[joint]] = command / gear
 
 
-def _joint(model: mujoco.MjModel, actuator: int) -> int:
+def driven_joint(model: mujoco.MjModel, actuator: int) -> int:
     """The hinge or slide that an actuator drives; -1 for none."""
     if model.actuator_trntype[actuator] not in _JOINTS:
         return -1
@@ -114,7 +114,7 @@ def _root(model: mujoco.MjModel, actuator: int) -> int:
 
 def _units(model: mujoco.MjModel, actuator: int) -> tuple[str, str]:
     """Of the command, and of what is reached; "1" where nobody knows."""
-    joint = _joint(model, actuator)
+    joint = driven_joint(model, actuator)
     if joint < 0:
         return "1", "1"
     turns = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE

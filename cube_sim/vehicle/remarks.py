@@ -11,6 +11,8 @@ from cube_sim.vehicle.floating import floating_height
 from cube_sim.vehicle.laws import fin
 from cube_sim.vehicle.mjcf.unused import kept_words
 from cube_sim.vehicle.plugin import packing
+from cube_sim.vehicle.stiffness import stiff_words
+from cube_sim.vehicle.unlikely.words import unlikely_words
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
 NEUTRAL = 1e-3
@@ -21,10 +23,6 @@ UPSIDE_DOWN_DEG = 135.0
 """Tilt at rest from which on a hull lies on its back rather than on its side (a choice)."""
 LEAST_ARM_M = 1e-6
 """Height of the centre of buoyancy over that of mass that rights a hull at all (a choice)."""
-USUAL_SPEED_M_S = 1.0
-"""Speed at which drag is looked at (a choice)."""
-_RK4_LIMIT, _EULER_LIMIT = 2.785, 2.0  # of slope * step / mass, beyond which the motion explodes
-_NEAR = 0.5  # share of the limit that is worth a word
 
 
 def remarks(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
@@ -35,13 +33,13 @@ def remarks(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
     if g > 0.0:
         moment = _most(vehicle, slice(3, 5))
         said += _at_rest(lift * vehicle.centre_of_buoyancy - weight * vehicle.centre_of_mass, weight, moment)
-    return said + _stiff(model, vehicle) + _fins_ahead(model, vehicle) + _own_force(model, vehicle)
+    return said + stiff_words(model, vehicle) + _fins_ahead(model, vehicle) + _own_force(model, vehicle)
 
 
 def cautions(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
     """Sentences on what is most likely a mistake, for the log of whoever flies the vehicle."""
     less = (vehicle.displaced_mass - vehicle.mass) * float(np.linalg.norm(vehicle.gravity))
-    said = kept_words(model) + _stiff(model, vehicle)
+    said = kept_words(model) + unlikely_words(model, vehicle.name) + stiff_words(model, vehicle)
     if fed := feeding_words(vehicle.linear_damping, vehicle.quadratic_damping, vehicle.lift):
         said.append(fed)
     push = _most(vehicle, slice(0, 3))
@@ -118,47 +116,6 @@ def _at_rest(righting: np.ndarray, weight: float, moment: float) -> list[str]:
     across = float(np.linalg.norm(righting[:2]))
     there = f", and its thrusters give {moment:.3g} N m at most" if moment < across else ""
     return [f"left to itself it rests tilted by {tilt:.0f} deg; level it has to be held with {across:.3g} N m{there}"]
-
-
-def _stiff(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
-    slope = vehicle.linear_damping + 2.0 * USUAL_SPEED_M_S * vehicle.quadratic_damping
-    parts = [("its drag", slope)]
-    if vehicle.lift is not None:
-        none = np.zeros((6, 6, 6))
-        parts += [
-            ("the lift of its fins", slope + _steepest(vehicle, slope, none, vehicle.lift.fins)),
-            (
-                "the lift and drag of its strips and velocity products",
-                slope + _steepest(vehicle, slope, vehicle.lift.products, vehicle.lift.absolute),
-            ),
-        ]
-    limit = _RK4_LIMIT if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else _EULER_LIMIT
-    for what, steep in parts:
-        stiffness = _fastest(vehicle, steep) * model.opt.timestep
-        if stiffness > _NEAR * limit:
-            return [
-                f"{what} at {USUAL_SPEED_M_S:g} m/s or rad/s is stiff for the time step of {model.opt.timestep:g} s: "
-                f"{stiffness:.2g} of {limit:g}, beyond which the motion explodes; take a step of "
-                f"{0.1 * limit * model.opt.timestep / stiffness:.2g} s"
-            ]
-    return []
-
-
-def _fastest(vehicle: Vehicle, slope: np.ndarray) -> float:
-    """The largest rate [1/s] at which a slope of force by velocity (6,6) changes the motion."""
-    rates = np.linalg.eigvals(np.linalg.solve(vehicle.mass_matrix + vehicle.added_mass, slope))
-    return float(np.abs(rates).max())
-
-
-def _steepest(vehicle: Vehicle, slope: np.ndarray, signed: np.ndarray, absolute: np.ndarray) -> np.ndarray:
-    """(6,6) the steepest slope of P nu nu + Q nu |nu|, of flows along each axis, taken with another slope."""
-    found = []
-    for flow in USUAL_SPEED_M_S * np.eye(6)[:3]:
-        of_signed = np.einsum("ijk,k->ij", signed, flow) + np.einsum("ijk,j->ik", signed, flow)
-        of_first = np.einsum("ijk,k->ij", absolute, np.abs(flow))
-        of_second = np.einsum("ijk,j,k->ik", absolute, flow, np.sign(flow))
-        found.append(-(of_signed + of_first + of_second))
-    return max(found, key=lambda more: _fastest(vehicle, slope + more))
 
 
 def _fins_ahead(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:

@@ -12,6 +12,7 @@ import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.compiled_once import CompiledOnce
 from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS, element_values
+from cube_sim.vehicle.unlikely.words import unlikely_words
 from cube_sim.vehicle.vehicle import hull_names
 
 OF_PICTURES = {"stat.extent", "stat.meansize"}
@@ -110,15 +111,20 @@ def test_all_parameters_at_once_are_as_compiled_whatever_it_was_compiled_with(pa
         (CUBE, {"hull:mass": [130.0]}, {"hull:mass": [-1.0]}),  # refused
         (CUBE, {"hull:thruster_dead_zone": [-1.0, 1.0]}, {"hull:thruster_dead_zone": [1.0, 2.0]}),
         (MODELS / "rov6.xml", {"hull:inertia": [0.3, 0.3, 0.3]}, {"hull:inertia": [0.3, 0.35, 0.32]}),  # whose axes?
-        (MODELS / "remus100.xml", {"rudder_up:fin_area": [0.007]}, {"rudder_up:fin_area": [7.0]}),  # worth a word
     ],
 )
 @pytest.mark.filterwarnings("ignore")
 def test_where_more_than_numbers_would_change_the_file_is_to_be_compiled(path, first, then):
-    if path.stem == "remus100":
-        fin = next(name for name in settable(cube_sim.load_model(path)) if name.endswith(":fin_area"))
-        first, then = {fin: [0.007]}, {fin: [7.0]}
     assert CompiledOnce.of(path, first).with_parameters(then) is None
+
+
+def test_a_copy_is_told_of_by_its_own_numbers():
+    area = "rudder:fin_area"
+    once = CompiledOnce.of(MODELS / "remus100.xml", {area: [0.007]})
+    model = once.with_parameters({area: [7.0]})
+    assert model is not None
+    assert unlikely_words(once.model) == []
+    assert [said.startswith("fin 'rudder' has an area of 7 m^2") for said in unlikely_words(model)] == [True]
 
 
 def test_a_range_that_would_cut_off_the_curve_is_found_by_compiling():

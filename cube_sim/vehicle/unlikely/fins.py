@@ -1,4 +1,4 @@
-"""What an MJCF says of fins that is most likely a mistake: another unit, or a site that is turned round."""
+"""Fins whose numbers are most likely in another unit, and those that are turned round."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from cube_sim.vehicle.mjcf.fins import FinParameters
 
 LARGEST = 5.0
-"""Area of a fin, in V^(2/3) of its hull, beyond which it is worth a word: wings of gliders have one (a choice)."""
+"""Area of a fin, in V^(2/3) of its vehicle, beyond which it is worth a word: wings of gliders have one (a choice)."""
 FLATTEST = 1.0
 """Lift slope [1/rad] below which it is: that of a wing of aspect ratio 0.65, or 0.06 per degree (a choice)."""
 FASTEST_RAD_S = 10.0
@@ -19,37 +19,34 @@ ALONG = 0.7
 """Cosine of the angle between a chord and the hull's x axis, either way, below which it is (a choice)."""
 
 
-def unlikely_fin_words(spec: mujoco.MjSpec, fins: Sequence[FinParameters], volumes: Mapping[str, float]) -> list[str]:
-    """Sentences on the numbers of fins that are most likely not meant.
+def unlikely_fins(model: mujoco.MjModel, fins: Sequence[FinParameters], sizes: Mapping[str, float]) -> Iterator[str]:
+    """Sentences on the numbers of fins.
 
     Args:
-        spec: of the model.
+        model: made by `load_model`.
         fins: as `cube_sim.vehicle.mjcf.fins.read_fins` returns them.
-        volumes: body -> V of each hull [m^3].
+        sizes: as `sizes_of` returns them.
     """
-    return [f"fin '{fin.site}' {word}" for fin in fins for word in _of_one(spec, fin, volumes[fin.hull])]
+    for fin in fins:
+        yield from (f"fin '{fin.site}' {word}" for word in _of_one(model, fin, sizes.get(fin.hull)))
 
 
-def _of_one(spec: mujoco.MjSpec, fin: FinParameters, volume: float) -> Iterator[str]:
-    face = volume ** (2.0 / 3.0)
-    if fin.area > LARGEST * face:
+def _of_one(model: mujoco.MjModel, fin: FinParameters, volume: float | None) -> Iterator[str]:
+    if volume is not None and fin.area > LARGEST * volume ** (2.0 / 3.0):
         yield f"has an area of {fin.area:.3g} m^2, on a hull of {volume:.2g} m^3; is it in [m^2]?"
     if fin.lift_slope < FLATTEST and not len(fin.products):
         yield f"has a lift slope of {fin.lift_slope:.2g} per radian; thin fins have 2 to 6; is it in [1/rad]?"
-    if fin.servo is not None and (rate := float(spec.actuators[fin.servo].dynprm[1])) > FASTEST_RAD_S:
+    if fin.servo is not None and (rate := float(model.actuator_dynprm[fin.servo, 1])) > FASTEST_RAD_S:
         yield f"turns by {rate:.3g} rad/s; is the rate in [rad/s]?"
-    ahead = _chord_along_x(spec, fin.site)
+    ahead = _chord_along_x(model, fin.site)
     if abs(ahead) < ALONG:
         yield "has its chord across the hull's x axis: flow from ahead does not meet its edge; the site's x axis is it"
     elif ahead < 0.0:
         yield "has its chord pointing astern, and meets flow from ahead with its trailing edge; the site's x axis is it"
 
 
-def _chord_along_x(spec: mujoco.MjSpec, name: str) -> float:
+def _chord_along_x(model: mujoco.MjModel, site: str) -> float:
     """Cosine of the angle between a fin's chord and the x axis of its hull."""
-    site, how, axes = spec.site(name), spec.compiler, np.zeros(9)
-    turned = np.array(site.quat, dtype=float)
-    if site.alt.type != mujoco.mjtOrientation.mjORIENTATION_QUAT:
-        turned = np.array(mujoco.MjSpec.resolve_orientation(bool(how.degree), how.eulerseq, site.alt))
-    mujoco.mju_quat2Mat(axes, turned / np.linalg.norm(turned))
+    axes = np.zeros(9)
+    mujoco.mju_quat2Mat(axes, model.site(site).quat)
     return float(axes[0])

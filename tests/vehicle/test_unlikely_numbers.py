@@ -1,0 +1,122 @@
+"""Numbers that are most likely not meant are named when a model is loaded, and to whoever flies it."""
+
+import warnings
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+from support.ballasted import MODEL
+from support.catalogue.vehicles import catalogue
+from support.lifting import Fin, Lifted
+from support.places import MODEL_FILES, MODELS
+from support.water_bodies import Body
+
+import cube_sim
+from cube_sim.vehicle.loading import load_unsaid
+from cube_sim.vehicle.remarks import cautions, remarks
+from cube_sim.vehicle.unlikely.words import unlikely_words
+
+X, Y, Z = np.eye(3)
+RUDDER = Fin("rudder", np.array([-0.6, 0.0, 0.0]), X, Y, 0.01, 3.0, servo=(0.1, 0.5))
+HULL = Body(added=np.diag([1.0, 10.0, 10.0, 0.1, 1.0, 1.0])).neutral()
+
+
+@pytest.mark.parametrize(
+    ("fin", "told"),
+    [
+        (replace(RUDDER, area=200.0), "has an area of 200 m.2, on a hull of"),
+        (replace(RUDDER, slope=0.06), "has a lift slope of 0.06 per radian"),
+        (replace(RUDDER, servo=(0.1, 45.0)), "turns by 45 rad/s"),
+        (replace(RUDDER, chord=-X), "chord pointing astern"),
+        (replace(RUDDER, chord=Z), "chord across the hull's x axis"),
+    ],
+)
+def test_what_is_most_likely_not_meant_is_named(fin, told):
+    with pytest.warns(UserWarning, match=f"fin 'rudder' .*{told}"):
+        model = cube_sim.load_model(Lifted(HULL, (fin,)).spec())
+    said = cautions(model, cube_sim.Vehicle.from_model(model))
+    assert said[0].startswith("fin 'rudder' ")
+
+
+@pytest.mark.parametrize("change", [{}, {"chord": X - 0.5 * Z}, {"slope": 1.1}, {"servo": (0.1, 9.0)}])
+def test_what_may_well_be_meant_is_not(change):
+    fin = replace(RUDDER, **change)
+    fin = replace(fin, chord=fin.chord / np.linalg.norm(fin.chord))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cube_sim.load_model(Lifted(HULL, (fin,)).spec())
+
+
+@pytest.mark.parametrize(("places", "told"), [((0.6, 0.5), True), ((0.6, -0.6), False)])
+def test_fins_that_all_lie_ahead_are_told(places, told):
+    fins = tuple(replace(RUDDER, name=f"fin{x:g}", place=np.array([x, 0.0, 0.0])) for x in places)
+    model = cube_sim.load_model(Lifted(HULL, fins).spec())
+    said = remarks(model, cube_sim.Vehicle.from_model(model))
+    assert any(each.startswith("all its fins lie ahead of its centre of mass") for each in said) is told
+
+
+def test_who_says_it_himself_hears_nothing_of_python():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = load_unsaid(Lifted(HULL, (replace(RUDDER, area=200.0),)).spec())
+    assert "has an area of 200 m^2" in unlikely_words(model)[0]
+
+
+ARM, REMUS = MODELS / "bluerov2_arm.xml", MODELS / "remus100_propeller.xml"
+
+
+def edited(old, new, text=MODEL):
+    assert text.count(old) == 1
+    return mujoco.MjSpec.from_string(text.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("spec", "told"),
+    [
+        (edited("-1e-3 1e-3", "-30e-3 30e-3"), "ballast 'bladder' takes up to 0.03 m^3, on a vehicle that displaces"),
+        (edited("-1e-3 1e-3", "-0.5 0.1"), "ballast 'bladder' takes up to -0.5 m^3"),
+        (edited("0 2e-3", "0 2"), "ballast 'tank' takes up to 2 m^3"),
+        (edited("0.5 5e-5", "0.5 0.05"), "ballast 'bladder' is pumped by 0.05 m^3/s"),
+        (edited('density" data="1000"/>\n  </c', 'density" data="1"/></c'), "tank:ballast_density is 1 kg/m^3"),
+        (edited('density" data="1000"/>\n  </c', 'density" data="1e6"/></c'), "tank:ballast_density is 1e+06 kg/m^3"),
+        (edited('"bladder" pos="0.1 0 0"', '"bladder" pos="150 0 0"'), "site 'bladder' lies 150 m from"),
+        (edited('"bow" pos="0.4 0 0"', '"bow" pos="400 0 0"'), "site 'bow' lies 400 m from"),
+        (edited('volume" data="0.054"', 'volume" data="54"'), "hull:volume is 54 m^3, and 'hull' has a mass of 54 kg"),
+        (edited('mass="50"', 'mass="50000"'), "hull:volume is 0.054 m^3, and 'hull' has a mass of 5e+04 kg"),
+        (edited('water:density" data="1000"', 'water:density" data="1.025"'), "water:density is 1.025 kg/m^3"),
+    ],
+)
+def test_ballast_sites_and_volumes_in_another_unit_are_named(spec, told):
+    with pytest.warns(UserWarning, match=r"\[.*\]") as warned:
+        model = cube_sim.load_model(spec)
+    said = [str(each.message) for each in warned]
+    assert [each.startswith(told) for each in said] == [True], said
+    assert cautions(model, cube_sim.Vehicle.from_model(model))[0] == said[0]
+
+
+@pytest.mark.parametrize(
+    ("path", "parameter", "factor", "told"),
+    [
+        (ARM, "forearm:volume", 1e3, "forearm:volume is"),
+        (ARM, "forearm:volume", 1e6, "forearm:volume is"),
+        (ARM, "forearm:centre_of_buoyancy", 1e3, "forearm:centre_of_buoyancy is"),
+        (ARM, "hull:centre_of_buoyancy", 1e3, "hull:centre_of_buoyancy is"),
+        (REMUS, "propeller:propeller_speed", 60.0, "the propeller at 'propeller' turns with 1500 rev/s"),
+        (REMUS, "propeller:propeller_diameter", 1e3, "the propeller at 'propeller' has a diameter of 140 m"),
+    ],
+)
+def test_links_and_propellers_in_another_unit_are_named(path, parameter, factor, told):
+    values = cube_sim.load_model(path).numeric(parameter).data.copy()
+    model = cube_sim.load_model(path)
+    assert unlikely_words(model) == []
+    cube_sim.set_parameters(model, {parameter: factor * values})
+    said = unlikely_words(model)
+    assert [each.startswith(told) for each in said] == [True], said
+
+
+def test_vehicles_of_all_kinds_are_told_of_nothing():
+    specs = {path.stem: mujoco.MjSpec.from_file(str(path)) for path in MODEL_FILES}
+    specs |= {n: mujoco.MjSpec.from_string(e.make()) for n, e in catalogue().items() if not e.lost and n not in specs}
+    assert len(specs) > 50
+    assert {name: said for name, spec in specs.items() if (said := unlikely_words(load_unsaid(spec)))} == {}
