@@ -36,7 +36,7 @@ from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.fins import FinsAtSpeed
 from cube_sim.vehicle.loading import load_unsaid
 from cube_sim.vehicle.mjcf.places import at_its_place
-from cube_sim.vehicle.mjcf.unused import kept_words
+from cube_sim.vehicle.mjcf.unused import kept_words, without_thrusters
 from cube_sim.vehicle.mjcf.what_if import parameters_of, read_setting, set_sites
 from cube_sim.vehicle.remarks import remarks
 from cube_sim.vehicle.unlikely.words import unlikely_words
@@ -130,7 +130,7 @@ def report_on(
         raise at_its_place(error, model) from None
     A, names = vehicle.actuation_matrix, vehicle.thrusters.names
     if not names:
-        raise ActuationError(f"{model}: {vehicle.name} has no thrusters")
+        raise ActuationError(f"{model}: {without_thrusters(loaded, vehicle.name)}")
     if planar:
         A = _in_plane(A)
     title = model.stem if hull is None else f"{model.stem}, {vehicle.name}"

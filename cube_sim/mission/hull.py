@@ -20,6 +20,7 @@ from cube_sim.vehicle.current import current_table
 from cube_sim.vehicle.mjcf.numeric_names import CURRENT, SURFACE
 from cube_sim.vehicle.mjcf.places import at_its_place
 from cube_sim.vehicle.mjcf.time_step import require_time_step
+from cube_sim.vehicle.mjcf.unused import without_thrusters
 from cube_sim.vehicle.other_actuators import other_actuators
 from cube_sim.vehicle.standing import as_it_stands
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
@@ -159,7 +160,7 @@ def _compiled(
         raise ScenarioError([loaded.mistake(where, told)]) from None
     if not vehicle.thrusters.names:
         where = key if scenario.vehicle is None else "vehicle"
-        raise ScenarioError([loaded.mistake(where, f"{file}: '{vehicle.name}' has no thruster")])
+        raise ScenarioError([loaded.mistake(where, f"{file}: {without_thrusters(once.model, vehicle.name)}")])
     return once, vehicle
 
 

@@ -90,6 +90,9 @@ def _of(mark: StreamMark | None) -> Position:
 
 
 def _located(text: str, error: Exception) -> NotYAMLError:
+    if text.lstrip().startswith("<"):
+        told = "not valid YAML but XML: a scenario is YAML and names its model; cube-sim analyze looks at a model"
+        return NotYAMLError(Position(1, 1), told)
     if isinstance(error, ReaderError):
         before = text[: error.position]
         place = Position(before.count("\n") + 1, error.position - before.rfind("\n"))

@@ -78,8 +78,9 @@ def _buoyancy(model: mujoco.MjModel, vehicle: Vehicle, weight: float, lift: floa
         return f"{text}: neutral"
     if less < 0.0:
         return f"{text}: sinks with {-less:.3g} N"
-    below = -floating_height(model, vehicle)
-    return f"{text}: rises with {less:.3g} N; floats with its origin {below:.2g} m below the surface"
+    above = floating_height(model, vehicle)
+    side = "above" if above > 0.0 else "below"
+    return f"{text}: rises with {less:.3g} N; floats with its origin {abs(above):.2g} m {side} the surface"
 
 
 def _ballast(vehicle: Vehicle, less: float) -> list[str]:

@@ -47,6 +47,14 @@ def test_a_vehicle_without_thrusters_is_refused_in_a_line(tmp_path):
         short_flight(tmp_path, with_thrusters())
 
 
+def test_one_whose_actuators_are_no_thrusters_is_told_what_they_lack(tmp_path):
+    plain = edited_text().replace('biastype="user"', "")
+    with pytest.raises(
+        CubeSimError, match=r"'hull' has no thruster: actuator 'T1' pushes .* it has no biastype=\"user\""
+    ):
+        short_flight(tmp_path, plain)
+
+
 @pytest.mark.flight
 def test_a_hull_without_drag_follows_the_helix(tmp_path):
     (tmp_path / "hull.xml").write_text(DAMPING.sub("", edited_text()))

@@ -188,6 +188,7 @@ def test_one_mistake_one_line(tmp_path, old, new, expected):
         (b"- 1\n", "mission.yaml:1:1: a scenario is a block of keys, this file holds a list"),
         (b"name: x\nmodel: \xff\xfe\n", "mission.yaml:2:8: not UTF-8 text (byte 0xff)"),
         (b"name: x\nmodel: \x00", "mission.yaml:2:8: not text: character '\\x00' is not allowed in YAML"),
+        (b"<mujoco model='x'>\n  <!-- a: b -->\n</mujoco>", "mission.yaml:1:1: not valid YAML but XML: a scenario"),
         (b"name: [1,\n", "mission.yaml:2:1: not valid YAML: "),
         (b"name: x\n  model: y\n", "mission.yaml:2:8: not valid YAML: "),
         (b"name: x\n\tmodel: y\n", "mission.yaml:2:1: not valid YAML: "),

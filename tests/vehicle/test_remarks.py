@@ -26,6 +26,7 @@ def still(time, position, rotation, velocity, through_water):
         ({}, "weighs 1226 N, displaces 1226 N of water: neutral"),
         ({"hull:mass": 130.0}, "sinks with 49 N"),
         ({"hull:mass": 62.5}, "rises with 613 N; floats with its origin 0.02 m below the surface"),
+        ({"hull:mass": 3.0}, "m above the surface"),
         ({"hull:centre_of_buoyancy": [0, 0, 0]}, "nothing rights it"),
         ({"hull:centre_of_buoyancy": [0.02, 0, 0.02]}, "rests tilted by 45 deg; level it has to be held with 24.5 N m"),
         ({"hull:centre_of_buoyancy": [0, 0, -0.02]}, "its centre of mass lies above its centre of buoyancy"),

@@ -61,3 +61,9 @@ def kept_words(model: mujoco.MjModel) -> list[str]:
         return []
     start = int(model.text_adr[index])
     return model.text_data[start : start + int(model.text_size[index]) - 1].decode().split("\n")
+
+
+def without_thrusters(model: mujoco.MjModel, hull: str) -> str:
+    """What is said of a hull that has no thruster: that, and the first of what its file has that might be one."""
+    seen = [words for words in kept_words(model) if words.startswith("actuator ") and f"'{hull}'" in words]
+    return f"'{hull}' has no thruster" + (f": {seen[0]}" if seen else "")
