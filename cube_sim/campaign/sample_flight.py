@@ -176,8 +176,8 @@ def died(k: int, reason: str, said: str, drawn: Mapping[str, Any], wall_s: float
 
 
 def sharing(loaded: AnyLoaded) -> AnyLoaded:
-    """The same scenario, of whose variations those of one vehicle share what all of them need."""
-    return loaded if isinstance(loaded, LoadedFleet) else replace(loaded, shared=Shared())
+    """The same scenario, whose variations share what all of them need."""
+    return loaded.sharing() if isinstance(loaded, LoadedFleet) else replace(loaded, shared=Shared())
 
 
 class _Limit:

@@ -29,8 +29,10 @@ from cube_sim.scenario.event_blocks import CurrentEventBlock
 from cube_sim.scenario.fleet import SEPARATOR, FleetScenario, distance_name, of_vehicle
 from cube_sim.scenario.fleet_loading import LoadedFleet
 from cube_sim.scenario.named_signals import signal_mistakes
+from cube_sim.scenario.shared import Shared
+from cube_sim.vehicle.compiled_once import room
 from cube_sim.vehicle.current import current_table
-from cube_sim.vehicle.joining import ModelPart, joined_model, vehicle_in
+from cube_sim.vehicle.joining import ModelPart, compiled_together, joined_parameters, vehicle_in
 from cube_sim.vehicle.mjcf.numeric_names import DENSITY
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -156,7 +158,7 @@ def _joined(loaded: LoadedFleet, alone: Mapping[str, CompiledHull]) -> tuple[muj
         parts.append(ModelPart(file, prefix, parameters, again=file in of_file[:index]))
     pushes = {name: len(force_events(one.scenario)) for name, one in loaded.vehicles.items()}
     try:
-        model = joined_model(parts, pushes=sum(pushes.values()))
+        model = _one_model(loaded.shared, parts, sum(pushes.values()))
         vehicles = {name: vehicle_in(model, hull.vehicle, prefixes[name]) for name, hull in alone.items()}
     except ModelError as error:
         raise ScenarioError([loaded.mistake("vehicles", f"their models do not go together: {error}")]) from None
@@ -165,6 +167,16 @@ def _joined(loaded: LoadedFleet, alone: Mapping[str, CompiledHull]) -> tuple[muj
         set_pushes(loaded.vehicles[name], model, vehicle, first)
         first += pushes[name]
     return model, {name: CompiledHull(model, vehicle) for name, vehicle in vehicles.items()}
+
+
+def _one_model(shared: Shared | None, parts: Sequence[ModelPart], pushes: int) -> mujoco.MjModel:
+    """The joined model; flights that share what they can compile it once, whatever their numbers."""
+    if shared is None:
+        return compiled_together(parts, pushes).model
+    files = tuple((part.file, part.prefix, part.again, room(part.parameters)) for part in parts)
+    once = shared.get(("fleet", files, pushes), lambda: compiled_together(parts, pushes))
+    model = once.with_parameters(joined_parameters(parts))  # a flight changes its model
+    return compiled_together(parts, pushes).model if model is None else model
 
 
 def _require_one_density(loaded: LoadedFleet, alone: Mapping[str, CompiledHull]) -> None:

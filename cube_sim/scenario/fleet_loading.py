@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from cube_sim.scenario.python_block import python_blocks
 from cube_sim.scenario.reading import parsed, read_text
 from cube_sim.scenario.resolved import fleet_to_yaml, seen_from
 from cube_sim.scenario.schema import Scenario
+from cube_sim.scenario.shared import Shared
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class LoadedFleet:
         overrides: what replaced values of the file.
         document: the file as parsed, with those it includes.
         bases: text of each file it includes, as `Loaded.bases`.
+        shared: what many flights of variations of it share, as `Loaded.shared`; that of each vehicle is the same.
     """
 
     scenario: FleetScenario
@@ -45,6 +47,13 @@ class LoadedFleet:
     overrides: tuple[Override, ...]
     document: Document
     bases: Mapping[str, str]
+    shared: Shared | None = field(default=None, compare=False, repr=False)
+
+    def sharing(self) -> LoadedFleet:
+        """The same scenario, whose variations share what all of them need."""
+        shared = Shared(len(self.vehicles))
+        vehicles = {name: replace(one, shared=shared) for name, one in self.vehicles.items()}
+        return replace(self, vehicles=vehicles, shared=shared)
 
     def resolved_yaml(self, directory: Path | None = None) -> str:
         """The scenario with every default and override written out, as `Loaded.resolved_yaml`."""
@@ -94,11 +103,17 @@ def any_again(loaded: AnyLoaded, overrides: Mapping[str, Any]) -> AnyLoaded:
     if isinstance(loaded, Loaded):
         return loaded_again(loaded, overrides)
     before = {override.path: override.value for override in loaded.overrides}
-    return _fleet(loaded.path, loaded.text, loaded.document, loaded.bases, {**before, **overrides})
+    merged_overrides = {**before, **overrides}
+    return _fleet(loaded.path, loaded.text, loaded.document, loaded.bases, merged_overrides, loaded.shared)
 
 
 def _fleet(
-    path: Path, text: str, document: Document, bases: Mapping[str, str], overrides: Mapping[str, Any]
+    path: Path,
+    text: str,
+    document: Document,
+    bases: Mapping[str, str],
+    overrides: Mapping[str, Any],
+    shared: Shared | None = None,
 ) -> LoadedFleet:
     """The scenario of several vehicles that a parsed file and overrides make."""
     data, applied, wrong_paths = apply(document.data, overrides)
@@ -110,10 +125,12 @@ def _fleet(
     if lines or fleet is None:
         raise ScenarioError(lines)
     loaded = {
-        share.name: Loaded(fleet.vehicles[share.name], text, path, tuple(applied), document, bases, within=share.place)
+        share.name: Loaded(
+            fleet.vehicles[share.name], text, path, tuple(applied), document, bases, within=share.place, shared=shared
+        )
         for share in found
     }
-    return LoadedFleet(fleet, loaded, text, path, tuple(applied), document, bases)
+    return LoadedFleet(fleet, loaded, text, path, tuple(applied), document, bases, shared)
 
 
 def _made(data: dict[str, Any], directory: Path) -> tuple[FleetScenario | None, list[Refusal], list[Share]]:

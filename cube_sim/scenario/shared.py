@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 Thing = TypeVar("Thing")
 
 MOST = 16
-"""So many things are kept: what each flight has for itself would fill the memory."""
+"""So many things are kept for each vehicle: what each flight has for itself would fill the memory."""
 
 
 class Shared:
@@ -18,10 +18,14 @@ class Shared:
 
     Whoever asks holds that nothing which the thing is made of changes meanwhile, as a file on disk, and that nobody
     changes the thing.
+
+    Args:
+        vehicles: how many fly in each flight.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, vehicles: int = 1) -> None:
         self._things: OrderedDict[Hashable, Any] = OrderedDict()
+        self._vehicles = vehicles
         self._lock = threading.Lock()
 
     def get(self, key: Hashable, make: Callable[[], Thing]) -> Thing:
@@ -38,10 +42,10 @@ class Shared:
         made = make()
         with self._lock:
             kept = self._things.setdefault(key, made)
-            while len(self._things) > MOST:
+            while len(self._things) > MOST * self._vehicles:
                 self._things.popitem(last=False)
         return kept
 
-    def __reduce__(self) -> tuple[type[Shared], tuple[()]]:
+    def __reduce__(self) -> tuple[type[Shared], tuple[int]]:
         """In another process it is made anew."""
-        return Shared, ()
+        return Shared, (self._vehicles,)

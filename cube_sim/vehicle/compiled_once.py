@@ -42,9 +42,15 @@ class CompiledOnce:
     model: mujoco.MjModel
 
     @staticmethod
-    def of(source: str | Path | mujoco.MjSpec, parameters: Parameters, pushes: int = 0) -> CompiledOnce:
-        """Compile a file; arguments and errors are those of `load_model`."""
-        return CompiledOnce(source, parameters, load_unsaid(source, parameters, pushes=pushes))
+    def of(
+        source: str | Path | mujoco.MjSpec,
+        parameters: Parameters,
+        pushes: int = 0,
+        own_actuators: Mapping[str, range] | None = None,
+    ) -> CompiledOnce:
+        """Compile a file; arguments and errors are those of `load_unsaid`."""
+        model = load_unsaid(source, parameters, pushes=pushes, own_actuators=own_actuators)
+        return CompiledOnce(source, parameters, model)
 
     def has(self, parameters: Parameters) -> bool:
         """Whether it was compiled with just these."""

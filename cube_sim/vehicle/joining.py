@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.loading import load_unsaid
-from cube_sim.vehicle.mjcf.numeric_names import force_owner
-from cube_sim.vehicle.plugin.user_force_kinds import kind_of
-from cube_sim.vehicle.plugin.user_forces import resolve
+from cube_sim.vehicle.compiled_once import CompiledOnce, Parameters
 from cube_sim.vehicle.thrusters import Thrusters
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -34,11 +32,23 @@ class ModelPart:
 
     file: str
     prefix: str
-    parameters: Mapping[str, ArrayLike] = field(default_factory=dict)
+    parameters: Parameters = field(default_factory=dict)
     again: bool = False
 
 
-def joined_model(parts: Sequence[ModelPart], pushes: int = 0) -> mujoco.MjModel:
+class Joined(NamedTuple):
+    """MJCF files as one.
+
+    Attributes:
+        source: the spec of all; of a single file without a prefix, that file.
+        own_actuators: hull -> those that its own force counts, which are its file's.
+    """
+
+    source: str | mujoco.MjSpec
+    own_actuators: Mapping[str, range]
+
+
+def compiled_together(parts: Sequence[ModelPart], pushes: int = 0) -> CompiledOnce:
     """Compile MJCF files into one model with water.
 
     Args:
@@ -48,12 +58,22 @@ def joined_model(parts: Sequence[ModelPart], pushes: int = 0) -> mujoco.MjModel:
     Raises:
         ModelError: they cannot be joined: their waters or options differ; names the element.
     """
+    source, own_actuators = _joined(parts)
+    return CompiledOnce.of(source, joined_parameters(parts), pushes, own_actuators)
+
+
+def joined_parameters(parts: Sequence[ModelPart]) -> Parameters:
+    """The parameters of files, as their joined model has them."""
+    return {f"{part.prefix}{name}": value for part in parts for name, value in part.parameters.items()}
+
+
+def _joined(parts: Sequence[ModelPart]) -> Joined:
     if len(parts) == 1 and not parts[0].prefix:
-        return load_unsaid(parts[0].file, parts[0].parameters, pushes=pushes)
+        return Joined(parts[0].file, {})
     whole = mujoco.MjSpec()
     whole.modelname = "fleet"
     whole.compiler.conflict = mujoco.mjtConflict.mjCONFLICT_MERGE
-    parameters: dict[str, ArrayLike] = {}
+    own_actuators: dict[str, range] = {}
     for index, part in enumerate(parts):
         spec = mujoco.MjSpec.from_file(part.file)
         if index == 0:
@@ -66,11 +86,10 @@ def joined_model(parts: Sequence[ModelPart], pushes: int = 0) -> mujoco.MjModel:
             _leave_surroundings(spec)
         for key in list(spec.keys):  # of a state of this model alone
             spec.delete(key)
-        if len(whole.actuators) > 0:
-            _require_blind_forces(spec, part)
+        bodies, before = [body.name for body in spec.bodies], len(whole.actuators)
         whole.attach(spec, prefix=part.prefix, frame=whole.worldbody.add_frame())
-        parameters |= {f"{part.prefix}{name}": value for name, value in part.parameters.items()}
-    return load_unsaid(whole, parameters, pushes=pushes)
+        own_actuators |= {f"{part.prefix}{name}": range(before, len(whole.actuators)) for name in bodies if name}
+    return Joined(whole, own_actuators)
 
 
 def vehicle_in(model: mujoco.MjModel, alone: Vehicle, prefix: str) -> Vehicle:
@@ -119,17 +138,6 @@ def _require_same_options(whole: mujoco.MjSpec, spec: mujoco.MjSpec, part: Model
         if name not in _SET_FOR_ALL and not np.array_equal(here, there):
             said = f"{name} is {_shown(there)}, that of the vehicles before it {_shown(here)}: there is one world"
             raise ModelError("option", said, part.file)
-
-
-def _require_blind_forces(spec: mujoco.MjSpec, part: ModelPart) -> None:
-    """Refuse a hull's own force that reads commands: it counts actuators of its file, which come behind others here."""
-    bodies = [body.name for body in spec.bodies]
-    for text in spec.texts:
-        if force_owner(text.name, text.data, bodies) is None:
-            continue
-        if kind_of(resolve(text.data, text.name), text.name).sees:
-            said = "reads commands and activations by their number, which other vehicles shift: put its vehicle first"
-            raise ModelError(f"{part.prefix}{text.name}", said, part.file)
 
 
 def _options(spec: mujoco.MjSpec) -> list[str]:

@@ -72,17 +72,31 @@ def load_unsaid(
     parameters: Mapping[str, ArrayLike] | None = None,
     forces: Mapping[str, UserForce] | None = None,
     pushes: int = 0,
+    own_actuators: Mapping[str, range] | None = None,
 ) -> mujoco.MjModel:
-    """The same model for a caller who says himself what is to be said of it; arguments and errors are the same."""
+    """The same model for a caller who says himself what is to be said of it; errors are the same.
+
+    Args:
+        path: as for `load_model`, and so are the next three.
+        parameters: name -> values.
+        forces: hull -> a force of your own.
+        pushes: for how many forces from outside there is to be room.
+        own_actuators: hull -> those that its own force counts, where several files are joined in a spec; all of them
+            where nothing is said of it.
+    """
     with collect_warnings() as spoken:
-        model = _load(path, dict(parameters or {}), dict(forces or {}), pushes)
+        model = _load(path, dict(parameters or {}), dict(forces or {}), pushes, own_actuators or {})
     for text in spoken:
         warnings.warn(f"MuJoCo: {text}", stacklevel=3)
     return model
 
 
 def _load(
-    path: str | Path | mujoco.MjSpec, parameters: dict[str, ArrayLike], forces: dict[str, UserForce], pushes: int
+    path: str | Path | mujoco.MjSpec,
+    parameters: dict[str, ArrayLike],
+    forces: dict[str, UserForce],
+    pushes: int,
+    own_actuators: Mapping[str, range],
 ) -> mujoco.MjModel:
     if isinstance(path, (str, Path)):
         spec, name = _read(Path(path)), str(path)
@@ -92,7 +106,7 @@ def _load(
         raise ModelError("", f"a model is loaded from an MJCF file or an MjSpec, not from {_kind(path)}")
     file = None if spec is path else Path(name)
     try:
-        return _immerse(_own_copy(spec) if spec is path else spec, parameters, forces, pushes)
+        return _immerse(_own_copy(spec) if spec is path else spec, parameters, forces, pushes, own_actuators)
     except ModelError as error:
         by_file = file is not None and error.element not in parameters
         place = place_of(file, error.element) if by_file and file is not None else None
@@ -132,7 +146,11 @@ def _read(path: Path) -> mujoco.MjSpec:
 
 
 def _immerse(
-    spec: mujoco.MjSpec, overrides: dict[str, ArrayLike], forces: dict[str, UserForce], pushes: int
+    spec: mujoco.MjSpec,
+    overrides: dict[str, ArrayLike],
+    forces: dict[str, UserForce],
+    pushes: int,
+    own_actuators: Mapping[str, range],
 ) -> mujoco.MjModel:
     hook.install()
     numerics = {n.name: np.array(n.data, dtype=float) for n in spec.numerics}
@@ -167,7 +185,8 @@ def _immerse(
         if body not in hulls:
             raise ModelError(f"{body}:force", f"no hull '{body}'; the model has {', '.join(hulls)}")
     kinds = {hull: kind_of(function, f"{hull}:force") for hull, function in forces.items()}
-    kept = {len(spec.actuators) + k: h for k, h in enumerate(h for h in hulls if h in kinds and kinds[h].states)}
+    in_files = range(len(spec.actuators))
+    kept = {in_files.stop + k: h for k, h in enumerate(h for h in hulls if h in kinds and kinds[h].states)}
     parameters = replace(parameters, thrusters=(*parameters.thrusters, *[None] * len(kept)))
     rates: dict[str, int] = {}
     for hull in kept.values():
@@ -193,7 +212,9 @@ def _immerse(
     dofs = [int(model.body_dofadr[i]) for i in ids]
     start = model.numeric_adr[model.nnumeric - 1]
     lie = {hull: (int(model.actuator_actadr[index]), rates[hull]) for index, hull in kept.items()}
-    table = [_force(model, hull, forces, kinds, *lie.get(hull, (0, 0))) for hull in hulls]
+    table = [
+        _force(model, hull, forces, kinds, lie.get(hull, (0, 0)), own_actuators.get(hull, in_files)) for hull in hulls
+    ]
     fins = fin_rows(model, parameters.fins, hulls, parameters.density)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -221,17 +242,35 @@ def _say_in_the_model(spec: mujoco.MjSpec, numerics: dict[str, NDArray[np.float6
 
 
 def _force(
-    model: mujoco.MjModel, hull: str, forces: dict[str, UserForce], kinds: dict[str, ForceKind], state: int, rates: int
+    model: mujoco.MjModel,
+    hull: str,
+    forces: dict[str, UserForce],
+    kinds: dict[str, ForceKind],
+    lies: tuple[int, int],
+    seen: range,
 ) -> packing.ForceRecord:
-    """The own force of a hull in the table of this process, and where its state and the rates of that lie."""
+    """The own force of a hull in the table of this process, where its state and rates lie, and what it sees."""
     if hull not in forces:
         return packing.NO_FORCE
     body, kind = model.body(hull), kinds[hull]
     rotation = np.zeros(9)
     mujoco.mju_quat2Mat(rotation, body.quat)
-    at_rest = user_forces.AtRest(body.pos.copy(), rotation.reshape(3, 3), np.zeros(model.nu), np.zeros(model.na))
+    activations = _activations(model, seen)
+    at_rest = user_forces.AtRest(
+        body.pos.copy(), rotation.reshape(3, 3), np.zeros(len(seen)), np.zeros(len(activations))
+    )
     place = user_forces.register(forces[hull], kind, f"{hull}:force", at_rest)
-    return packing.ForceRecord(place, kind.sees, kind.states, state, rates)
+    window = seen.start, len(seen), activations.start, len(activations)
+    return packing.ForceRecord(place, kind.sees, kind.states, *lies, *window)
+
+
+def _activations(model: mujoco.MjModel, actuators: range) -> range:
+    """Where the activations of neighbouring actuators lie: MuJoCo gives them out in the order of the actuators."""
+    lagged = [i for i in actuators if model.actuator_actnum[i] > 0]
+    if not lagged:
+        return range(0)
+    last = lagged[-1]
+    return range(int(model.actuator_actadr[lagged[0]]), int(model.actuator_actadr[last] + model.actuator_actnum[last]))
 
 
 def _keep_state(spec: mujoco.MjSpec, hull: str, states: int) -> int:

@@ -23,14 +23,11 @@ X_QDSN, X_WDSN, X_DSDSN = 2.0e-3, 3.5e-3, -1.6e-3
 Z_QN, Z_WN, Z_DSN = -2.9e-3, -5.1e-3, -1.0e-2
 K_PN = -5.7e-4
 M_QN, M_WN, M_DSN = -1.6e-3, -2.9e-3, -5.2e-3
-PROPELLER, STERN_PLANES = 0, 2  # among the actuators of the model
+PROPELLER, STERN_PLANES = 0, 2  # among the actuators of its file
 
 
 def race(time, position, rotation, velocity, through_water, command, activation):
-    """Wrench in body axes (6,) [N, N m] of the race; velocities through the water, FLU: w and q have the other sign.
-
-    Its propeller, rudder and stern planes have to be the first actuators that fly (`cube_sim.vehicle.joining`).
-    """
+    """Wrench in body axes (6,) [N, N m] of the race; velocities through the water, FLU: w and q have the other sign."""
     u, w, p, q = max(through_water[0], 0.0), through_water[2], through_water[3], through_water[4]
     turned, delta = SPEED * activation[PROPELLER], activation[STERN_PLANES]
     sign = 1.0 if turned > 0.0 else -1.0 if turned < 0.0 else 0.0

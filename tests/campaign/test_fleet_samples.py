@@ -6,11 +6,13 @@ import pytest
 from support.dask_cluster import cluster_of
 from support.fleets import PAIR, write
 
+from cube_sim.campaign import sample_flight
 from cube_sim.campaign.sampling import SamplePlan, count, sample, variation
 from cube_sim.campaign.sweep import sweep
 from cube_sim.errors import DirectoryError, ScenarioError
 from cube_sim.scenario.fleet_loading import load_any
 from cube_sim.simulation import fly
+from cube_sim.vehicle.compiled_once import CompiledOnce
 
 SAMPLES = """\
 samples:
@@ -64,6 +66,18 @@ def test_a_sweep_of_several_vehicles_is_the_same_whoever_flies(tmp_path):
     assert [check["name"] for check in one.head["checks"]] == [check.name for check in alone.checks]
     kept = tmp_path / "two" / "runs" / "2" / "run.mcap"
     assert kept.read_bytes() == (tmp_path / "alone" / "run.mcap").read_bytes()
+
+
+@pytest.mark.flight
+def test_what_samples_share_is_compiled_once_and_changes_nothing(tmp_path, monkeypatch):
+    compiled, whole = [], CompiledOnce.of
+    monkeypatch.setattr(CompiledOnce, "of", lambda *given: compiled.append(given) or whole(*given))
+    sweep(loaded(tmp_path), tmp_path / "shared", workers=1, workers_as="threads")
+    assert len(compiled) == 3  # either alone, and both together
+    monkeypatch.setattr(sample_flight, "sharing", lambda each: each)
+    sweep(loaded(tmp_path), tmp_path / "anew", workers=1, workers_as="threads")
+    assert len(compiled) == 3 + 3 * 3
+    assert len({(tmp_path / way / "rows.parquet").read_bytes() for way in ("shared", "anew")}) == 1
 
 
 @pytest.mark.flight

@@ -63,6 +63,52 @@ def test_far_apart_each_flies_what_it_flies_alone_to_the_bit(tmp_path):
         assert_same(store, name, alone(one))
 
 
+OWN_FORCES = f"""\
+schema_version: 1
+name: surveyors
+duration_s: 16
+seed: 4
+current_m_s: [0.05, -0.03, 0]
+guidance: {{speed_m_s: 1.5}}
+parameters: {{"water:density": [1000.0]}}
+path: {{type: line, start_m: [0, 0, -20], end_m: [200, 0, -20]}}
+model: {MODELS / "nps_auv2.xml"}
+vehicles:
+  cube:
+    model: {MODELS / "cube.xml"}
+    guidance: {{speed_m_s: 0.3}}
+    initial: {{position_m: [0, 60, -20]}}
+    path: {{type: line, start_m: [0, 60, -20], end_m: [20, 60, -20]}}
+  first:
+    initial: {{position_m: [0, 4, -20], velocity_m_s: [1.5, 0, 0]}}
+    checks: [{{kind: allowed_forces}}]
+  second:
+    path: {{type: line, start_m: [0, 30, -20], end_m: [200, 30, -25]}}
+    initial: {{position_m: [0, 33, -21], velocity_m_s: [1.3, 0, 0]}}
+  remus:
+    model: {MODELS / "remus100.xml"}
+    path: {{type: line, start_m: [0, -30, -20], end_m: [200, -30, -20]}}
+    initial: {{position_m: [0, -28, -20], velocity_m_s: [1.5, 0, 0]}}
+"""
+
+
+@pytest.mark.flight
+def test_forces_that_read_commands_fly_side_by_side_as_alone(tmp_path):
+    """Two NPS AUV II, whose race reads their propellers and planes, behind a CUBE and before a REMUS 100."""
+    loaded = loaded_fleet(write(tmp_path, OWN_FORCES))
+    loop, store = fly(loaded)
+    assert not loop.ended
+    for name, one in loaded.vehicles.items():
+        single, compared = alone(one), 0
+        for signal, rows in single.signals.items():
+            together = store.signals[f"{name}/{signal}"]
+            np.testing.assert_allclose(together, rows, rtol=0.0, atol=1e-12 * max(1.0, np.abs(rows).max()))
+            compared += 1
+        assert compared > 10
+    race = np.abs(store.signals["second/fins.deflection"][:, 1:]).max()
+    assert race > 0.01
+
+
 @pytest.mark.flight
 def test_one_in_the_block_flies_as_without_it(tmp_path):
     block = PAIR.partition("  follower:")[0] + "    seed: 4\n"

@@ -11,6 +11,7 @@ from support.places import CUBE, MODEL_FILES, MODELS
 import cube_sim
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.compiled_once import CompiledOnce
+from cube_sim.vehicle.joining import ModelPart, compiled_together, joined_parameters
 from cube_sim.vehicle.mjcf.elements import ELEMENT_PARAMETERS, element_values
 from cube_sim.vehicle.unlikely.words import unlikely_words
 from cube_sim.vehicle.vehicle import hull_names
@@ -169,6 +170,31 @@ def test_an_arm_on_the_hull_and_means_that_the_file_says_itself():
     assert numbers(model) == numbers(right)
     assert model.stat.meanmass == 3.0
     assert model.stat.meaninertia != once.model.stat.meaninertia
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_of_several_files_in_one_model_too(tmp_path):
+    """Mass and volume of one, curve and dead zone of the other, a race that counts the actuators of its own file."""
+    files = str(CUBE), str(MODELS / "nps_auv2.xml"), str(CUBE)
+    curve = settable(cube_sim.load_model(CUBE))["hull:thruster_characteristic"]
+
+    def parts(factor):
+        given = (
+            {"hull:mass": [130.0 * factor], "hull:volume": [0.13 * factor]},
+            {"rudder:fin_area": [0.25 * factor]},
+            {
+                "hull:thruster_characteristic": scaled("hull:thruster_characteristic", curve, factor),
+                "hull:thruster_dead_zone": [-factor, factor],
+            },
+        )
+        prefixes, again = ("a/", "b/", "c/"), (False, False, True)
+        return [ModelPart(*each) for each in zip(files, prefixes, given, again, strict=True)]
+
+    once = compiled_together(parts(1.0), 2)
+    model, right = once.with_parameters(joined_parameters(parts(0.97))), compiled_together(parts(0.97), 2).model
+    there, here = numbers(right), numbers(model)
+    assert [each for each in there if here[each] != there[each]] == []
+    assert numbers(once.model) != there
 
 
 def test_mujoco_says_nothing_of_a_copy():

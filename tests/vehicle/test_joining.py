@@ -8,8 +8,10 @@ import pytest
 from support.places import MODELS
 
 from cube_sim.errors import ModelError
-from cube_sim.vehicle.joining import ModelPart, joined_model, vehicle_in
+from cube_sim.vehicle.changing import set_parameters
+from cube_sim.vehicle.joining import ModelPart, compiled_together, vehicle_in
 from cube_sim.vehicle.loading import load_model
+from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.vehicle import Vehicle, hull_names
 
 CUBE = (MODELS / "cube.xml").read_text()
@@ -25,7 +27,7 @@ def write(folder, name, text):
 def test_each_brings_its_water_thrusters_and_parameters_and_the_world_is_there_once(tmp_path):
     file = write(tmp_path, "rock.xml", ROCK)
     parts = ModelPart(file, "a/"), ModelPart(file, "b/", {"hull:volume": [0.126]}, again=True)
-    model = joined_model(parts)
+    model = compiled_together(parts).model
     assert hull_names(model) == ("a/hull", "b/hull")
     assert [model.geom(i).name for i in range(model.ngeom)] == ["a/rock", "a/hull", "b/hull"]
     alone = Vehicle.from_model(load_model(file))
@@ -43,7 +45,7 @@ def test_each_brings_its_water_thrusters_and_parameters_and_the_world_is_there_o
 
 def test_each_floats_as_it_does_alone_to_the_bit(tmp_path):
     file = write(tmp_path, "cube.xml", CUBE)
-    alone, both = load_model(file), joined_model((ModelPart(file, "a/"), ModelPart(file, "b/", again=True)))
+    alone, both = load_model(file), compiled_together((ModelPart(file, "a/"), ModelPart(file, "b/", again=True))).model
     one, two = mujoco.MjData(alone), mujoco.MjData(both)
     two.qpos[7:10] = 10.0, 0.0, 0.0
     for data in (one, two):
@@ -66,18 +68,67 @@ def test_other_worlds_do_not_go_together(tmp_path, before, after, said):
     assert before in CUBE
     files = write(tmp_path, "cube.xml", CUBE), write(tmp_path, "other.xml", CUBE.replace(before, after))
     with pytest.raises(ModelError, match=said):
-        joined_model((ModelPart(files[0], "a/"), ModelPart(files[1], "b/")))
+        compiled_together((ModelPart(files[0], "a/"), ModelPart(files[1], "b/")))
 
 
-def test_a_force_that_counts_actuators_has_its_vehicle_come_first():
+NPS = str(MODELS / "nps_auv2.xml")
+
+
+@pytest.mark.parametrize("other", ["cube", "nps_auv2", "infante"])
+@pytest.mark.parametrize("comes", ["first", "second"])
+def test_a_force_counts_the_actuators_of_its_own_file(other, comes):
     """The race of NPS AUV II reads its propeller and its stern planes by their numbers in its file."""
-    nps, cube = (str(MODELS / f"{name}.xml") for name in ("nps_auv2", "cube"))
-    model = joined_model((ModelPart(nps, "a/"), ModelPart(cube, "b/")))
-    assert [model.actuator(i).name for i in (0, 2)] == ["a/propeller", "a/stern_planes"]
-    said = "b/hull:force: reads commands and activations by their number, .*: put its vehicle first"
-    with pytest.raises(ModelError, match=said):
-        joined_model((ModelPart(cube, "a/"), ModelPart(nps, "b/")))
-    joined_model((ModelPart(cube, "a/"), ModelPart(str(MODELS / "infante.xml"), "b/")))  # reads none
+    files = (NPS, str(MODELS / f"{other}.xml"))
+    parts = [ModelPart(file, prefix) for file, prefix in zip(files, ("a/", "b/"), strict=True)]
+    alone, both = load_model(NPS), compiled_together(parts if comes == "first" else parts[::-1]).model
+    both.opt.timestep, both.opt.integrator = alone.opt.timestep, alone.opt.integrator
+    one, two = mujoco.MjData(alone), mujoco.MjData(both)
+    there = Vehicle.from_model(both, "a/hull")
+    far = Vehicle.from_model(both, "b/hull").qpos_address
+    two.qpos[far : far + 3] = 40.0, 0.0, 0.0
+    own = [i for i in range(both.nu) if both.actuator(i).name.startswith("a/")]
+    qpos, dof = slice(there.qpos_address, there.qpos_address + 7), slice(there.dof_address, there.dof_address + 6)
+    one.qpos[:7] = two.qpos[qpos] = 0.0, 0.0, -20.0, 1.0, 0.0, 0.0, 0.0
+    one.qvel[:6] = two.qvel[dof] = 1.5, -0.1, 0.2, 0.03, 0.02, -0.04
+    one.ctrl[:] = two.ctrl[own] = 0.6, 0.1, -0.2, 0.15
+    two.ctrl[[i for i in range(both.nu) if i not in own]] = 0.25  # its own commands are none of the race's
+    mujoco.mj_step(alone, one, nstep=300)
+    mujoco.mj_step(both, two, nstep=300)
+    assert np.array_equal(one.qpos, two.qpos[qpos])
+    assert np.array_equal(one.qvel, two.qvel[dof])
+    race = alone.numeric(alone.nnumeric - 1).data.copy()
+    alone.numeric(alone.nnumeric - 1).data[layout.HEADER_SIZE + layout.FORCE] = -1.0
+    without = mujoco.MjData(alone)
+    without.qvel[:6], without.ctrl[:] = (1.5, -0.1, 0.2, 0.03, 0.02, -0.04), (0.6, 0.1, -0.2, 0.15)
+    mujoco.mj_step(alone, without, nstep=300)
+    alone.numeric(alone.nnumeric - 1).data[:] = race
+    assert np.abs(without.qvel[:6] - one.qvel[:6]).max() > 1e-3  # the race does something in this flight
+
+
+def keeps(time, position, rotation, velocity, through_water, command, activation, state=(0.0, 0.0)):
+    """Of the lengths of what it sees, and of its state."""
+    pull = 10.0 * len(command) + len(activation) + activation[-1]
+    return (pull, command[0], state[0], 0.0, 0.0, 0.0), (command[1] - state[0], activation[1] - state[1])
+
+
+def test_two_forces_that_keep_states_see_each_their_own_and_no_states(tmp_path):
+    """Files of 8 actuators; the states that both keep come behind all of them."""
+    text = f'<text name="hull:force" data="{__name__}:keeps"/></custom>'
+    file = write(tmp_path, "keeps.xml", CUBE.replace("</custom>", text))
+    alone, both = load_model(file), compiled_together((ModelPart(file, "a/"), ModelPart(file, "b/", again=True))).model
+    one, two = mujoco.MjData(alone), mujoco.MjData(both)
+    two.qpos[7:10] = 10.0, 0.0, 0.0
+    one.ctrl[:8] = two.ctrl[8:16] = 0.1, -0.3, 0.2, 0.4, 0.0, -0.1, 0.3, 0.2
+    two.ctrl[:8] = -0.5
+    for model, data in ((alone, one), (both, two)):
+        mujoco.mj_step(model, data, nstep=200)
+    assert np.abs(one.qpos[:3] - two.qpos[7:10] + [10.0, 0.0, 0.0]).max() < 1e-12
+    assert np.abs(one.qvel[:6] - two.qvel[6:12]).max() < 1e-12
+    assert np.array_equal(one.act[8:], two.act[-2:])
+    assert np.abs(one.act[8:]).min() > 0.01
+    parameters = {"b/hull:volume": [0.126]}
+    set_parameters(both, parameters)
+    assert packing.force_records(packing.packed_parameters(both))[1][5:] == (8, 8, 8, 8)
 
 
 def test_files_of_other_steps_are_joined_without_a_word_of_mujoco(tmp_path, capfd):
@@ -86,5 +137,5 @@ def test_files_of_other_steps_are_joined_without_a_word_of_mujoco(tmp_path, capf
     parts = ModelPart(write(tmp_path, "a.xml", CUBE), "a/"), ModelPart(write(tmp_path, "b.xml", other), "b/")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        joined_model(parts)
+        compiled_together(parts)
     assert "conflict" not in "".join(capfd.readouterr())

@@ -114,7 +114,7 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
     cdof, crb, mass, qfrc_passive = data["cdof"], data["crb"], data["M"], data["qfrc_passive"]
     actuator_trnid, site_size, site_xpos = model["actuator_trnid"], model["site_size"], data["site_xpos"]
     nv, qld, qldiaginv = model["nv"], data["qLD"], data["qLDiagInv"]
-    nu_, na, act_dot, userdata = model["nu"], model["na"], data["act_dot"], data["userdata"]
+    act_dot, userdata = data["act_dot"], data["userdata"]
 
     @numba.njit
     def parameters_of(m):
@@ -280,10 +280,10 @@ def build(model: Mapping[str, int], data: Mapping[str, int], codes: Mapping[str,
             function = int(double(hull, layout.FORCE))
             if function >= 0:
                 seen = (
-                    field(d, ctrl),
-                    field(m, nu_),
-                    field(d, act),
-                    field(m, na),
+                    field(d, ctrl) + 8 * int(double(hull, layout.COMMAND)),
+                    int(double(hull, layout.COMMANDS)),
+                    field(d, act) + 8 * int(double(hull, layout.ACTIVATION)),
+                    int(double(hull, layout.ACTIVATIONS)),
                     field(d, act) + 8 * int(double(hull, layout.STATE)),
                     int(double(hull, layout.STATES)),
                     field(d, userdata) + 8 * int(double(hull, layout.RATES)),

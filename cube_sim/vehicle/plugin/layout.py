@@ -13,7 +13,9 @@ doubles from the array's beginning:
                     hull without extent; SEES is 1 where its own force sees commands and activations, STATES how many
                     numbers that force keeps, STATE where they lie among the activations, RATES where `passive` leaves
                     their rates among the user data, since MuJoCo clears their place until the actuators' turn; ARM is
-                    how many degrees of freedom its tree has behind its own six, 0 where no link of it has water
+                    how many degrees of freedom its tree has behind its own six, 0 where no link of it has water;
+                    COMMAND and COMMANDS are the first of the actuators that its own force sees and how many it sees,
+                    ACTIVATION and ACTIVATIONS the same of their activations
     link records    the same values of each link: DOF is the last of the degrees of freedom that move it, and a link has
                     no force of its own
     thruster table  one value per actuator of the model: the start of its curve record, -1 for no thruster, -2 for the
@@ -60,7 +62,8 @@ BODY, DOF, DISPLACED_MASS, CENTRE, ADDED_MASS, LINEAR, QUADRATIC, FORCE = 0, 1, 
 REACH, HALF_AXES = 115, 116
 SEES, STATES, STATE, RATES = 119, 120, 121, 122
 ARM = 123
-HULL_SIZE = 124
+COMMAND, COMMANDS, ACTIVATION, ACTIVATIONS = 124, 125, 126, 127
+HULL_SIZE = 128
 # one curve record
 DEAD_LOW, DEAD_HIGH, ZONE_LOW, ZONE_HIGH, POINTS = 0, 1, 2, 3, 4
 EFFICIENCY, SUPPLY, STUCK, POWER, VOLTAGE, PULSE, PROPELLER, TABLES, CURVE = 5, 6, 7, 8, 10, 11, 14, 15, 16

@@ -34,6 +34,10 @@ class ForceRecord(NamedTuple):
         states: how many numbers it keeps.
         state: where they lie among the activations.
         rates: where their rates lie among the user data.
+        command: the first of the actuators that it sees.
+        commands: how many of them it sees.
+        activation: where their activations begin.
+        activations: how many these are.
     """
 
     place: int
@@ -41,9 +45,25 @@ class ForceRecord(NamedTuple):
     states: int
     state: int
     rates: int
+    command: int
+    commands: int
+    activation: int
+    activations: int
 
 
-NO_FORCE = ForceRecord(-1, False, 0, 0, 0)
+NO_FORCE = ForceRecord(-1, False, *[0] * 7)
+_FORCE_COLUMNS = (
+    layout.FORCE,
+    layout.SEES,
+    layout.STATES,
+    layout.STATE,
+    layout.RATES,
+    layout.COMMAND,
+    layout.COMMANDS,
+    layout.ACTIVATION,
+    layout.ACTIVATIONS,
+)
+"""Of a hull record, in the order of `ForceRecord`."""
 
 
 class LinkPlace(NamedTuple):
@@ -178,8 +198,8 @@ def force_records(packed: NDArray[np.float64]) -> list[ForceRecord]:
     """The own force of each hull, by the packed values."""
     start, count = int(packed[layout.HULLS]), int(packed[layout.COUNT])
     records = packed[start : start + count * layout.HULL_SIZE].reshape(count, layout.HULL_SIZE)
-    columns = layout.FORCE, layout.SEES, layout.STATES, layout.STATE, layout.RATES
-    return [ForceRecord(int(a), bool(b), int(c), int(d), int(e)) for a, b, c, d, e in records[:, columns].tolist()]
+    rows = records[:, _FORCE_COLUMNS].astype(int).tolist()
+    return [ForceRecord(place, bool(sees), *rest) for place, sees, *rest in rows]
 
 
 def _hull_record(
@@ -191,8 +211,7 @@ def _hull_record(
     record[layout.ADDED_MASS : layout.LINEAR] = hull.added_mass.ravel()
     record[layout.LINEAR : layout.QUADRATIC] = hull.linear_damping.T.ravel()
     record[layout.QUADRATIC : layout.FORCE] = hull.quadratic_damping.T.ravel()
-    record[layout.FORCE], record[layout.SEES] = force.place, force.sees
-    record[layout.STATES], record[layout.STATE], record[layout.RATES] = force.states, force.state, force.rates
+    record[[*_FORCE_COLUMNS]] = force
     largest = float(half_axes.max())
     record[layout.REACH] = largest + np.linalg.norm(hull.centre_of_buoyancy) if largest > 0.0 else -np.inf
     record[layout.HALF_AXES : layout.SEES] = half_axes

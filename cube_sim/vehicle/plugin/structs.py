@@ -16,7 +16,7 @@ from mujoco.introspect import ast_nodes, structs
 from cube_sim.errors import ModelError
 
 MODEL_FIELDS = (
-    "nv", "nu", "na", "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "opt.density", "opt.viscosity",
+    "nv", "nnumeric", "opt.gravity", "opt.wind", "opt.disableflags", "opt.density", "opt.viscosity",
     "opt.solver", "opt.noslip_iterations", "opt.timestep", "numeric_adr", "numeric_data",
     "dof_armature", "M_rowadr", "actuator_actadr", "actuator_actnum",
     "actuator_ctrlrange", "actuator_dynprm", "actuator_trnid", "site_size",

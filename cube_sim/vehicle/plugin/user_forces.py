@@ -20,11 +20,12 @@ A force may take two more arguments, and keep a state besides:
         lift = rotation.T @ np.array([0.0, 0.0, 9.81 * 1030.0 * state[0]])
         return (lift[0], lift[1], lift[2], 0.0, 0.0, 0.0), ((command[0] - state[0]) / 20.0,)
 
-    command: (nu,) `data.ctrl`, of all actuators of the model.
-    activation: (na,) `data.act`, of all of them: lagged commands, deflections of fins.
+    command: (n,) of `data.ctrl`, of the actuators that its file has, in the file's order.
+    activation: (m,) of `data.act`, of the same actuators: lagged commands, deflections of fins.
     state: (n,) what it keeps; its default says how many numbers, all 0 at the beginning. Such a force returns the
         wrench and the rates of its state, floats in a tuple or an array. MuJoCo integrates them with all else, as the
         activations of an actuator `<hull>:force_state` that pushes nothing: they are part of every snapshot.
+        Such actuators are in no file, so no force sees them among the others.
 
 What counts are the names of these three.
 
@@ -65,7 +66,7 @@ _size = 0
 
 @dataclass(frozen=True)
 class AtRest:
-    """A hull at rest where it starts: p_WB (3,) [m], R_WB (3,3), commands (nu,) and activations (na,)."""
+    """A hull at rest where it starts: p_WB (3,) [m], R_WB (3,3), the commands (n,) and activations (m,) it sees."""
 
     position: np.ndarray
     rotation: np.ndarray
