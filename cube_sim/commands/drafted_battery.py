@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
     from cube_sim.vehicle.thrusters import Thrusters
 
@@ -24,8 +22,7 @@ def drafted_battery(thrusters: Thrusters, empty_V: float, full_V: float) -> dict
         empty_V: its voltage without load, empty [V].
         full_V: likewise, full [V].
     """
-    largest = np.abs(thrusters.limits[:, [0, 3]])
-    power = float((thrusters.power_coefficients * largest**1.5).max(axis=1, initial=0.0).sum())
+    power = float(thrusters.power(thrusters.limits[:, [0, 3]].T).max(axis=0, initial=0.0).sum())
     if power <= 0.0:
         return None
     mean = 0.5 * (empty_V + full_V)

@@ -67,7 +67,7 @@ def why_unknown(quantity: str, scenario: Scenario, vehicle: Vehicle) -> str:
     """
     thrusters = vehicle.thrusters
     if quantity in ("motor", "energy"):
-        stated = bool(np.all(thrusters.power_coefficients > 0.0))
+        stated = bool(np.all(thrusters.power_known))
         return "" if stated else WHY_NOT_SUPPLIED[quantity]
     if quantity == "voltage":
         stated = np.isfinite(thrusters.voltage).all() and len(set(thrusters.voltage.tolist())) == 1

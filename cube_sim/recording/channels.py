@@ -116,9 +116,13 @@ DISTURBANCE = Channel(
     ),
 )
 """Recorded where a scenario has `force` events."""
+_NO_POWER = (
+    "the model does not state the power of each thruster (NAME:thruster_power, or NAME:propeller_efficiency of one that"
+    " is a propeller in its inflow)"
+)
 WHY_NOT_SUPPLIED = {
-    "motor": "the model does not state the power of each thruster (NAME:thruster_power)",
-    "energy": "the model does not state the power of each thruster (NAME:thruster_power)",
+    "motor": _NO_POWER,
+    "energy": _NO_POWER,
     "voltage": "the model does not state one voltage for all thrusters (NAME:thruster_voltage)",
     "charge": "the scenario has no battery",
 }

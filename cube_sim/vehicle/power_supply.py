@@ -10,10 +10,13 @@ from cube_sim.errors import ModelError
 from cube_sim.spatial import Record
 from cube_sim.vehicle import faults
 from cube_sim.vehicle.battery import Battery
+from cube_sim.vehicle.current import water_velocity
 from cube_sim.vehicle.laws.curve_table import drawn_power
+from cube_sim.vehicle.laws.propeller_power import DrivenPropellers, feel_flow, put_propellers_power
 from cube_sim.vehicle.laws.supply_law import SUPPLY, charge_left, count, feed_at, sag
-from cube_sim.vehicle.laws.voltage_law import VoltageTables, feed_tables, sagging_by_tables
+from cube_sim.vehicle.laws.voltage_law import VoltageTables, feed_tables, searched_voltage
 from cube_sim.vehicle.plugin import layout, packing
+from cube_sim.vehicle.state import hull_state
 from cube_sim.vehicle.thrusters import Thrusters
 
 
@@ -25,7 +28,8 @@ class PowerSupply:
         F = F_n (V / V_n)^2,  P = k_P |F|^1.5,  V = E - R P / V.
 
     F_n are the forces at V_n, the voltage of the characteristics; E and R are the battery's
-    (`cube_sim.vehicle.battery`). Of thrusters whose curves are known at several voltages, F and k_P are those at V.
+    (`cube_sim.vehicle.battery`). Of thrusters whose curves are known at several voltages, F and k_P are those at V. Of
+    propellers whose drive or motor is known, P follows from the torque at V (`cube_sim.vehicle.laws.propeller_power`).
 
     Attributes:
         voltage: V [V]; V_n without a battery, 0 where the model does not say it, and 0 from an empty battery.
@@ -37,6 +41,8 @@ class PowerSupply:
         charge: of the battery, 1 full, 0 empty; 1 without one.
         tables: what of the thrusters follows the voltage, where their curves are known at several.
         by_tables: whether one does.
+        driven: what propellers draw by their torques.
+        searched: whether the voltage under load has to be searched for, since power does not go with its cube.
     """
 
     def __init__(
@@ -57,6 +63,7 @@ class PowerSupply:
         """
         self._model, self._thrusters = model, thrusters
         nominal = np.unique(thrusters.voltage)
+        self._hull = _hull_of(model, thrusters)
         self._nominal = float(nominal[0]) if nominal.size == 1 and np.isfinite(nominal[0]) else 0.0
         if battery is not None:
             _require_known(thrusters, self._nominal)
@@ -78,6 +85,8 @@ class PowerSupply:
             thrusters.power_coefficients.copy(),
             thrusters.limits,
         )
+        self.driven = _driven(model, thrusters)
+        self.searched = battery is not None and (self.by_tables or bool(self.driven.draws.any()))
         self.power: NDArray[np.float64] = np.zeros(len(thrusters.names))
         self.record: Record = np.zeros(1, SUPPLY)
         r = self.record
@@ -139,7 +148,7 @@ class PowerSupply:
 
     @property
     def drawing(self) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-        """The arguments of `drawn_power` before the forces."""
+        """The arguments of `drawn_power` before the forces, of thrusters whose torques do not say what they draw."""
         packed = packing.packed_parameters(self._model)
         return packed, self._efficiency_at, self._stuck_at, self.tables.coefficients
 
@@ -148,16 +157,22 @@ class PowerSupply:
 
         What a damaged propeller loses, its motor draws all the same. A dead motor draws nothing.
         """
-        return drawn_power(*self.drawing, data.actuator_force[self._thrusters.actuators])
+        power = drawn_power(*self.drawing, data.actuator_force[self._thrusters.actuators])
+        if self.driven.draws.any():
+            state = hull_state(data.qpos, data.qvel, data.xmat, data.xquat, *self._hull)
+            feel_flow(self.driven, state, water_velocity(self._model, data.time, float(state[2])))
+            packed, efficiency_at, stuck_at, _ = self.drawing
+            told = packed, efficiency_at, stuck_at, self.supply_at
+            put_propellers_power(self.driven, data.act, *told, power)
+        return power
 
     def _sag(self, data: mujoco.MjData) -> None:
         """Feed the thrusters with the voltage at which battery and propellers agree."""
         packed, efficiency_at, stuck_at, _ = self.drawing
         drawn = self._power(data)
-        if self.by_tables:
-            commands = data.act[self._thrusters.activations]
-            given = self.record, self.tables, packed, efficiency_at, stuck_at, commands, drawn
-            self._feed_at(sagging_by_tables(*given))
+        if self.searched:
+            given = packed, efficiency_at, stuck_at, data.act, drawn
+            self._feed_at(searched_voltage(self.record, self.tables, self.driven, *given))
         else:
             sag(self.record, packed, self.supply_at, drawn)
 
@@ -168,6 +183,29 @@ class PowerSupply:
             feed_tables(self.tables, packed, self.supply_at, voltage)
 
 
+def _hull_of(model: mujoco.MjModel, thrusters: Thrusters) -> tuple[int, int, int]:
+    """Where the pose of their hull begins, where its velocity does, and the index of its body."""
+    site = int(model.actuator_trnid[thrusters.actuators[0], 0]) if len(thrusters.names) else 0
+    body = int(model.body_rootid[model.site_bodyid[site]]) if model.nsite else 0
+    joint = int(model.body_jntadr[body])
+    return int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint]), body
+
+
+def _driven(model: mujoco.MjModel, thrusters: Thrusters) -> DrivenPropellers:
+    of, m = thrusters.propellers, len(thrusters.names)
+    return DrivenPropellers(
+        thrusters.draws_by_torque,
+        of.rows.copy(),
+        of.points.copy(),
+        thrusters.activations.astype(np.int64),
+        model.actuator_actadr[thrusters.actuators].astype(np.int64),
+        model.site_size[model.actuator_trnid[thrusters.actuators, 0], 0].astype(np.float64),
+        float(packing.packed_parameters(model)[layout.SURFACE]),
+        np.zeros(m),
+        np.ones(m),
+    )
+
+
 def has_voltage_tables(model: mujoco.MjModel, thrusters: Thrusters) -> bool:
     """Whether a curve of one of them is known at several voltages."""
     packed = packing.packed_parameters(model)
@@ -175,11 +213,13 @@ def has_voltage_tables(model: mujoco.MjModel, thrusters: Thrusters) -> bool:
 
 
 def _require_known(thrusters: Thrusters, nominal: float) -> None:
-    for name, voltage, k in zip(thrusters.names, thrusters.voltage, thrusters.power_coefficients, strict=True):
+    known, turns = thrusters.power_known, thrusters.propellers.turns
+    for name, voltage, power, propeller in zip(thrusters.names, thrusters.voltage, known, turns, strict=True):
         if np.isnan(voltage):
             raise ModelError(f"{name}:thruster_voltage", "is not in the model, so a battery cannot feed this thruster")
-        if np.any(k <= 0.0):
-            raise ModelError(f"{name}:thruster_power", "is not known, so nobody can tell what it draws from a battery")
+        if not power:
+            parameter = "propeller_efficiency" if propeller else "thruster_power"
+            raise ModelError(f"{name}:{parameter}", "is not known, so nobody can tell what it draws from a battery")
     if nominal == 0.0:
         listed = ", ".join(f"{name} {v:g} V" for name, v in zip(thrusters.names, thrusters.voltage, strict=True))
         raise ModelError("thruster_voltage", f"differs among the thrusters of one battery: {listed}")

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
-from cube_sim.vehicle.laws.propeller import COLUMNS
+from cube_sim.vehicle.laws.propeller import COLUMNS, DRIVE, MOTOR
 from cube_sim.vehicle.mjcf.thruster_elements import thruster_actuators
 from cube_sim.vehicle.plugin import layout, packing
 from cube_sim.vehicle.pulse import PulseRange
@@ -118,6 +118,17 @@ class Thrusters:
         return limits
 
     @property
+    def draws_by_torque(self) -> NDArray[np.bool_]:
+        """(m,) whether the torque on a propeller's shaft says what it draws: its drive or its motor is known."""
+        rows = self.propellers.rows
+        return self.propellers.turns & ((rows[:, MOTOR] > 0.0) | (rows[:, DRIVE] > 0.0))
+
+    @property
+    def power_known(self) -> NDArray[np.bool_]:
+        """(m,) whether it is known what each draws."""
+        return self.draws_by_torque | np.all(self.power_coefficients > 0.0, axis=1)
+
+    @property
     def reactivity(self) -> NDArray[np.float64]:
         """(m,2) F_react-, F_react+ [N] per thruster."""
         return np.array([curve.reactivity for curve in self.characteristics]).reshape(-1, 2)
@@ -125,12 +136,22 @@ class Thrusters:
     def power(self, force: ArrayLike) -> NDArray[np.float64]:
         """(..., m) electrical power [W] of steady forces (..., m) [N]: k_P |F|^1.5.
 
+        Of propellers whose torque says it: that in water which does not flow.
+
         A propeller's ideal power is thrust times induced speed, and that speed goes with the root of the thrust.
         Of healthy propellers: a damaged one draws what a healthy one would, for less thrust (`PowerSupply`).
         """
         F = np.asarray(force, dtype=float)
         k = np.where(F < 0.0, self.power_coefficients[:, 0], self.power_coefficients[:, 1])
-        return k * np.abs(F) ** 1.5
+        power, by_torque = k * np.abs(F) ** 1.5, self.draws_by_torque
+        if by_torque.any():
+            from cube_sim.vehicle.laws.propeller_power import power_of_force  # only here: it loads the compiler
+
+            for i in np.flatnonzero(by_torque).tolist():
+                row, points = self.propellers.rows[i], self.propellers.points
+                for at in np.ndindex(power.shape[:-1]):
+                    power[(*at, i)] = power_of_force(row, points, float(F[(*at, i)]), 0.0, 1.0)
+        return power
 
     def energy(self, time: ArrayLike, force: ArrayLike) -> float:
         """Electrical energy [J] of forces (n,m) [N] at times (n,) [s], by the trapezoidal rule."""

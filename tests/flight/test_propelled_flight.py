@@ -12,6 +12,7 @@ import cube_sim
 from cube_sim.commands.analysis_report import ahead_limits, report_on
 from cube_sim.control.moment_budget import RESERVE
 from cube_sim.flight import Flight
+from cube_sim.spatial import rotation_from_quaternion
 
 pytestmark = pytest.mark.flight
 
@@ -52,6 +53,49 @@ def test_beside_fins_both_loops_fly_the_same(monkeypatch):
     """REMUS 100 with its propeller in its inflow: the sharing between fins and thrusters knows its limits."""
     settings = {"duration_s": 8.0, "checks": [{"kind": "allowed_forces"}]}
     assert assert_same_flight(REMUS, settings, monkeypatch) > 0.7
+
+
+BATTERY = {"open_circuit_V": [24.0, 28.0], "resistance_ohm": 0.4, "capacity_Wh": 0.5, "charge": 0.9}
+
+
+def test_on_a_battery_both_loops_fly_the_same(monkeypatch):
+    settings = {"duration_s": 8.0, "checks": [{"kind": "allowed_forces"}], "battery": BATTERY}
+    sheared = {"current_profile": {"depths_m": [0.0, 20.0], "velocities_m_s": [[0.1, 0.0, 0.0], [0.0, 0.2, 0.0]]}}
+    for more in ({}, sheared):
+        assert assert_same_flight(REMUS, settings | more, monkeypatch) > 0.7
+
+
+def test_every_row_of_its_power_is_torque_times_speed():
+    """In a current, on a battery that sags: by the recorded motion, and the table of K_Q as the file has it."""
+    current = np.array([0.1, -0.2, 0.0])
+    flight = flown(REMUS, {"duration_s": 20.0, "checks": [{"kind": "allowed_forces"}], "battery": BATTERY,
+                           "current_m_s": current.tolist()})  # fmt: skip
+    s = {name: rows[:, 1:] for name, rows in flight.signals.items()}
+    R = np.array([rotation_from_quaternion(q) for q in s["pose.quaternion"]])
+    v = s["velocity.linear"] - np.einsum("nji,j->ni", R, current)
+    voltage = s["power.voltage"][:, 0]
+    force, u_a = s["thrusters.force"][:, 0], (1.0 - 0.056) * v[:, 0]
+    # delivered force and inflow say the rotation: T = rho D^3 n (a D n + b u_a), n > 0
+    rho, D, (a, b), (a_Q, b_Q) = (
+        1030.0,
+        0.14,
+        *((x[0], (x[1] - x[0]) / 0.6632) for x in ((0.4566, 0.1798), (0.07, 0.0312))),
+    )
+    pushes = force > 0.5  # it begins with its brakes on, where force and inflow have two answers
+    assert pushes.mean() > 0.9
+    half = b * u_a / (2.0 * a * D)
+    n = (-half + np.sqrt(half**2 + np.maximum(force, 0.5) / (0.9 * rho * D**3) / (a * D)))[pushes]
+    power = rho * D**4 * n * (a_Q * D * n + b_Q * u_a[pushes]) * 2.0 * np.pi * n / 0.7
+    drawn, charge = s["power.motor"][:, 0], s["power.charge"][:, 0]
+    np.testing.assert_allclose(drawn[pushes], power, rtol=1e-8)
+    np.testing.assert_allclose(voltage, 24.0 + 4.0 * charge - 0.4 * drawn / voltage, rtol=1e-11)
+    current_A = drawn / voltage
+    drained = np.concatenate([[0.0], np.cumsum(0.02 * (drawn + 0.4 * current_A**2))])[:-1]
+    np.testing.assert_allclose(charge, 0.9 - drained / 1800.0, rtol=1e-11)
+    assert charge[0] - charge[-1] > 0.05
+    assert voltage.min() < 27.4
+    energy = np.trapezoid(drawn, flight.signals["power.motor"][:, 0])
+    assert s["power.energy"][-1, 0] == pytest.approx(energy, rel=1e-11)
 
 
 def test_a_flight_has_the_limits_that_the_analysis_tells():

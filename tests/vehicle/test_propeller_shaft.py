@@ -13,8 +13,10 @@ from support.water_bodies import DENSITY
 
 import cube_sim
 from cube_sim.errors import ModelError
+from cube_sim.vehicle.battery import Battery
 from cube_sim.vehicle.faults import set_supply
 from cube_sim.vehicle.laws import propeller as law
+from cube_sim.vehicle.power_supply import PowerSupply
 from cube_sim.vehicle.thrusters import Thrusters
 from cube_sim.vehicle.vehicle import Vehicle
 
@@ -147,6 +149,36 @@ def test_its_curve_is_that_of_water_at_rest():
     assert 0.5 * INERTIA / slope < thrusters.lag_s[0] - T1 < INERTIA / (K**2 / R)
 
 
+@pytest.mark.parametrize("battery", [None, Battery(26.0, 0.4)], ids=["constant", "battery"])
+def test_what_a_motor_draws_goes_into_water_friction_the_shaft_and_heat(battery):
+    """Full ahead, more, less, astern; the power that comes back while it brakes is not taken up."""
+    model = model_of(timestep=0.001)
+    data, thrusters = mujoco.MjData(model), Vehicle.from_model(model).thrusters
+    supply, row, rows = PowerSupply(model, thrusters, battery), thrusters.propellers.rows[0], []
+    for command, steps in ((0.5, 1500), (1.0, 1500), (0.9, 500), (-0.6, 1500)):
+        data.ctrl[0] = command
+        for _ in range(steps):
+            mujoco.mj_forward(model, data)
+            supply.update(data)
+            n, u_a = data.act[1] * row[law.SPEEDS + int(data.act[1] > 0)], (1 - WAKE) * data.qvel[0]
+            w, volts = 2 * np.pi * n, data.act[0] * supply.voltage
+            I_A = (volts - K * w) / R
+            friction = VISCOUS * w + DRY * np.clip(w / (0.02 * VOLTS / K), -1, 1)
+            taken = (water(n, u_a, REMUS, None)[1] + friction) * w + R * I_A**2
+            rows.append((taken, supply.power[0], w, volts * I_A, supply.voltage))
+            mujoco.mj_step(model, data)
+    taken, power, w, both_ways, voltage = np.array(rows).T
+    np.testing.assert_allclose(power, np.maximum(both_ways, 0.0), rtol=1e-11, atol=1e-11)
+    stored = 0.5 * INERTIA * (w[-1] ** 2 - w[0] ** 2)
+    spent = np.trapezoid(taken, dx=0.001) + stored
+    assert spent == pytest.approx(np.trapezoid(both_ways, dx=0.001), rel=3e-4)
+    assert supply.energy == pytest.approx(np.trapezoid(power, dx=0.001), rel=1e-12)
+    assert supply.energy > np.trapezoid(both_ways, dx=0.001) > 100.0  # it has braked
+    if battery is not None:
+        np.testing.assert_allclose(voltage, 26.0 - 0.4 * power / voltage, rtol=1e-11)
+        assert voltage.min() < 25.0
+
+
 def test_another_motor_is_as_if_it_had_been_loaded():
     model, other = model_of(), model_of(motor=(0.05, 0.3), shaft=(6e-4, 0.01, 0.0))
     cube_sim.set_parameters(model, {"stern:propeller_motor": [0.05, 0.3], "stern:propeller_shaft": [6e-4, 0.01, 0.0]})
@@ -175,6 +207,8 @@ def test_the_compiled_callbacks_are_their_plain_python(seed):
         ({"motor": None}, "propeller_motor: is missing"),
         ({"voltage": None}, "thruster_voltage: is missing"),
         ({"motor": (0.0, 1.0)}, "positive"),
+        ({"more": '<numeric name="hull:propeller_efficiency" data="0.7"/>'}, "what a motor loses follows from its K_t"),
+        ({"more": '<numeric name="stern:thruster_power" data="1 1"/>'}, "stands beside stern:propeller_motor"),
         ({"shaft": (0.0, 0.0, 0.0)}, "above 0"),
         ({"shaft": (1e-4, 9.0, 0.0)}, "dry friction"),
         ({"kind": "filter", "dynprm": "0.1"}, 'dyntype="user"'),

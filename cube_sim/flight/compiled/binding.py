@@ -267,8 +267,9 @@ def _feed(mission: Mission) -> Feed:
         supply.power.copy(),
         supply.record,
         supply.supply_at,
-        supply.by_tables,
+        supply.searched,
         supply.tables,
+        supply.driven,
         mission.events.health.efficiency,
     )
 

@@ -41,10 +41,11 @@ from cube_sim.tuples import angle_of_turn, put, put_matrix, sextuple, turned_to_
 from cube_sim.vehicle.laws.current import velocity_at
 from cube_sim.vehicle.laws.curve_table import commands_of_forces, drawn_power, steady_forces
 from cube_sim.vehicle.laws.inflow import commands_in_flow, feel_inflow, whole_forces
+from cube_sim.vehicle.laws.propeller_power import feel_flow, put_propellers_power
 from cube_sim.vehicle.laws.push import push_wrench
 from cube_sim.vehicle.laws.supply_law import charge_left, feed_at, sag
 from cube_sim.vehicle.laws.supply_law import count as count_drawn
-from cube_sim.vehicle.laws.voltage_law import feed_tables, sagging_by_tables
+from cube_sim.vehicle.laws.voltage_law import feed_tables, searched_voltage
 from cube_sim.vehicle.plugin.engine import forward, forward_again, step
 from cube_sim.vehicle.state import hull_state
 
@@ -88,6 +89,15 @@ def sense(code, sensing, k, state, known):
 def _top(e, hull):
     """Height of the highest part of the hull [m]; arguments as in `fly`."""
     return top_of(e.geom_xpos, e.geom_xmat, hull.geoms, hull.radii, hull.centres, hull.halves, hull.surface)
+
+
+@compiled
+def _power(e, feed, given):
+    """What the thrusters draw (m,) [W] at forces (m,) [N]; the other arguments as in `fly`."""
+    power = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
+    where = feed.packed, feed.efficiency_at, feed.stuck_at, feed.supply_at
+    put_propellers_power(feed.driven, e.act, where[0], where[1], where[2], where[3], power)
+    return power
 
 
 @unlocked
@@ -149,24 +159,37 @@ def fly(
         for i in range(m):
             given[i], activation[i] = e.actuator_force[feed.actuators[i]], e.act[feed.activations[i]]
         now, supply = e.time[0], feed.supply[0]
+        state = hull_state(e.qpos, e.qvel, e.xmat, e.xquat, e.hull[0], e.hull[1], body)
+        if feed.driven.draws.any():
+            put(water, hull.wind)
+            if hull.sheared:
+                there = velocity_at(now, state[2], hull.times, hull.heights, hull.velocities)
+                for i in range(3):
+                    water[i] += there[i]
+            feel_flow(feed.driven, state, water)
         if supply.battery:
             charge = charge_left(feed.supply, now)
             if charge == 0.0:
                 return k, FORWARDED
             supply.charge = charge
-            drawn = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
-            if feed.by_tables:
-                told = feed.efficiency_at, feed.stuck_at, activation, drawn
-                voltage = sagging_by_tables(feed.supply, feed.tables, feed.packed, *told)
+            drawn = _power(e, feed, given)
+            if feed.searched:
+                told = feed.packed, feed.efficiency_at, feed.stuck_at, e.act, drawn
+                voltage = searched_voltage(feed.supply, feed.tables, feed.driven, *told)
                 feed_at(feed.supply, feed.packed, feed.supply_at, voltage)
                 feed_tables(feed.tables, feed.packed, feed.supply_at, voltage)
             else:
                 sag(feed.supply, feed.packed, feed.supply_at, drawn)
-            if not forward_again(e.model, e.data, text):
+            # What a propeller turns its hull by beside its force is a passive one, and follows the voltage too.
+            if moment.inflow.turns.any():
+                went_well = forward(e.model, e.data, text)
+            else:
+                went_well = forward_again(e.model, e.data, text)
+            if not went_well:
                 return k, FAILED
             for i in range(m):
                 given[i] = e.actuator_force[feed.actuators[i]]
-        power = drawn_power(feed.packed, feed.efficiency_at, feed.stuck_at, feed.coefficients, given)
+        power = _power(e, feed, given)
         count_drawn(feed.supply, feed.power, power, now)
         put(feed.power, power)
         share, inflow = supply.force_ratio, moment.inflow
@@ -185,7 +208,6 @@ def fly(
             enter_pair(w, whole, measured, force_ratio)
             if speaks_against(w, force_ratio):
                 return k, JUDGED
-        state = hull_state(e.qpos, e.qvel, e.xmat, e.xquat, e.hull[0], e.hull[1], body)
         R = state[7:16].reshape(3, 3)
         known = state
         if sensing.navigated:

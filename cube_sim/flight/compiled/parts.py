@@ -16,6 +16,7 @@ from cube_sim.guidance.speed import Parts as SpeedParts
 from cube_sim.navigation.estimating import NavigationMemory, NavigationParameters
 from cube_sim.spatial import Matrix, Record, Vector
 from cube_sim.vehicle.laws.inflow import Inflow
+from cube_sim.vehicle.laws.propeller_power import DrivenPropellers
 from cube_sim.vehicle.laws.voltage_law import VoltageTables
 
 Indices = NDArray[np.int_]
@@ -120,8 +121,9 @@ class Feed(NamedTuple):
         power: (m,) [W] at the tick before; moved on.
         supply: record of `cube_sim.vehicle.laws.supply_law.SUPPLY`, moved on.
         supply_at: (m,) of `feed_at`.
-        by_tables: whether curves of theirs follow the voltage.
-        tables: those, moved on.
+        searched: of `cube_sim.vehicle.power_supply.PowerSupply`.
+        tables: curves that follow the voltage, moved on.
+        driven: what propellers draw by their torques, moved on.
         efficiency: (m,) true share of its force that each gives.
     """
 
@@ -136,8 +138,9 @@ class Feed(NamedTuple):
     power: Vector
     supply: Record
     supply_at: NDArray[np.int64]
-    by_tables: bool
+    searched: bool
     tables: VoltageTables
+    driven: DrivenPropellers
     efficiency: Vector
 
 

@@ -34,7 +34,7 @@ class Inflow(NamedTuple):
     Attributes:
         varies: whether what they can hold depends on more than the supply's share of the force.
         turns: (m,) whether each is a propeller in its inflow.
-        rows: (m, 30) of the propellers, see `cube_sim.vehicle.laws.propeller`; zero for others.
+        rows: (m, 31) of the propellers, see `cube_sim.vehicle.laws.propeller`; zero for others.
         points: (k,) their open-water points.
         known: (m,) whether the curves of each follow the voltage by themselves, forces and all.
         curves: table of `cube_sim.vehicle.laws.curve_table`, of the moment; like the next.

@@ -30,19 +30,20 @@ from cube_sim.native.compiled import compiled
 HULL, ACTUATOR, ACTIVATION, CURVE, PLACE, AXIS = 0, 1, 2, 3, 4, 7
 RHO_D3, DIAMETER, ADVANCE, DELIVERED, HAND = 10, 11, 12, 13, 14
 SPEEDS, SLOWEST, ARM = 15, 17, 19
-MOTOR, RESISTANCE, INERTIA, DRY, VISCOUS, VOLTAGE = 20, 21, 22, 23, 24, 25
-AHEAD, ASTERN = 26, 28
+MOTOR, RESISTANCE, INERTIA, DRY, VISCOUS, VOLTAGE, DRIVE = 20, 21, 22, 23, 24, 25, 26
+AHEAD, ASTERN = 27, 29
 """Columns of a table of propellers, a row each.
 
 Number of the hull; index of the actuator; where the rotor's state lies among the activations; where its curve record
 begins; place (3) from the body origin [m] and axis (3), the way it pushes, in body axes; rho D^3 [kg]; D [m]; 1 - w;
 1 - t; 1 for a right-handed propeller, -1 for a left-handed one, 0 for one that leaves no torque to the hull; speed of
 rotation [rev/s] at the commands -1 and 1, both above 0; those below which it stands, backwards and ahead; torque that
-the hull gets of MuJoCo per newton [m]; K [N m/A], 0 for one without a motor, R [ohm], I [kg m^2], Q_0 [N m], b [N m s]
-and the voltage U of full command [V]; and where the open-water points begin and how many, ahead and astern. With a
+the hull gets of MuJoCo per newton [m]; K [N m/A], 0 for one without a motor, R [ohm], I [kg m^2], Q_0 [N m], b [N m s],
+the voltage U of full command [V]; share of the electrical power that arrives at the shaft, 0 where nobody knows, and
+with a motor, whose equation says it; and where the open-water points begin and how many, ahead and astern. With a
 motor the speeds are those at full command in water that does not flow: units in which the rotor's state is counted.
 """
-COLUMNS = 30
+COLUMNS = 31
 POINT = 3
 """An open-water point: J, K_T, K_Q."""
 TWO_PI = 2.0 * pi

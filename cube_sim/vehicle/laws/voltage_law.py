@@ -1,4 +1,4 @@
-"""Thrusters whose curves at several voltages are known, at the voltage of the moment; plain Python, compiled.
+"""Thrusters whose curves at several voltages, or torques, are known, at the voltage of the moment; compiled.
 
 Commands, forces and k_P of two neighbouring voltages are joined by straight lines. Beyond the first and the last the
 forces go with the square of the voltage.
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from cube_sim.native.compiled import compiled
 from cube_sim.spatial import Matrix, Vector
+from cube_sim.vehicle.laws.propeller_power import power_of_propeller
 from cube_sim.vehicle.laws.supply_law import open_voltage_at, total
 
 HEAD = 6
@@ -162,35 +163,43 @@ def feed_tables(tables, packed, supply_at, voltage):
 
 
 @compiled
-def draws_at(tables, packed, efficiency_at, stuck_at, commands, drawn, before, voltage):
+def draws_at(tables, driven, packed, efficiency_at, stuck_at, activations, drawn, before, nominal, voltage):
     """Electrical power of all thrusters at a voltage [W], turning as they do.
 
     Args:
         tables: `VoltageTables`.
+        driven: `cube_sim.vehicle.laws.propeller_power.DrivenPropellers`, felt.
         packed: the model's own numbers.
         efficiency_at: (m,) where in them the efficiencies are.
         stuck_at: (m,) where the forces of stuck thrusters are.
-        commands: (m,) after the motors' lags.
-        drawn: (m,) what each draws at the voltage before [W]: with its cube, where curves are not known.
+        activations: MuJoCo's.
+        drawn: (m,) what each draws at the voltage before [W]: with its cube, where neither curves nor torques tell.
         before: that voltage [V].
+        nominal: that of the characteristics [V].
         voltage: [V].
     """
-    power = np.empty(len(commands))
-    for i in range(len(commands)):
+    power, ratio = np.empty(len(drawn)), voltage / nominal
+    for i in range(len(drawn)):
+        if driven.draws[i]:
+            health = packed[efficiency_at[i]], packed[stuck_at[i]]
+            power[i] = power_of_propeller(driven, i, activations, health[0], health[1], ratio * ratio)
+            continue
         if not tables.known[i]:
             power[i] = drawn[i] * (voltage / before) ** 3
             continue
         force = packed[stuck_at[i]]
         if np.isnan(force):
             force = (
-                force_at(packed, tables.record_at[i], voltage, commands[i]) if packed[efficiency_at[i]] > 0.0 else 0.0
+                force_at(packed, tables.record_at[i], voltage, activations[driven.states[i]])
+                if packed[efficiency_at[i]] > 0.0
+                else 0.0
             )
         power[i] = power_at(packed, tables.record_at[i], voltage, force)
     return total(power)
 
 
 @compiled
-def sagging_by_tables(supply, tables, packed, efficiency_at, stuck_at, commands, drawn):
+def searched_voltage(supply, tables, driven, packed, efficiency_at, stuck_at, activations, drawn):
     """The voltage V [V] at which battery and thrusters agree: V = E - R P(V) / V; arguments as in `draws_at`.
 
     Its left side grows with V, its right side falls as long as P grows with V faster than V does: the interval is
@@ -198,11 +207,12 @@ def sagging_by_tables(supply, tables, packed, efficiency_at, stuck_at, commands,
 
     Args:
         supply: record `cube_sim.vehicle.laws.supply_law.SUPPLY`; its charge is above 0.
-        tables: `VoltageTables`.
-        packed: of `draws_at`, like all that follow.
+        tables: of `draws_at`, like all that follow.
+        driven: of it.
+        packed: of it.
         efficiency_at: of it.
         stuck_at: of it.
-        commands: of it.
+        activations: of it.
         drawn: of it.
     """
     s = supply[0]
@@ -210,7 +220,7 @@ def sagging_by_tables(supply, tables, packed, efficiency_at, stuck_at, commands,
     low, high = 0.0, E
     for _ in range(HALVINGS):
         V = 0.5 * (low + high)
-        power = draws_at(tables, packed, efficiency_at, stuck_at, commands, drawn, s.voltage, V)
+        power = draws_at(tables, driven, packed, efficiency_at, stuck_at, activations, drawn, s.voltage, s.nominal, V)
         if E * V - s.resistance * power > V * V:
             low = V
         else:

@@ -14,6 +14,8 @@
 
     <actuator>:propeller_motor         K_t [N m/A, V s/rad], R [ohm]: its speed follows from the torques on its shaft,
                                        its command is the share of thruster_voltage; propeller_speed is left out
+    <actuator>:propeller_efficiency    share of the electrical power that arrives at the shaft; left out, nobody knows
+                                       what it draws. With a motor it follows from that
     <actuator>:propeller_shaft         I [kg m^2] of all that turns, dry friction Q_0 [N m] and viscous b [N m s];
                                        with a motor
 
@@ -39,6 +41,7 @@ DRY_BELOW = 0.02
 """As in `cube_sim.vehicle.laws.propeller`."""
 
 DIAMETER, LINEAR, OPEN_WATER = "propeller_diameter", "propeller_linear", "propeller_open_water"
+EFFICIENCY = "propeller_efficiency"
 PROPELLER_PARAMETERS = (
     DIAMETER,
     "propeller_speed",
@@ -50,6 +53,7 @@ PROPELLER_PARAMETERS = (
     "propeller_hand",
     "propeller_motor",
     "propeller_shaft",
+    EFFICIENCY,
 )
 _CURVE = "thruster_characteristic"
 _SIDE_POINTS = 24
@@ -94,6 +98,7 @@ class PropellerParameters:
         ahead: (n,3) J, K_T, K_Q of one that turns ahead.
         astern: (k,3) of one that turns backwards.
         shaft: what turns it; None where its speed follows its command.
+        efficiency: share of the electrical power that arrives at the shaft; 0 where nobody knows, and with a motor.
     """
 
     site: str
@@ -108,6 +113,7 @@ class PropellerParameters:
     ahead: NDArray[np.float64]
     astern: NDArray[np.float64]
     shaft: ShaftParameters | None = None
+    efficiency: float = 0.0
 
     @property
     def arm(self) -> float:
@@ -204,7 +210,25 @@ def propeller_of(
         astern = _table(numerics, name)
     if shaft is not None:
         speeds = _full_speed(shaft, density * D**5, astern), _full_speed(shaft, density * D**5, ahead)
-    return PropellerParameters(site, body, D, density, wake, deduction, speeds, slowest, hand, ahead, astern, shaft)
+    tables, efficiency = (ahead, astern), _efficiency(numerics, named, actuator)
+    return PropellerParameters(
+        site, body, D, density, wake, deduction, speeds, slowest, hand, *tables, shaft, efficiency
+    )
+
+
+def _efficiency(numerics: Numerics, named: Mapping[str, str | None], actuator: str) -> float:
+    """Share of the electrical power that arrives at the shaft; 0 where nobody says it."""
+    own_power, efficiency, motor = f"{actuator}:thruster_power", named[EFFICIENCY], named["propeller_motor"]
+    if own_power in numerics and (beside := motor or efficiency) is not None:
+        raise ModelError(own_power, f"stands beside {beside}, which says what it draws; one of the two is right")
+    if efficiency is None:
+        return 0.0
+    if motor is not None:
+        raise ModelError(efficiency, f"stands beside {motor}; what a motor loses follows from its K_t and R")
+    share = scalar(numerics, efficiency)
+    if not 0.0 < share <= 1.0:
+        raise ModelError(efficiency, f"is {share:g}; above 0 and at most 1 is right, for example 0.7")
+    return share
 
 
 def _shaft(

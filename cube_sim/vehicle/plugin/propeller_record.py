@@ -33,7 +33,8 @@ def propeller_rows(
         row[law.SPEEDS : law.SLOWEST], row[law.SLOWEST : law.ARM], row[law.ARM] = each.speeds, each.slowest, each.arm
         if (shaft := each.shaft) is not None:
             numbers = shaft.motor, shaft.resistance, shaft.inertia, shaft.dry, shaft.viscous, shaft.voltage
-            row[law.MOTOR : law.AHEAD] = numbers
+            row[law.MOTOR : law.DRIVE] = numbers
+        row[law.DRIVE] = each.efficiency
         row[law.AHEAD : law.ASTERN] = end, len(each.ahead)
         row[law.ASTERN :] = end + each.ahead.size, len(each.astern)
         table.append(row)
