@@ -31,9 +31,15 @@ def point(z):
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("z", [0.0, 0.3, 2.0])
+@pytest.mark.parametrize(
+    ("z", "extra"),
+    [
+        pytest.param(z, extra, marks=[] if bool(extra) == (z == 0.0) and z != 0.3 else pytest.mark.campaign)
+        for z in (0.0, 0.3, 2.0)
+        for extra in ({}, {"hull:volume": 1.01})
+    ],
+)
 @pytest.mark.parametrize("name", ["cube", "cube_as_built", "bluerov2_heavy", "bluerov2_vectored", "rov6"])
-@pytest.mark.parametrize("extra", [{}, {"hull:volume": 1.01}])
 def test_a_point_in_the_air_is_held_from_below_with_force_to_spare(name, z, extra):
     given = at(name, point(z), current_m_s=[0.1, 0.05, 0.0])
     vehicle = prepare(load_mapping(given)).vehicle
