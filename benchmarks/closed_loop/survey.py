@@ -17,8 +17,9 @@ from closed_loop.drift import drift
 from closed_loop.flown_loop import FlownLoop
 from closed_loop.linear_loop import SETTLED, linearised
 from closed_loop.stability import all_margins
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority
 from cube_sim.control.critical_speed import surely_uncritical_speed
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
 from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ScenarioError

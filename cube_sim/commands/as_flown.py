@@ -13,8 +13,9 @@ from typing import NamedTuple
 from cube_sim.actuation import Survivability
 from cube_sim.actuation.path_following.verdict import Outcome, Verdict
 from cube_sim.actuation.survivability import LossCase
-from cube_sim.control.authority import Authority, Capability, capability, remaining_capability
+from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.badly_pointed import badly_pointed
+from cube_sim.control.judged_capability import capability, remaining_capability
 from cube_sim.control.yielding import WaterHold
 from cube_sim.mission.ability import with_fins
 from cube_sim.spatial import Matrix

@@ -10,10 +10,11 @@ import numpy as np
 
 from cube_sim.actuation import PathRequirements, analyse
 from cube_sim.commands.stuck_flight import BesideFaults, ReadModel
-from cube_sim.control.authority import Authority, Capability, remaining_capability
+from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.force_first import LITTLE_TORQUE
 from cube_sim.control.foreseen import Foreseen
 from cube_sim.control.holding import LOOKED_AHEAD_S, carried_off_m
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.left_alone import carried_m
 from cube_sim.control.loop_times import USUAL_PERIOD_S, LoopTimes, angular_acceleration, mean_delay
 from cube_sim.control.pace import LEAST_PACE

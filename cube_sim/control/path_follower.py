@@ -10,7 +10,7 @@ import numpy as np
 from cube_sim.control.along_path import AlongPath
 from cube_sim.control.asked import MEMORY
 from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
-from cube_sim.control.authority import Authority, Capability, capability
+from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.balancing import FARTHEST_RAD
 from cube_sim.control.ceiling import Ceiling, keep_below, most_up
@@ -25,6 +25,7 @@ from cube_sim.control.following import FOLLOWED, follow
 from cube_sim.control.force_first import LITTLE_TORQUE, TORQUE, ForceFirst, serve_force_first
 from cube_sim.control.free_attitude import FreeAttitude
 from cube_sim.control.holding import Holding, Stuck
+from cube_sim.control.judged_capability import capability
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.moment_budget import NOTHING_MOVES, MomentBudget
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cube_sim.allocation import FaultTolerant
-from cube_sim.control.authority import Authority, Capability, remaining_capability
+from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.badly_pointed import badly_pointed
 from cube_sim.control.critical_speed import CriticalSpeed, critical_speed, too_fast
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.loop_times import mean_delay
 from cube_sim.control.turning_limit import too_tight
 from cube_sim.control.yielding import WaterHold

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cube_sim.control.authority import Authority, Capability, remaining_capability
+from cube_sim.control.authority import Authority, Capability
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.mission.ability import Ability
 from cube_sim.spatial import Matrix
 from cube_sim.wrench.health import Health

@@ -13,7 +13,8 @@ from cube_sim.actuation.directions.subspaces import subspaces
 from cube_sim.actuation.path_following.requirements import PathRequirements
 from cube_sim.actuation.path_following.verdict import Outcome, judge
 from cube_sim.control import authority
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.yielding import WaterHold
 from cube_sim.wrench.allowed_forces import AllowedForces
 from cube_sim.wrench.health import Health

@@ -8,10 +8,10 @@ from support.vehicles import vehicle
 
 from cube_sim.control.asked import MEMORY as ASKED
 from cube_sim.control.attitude_mode import DESIRED, Situation
-from cube_sim.control.authority import capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.balancing import balance
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.judged_capability import capability
 from cube_sim.guidance.view_record import VIEW
 from cube_sim.spatial import rotation_from_quaternion
 

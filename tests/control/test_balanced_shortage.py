@@ -8,9 +8,10 @@ from support.catalogue.vehicles import catalogue
 
 from cube_sim import Vehicle, load_model
 from cube_sim.control.attitude_mode import Situation
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.wrench.health import Health
 
 UPRIGHT = FixedAttitude(np.array([1.0, 0.0, 0.0, 0.0]))

@@ -8,8 +8,8 @@ from support.places import MODELS
 from support.vehicles import vehicle
 
 import cube_sim
-from cube_sim.control.authority import remaining_capability
 from cube_sim.control.closing import SHARE, STEEPEST, closing_speed
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.wrench.health import Health
 
 LATERAL_S = 2.0

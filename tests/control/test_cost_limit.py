@@ -11,7 +11,8 @@ from support.places import MODELS, SCENARIOS
 import cube_sim
 from cube_sim import Vehicle, load_model
 from cube_sim.actuation.directions.selection_criteria import final_approach
-from cube_sim.control.authority import DEAR, Authority, capability, remaining_capability
+from cube_sim.control.authority import Authority
+from cube_sim.control.judged_capability import DEAR, capability, remaining_capability
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.yielding import WaterHold
 from cube_sim.errors import ScenarioError

@@ -13,10 +13,10 @@ from support.vehicles import vehicle
 import cube_sim
 from cube_sim import Vehicle, load_model
 from cube_sim.control.attitude_mode import DESIRED
-from cube_sim.control.authority import remaining_capability
 from cube_sim.control.balancing import BALANCE, MEMORY
 from cube_sim.control.course_trim import BLUNT, ENOUGH, FIRM, SHARP, CourseTrims, seeks_trim
 from cube_sim.control.course_wish import ENDING_S, SELDOM_S, wish_for_trim
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.roomiest_attitude import spread_attitudes
 from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.view_record import VIEW

@@ -12,7 +12,6 @@ from support.vehicles import vehicle
 
 import cube_sim
 from cube_sim.commands.analysis_report import report_on, to_dict
-from cube_sim.control.authority import remaining_capability
 from cube_sim.control.critical_speed import (
     LEAST_HELD,
     MOST_DELAYED,
@@ -21,6 +20,7 @@ from cube_sim.control.critical_speed import (
     own_growth,
     too_fast,
 )
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
 from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.polyline import polyline

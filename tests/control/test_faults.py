@@ -8,9 +8,10 @@ from support.vehicles import vehicle
 
 from cube_sim.allocation import Health
 from cube_sim.control.attitude_mode import Situation
-from cube_sim.control.authority import Authority, capability, remaining_capability
+from cube_sim.control.authority import Authority
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.judged_capability import capability, remaining_capability
 from cube_sim.control.yielding import WaterHold
 from cube_sim.spatial import rotation_from_quaternion
 

@@ -10,8 +10,8 @@ from support.places import MODELS
 from support.vehicles import vehicle
 
 import cube_sim
-from cube_sim.control.authority import remaining_capability
 from cube_sim.control.force_first import TORQUE, ForceFirst, serve_force_first
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.priority import force_with_torque
 from cube_sim.wrench.axes import SPATIAL
 from cube_sim.wrench.health import Health

@@ -13,8 +13,8 @@ from support.places import MODELS
 from support.vehicles import vehicle
 
 import cube_sim
-from cube_sim.control.authority import remaining_capability
 from cube_sim.control.foreseen import LEAST_M, MARGIN, Ahead, Foreseen, foreseen, in_metres
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.left_thrusters import LeftThrusters, make_wrench, spin_up
 from cube_sim.control.transient import Transient
 from cube_sim.control.yielding import WaterHold

@@ -8,9 +8,9 @@ from support.vehicles import vehicle
 
 import cube_sim
 from cube_sim.control.attitude_mode import Situation
-from cube_sim.control.authority import capability
 from cube_sim.control.effort import effort_matrix
 from cube_sim.control.free_attitude import MAX_RATE, FreeAttitude
+from cube_sim.control.judged_capability import capability
 from cube_sim.guidance.law import TargetView
 from cube_sim.guidance.path import PathPoint
 from cube_sim.spatial import quaternion_from_euler, rotation_about, rotation_from_quaternion, skew

@@ -11,8 +11,8 @@ from support.flights import FORCES_ONLY, thruster_event
 from support.vehicles import vehicle
 
 import cube_sim
-from cube_sim.control.authority import remaining_capability
 from cube_sim.control.holding import PAUSE_S, ROOM_M, TRIED_M, Holding, Stuck
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.left_alone import carried_m
 from cube_sim.control.resting import Rest, nearest_rest
 from cube_sim.control.safe_mode import LossOfTargetMonitor, SafeMode

@@ -14,9 +14,10 @@ from support.vehicles import random_rotation, vehicle
 import cube_sim
 from cube_sim.control import path_follower
 from cube_sim.control.attitude_mode import Situation
-from cube_sim.control.authority import NEARLY_LEVEL, Authority, capability
+from cube_sim.control.authority import Authority
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.judged_capability import NEARLY_LEVEL, capability
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.planar.follower import PlanarFollower
 from cube_sim.control.yielding import WaterHold

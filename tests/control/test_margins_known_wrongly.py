@@ -8,8 +8,8 @@ from closed_loop.survey import THIRDS, surveyed
 from support.catalogue.vehicles import catalogue
 from support.vehicles import vehicle
 
-from cube_sim.control.authority import remaining_capability
 from cube_sim.control.critical_speed import critical_speed, surely_uncritical_speed
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.yielding import WaterHold
 from cube_sim.wrench.health import Health
 

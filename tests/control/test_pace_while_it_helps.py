@@ -10,7 +10,8 @@ from support.flights import FORCES_ONLY
 
 import cube_sim
 from cube_sim import Vehicle, load_model
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.pace import LEAST_PACE, PaceDemand, in_range, is_allowed, largest_share, share_while_it_helps
 from cube_sim.control.pace import wrench_at_pace as at_pace
 from cube_sim.wrench.health import Health

@@ -9,8 +9,9 @@ from closed_loop.survey import THIRDS, surveyed
 from support.catalogue.vehicles import catalogue
 from support.vehicles import random_hull, random_rotation
 
-from cube_sim.control.authority import Authority, capability
+from cube_sim.control.authority import Authority
 from cube_sim.control.following import MOST_TURN_RAD, momentum_to_gain
+from cube_sim.control.judged_capability import capability
 from cube_sim.spatial import rotation_about
 
 

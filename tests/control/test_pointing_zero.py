@@ -8,8 +8,8 @@ from support.catalogue.vehicles import catalogue
 from support.flights import FORCES_ONLY
 
 import cube_sim
-from cube_sim.control.authority import remaining_capability
 from cube_sim.control.course_trim import level_motion
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.pointing_zero import EASED, inverse_zeros, most_turning, turning_fast, zero_time
 from cube_sim.control.yielding import WaterHold
 from cube_sim.spatial import rotation_about

@@ -10,8 +10,8 @@ from support.swimmer import accelerations, moving, swimmer
 
 import cube_sim
 from cube_sim.allocation import Status
-from cube_sim.control.authority import capability
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.judged_capability import capability
 from cube_sim.control.look_at import LookAt
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from support.vehicles import vehicle
 
-from cube_sim.control.authority import capability
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.judged_capability import capability
 from cube_sim.control.loops import MotionLoops
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.control.safe_mode import SafeMode

@@ -10,7 +10,8 @@ from support.places import MODELS, SCENARIOS
 from support.vehicles import random_rotation, vehicle
 
 import cube_sim
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.roomiest_attitude import TO_BRAKE, excesses, has_enough, roomiest_attitude
 from cube_sim.spatial import quaternion_from_rotation

@@ -9,7 +9,8 @@ from support.catalogue.vehicles import catalogue
 from support.flights import FORCES_ONLY, thruster_event
 
 import cube_sim
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.resting import SHARES, nearest_rest
 from cube_sim.wrench.health import Health
 

@@ -14,7 +14,8 @@ from support.vehicles import vehicle
 import cube_sim
 from cube_sim.commands.stuck_flight import ReadModel
 from cube_sim.commands.stuck_report import Fault, fault_cases
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.thrown import LoopSpeeds, Thrown, share_asked, thrown_by
 from cube_sim.control.transient import braking_m, keeps, transient
 from cube_sim.control.yielding import WaterHold

@@ -15,8 +15,9 @@ from support.places import MODELS, SCENARIOS
 
 import cube_sim
 from cube_sim.commands.stuck_report import Fault, fault_cases
-from cube_sim.control.authority import Authority, remaining_capability
+from cube_sim.control.authority import Authority
 from cube_sim.control.force_first import TORQUE
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.turned_round import LET_TURN, NEAR_M, drifts_aside, turned_round, wanders_m
 from cube_sim.control.yielding import WaterHold
 from cube_sim.vehicle.loading import load_model

@@ -13,7 +13,7 @@ from support.vehicles import vehicle
 
 import cube_sim
 from cube_sim.commands.analysis_report import report_on, to_dict
-from cube_sim.control.authority import remaining_capability
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.turning_limit import too_tight, turning_of
 from cube_sim.control.yielding import WaterHold
 from cube_sim.wrench.health import Health

@@ -13,10 +13,11 @@ from support.vehicles import random_rotation, vehicle
 
 import cube_sim
 from cube_sim.control.attitude_mode import Situation
-from cube_sim.control.authority import CAPABILITY, Authority, remaining_capability
+from cube_sim.control.authority import CAPABILITY, Authority
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.balancing import FARTHEST_RAD
 from cube_sim.control.fixed_attitude import FixedAttitude
+from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, watch_centre
 from cube_sim.control.yielding import WaterHold
 from cube_sim.guidance.view_record import VIEW

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from support.vehicles import random_hull, random_rotation, vehicle
 
-from cube_sim.control.authority import Authority, capability
+from cube_sim.control.authority import Authority
+from cube_sim.control.judged_capability import capability
 from cube_sim.control.yielding import LONGEST_ARMS, SMALL_FORCE, WaterHold, held_or_pointed, yielding_directions
 
 UP = np.array([0.0, 0.0, 1.0])
