@@ -20,6 +20,7 @@ from cube_sim.actuation.path_following.trim import CourseAttitudes
 from cube_sim.actuation.path_following.verdict import Verdict
 from cube_sim.actuation.survivability import LossCase
 from cube_sim.commands.as_flown import as_flown, fails_without_fins, left_without, table_as_flown
+from cube_sim.commands.fin_faults_flown import FinCase, fin_cases
 from cube_sim.commands.stuck_flight import ReadModel
 from cube_sim.commands.stuck_report import FaultCase, fault_cases
 from cube_sim.control.authority import Capability
@@ -60,6 +61,7 @@ class Report:
         turning: how tightly it turns, where it follows a path; None where it follows none.
         critical: up to which speed it keeps margins, likewise; None in the plane, too, where other laws fly it.
         stuck: every single thruster dead and stuck; None where that was not asked for.
+        stuck_fins: every single fin loose and jammed; None where that was not asked for.
         remarks: on the vehicle left to itself.
         table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
             was wanted.
@@ -78,6 +80,7 @@ class Report:
     stuck: tuple[FaultCase, ...] | None = None
     fins: FinsAtSpeed | None = None
     remarks: tuple[str, ...] = ()
+    stuck_fins: tuple[FinCase, ...] | None = None
 
 
 def report_on(
@@ -104,7 +107,8 @@ def report_on(
         planar: look at Fx, Fy and Mz only, for a vehicle kept at its depth.
         speed_m_s: at which path following is judged; default that of `PathRequirements`.
         cost_limit: drop the directions that cost more than this [N/N], and judge what is left.
-        stuck: judge every single thruster dead, and stuck at half of its limits and at its limits.
+        stuck: judge every single thruster dead, and stuck at half of its limits and at its limits, and every single
+            fin loose, and jammed at half of its travel and at its ends.
         picture: PNG, SVG or PDF to write; it shows losses of up to three.
         settings: other values than the file's, see `cube_sim.vehicle.mjcf.what_if`.
         progress: called with (cases done, all cases) while losses are tabulated.
@@ -178,21 +182,16 @@ def report_on(
         table = table_as_flown(table, vehicle, fins, requirements.speed_m_s, cost_limit)
     if picture is not None and table is not None:
         save_picture(picture, A, limits, table, names=names, title=title)
-    cases = None
+    cases, of_fins = None, None
     if stuck:
-        cases = fault_cases(
-            vehicle,
-            requirements.speed_m_s,
-            lost=gone,
-            cost_limit=cost_limit,
-            read=ReadModel(model, loaded),
-            progress=progress,
-        )
+        asked, read = {"lost": gone, "cost_limit": cost_limit, "progress": progress}, ReadModel(model, loaded)
+        cases = fault_cases(vehicle, requirements.speed_m_s, read=read, **asked)
+        of_fins = fin_cases(vehicle, requirements.speed_m_s, read, **asked)
     noted = (*kept_words(loaded), *unlikely_words(loaded, vehicle.name), *remarks(loaded, vehicle))
     if fins is not None and not planar and fails_without_fins(vehicle, gone, requirements.speed_m_s, cost_limit):
         noted = (*noted, STEERED_AT_SPEED_ONLY)
     speed = requirements.speed_m_s
-    return Report(model, title, vehicle, analysis, turning, critical, table, speed, cases, fins, noted)
+    return Report(model, title, vehicle, analysis, turning, critical, table, speed, cases, fins, noted, of_fins)
 
 
 def ahead_limits(vehicle: Vehicle, speed_m_s: float) -> Matrix:
@@ -306,6 +305,7 @@ def to_dict(report: Report) -> dict[str, Any]:
         "turning": _turning_trim(report.turning),
         "critical_speed": None if report.critical is None else report.critical._asdict(),
         "stuck": None if report.stuck is None else [_fault_case(case) for case in report.stuck],
+        "stuck_fins": None if report.stuck_fins is None else [_fin_case(case) for case in report.stuck_fins],
         "losses": None if report.table is None else [_case(case) for case in report.table.cases],
     }
     return _plain(content)
@@ -400,6 +400,21 @@ def _fault_case(case: FaultCase) -> dict[str, Any]:
         "found_s": case.found_s,
         "transient": _transient(case.transient, case.foreseen),
         "transient_at_rest": _transient(case.transient_at_rest, case.foreseen_at_rest),
+    }
+
+
+def _fin_case(case: FinCase) -> dict[str, Any]:
+    return {
+        "fin": case.fault.fin,
+        "angle_rad": case.fault.angle_rad,
+        "state": "loose" if case.fault.angle_rad is None else "jammed",
+        "authority": case.authority.name,
+        "left": case.left,
+        "follows": case.keeps,
+        "reason": case.reason or None,
+        "farthest_m": case.farthest_m,
+        "off_m": case.off_m,
+        "speed_m_s": case.speed_m_s,
     }
 
 

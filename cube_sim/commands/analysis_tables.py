@@ -13,7 +13,7 @@ from cube_sim.actuation.path_following.controllable_trim import FURTHEST
 from cube_sim.actuation.path_following.steady_turn import TIGHTEST_M
 from cube_sim.commands.analysis_report import Report, ahead_limits
 from cube_sim.commands.output import console_for_tables
-from cube_sim.commands.stuck_tables import faults_in_words, faults_table
+from cube_sim.commands.stuck_tables import faults_in_words, faults_table, fins_in_words, fins_table
 from cube_sim.control.critical_speed import FASTEST_M_S, CriticalSpeed
 from cube_sim.wrench.axes import PLANAR, SPATIAL
 
@@ -60,6 +60,10 @@ def print_report(report: Report) -> None:
     if report.stuck is not None:
         console.print(faults_table(report.stuck))
         for text in faults_in_words(report.stuck):
+            line(text)
+    if report.stuck_fins:
+        console.print(fins_table(report.stuck_fins))
+        for text in fins_in_words(report.stuck_fins, report.speed_m_s):
             line(text)
     line(f"path following: {'yes' if a.verdict.follows else 'no'} ({a.verdict.outcome.value}). {a.verdict.reason}")
     if a.verdict.follows:

@@ -52,7 +52,8 @@ def analyze(
         typer.Option(
             "--stuck",
             help="Tabulate every single thruster dead, and stuck at half of either limit and at the limits: what is "
-            "left, whether the path is followed, how fast the hull is carried off, how far it leaves its path at most.",
+            "left, whether the path is followed, how fast the hull is carried off, how far it leaves its path at most. "
+            "And every single fin loose, and jammed at half and all of its travel either way, flown.",
         ),
     ] = False,
     settings: Annotated[

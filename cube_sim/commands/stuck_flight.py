@@ -127,16 +127,27 @@ class BesideFaults:
 
 def _scenario(file: Path, speed_m_s: float, in_place: bool, cost_limit: float | None) -> dict[str, Any]:
     """A line that does not end, or a point, as a scenario that says nothing else has it."""
-    start = [0.0, 0.0, DEEP_M]
-    path: dict[str, Any] = {"type": "line", "start_m": start, "end_m": [1000.0 * speed_m_s, 0.0, DEEP_M]}
+    scenario = straight_ahead(file, speed_m_s, cost_limit)
     if in_place:
-        path = {"type": "point", "position_m": start, "heading_deg": 0.0}
+        scenario["path"] = {"type": "point", "position_m": scenario["initial"]["position_m"], "heading_deg": 0.0}
+    return scenario
+
+
+def straight_ahead(file: Path, speed_m_s: float, cost_limit: float | None) -> dict[str, Any]:
+    """A level line that does not end, as a scenario that says nothing else has it.
+
+    Args:
+        file: of the model.
+        speed_m_s: along the line.
+        cost_limit: see `cube_sim.control.authority.capability`.
+    """
+    start = [0.0, 0.0, DEEP_M]
     return {
         "schema_version": 1,
         "name": "ahead",
         "model": str(file),
         "duration_s": 1.0,
-        "path": path,
+        "path": {"type": "line", "start_m": start, "end_m": [1000.0 * speed_m_s, 0.0, DEEP_M]},
         "initial": {"position_m": start},
         "guidance": {"speed_m_s": speed_m_s},
         "control": {} if cost_limit is None else {"cost_limit": cost_limit},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from rich.table import Table
 
+from cube_sim.commands.fin_faults_flown import FLOWN_S, FinCase
 from cube_sim.commands.stuck_report import FaultCase
 from cube_sim.control.foreseen import AHEAD_S, Foreseen, in_metres
 from cube_sim.control.transient import Transient
@@ -21,6 +22,16 @@ HEADERS = {
     "its place [m]": "right",
 }
 """Of the table, and to which side each stands."""
+FIN_HEADERS = {
+    "fin": "left",
+    "jammed at [deg]": "right",
+    "flies": "left",
+    "keeps its course": "left",
+    "off at most [m]": "right",
+    "off at the end [m]": "right",
+    "speed [m/s]": "right",
+}
+"""Of that of fins."""
 
 
 def faults_table(cases: tuple[FaultCase, ...]) -> Table:
@@ -42,6 +53,48 @@ def faults_table(cases: tuple[FaultCase, ...]) -> Table:
             _far(case.transient_at_rest, case.foreseen_at_rest, notes),
         )
     return table
+
+
+def fins_table(cases: tuple[FinCase, ...]) -> Table:
+    """Every single fault of a fin."""
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    for header, side in FIN_HEADERS.items():
+        table.add_column(header.replace("[", "\\["), justify="left" if side == "left" else "right", no_wrap=True)
+    for case in cases:
+        angle = case.fault.angle_rad
+        table.add_row(
+            case.fault.fin,
+            "loose" if angle is None else f"{np.degrees(angle):.1f}",
+            case.authority.name,
+            "yes" if case.keeps else "no",
+            f"{case.farthest_m:.2g}",
+            f"{case.off_m:.2g}",
+            f"{case.speed_m_s:.2f}",
+        )
+    return table
+
+
+def fins_in_words(cases: tuple[FinCase, ...], speed_m_s: float) -> list[str]:
+    """The sum of them, and with which fin lost the course is kept at all.
+
+    Args:
+        cases: of all faults.
+        speed_m_s: at which they are flown.
+    """
+    held = sum(case.keeps for case in cases)
+    flown = f"flown straight ahead at {speed_m_s:g} m/s for {FLOWN_S:g} s, the controller told of it"
+    said = [f"single faults of fins: {held} of {len(cases)} keep the course; {flown}"]
+    for fin in dict.fromkeys(case.fault.fin for case in cases):
+        of_it = [case for case in cases if case.fault.fin == fin]
+        lost = [case for case in of_it if not case.keeps]
+        if lost:
+            where = ", ".join(
+                "loose" if case.fault.angle_rad is None else f"at {np.degrees(case.fault.angle_rad):.1f} deg"
+                for case in lost
+            )
+            reasons = "; ".join(dict.fromkeys(case.reason for case in lost))
+            said.append(f"  {fin} {where}: {reasons}")
+    return said
 
 
 def faults_in_words(cases: tuple[FaultCase, ...]) -> list[str]:

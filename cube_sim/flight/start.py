@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 from pickle import PicklingError
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from cube_sim.errors import CubeSimError, FlightError
@@ -14,13 +16,17 @@ from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.fin_response import record_fin_health
 from cube_sim.mission.first_warnings import first_warnings
 from cube_sim.mission.fleet import FleetMission, prepare_fleet
+from cube_sim.mission.hull import CompiledHull, initial_state, set_physics
 from cube_sim.mission.own.given import NOT_AGAIN, why_not_again
+from cube_sim.mission.prepare import mission_of
 from cube_sim.mission.way_of_flying import way_of_flying
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
 from cube_sim.scenario import Loaded
 from cube_sim.scenario.fleet_loading import LoadedFleet
 from cube_sim.spatial import State, Vector, rotation_from_quaternion
+from cube_sim.vehicle.mjcf.time_step import require_time_step
+from cube_sim.vehicle.vehicle import Vehicle
 
 
 def prepared(loaded: Loaded) -> Mission:
@@ -35,6 +41,29 @@ def prepared(loaded: Loaded) -> Mission:
         compile_beside()
         wait_for_loop()
         return prepare(loaded)
+
+
+def prepared_hull(loaded: Loaded, model: mujoco.MjModel, hull: str) -> Mission:
+    """The same of a hull whose model is compiled already, on a copy of that.
+
+    Args:
+        loaded: what it flies; its file's own model is not looked at.
+        model: made by `load_model`.
+        hull: its name.
+
+    Raises:
+        ScenarioError: the model does not fit the scenario; with position.
+        ModelError: its lags are too short for the scenario's time step.
+    """
+    require_its_own_threads()
+    with flying():
+        compile_beside()
+        wait_for_loop()
+        own = copy.copy(model)
+        set_physics(own, loaded.scenario)
+        require_time_step(own)
+        flown = CompiledHull(own, Vehicle.from_model(own, hull))
+        return mission_of(loaded, flown, flown, initial_state(*flown, loaded.scenario))
 
 
 def prepared_fleet(loaded: LoadedFleet) -> FleetMission:

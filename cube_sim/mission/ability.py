@@ -112,6 +112,7 @@ class Ability:
         """What it can do, within the cost limit, with thrusters and fins in the state believed.
 
         Fins that do not steer count as lost: what a jammed one makes is for the others to make up for, tick by tick.
+        One that is short of travel counts with the force that is left of it.
 
         Args:
             health: of the thrusters.
@@ -175,11 +176,12 @@ def with_fins(
     """
     if fins is None:
         return A, limits, health
-    whole = Health.whole(len(fins.limits))
+    whole, fin_limits = Health.whole(len(fins.limits)), fins.limits
     if known is not None:
         whole.efficiency[~known.steers] = 0.0
+        fin_limits = fins.limits_within(known.travel)
     together = Health(*(np.concatenate(pair) for pair in zip(health, whole, strict=True)))
-    return np.column_stack([A, fins.matrix]), np.vstack([limits, fins.limits]), together
+    return np.column_stack([A, fins.matrix]), np.vstack([limits, fin_limits]), together
 
 
 def courses_of(path: Path) -> Matrix:

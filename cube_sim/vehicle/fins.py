@@ -30,11 +30,33 @@ class FinsAtSpeed(NamedTuple):
         speed_m_s: through the water.
         matrix: (6,k) wrench for a newton of each [1, m]; zero at rest.
         limits: (k,4) least and largest force each makes over its travel, like [F_max-, F_DZ-, F_DZ+, F_max+] [N].
+        angles: (k, `ANGLES`) deflections over its travel [rad].
+        forces: (k, `ANGLES`) what each makes there [N].
     """
 
     speed_m_s: float
     matrix: NDArray[np.float64]
     limits: NDArray[np.float64]
+    angles: NDArray[np.float64]
+    forces: NDArray[np.float64]
+
+    def limits_within(self, travel: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(k,4) limits [N] of fins that have less travel left.
+
+        Args:
+            travel: (k,2) least and largest deflection [rad]; where 0 is not between them, no force counts.
+        """
+        limits = self.limits.copy()
+        for i, (low, high) in enumerate(travel.tolist()):
+            angles, forces = self.angles[i], self.forces[i]
+            if low <= angles[0] and high >= angles[-1]:
+                continue
+            left = [0.0]
+            if low <= 0.0 <= high:
+                left += np.interp([max(low, angles[0]), min(high, angles[-1])], angles, forces).tolist()
+                left += forces[(angles >= low) & (angles <= high)].tolist()
+            limits[i, 0], limits[i, 3] = min(left), max(left)
+        return limits
 
 
 @dataclass(frozen=True)
@@ -119,13 +141,13 @@ class Fins:
         force = np.linalg.norm(slopes[:3], axis=0)
         matrix = slopes / np.where(force > 0.0, force, 1.0)
         limits = np.zeros((k, 4))
+        angles, forces = np.linspace(self.travel[:, 0], self.travel[:, 1], ANGLES, axis=1), np.zeros((k, ANGLES))
         for i in range(k):
-            made = [0.0]
-            for angle in np.linspace(self.travel[i, 0], self.travel[i, 1], ANGLES):
+            for j, angle in enumerate(angles[i].tolist()):
                 more = self.wrench(np.where(np.arange(k) == i, angle, 0.0), ahead) - self.wrench(still, ahead)
-                made.append(float(more[:3] @ matrix[:3, i]))
-            limits[i, 0], limits[i, 3] = min(made), max(made)
-        return FinsAtSpeed(speed_m_s, matrix, limits)
+                forces[i, j] = float(more[:3] @ matrix[:3, i])
+            limits[i, 0], limits[i, 3] = min(0.0, *forces[i].tolist()), max(0.0, *forces[i].tolist())
+        return FinsAtSpeed(speed_m_s, matrix, limits, angles, forces)
 
     def with_area(self, factor: float) -> Fins:
         """The same with so many times the area."""

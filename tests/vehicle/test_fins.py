@@ -247,3 +247,29 @@ def test_a_servo_without_a_fin_is_refused():
         spec.delete(numeric)
     with pytest.raises(ModelError, match="turns no fin: site 'rudder' has no area; give rudder:fin_area"):
         cube_sim.load_model(spec)
+
+
+@pytest.mark.parametrize("speed", [0.4, 1.5])
+def test_less_travel_leaves_the_force_of_what_is_left(speed):
+    """The linear form makes rho / 2 S a u^2 for a radian; a foil with stall what its own law says there."""
+    lifted = Lifted(HULL, fins=(RUDDER, replace(FOIL, name="plane", normal=Z, place=np.array([-0.6, 0.1, 0.0]))))
+    fins = Fins.from_model(cube_sim.load_model(lifted.spec(0.005)))
+    at_speed, (low, high) = fins.at_speed(speed), fins.travel[0].tolist()
+    rudder, plane = fins.names.index("rudder"), fins.names.index("plane")
+
+    def within(*travel):
+        limits = at_speed.limits_within(np.array([travel, travel]))
+        return limits[rudder, [0, 3]], limits[plane, [0, 3]]
+
+    whole = at_speed.limits[[rudder, plane]][:, [0, 3]]
+    np.testing.assert_array_equal(within(-np.inf, np.inf), whole)
+    np.testing.assert_array_equal(within(low, high), whole)
+    per_radian = 0.5 * DENSITY * RUDDER.area * RUDDER.slope * speed**2
+    np.testing.assert_allclose(within(-0.02, 0.07)[0], sorted(per_radian * np.array([-0.02, 0.07])), rtol=1e-6)
+    np.testing.assert_allclose(within(-5.0, 0.07)[0], [whole[0][0], per_radian * 0.07], rtol=1e-6)
+    for travel in ((0.02, 0.07), (-0.07, -0.02)):  # it always pushes to one side: none of it counts
+        assert all((limits == 0.0).all() for limits in within(*travel))
+    short = within(-0.11, 0.03)[1]
+    ahead = (speed, 0.0, 0.0, 0.0, 0.0, 0.0)
+    lift = [law.fin_wrench(fins.table[plane], angle, ahead)[2] for angle in (-0.11, 0.03)]
+    np.testing.assert_allclose(short, sorted(np.array(lift)), rtol=1e-3)
