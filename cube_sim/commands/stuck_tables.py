@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 from rich.table import Table
 
@@ -92,8 +94,9 @@ def fins_in_words(cases: tuple[FinCase, ...], speed_m_s: float) -> list[str]:
                 "loose" if case.fault.angle_rad is None else f"at {np.degrees(case.fault.angle_rad):.1f} deg"
                 for case in lost
             )
-            reasons = "; ".join(dict.fromkeys(case.reason for case in lost))
-            said.append(f"  {fin} {where}: {reasons}")
+            # One of those that differ in numbers alone.
+            kinds = {re.sub(r"[\d.]+", "", case.reason): case.reason for case in reversed(lost)}
+            said.append(f"  {fin} {where}: {'; '.join(reversed(kinds.values()))}")
     return said
 
 

@@ -101,7 +101,7 @@ def require_fixed_thrusters(model: mujoco.MjModel, hull: int) -> None:
                     model.actuator(actuator).name,
                     f"is a thruster on '{model.body(body).name}', which {mover} moves against '{itself}'; a site on "
                     f"'{itself}', or on what no joint moves, is right: what shares out forces takes thrusters to stay "
-                    "where they are, one that swivels too. Take the joint out, and it pushes the way it points then; or "
+                    "where they are, one that swivels too. Take the joint out, and it pushes one way; or "
                     "step the model yourself: load_model takes it as it is",
                 )
             carried_by = int(model.body_parentid[carried_by])
