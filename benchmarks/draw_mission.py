@@ -1,4 +1,4 @@
-"""What the samples of missions.yaml and catalogue.yaml fly, beside what the analysis says of it beforehand.
+"""What the samples of missions.yaml, catalogue.yaml and pairs.yaml fly, beside what the analysis says of it beforehand.
 
 A mission is a vehicle of `tests/support/catalogue/vehicles.py`, a path of some kind, a speed and an initial error, and
 one ingredient or several: current, sheared current, another attitude, knowledge that is wrong, navigation, faults,
@@ -26,7 +26,7 @@ sys.path[:0] = [str(folder) for folder in (HERE, HERE.parent / "tests") if str(f
 from flights.mission import written  # noqa: E402
 from flights.plan import KINDS, Plan, drawn_plan  # noqa: E402
 from flights.sampled import Sample, sampled  # noqa: E402
-from flights.trial import every_vehicle, trial_of, trials  # noqa: E402
+from flights.trial import every_vehicle, line_without, pairs, trial_of, trials  # noqa: E402
 from support.catalogue.vehicles import catalogue  # noqa: E402
 
 FILES = HERE.parent / "logs" / "drawn"
@@ -68,6 +68,24 @@ def trial(k: int, rng: np.random.Generator, vehicles: Sequence[str] = ()) -> Sam
     return sampled(trial_of(vehicle, path, FILES / f"trial_{vehicle}_{path}"))
 
 
+def without_two(
+    k: int, rng: np.random.Generator, vehicles: Sequence[str] = (), speed_m_s: float | None = None
+) -> Sample:
+    """The k-th of all vehicles without two of their thrusters, on a level line.
+
+    Args:
+        k: number of the sample.
+        rng: not used: nothing is drawn.
+        vehicles: names of the catalogue, or "fresh<m>_<seed>" for layouts of m thrusters drawn by another seed.
+        speed_m_s: along the line; by default half of what the thrusters left make, 0.1 to 0.4.
+    """
+    every = _pairs(tuple(vehicles))
+    if k >= len(every):
+        raise ValueError(f"there are {len(every)} pairs of these vehicles: samples.count")
+    vehicle, lost = every[k]
+    return sampled(line_without(vehicle, lost, speed_m_s, FILES / f"pair_{vehicle}"))
+
+
 def named(asked: Sequence[str], among: Iterable[str] | None = None) -> tuple[str, ...]:
     """Names that are asked for, of the catalogue or among others."""
     every, found = list(catalogue() if among is None else among), set()
@@ -91,6 +109,11 @@ def _plans(first_seed: int, vehicles: tuple[str, ...], kinds: frozenset[str]) ->
 
 
 _plan = cache(drawn_plan)
+
+
+@cache
+def _pairs(vehicles: tuple[str, ...]) -> list[tuple[str, tuple[str, ...]]]:
+    return pairs(vehicles, FILES)
 
 
 @cache

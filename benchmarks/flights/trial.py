@@ -1,12 +1,15 @@
-"""Every vehicle on a level line, at a point and on a helix, in still water."""
+"""Every vehicle in still water: on a level line, at a point, on a helix, or without two of its thrusters."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from support.catalogue.drawn import drawn_layout
+from support.catalogue.mjcf import mjcf
 from support.catalogue.steered import steered_by_fins
 from support.catalogue.vehicles import Entry, catalogue
 
@@ -21,6 +24,9 @@ FLIGHTS = ("line", "point", "helix")
 
 JUDGED_S = 20.0
 """How long each flight is judged."""
+
+LATE_S, LATE_M, LATE_JUDGED_S = 100.0, 20.0, 30.0
+"""Without two thrusters a flight is judged once it has been under way for a time and a length, and for how long."""
 
 HELIX_SLOPE = np.radians(8.0)
 
@@ -75,6 +81,48 @@ def trial_of(vehicle: str, path: str, folder: Path) -> Mission:
     through = 0.05 if path == "point" else speed
     limit = LIMIT_M if entry.speed_m_s is None else max(LIMIT_M, OF_LENGTH * able.length_m)
     return Mission(plan, model, scenario, entry.lost, {}, {}, through, from_s, entry.planar, False, limit)
+
+
+def pairs(vehicles: Sequence[str], files: Path) -> list[tuple[str, tuple[str, ...]]]:
+    """Each vehicle with each two of its thrusters.
+
+    Args:
+        vehicles: names of the catalogue, or "fresh<m>_<seed>" for layouts of m thrusters drawn anew.
+        files: folder under which the models go.
+    """
+    found = []
+    for name in vehicles:
+        model = put(files / f"pair_{name}" / "model.xml", layout(name).make())
+        found += [(name, lost) for lost in combinations(ability_of(model, (), False).names, 2)]
+    return found
+
+
+def layout(name: str) -> Entry:
+    """A vehicle of the catalogue, or one drawn anew."""
+    if not name.startswith("fresh"):
+        return catalogue()[name]
+    m, seed = (int(part) for part in name.removeprefix("fresh").split("_"))
+    return Entry(name, lambda: mjcf(name, drawn_layout(seed, m)))
+
+
+def line_without(vehicle: str, lost: tuple[str, ...], speed_m_s: float | None, folder: Path) -> Mission:
+    """A level line in still water, half a metre off at the start, two thrusters dead from the beginning.
+
+    Args:
+        vehicle: as for `pairs`.
+        lost: names of the dead thrusters.
+        speed_m_s: along the line; None for what a trial of the vehicle so would be told.
+        folder: for the model.
+    """
+    model = put(folder / "model.xml", layout(vehicle).make())
+    top_m_s = ability_of(model, lost, False).top_m_s
+    speed = float(np.clip(0.5 * top_m_s, 0.1, 0.4)) if speed_m_s is None else speed_m_s
+    from_s = LATE_S + LATE_M / speed
+    scenario = _scenario("line", speed, from_s + LATE_JUDGED_S, 1.0, False)
+    scenario |= {"name": "trial_without_two", "model": str(model), "control": {"faults": "told"}}
+    scenario["events"] = [{"kind": "thrusters", "at_s": 0.0, "thrusters": list(lost), "state": "dead"}]
+    plan = Plan(0, f"{vehicle}-{''.join(lost)}", "without two", "line", ())
+    return Mission(plan, model, scenario, lost, {}, {}, speed, from_s, False, False)
 
 
 def _able(vehicle: str, folder: Path) -> tuple[Path, Ability]:

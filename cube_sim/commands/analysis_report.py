@@ -23,7 +23,7 @@ from cube_sim.commands.as_flown import as_flown, fails_without_fins, left_withou
 from cube_sim.commands.fin_faults_flown import FinCase, fin_cases
 from cube_sim.commands.stuck_flight import ReadModel
 from cube_sim.commands.stuck_report import FaultCase, fault_cases
-from cube_sim.control.authority import Capability
+from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.critical_speed import CriticalSpeed, critical_speed
 from cube_sim.control.foreseen import Foreseen
 from cube_sim.control.loop_times import USUAL_PERIOD_S, mean_delay
@@ -59,7 +59,8 @@ class Report:
         vehicle: the hull that was analysed.
         analysis: of the thrusters that are left.
         turning: how tightly it turns, where it follows a path; None where it follows none.
-        critical: up to which speed it keeps margins, likewise; None in the plane, too, where other laws fly it.
+        critical: up to which speed it keeps margins, even where it is flown off its course; None where nothing flies
+            it, and in the plane, where other laws do.
         stuck: every single thruster dead and stuck; None where that was not asked for.
         stuck_fins: every single fin loose and jammed; None where that was not asked for.
         remarks: on the vehicle left to itself.
@@ -157,11 +158,13 @@ def report_on(
         analysis = replace(analysis, verdict=_with_hint(analysis.verdict))
     turning, critical = None, None
     left = _left(analysis, vehicle, fins, requirements.speed_m_s, cost_limit) if analysis.verdict.follows else None
-    analysis = replace(analysis, verdict=as_flown(analysis.verdict, left, body, requirements.speed_m_s))
+    as_it_is = model if hull is None and not settings and cost_limit is None and fins is None else None
+    flown = as_flown(analysis.verdict, left, vehicle, requirements.speed_m_s, as_it_is, gone)
+    analysis = replace(analysis, verdict=flown)
     if analysis.verdict.follows:
         turning = _turning(analysis, vehicle.dynamics, names, limits, requirements.speed_m_s, left)
-        delay = mean_delay(vehicle.lag_s, USUAL_PERIOD_S)
-        critical = None if left is None else critical_speed(left, body, delay)
+    if left is not None and left.authority is not Authority.SAFE:  # of one that leaves its course, too: it says why
+        critical = critical_speed(left, body, mean_delay(vehicle.lag_s, USUAL_PERIOD_S))
     most = MOST_LOSSES if picture is not None else losses
     table = (
         survivability(
@@ -179,7 +182,7 @@ def report_on(
         else None
     )
     if table is not None and not planar:
-        table = table_as_flown(table, vehicle, fins, requirements.speed_m_s, cost_limit)
+        table = table_as_flown(table, vehicle, fins, requirements.speed_m_s, cost_limit, as_it_is)
     if picture is not None and table is not None:
         save_picture(picture, A, limits, table, names=names, title=title)
     cases, of_fins = None, None

@@ -68,8 +68,8 @@ def print_report(report: Report) -> None:
     line(f"path following: {'yes' if a.verdict.follows else 'no'} ({a.verdict.outcome.value}). {a.verdict.reason}")
     if a.verdict.follows:
         line(f"turning: {_turning(report)}")
-        if report.critical is not None:
-            line(f"margins: {_margins(report.critical)}")
+    if report.critical is not None:
+        line(f"margins: {_margins(report.critical)}")
 
 
 def _propellers(report: Report) -> Iterator[str]:

@@ -8,18 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 from cube_sim.actuation import Survivability
 from cube_sim.actuation.path_following.verdict import Outcome, Verdict
 from cube_sim.actuation.survivability import LossCase
+from cube_sim.commands.flown_course import is_doubtful, leaves_course
 from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.badly_pointed import badly_pointed
 from cube_sim.control.judged_capability import capability, remaining_capability
 from cube_sim.control.yielding import WaterHold
 from cube_sim.mission.ability import with_fins
 from cube_sim.spatial import Matrix
-from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.fins import FinsAtSpeed
 from cube_sim.vehicle.vehicle import Vehicle
 from cube_sim.wrench.health import Health
@@ -74,27 +75,44 @@ def fails_without_fins(vehicle: Vehicle, lost: Sequence[str], speed_m_s: float, 
     return left_without(vehicle, None, thrusters, speed_m_s, cost_limit).authority is Authority.SAFE
 
 
-def as_flown(verdict: Verdict, left: Capability | None, hull: Dynamics, speed_m_s: float) -> Verdict:
-    """The same verdict, or a no with the reason that the run gives.
+def as_flown(
+    verdict: Verdict,
+    left: Capability | None,
+    vehicle: Vehicle,
+    speed_m_s: float,
+    model: Path | None = None,
+    lost: Sequence[str] = (),
+) -> Verdict:
+    """The same verdict, or a no with the reason that the run gives, or the flight of a level line.
 
     Args:
         verdict: of the analysis.
         left: what the run judges to be left; None where it was not asked.
-        hull: the body.
+        vehicle: the hull.
         speed_m_s: at which path following is judged.
+        model: its file; None where it cannot be flown.
+        lost: names of its dead thrusters.
     """
     if left is None or not verdict.follows:
         return verdict
     if left.authority is Authority.SAFE:
         return replace(verdict, outcome=Outcome.ADRIFT, reason=left.reason)
-    badly = badly_pointed(left, hull, speed_m_s)
-    return verdict if badly is None else replace(verdict, outcome=Outcome.WEAK, reason=f"{verdict.reason}; {badly}")
+    doubts = badly_pointed(left, vehicle.dynamics, speed_m_s) or ""
+    if model is not None and left.authority in POINTED and (doubts or is_doubtful(left, vehicle, speed_m_s)):
+        leaves = leaves_course(model, lost, speed_m_s)
+        doubts = "" if leaves is None else "; ".join(filter(None, (doubts, leaves)))
+    return replace(verdict, outcome=Outcome.WEAK, reason=f"{verdict.reason}; {doubts}") if doubts else verdict
 
 
 def table_as_flown(
-    table: Survivability, vehicle: Vehicle, fins: FinsAtSpeed | None, speed_m_s: float, cost_limit: float | None
+    table: Survivability,
+    vehicle: Vehicle,
+    fins: FinsAtSpeed | None,
+    speed_m_s: float,
+    cost_limit: float | None,
+    model: Path | None = None,
 ) -> Survivability:
-    """The same for every case of a table in space; arguments as for `left_without`."""
+    """The same for every case of a table in space; arguments as for `left_without` and `as_flown`."""
     whole = _Whole.of(vehicle, fins, speed_m_s)
 
     def case_as_flown(case: LossCase) -> LossCase:
@@ -105,6 +123,6 @@ def table_as_flown(
         if capability(A, cost_limit=cost_limit, whole=whole.A, hold=whole.hold).authority not in POINTED:
             return case
         left = whole.left(lost, cost_limit)
-        return replace(case, verdict=as_flown(case.verdict, left, vehicle.dynamics, speed_m_s))
+        return replace(case, verdict=as_flown(case.verdict, left, vehicle, speed_m_s, model, lost))
 
     return replace(table, cases=tuple(case_as_flown(case) for case in table.cases))

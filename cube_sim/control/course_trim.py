@@ -9,7 +9,7 @@ they are looked for from all attitudes, in the axes of the course.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import NamedTuple
 
@@ -39,6 +39,10 @@ SLOWER = 2.0
 CAUGHT = 0.8
 """By how much a slip that grows by itself may grow in the time of the velocity loop, as a logarithm (a choice): below 1
 that loop catches it, see `qualities`."""
+BEGINS_AT, BEGINS_IN = 0.125, 12
+"""Share of its speed from which a hull has to come to a trim as it speeds up, and in how many steps it is followed."""
+GOES_ALONG_RAD = 0.5
+"""How far its trim may turn meanwhile (a choice)."""
 JUDGED_RAD = 1.2
 """A trim that is farther than this from the wish says little about where the search for balance will end (a choice)."""
 FREE_RAD_S = 1e-3
@@ -135,6 +139,25 @@ class CourseTrims:
         """Whether the loop that points the thrust is faster than the motion of a trim (3,3) with the place held."""
         return self.time > 0.0 and self.slowest_rad_s(R) * self.time < 1.0
 
+    def is_sure(self, wish: Matrix) -> bool:
+        """Whether the trim next to a wish (3,3) is near, good, not hastened, and come to from rest."""
+        R, _, far = self.next_to(wish)
+        return not far and bool(self.good(R)[0]) and not self.hastened(R[0]) and self.begins(R[0])
+
+    def begins(self, R: Matrix) -> bool:
+        """Whether a trim (3,3) is come to from slow motion, the hull turning little as it speeds up.
+
+        One that the Munk moment balances against a torque that comes with a force is not there at rest.
+        """
+        at = R
+        for share in np.geomspace(1.0, BEGINS_AT, BEGINS_IN + 1)[1:]:
+            slower = replace(self.attitudes, velocity=share * self.attitudes.velocity)
+            trimmed, found = slower.trimmed(at[None])
+            if not found[0] or _apart(trimmed[0], R) > GOES_ALONG_RAD:
+                return False
+            at = trimmed[0]
+        return True
+
     def slowest_rad_s(self, R: Matrix) -> float:
         """The slowest motion of the attitude about a trim (3,3) while the hull's place is held [rad/s], or infinity.
 
@@ -219,7 +242,12 @@ class CourseTrims:
 
 def _near(R: Matrix, other: Matrix) -> bool:
     """Whether attitudes (3,3) differ by less than `JUDGED_RAD`."""
-    return bool(np.trace(R.T @ other) >= 1.0 + 2.0 * np.cos(JUDGED_RAD))
+    return _apart(R, other) <= JUDGED_RAD
+
+
+def _apart(R: Matrix, other: Matrix) -> float:
+    """The angle between attitudes (3,3) [rad]."""
+    return float(np.arccos(np.clip((np.trace(R.T @ other) - 1.0) / 2.0, -1.0, 1.0)))
 
 
 class LevelMotion(NamedTuple):
