@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection
 from difflib import get_close_matches
 
-FEW = 6
+FEW = 8
 NEAREST = 3
+
+
+def counted(number: int, noun: str) -> str:
+    """``1 value``, ``2 values``."""
+    return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def among(name: str, known: Collection[str]) -> str:

@@ -154,7 +154,7 @@ def poisoned(value):
         (poisoned(np.inf), {}, "a.b is not finite at 10 s"),
         (poisoned(-np.inf), {"statistic": "final"}, "a.b is not finite at 10 s"),
         ({"a.b": series(1e200)}, {"statistic": "rms"}, "the value is not finite"),
-        ({"a.b": series(1.0)}, {"component": 1}, "a.b has 1 columns, no component 1"),
+        ({"a.b": series(1.0)}, {"component": 1}, "a.b has 1 column, no component 1"),
         ({"a.b": series(1.0)}, {"from_s": 30.0}, "window 30 s to the end is outside the run, 0 s to 20 s"),
         ({"a.b": series(1.0)}, {"to_s": 30.0}, "window 0 s to 30 s is outside the run, 0 s to 20 s"),
         ({"a.b": series(1.0)}, {"from_s": 5.001, "to_s": 5.002}, "window 5.001 s to 5.002 s holds 0 samples, needs 2"),

@@ -17,12 +17,14 @@ from scipy.stats import qmc
 
 from cube_sim.campaign.drawing import drawn, one_or_list
 from cube_sim.campaign.lost_combinations import combination, combination_count, event_of
+from cube_sim.campaign.possible_setpoints import SetpointPath, never_followed, setpoint_path
 from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.mission.hull import CompiledHull, flown_hull
 from cube_sim.mission.own.code import OwnCode, own_code, refused, require_taken
 from cube_sim.mission.parameter_values import factors_on, parameter_values
+from cube_sim.nearest import among
 from cube_sim.scenario import Loaded
-from cube_sim.scenario.distribution_blocks import AnyDistribution, GridBlock, SobolBlock
+from cube_sim.scenario.distribution_blocks import AnyDistribution, ChoiceBlock, GridBlock, SobolBlock
 from cube_sim.scenario.fleet import FleetScenario
 from cube_sim.scenario.fleet_loading import AnyLoaded, LoadedFleet, any_again
 from cube_sim.scenario.overrides import apply
@@ -129,7 +131,7 @@ class SamplePlan:
         names = self._hull("").vehicle.thrusters.names
         for index, name in enumerate(lost.thrusters or ()):
             if name not in names:
-                text = f"no thruster '{name}'; the model has {', '.join(names)}"
+                text = f"no thruster '{name}'; the model has {among(name, names)}"
                 raise ScenarioError([self._loaded.mistake(f"samples.lost_thrusters.thrusters.{index}", text)])
         possible = lost.thrusters or names
         if max(lost.losses) > len(possible):
@@ -178,7 +180,7 @@ class SamplePlan:
             raise ScenarioError([f"{line} (sample {sample.index})" for line in error.mistakes]) from None
 
     def require_possible(self) -> None:
-        """Refuse what only the vehicle can tell: names of thrusters, parameters of the model at their ends.
+        """Refuse what only the vehicle can tell: names of thrusters, parameters of the model at their ends, set-points.
 
         Raises:
             ScenarioError: with positions.
@@ -188,6 +190,8 @@ class SamplePlan:
         for path, distribution in self._block.vary.items():
             if (parameter := parameter_at(path)) is not None:
                 mistakes += self._refused_parameter(path, parameter, distribution)
+            elif (at := setpoint_path(path)) is not None:
+                mistakes += self._refused_setpoint(path, at, distribution)
         if mistakes:
             raise ScenarioError(mistakes)
 
@@ -205,6 +209,13 @@ class SamplePlan:
             except ScenarioError as error:
                 return error.mistakes
         return []
+
+    def _refused_setpoint(self, path: str, at: SetpointPath, distribution: AnyDistribution) -> list[str]:
+        values = [self._overrides_of(path, distribution, end)[path] for end in distribution.ends]
+        listed = isinstance(distribution, ChoiceBlock) or (isinstance(distribution, GridBlock) and distribution.values)
+        scenario, hull = self._of(at.vehicle).scenario, self._hull(at.vehicle)
+        said = never_followed(scenario, hull, at.key, values, between=not listed)
+        return [self._loaded.mistake(("samples", "vary", path), said)] if said else []
 
     def _of(self, vehicle: str) -> Loaded:
         """The scenario of a vehicle; "" for the one that there is, or for all of them."""

@@ -13,6 +13,7 @@ from cube_sim.checks.judging import Largest, judged
 from cube_sim.checks.measured import Measured, clock_of, require_in_run, series_of
 from cube_sim.checks.reasons import NotJudgedError, Reasons
 from cube_sim.checks.samples import Array, Samples, Signals, note_not_finite
+from cube_sim.nearest import counted
 from cube_sim.scenario.check_blocks import BaselineCheckBlock
 from cube_sim.scenario.statistic_keys import AsksStatistic
 from cube_sim.scenario.windows import window_of
@@ -99,7 +100,7 @@ class SignalOfBoth:
             self._reasons.note("width", text)
             return
         if component is not None and component + 1 >= ours.shape[1]:
-            self._reasons.note("width", f"{name} has {ours.shape[1] - 1} columns, no component {component}")
+            self._reasons.note("width", f"{name} has {counted(ours.shape[1] - 1, 'column')}, no component {component}")
             return
         apart = np.flatnonzero(~(np.abs(ours[:, 0] - theirs[:, 0]) <= SAME_INSTANT_S))
         if len(apart):

@@ -13,6 +13,7 @@ from cube_sim.checks.judging import Largest, judged
 from cube_sim.checks.measured import clock_of, require_in_run, series_of
 from cube_sim.checks.reasons import NotJudgedError, Reasons
 from cube_sim.checks.samples import Array, Samples, Signals, taken_away
+from cube_sim.nearest import counted
 from cube_sim.scenario.check_blocks import AlwaysCheckBlock, ComparisonBlock, EventuallyCheckBlock
 from cube_sim.scenario.check_windows import condition_window
 from cube_sim.verdict import CheckResult
@@ -106,7 +107,7 @@ class ConditionHolds:
             else:
                 samples.require(recorded)
             if each.asked.component is not None and each.asked.component >= samples.width:
-                text = f"{samples.name} has {samples.width} columns, no component {each.asked.component}"
+                text = f"{samples.name} has {counted(samples.width, 'column')}, no component {each.asked.component}"
                 raise NotJudgedError(text)
         if self._on_change and self._clock.name in recorded:
             self._clock.require_every_tick(recorded, duration_s)

@@ -12,6 +12,7 @@ from cube_sim.checks.judged_window import JudgedWindow
 from cube_sim.checks.reasons import NotJudgedError, Reasons
 from cube_sim.checks.samples import Array, Samples, Signals, note_not_finite, taken_away
 from cube_sim.checks.statistics import MeasuredValue, accumulator
+from cube_sim.nearest import counted
 from cube_sim.scenario.statistic_keys import AsksStatistic, Combining
 from cube_sim.scenario.windows import TimeWindow
 
@@ -110,7 +111,7 @@ class Measured:
         self._reasons.require_none(self._asked.signal)
         component, width = self._asked.component, self._samples.width
         if component is not None and component >= width:
-            raise NotJudgedError(f"{self._asked.signal} has {width} columns, no component {component}")
+            raise NotJudgedError(f"{self._asked.signal} has {counted(width, 'column')}, no component {component}")
         if self._asked.statistic == "settling" and window.start_s is not None:
             start = window.start_s
         with np.errstate(over="ignore", invalid="ignore"):

@@ -21,6 +21,7 @@ from cube_sim.actuation.path_following.verdict import Verdict
 from cube_sim.actuation.survivability import LossCase
 from cube_sim.commands.as_flown import as_flown, fails_without_fins, left_without, table_as_flown
 from cube_sim.commands.fin_faults_flown import FinCase, fin_cases
+from cube_sim.commands.lift_of_fins import lift_words
 from cube_sim.commands.stuck_flight import ReadModel
 from cube_sim.commands.stuck_report import FaultCase, fault_cases
 from cube_sim.control.authority import Authority, Capability
@@ -193,6 +194,8 @@ def report_on(
     noted = (*kept_words(loaded), *unlikely_words(loaded, vehicle.name), *remarks(loaded, vehicle))
     if fins is not None and not planar and fails_without_fins(vehicle, gone, requirements.speed_m_s, cost_limit):
         noted = (*noted, STEERED_AT_SPEED_ONLY)
+    if fins is not None and not planar:
+        noted = (*noted, *lift_words(vehicle, fins, requirements.speed_m_s))
     speed = requirements.speed_m_s
     return Report(model, title, vehicle, analysis, turning, critical, table, speed, cases, fins, noted, of_fins)
 
@@ -211,7 +214,12 @@ def _loaded(model: Path, settings: Sequence[str]) -> mujoco.MjModel:
     others = set_sites(spec, [read_setting(text, parse_value) for text in settings])
     relative = {each.key for each in others if each.how != "="}
     known = {key: parameter_values(key, {}, as_it_is) for key in relative}
-    return load_unsaid(spec, parameters_of(others, known))
+    try:
+        return load_unsaid(spec, parameters_of(others, known))
+    except ModelError as error:  # a spec knows the name in its file, and nobody calls a model by that
+        if error.element in {each.key for each in others}:
+            raise ModelError(error.element, error.reason, str(model)) from None
+        raise at_its_place(ModelError(error.element, error.reason), model) from None
 
 
 def _turning(

@@ -10,7 +10,7 @@ from cube_sim.commands.output import console_for_tables
 
 
 def print_beside(before: Report, after: Report, settings: list[str]) -> None:
-    """Print both, what differs marked, above the analysis of the second."""
+    """Print both, what differs marked, and the remarks that only one has, above the analysis of the second."""
     console = console_for_tables()
     console.print(f"{before.title} as it is, and with {', '.join(settings)}", markup=False, highlight=False)
     table = Table(box=None, pad_edge=False, header_style="dim")
@@ -23,6 +23,10 @@ def print_beside(before: Report, after: Report, settings: list[str]) -> None:
         verdict = report.analysis.verdict
         text = f"{name}: path following {'yes' if verdict.follows else 'no'}. {verdict.reason}"
         console.print(text, markup=False, highlight=False, soft_wrap=True)
+    for name, report, other in (("as it is", before, after), ("then", after, before)):
+        for remark in report.remarks:
+            if remark not in other.remarks:
+                console.print(f"{name}: {remark}", markup=False, highlight=False, soft_wrap=True)
     console.print()
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import FlightError, ModelError
 from cube_sim.mission.parameter_values import factors_on, parameter_values
+from cube_sim.nearest import among
 from cube_sim.scenario import Scenario
 from cube_sim.vehicle.mjcf.elements import LAG, is_of_element, lags_of, require_possible
 from cube_sim.vehicle.vehicle import Vehicle
@@ -197,7 +198,7 @@ def _mapping(name: str, given: Any, known: tuple[str, ...] | None = None) -> Map
     if not isinstance(given, Mapping):
         raise FlightError(f"{where}: takes a mapping, not {given!r:.60}")
     if known is not None and (unknown := [key for key in given if key not in known]):
-        raise FlightError(f"{where}: no '{unknown[0]}'; there are {', '.join(known)}")
+        raise FlightError(f"{where}: no '{unknown[0]}'; there are {among(str(unknown[0]), known)}")
     return given
 
 

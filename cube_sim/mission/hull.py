@@ -13,6 +13,7 @@ from cube_sim.errors import ModelError, ScenarioError
 from cube_sim.mission.disturbance import force_events, set_pushes
 from cube_sim.mission.setpoints import commanded, require_possible_setpoints, setpoints_of
 from cube_sim.mission.water import water_schedule
+from cube_sim.nearest import among
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.spatial import quaternion_from_euler, rotation_from_quaternion
 from cube_sim.vehicle.compiled_once import CompiledOnce, room
@@ -179,7 +180,7 @@ def _chosen_hull(loaded: Loaded, model: mujoco.MjModel, key: str) -> Vehicle:
         text = f"the model has several hulls: {', '.join(hulls)}; say which one flies, for example vehicle: {hulls[0]}"
         raise ScenarioError([loaded.mistake(key, text)])
     if name is not None and name not in hulls:
-        raise ScenarioError([loaded.mistake("vehicle", f"no hull '{name}'; the model has {', '.join(hulls)}")])
+        raise ScenarioError([loaded.mistake("vehicle", f"no hull '{name}'; the model has {among(name, hulls)}")])
     return Vehicle.from_model(model, name)
 
 

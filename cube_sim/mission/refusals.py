@@ -12,6 +12,7 @@ from cube_sim.guidance.path import Path
 from cube_sim.mission.channels import why_unknown
 from cube_sim.mission.sensor_faults import impossible_faults
 from cube_sim.mission.stopping import impossible_stops
+from cube_sim.nearest import among, counted
 from cube_sim.recording.channels import ON_CHANGE, SUPPLY, Channel, units_of
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.check_blocks import BaselineCheckBlock
@@ -129,7 +130,7 @@ def require_a_value_per_thruster(loaded: Loaded, vehicle: Vehicle) -> None:
     }
     for key, values in lists.items():
         if values is not None and len(values) != len(names):
-            text = f"{len(values)} numbers for {len(names)} thrusters; the model has {', '.join(names)}"
+            text = f"{counted(len(values), 'number')} for {len(names)} thrusters; the model has {', '.join(names)}"
             mistakes.append(loaded.mistake(key, text))
     if mistakes:
         raise ScenarioError(mistakes)
@@ -186,7 +187,7 @@ def require_possible_events(loaded: Loaded, vehicle: Vehicle) -> None:
             continue
         for j, name in enumerate(event.thrusters):
             if name not in thrusters.names:
-                text = f"no thruster '{name}'; the model has {', '.join(thrusters.names)}"
+                text = f"no thruster '{name}'; the model has {among(name, thrusters.names)}"
                 if vehicle.fins is not None and name in vehicle.fins.names:
                     text += f"; '{name}' turns a fin, which fails by an event of kind: fins"
                 mistakes.append(loaded.mistake(f"events.{i}.thrusters.{j}", text))
@@ -204,7 +205,7 @@ def _impossible_fins(i: int, event: FinEventBlock, vehicle: Vehicle) -> Iterator
     fins = vehicle.fins
     for j, name in enumerate(event.fins):
         if fins is None or name not in fins.names:
-            there = "no fin that a servo turns" if fins is None else ", ".join(fins.names)
+            there = "no fin that a servo turns" if fins is None else among(name, fins.names)
             text = f"no fin '{name}'; the model has {there}"
             if name in vehicle.thrusters.names:
                 text += f"; '{name}' is a thruster, which fails by an event of kind: thrusters"

@@ -7,6 +7,7 @@ from math import ceil, cos, radians
 from typing import Any
 
 from cube_sim.navigation.faults import HEALTHY, SensorFaults, outlier_below
+from cube_sim.nearest import counted
 from cube_sim.scenario import Scenario
 from cube_sim.scenario.navigation_blocks import NavigationBlock
 from cube_sim.scenario.sensor_event_block import SensorEventBlock
@@ -111,7 +112,7 @@ def impossible_faults(scenario: Scenario) -> Iterator[tuple[str, str]]:
             yield f"{at}.state", f"{text}; it can be {', '.join(_OF_THE_IMU)}"
         numbers = _numbers(event.sensor, navigation)
         if event.offset is not None and len(event.offset) != numbers:
-            yield f"{at}.offset", f"{len(event.offset)} numbers for readings of {numbers}"
+            yield f"{at}.offset", f"{counted(len(event.offset), 'number')} for readings of {numbers}"
 
 
 def _numbers(sensor: str, navigation: NavigationBlock) -> int:

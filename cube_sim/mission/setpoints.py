@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ScenarioError
 from cube_sim.native.compiled import compiled
+from cube_sim.nearest import among
 from cube_sim.scenario import Loaded, Scenario
 from cube_sim.scenario.event_blocks import SetpointEventBlock
 from cube_sim.scenario.setpoint_block import SetpointsBlock
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.laws.setpoint import TIME, VALUE, setpoint_at
-from cube_sim.vehicle.other_actuators import OtherActuator, allowed_commands, other_actuators, stand_at
+from cube_sim.vehicle.other_actuators import OtherActuator, allowed_commands, driven_joint, other_actuators, stand_at
 from cube_sim.vehicle.vehicle import Vehicle
 
 Point = tuple[float, float]
@@ -153,7 +154,7 @@ def require_possible_setpoints(loaded: Loaded, model: mujoco.MjModel, vehicle: V
         of_event = key == "value"
         if name not in there:
             where = f"{place}.actuator" if of_event else ("setpoints", name)
-            mistakes.append(loaded.mistake(where, _no_such(vehicle, name, there)))
+            mistakes.append(loaded.mistake(where, _no_such(model, vehicle, name, there)))
             continue
         low, high = allowed_commands(model, there[name].index)
         for i, value in enumerate(values):
@@ -163,20 +164,43 @@ def require_possible_setpoints(loaded: Loaded, model: mujoco.MjModel, vehicle: V
                 where = f"{place}.{key}" if of_event else ("setpoints", name, key, i)
                 mistakes.append(loaded.mistake(where, text))
                 break
+    mistakes += [loaded.mistake(*each) for each in _told_twice(scenario)]
     if mistakes:
         raise ScenarioError(mistakes)
 
 
-def _no_such(vehicle: Vehicle, name: str, there: dict[str, OtherActuator]) -> str:
+def _told_twice(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """Events that tell one actuator two things at one time: where each stands, and what is wrong with it."""
+    first: dict[tuple[str, float], int] = {}
+    for i, event in enumerate(scenario.events):
+        if isinstance(event, SetpointEventBlock):
+            other = first.setdefault((event.actuator, event.at_s), i)
+            if other != i:
+                yield (
+                    f"events.{i}.at_s",
+                    f"'{event.actuator}' is told another value at {event.at_s:g} s, by event {other}",
+                )
+
+
+def _no_such(model: mujoco.MjModel, vehicle: Vehicle, name: str, there: dict[str, OtherActuator]) -> str:
     if name in vehicle.thrusters.names:
-        return f"'{name}' is a thruster, which the allocation commands; {_others(there)}"
+        return f"'{name}' is a thruster, which the allocation commands; {_others(there, name)}"
     if vehicle.fins is not None and name in vehicle.fins.names:
-        return f"'{name}' turns a fin, which the allocation commands; {_others(there)}"
-    return f"no actuator '{name}' that takes set-points; {_others(there)}"
+        return f"'{name}' turns a fin, which the allocation commands; {_others(there, name)}"
+    joint = f"{vehicle.thrusters.prefix}{name}"
+    drivers = [each.name for each in there.values() if _drives(model, each.index, joint)]
+    if drivers:
+        return f"no actuator '{name}' that takes set-points; the joint '{name}' is moved by {' and '.join(drivers)}"
+    return f"no actuator '{name}' that takes set-points; {_others(there, name)}"
 
 
-def _others(there: dict[str, OtherActuator]) -> str:
-    return f"the model has {', '.join(there)}" if there else "the model has none but thrusters and servos of fins"
+def _drives(model: mujoco.MjModel, actuator: int, joint: str) -> bool:
+    index = driven_joint(model, actuator)
+    return index >= 0 and model.joint(index).name == joint
+
+
+def _others(there: dict[str, OtherActuator], name: str) -> str:
+    return f"the model has {among(name, there)}" if there else "the model has none but thrusters and servos of fins"
 
 
 def _table(scenario: Scenario, name: str) -> Matrix:

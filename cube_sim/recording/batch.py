@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import UnknownSignalError
+from cube_sim.nearest import among
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.run_end import RunEnd
 from cube_sim.run_log import LogLine
@@ -144,7 +145,7 @@ class SignalsOf(Mapping[str, Rows]):
 
 def _unknown(name: str, known: Collection[str]) -> UnknownSignalError:
     near = get_close_matches(str(name), known, 1)
-    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known) or 'none'}"
+    hint = f"did you mean {near[0]}?" if near else f"there are {among(str(name), known)}"
     return UnknownSignalError(f"no signal {name!r}; {hint}")
 
 

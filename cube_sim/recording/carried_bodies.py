@@ -8,7 +8,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from cube_sim.recording.geometry import rotation, vehicle_body
+from cube_sim.recording.geometry import (
+    body_shapes,
+    rotation,
+    shapes_reach,
+    thruster_mounts,
+    vehicle_body,
+    vehicle_reach,
+)
 from cube_sim.spatial import product_components
 from cube_sim.vehicle.carried_joints import joint_numbers
 
@@ -87,6 +94,37 @@ def carried_bodies(model: mujoco.MjModel, vehicle: str | None = None) -> tuple[C
         columns[joint] = slice(end, end + width)
         end += width
     return tuple(_body(model, body, columns) for body in dict.fromkeys(int(model.jnt_bodyid[j]) for j in columns))
+
+
+def whole_reach(model: mujoco.MjModel, vehicle: str | None = None) -> float:
+    """How far a vehicle as it is drawn reaches from its origin, with all that moves on it, however that stands [m].
+
+    Thrusters are as large as they are drawn. A bound: as if every hinge could turn what it carries straight away from
+    the hull, and every slide were at its end.
+    """
+    reaches = {each.body: shapes_reach(body_shapes(model, each.body)) for each in carried_bodies(model, vehicle)}
+    mounts = thruster_mounts(model, vehicle)
+    drawn = np.linalg.norm(mounts.positions, axis=1) + np.linalg.norm(mounts.sizes, axis=1)
+    farthest = max(vehicle_reach(model, vehicle), float(drawn.max(initial=0.0)))
+    for each in reversed(carried_bodies(model, vehicle)):
+        reach = reaches[each.body] + _farthest_origin(model, each)
+        if each.parent in reaches:
+            reaches[each.parent] = max(reaches[each.parent], reach)
+        else:
+            farthest = max(farthest, reach)
+    return farthest
+
+
+def _farthest_origin(model: mujoco.MjModel, carried: CarriedBody) -> float:
+    """How far the origin of a body may come from that of what carries it [m]."""
+    farthest = float(np.linalg.norm(carried.position))
+    first = int(model.body_jntadr[carried.body])
+    for index, joint in enumerate(carried.joints, first):
+        if joint.kind == mujoco.mjtJoint.mjJNT_SLIDE:
+            farthest += float(np.abs(model.jnt_range[index] - joint.reference).max()) * bool(model.jnt_limited[index])
+        else:
+            farthest += 2.0 * float(np.linalg.norm(joint.anchor))
+    return farthest
 
 
 def positions_at_rest(model: mujoco.MjModel, vehicle: str | None = None) -> Rows:

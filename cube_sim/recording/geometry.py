@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -89,13 +90,18 @@ def _site_pose(model: mujoco.MjModel, site: int, hull: int) -> tuple[NDArray[np.
 
 
 def vehicle_reach(model: mujoco.MjModel, vehicle: str | None = None) -> float:
-    """How far the vehicle reaches from its body's origin, its shapes and its thrusters [m]."""
-    found = [float(np.linalg.norm(p)) for p in thruster_mounts(model, vehicle).positions]
-    signs = np.array(list(product((-1.0, 1.0), repeat=3)))
-    for shape in vehicle_shapes(model, vehicle):
+    """How far the vehicle reaches from its origin, its shapes and its thrusters, but for what moves on it [m]."""
+    far = np.linalg.norm(thruster_mounts(model, vehicle).positions, axis=1)
+    return max(shapes_reach(vehicle_shapes(model, vehicle)), float(far.max(initial=0.0)))
+
+
+def shapes_reach(shapes: Sequence[Shape]) -> float:
+    """How far shapes reach from the origin of the frame they are given in [m]; 0 for none."""
+    signs, farthest = np.array(list(product((-1.0, 1.0), repeat=3))), 0.0
+    for shape in shapes:
         corners = shape.position + (shape.box[0] + signs * shape.box[1]) @ shape.rotation.T
-        found.append(float(np.linalg.norm(corners, axis=1).max()))
-    return max(found, default=0.0)
+        farthest = max(farthest, float(np.linalg.norm(corners, axis=1).max()))
+    return farthest
 
 
 def rotation(quaternion_wxyz: NDArray[np.float64]) -> NDArray[np.float64]:

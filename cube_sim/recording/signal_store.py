@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cube_sim.errors import RecordingError
+from cube_sim.nearest import among
 from cube_sim.recording.batch import Batch, BySignal, Rows, Sink, batch_number, signals, ticks_left_of_second
 from cube_sim.recording.buffer import ChannelBuffer
 from cube_sim.recording.channels import Channel
@@ -168,7 +169,7 @@ class SignalStore:
         try:
             return self._buffers[channel]
         except KeyError:
-            raise RecordingError(f"no channel {channel!r}; there are {', '.join(self._buffers)}") from None
+            raise RecordingError(f"no channel {channel!r}; there are {among(channel, self._buffers)}") from None
 
     def _advance(self, t: float) -> None:
         # Written this way round, a NaN is refused too.

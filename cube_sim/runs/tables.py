@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cube_sim.errors import RecordingError
+from cube_sim.nearest import among
 from cube_sim.recording.batch import Rows
 from cube_sim.recording.channels import Channel
 from cube_sim.runs.recorded_run import RecordedRun
@@ -80,7 +81,7 @@ def table_of(run: RecordedRun, channel: str) -> Table:
     known = {each.name: each for each in run.recording.channels}
     if channel not in known:
         near = get_close_matches(channel, known, 1)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+        hint = f"did you mean {near[0]}?" if near else f"there are {among(channel, known)}"
         raise RecordingError(f"{run.path}: no channel {channel!r}; {hint}")
     rows = run.recording.rows.get(channel, np.empty((0, 1 + known[channel].width)))
     return _table(run, known[channel], rows)

@@ -134,6 +134,9 @@ def _describe(value: Any) -> str:
 
 
 def _nearest(word: str, known: Sequence[str]) -> str | None:
+    parts = [name for name in known if word.lower() in name.lower().split("_")]
+    if len(parts) == 1:  # `path` is along_path, though more of its letters are those of `python`
+        return parts[0]
     return next(iter(difflib.get_close_matches(word, known, n=1, cutoff=0.6)), None)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from cube_sim.errors import ScenarioError
+from cube_sim.nearest import among
 from cube_sim.scenario.document import Document, Location
 from cube_sim.scenario.explain import Refusal, explain
 from cube_sim.scenario.fleet import VEHICLES, FleetScenario, Share, WorldBlock, names_several, shares, together_data
@@ -193,7 +194,7 @@ def _world(
         return None, None, explain(error, WorldBlock)
     names = [share.name for share in found]
     wrong = [
-        Refusal(("checks", i, "between", j), f"no vehicle '{name}'; there are {', '.join(names)}", at_key=False)
+        Refusal(("checks", i, "between", j), f"no vehicle '{name}'; there are {among(name, names)}", at_key=False)
         for i, check in enumerate(world.checks)
         for j, name in enumerate(getattr(check, "between", ()))
         if name not in names

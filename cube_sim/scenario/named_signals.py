@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
+from cube_sim.nearest import counted
 from cube_sim.scenario.check_blocks import AnyCheck, ConditionCheckBlock
 from cube_sim.scenario.statistic_keys import NamedSignal
 
@@ -44,7 +45,7 @@ def signal_mistakes(
             elif component is not None and component >= widths[signal]:
                 yield f"{where}component", f"{signal} has columns 0 to {widths[signal] - 1}"
             elif widths.get(beside, widths[signal]) != widths[signal]:
-                text = f"{signal} has {widths[signal]} columns and cannot be taken away from {beside}"
+                text = f"{signal} has {counted(widths[signal], 'column')} and cannot be taken away from {beside}"
                 yield f"{where}{key}", f"{text}, which has {widths[beside]}"
 
 

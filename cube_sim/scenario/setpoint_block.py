@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 from pydantic.types import Strict
 
+from cube_sim.nearest import counted
 from cube_sim.scenario.values import Block, Number, refuse
 
 MOST_POINTS = 10_000
@@ -38,5 +39,5 @@ class SetpointsBlock(Block):
             if not before < after:
                 refuse(f"times must increase: {after:g} s comes after {before:g} s", "times_s", i)
         if len(times) != len(values):
-            refuse(f"{len(values)} values for {len(times)} times", "values")
+            refuse(f"{counted(len(values), 'value')} for {counted(len(times), 'time')}", "values")
         return self

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import counted
 from cube_sim.vehicle.compiled_water import water_of
 from cube_sim.vehicle.fin_faults import servo_rows
 from cube_sim.vehicle.laws.push import COLUMNS
@@ -18,7 +19,7 @@ from cube_sim.vehicle.mjcf.ballast import ballast_table
 from cube_sim.vehicle.mjcf.elements import element_values, is_of_element, require_possible, set_compiled_element
 from cube_sim.vehicle.mjcf.fins import fin_rows
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
-from cube_sim.vehicle.mjcf.numeric_names import CURRENT, require_parameter
+from cube_sim.vehicle.mjcf.numeric_names import CURRENT, require_mapping, require_parameter
 from cube_sim.vehicle.mjcf.parameters import WaterParameters
 from cube_sim.vehicle.mjcf.propellers import shaft_lag_s
 from cube_sim.vehicle.mjcf.time_step import require_time_step
@@ -46,7 +47,9 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
 
     Raises:
         ModelError: no such parameter, values that cannot be, or more of them than the model has room for.
+        TypeError: `parameters` are no mapping.
     """
+    require_mapping(parameters)
     numerics = {each.name: each.data.copy() for each in map(model.numeric, range(model.nnumeric - 1))}
     elements: dict[str, NDArray[np.float64]] = {}
     packed = packing.packed_parameters(model)
@@ -63,7 +66,8 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
         elif name not in numerics or numerics[name].size != given.size:
             had = numerics[name].size if name in numerics else "none"
             raise ModelError(
-                name, f"has {given.size} values, the model has room for {had}: give them to load_model, once"
+                name,
+                f"has {counted(given.size, 'value')}, the model has room for {had}: give them to load_model, once",
             )
         else:
             numerics[name] = given

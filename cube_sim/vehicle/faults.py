@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.vehicle.plugin import layout, packing
 
 
@@ -87,5 +88,5 @@ def curve_start(model: mujoco.MjModel, thruster: str) -> int:
     index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, thruster)
     if index < 0 or starts[index] < 0.0:
         names = [model.actuator(i).name for i in range(model.nu) if starts[i] >= 0.0]
-        raise ModelError(thruster, f"is no thruster; the model has {', '.join(names)}")
+        raise ModelError(thruster, f"is no thruster; the model has {among(thruster, names)}")
     return int(starts[index])

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.vehicle.laws import servo_fault as law
 from cube_sim.vehicle.plugin import layout, packing
 
@@ -96,8 +97,8 @@ def _row(model: mujoco.MjModel, fin: str) -> NDArray[np.float64]:
     for row in rows:
         if model.actuator(int(row[law.ACTUATOR])).name == fin:
             return row
-    names = ", ".join(model.actuator(int(row[law.ACTUATOR])).name for row in rows)
-    raise ModelError(fin, f"turns no fin; the model has {names or 'no fin that a servo turns'}")
+    names = [model.actuator(int(row[law.ACTUATOR])).name for row in rows]
+    raise ModelError(fin, f"turns no fin; the model has {among(fin, names) if names else 'no fin that a servo turns'}")
 
 
 def _put(

@@ -13,11 +13,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.vehicle.mjcf.ballast import ballast_table, pump_elements
 from cube_sim.vehicle.mjcf.elements import is_of_element, set_elements
 from cube_sim.vehicle.mjcf.fins import AREA, fin_rows, servo_elements
 from cube_sim.vehicle.mjcf.half_axes import half_axes_of_all
-from cube_sim.vehicle.mjcf.numeric_names import bodies_in_water, force_owner, one_water, require_parameter
+from cube_sim.vehicle.mjcf.numeric_names import (
+    bodies_in_water,
+    force_owner,
+    one_water,
+    require_mapping,
+    require_parameter,
+)
 from cube_sim.vehicle.mjcf.parameters import read_parameters
 from cube_sim.vehicle.mjcf.places import place_in_words, place_of
 from cube_sim.vehicle.mjcf.propellers import fastest_change_s, shaft_lag_s
@@ -60,6 +67,7 @@ def load_model(
 
     Raises:
         ModelError: the file cannot be read or compiled, or its water makes no sense; names the element.
+        TypeError: `parameters` or `forces` are no mapping.
     """
     model = load_unsaid(path, parameters, forces, pushes)
     for text in (*kept_words(model), *unlikely_words(model)):
@@ -84,6 +92,9 @@ def load_unsaid(
         own_actuators: hull -> those that its own force counts, where several files are joined in a spec; all of them
             where nothing is said of it.
     """
+    for given in (parameters, forces):
+        if given is not None:
+            require_mapping(given)
     with collect_warnings() as spoken:
         model = _load(path, dict(parameters or {}), dict(forces or {}), pushes, own_actuators or {})
     for text in spoken:
@@ -183,7 +194,7 @@ def _immerse(
     _require_usable_options(spec)
     for body in forces:
         if body not in hulls:
-            raise ModelError(f"{body}:force", f"no hull '{body}'; the model has {', '.join(hulls)}")
+            raise ModelError(f"{body}:force", f"no hull '{body}'; the model has {among(body, hulls)}")
     kinds = {hull: kind_of(function, f"{hull}:force") for hull, function in forces.items()}
     in_files = range(len(spec.actuators))
     kept = {in_files.stop + k: h for k, h in enumerate(h for h in hulls if h in kinds and kinds[h].states)}

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import counted
 from cube_sim.spatial import Matrix
 
 COLUMNS = ("thruster", "voltage_V", "pulse_us", "force_kgf", "power_W")
@@ -91,7 +92,7 @@ def _require_rising(file: str, what: str, side: Matrix, allowed: float) -> None:
 
 def _row(where: str, row: list[str]) -> tuple[str, float, float, float, float]:
     if len(row) != len(COLUMNS):
-        raise ModelError(where, f"has {len(row)} values; {len(COLUMNS)} are right")
+        raise ModelError(where, f"has {counted(len(row), 'value')}; {len(COLUMNS)} are right")
     try:
         volts, pulse, force = (float(cell or "0") for cell in row[1:4])
         power = float(row[4]) if row[4] else np.nan

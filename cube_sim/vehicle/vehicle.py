@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.spatial import skew
 from cube_sim.vehicle.ballast import Ballast
 from cube_sim.vehicle.carried_water import carried_water, link_records
@@ -116,7 +117,7 @@ class Vehicle:
             raise ModelError("", f"the model has several hulls, name one of {', '.join(names)}")
         chosen = next(iter(names)) if name is None else name
         if chosen not in names:
-            raise ModelError(chosen, f"is no hull; the model has {', '.join(names)}")
+            raise ModelError(chosen, f"is no hull; the model has {among(chosen, names)}")
         require_fixed_thrusters(model, int(names[chosen][layout.BODY]))
         links = link_records(model, packed, int(names[chosen][layout.BODY]))
         warn_of_unread(model, chosen, names[chosen])

@@ -12,6 +12,7 @@ import numpy as np
 
 from cube_sim.errors import ShapeError
 from cube_sim.hull_shape.reading import FRAMES
+from cube_sim.nearest import counted
 from cube_sim.spatial import LARGEST, Vector
 
 COLUMNS = ("name", "x_m", "y_m", "z_m", "axis_x", "axis_y", "axis_z", "type")
@@ -91,7 +92,7 @@ def places_of_file(file: Path, frame: str, types: Sequence[str]) -> list[Thruste
     places = []
     for (number, _), row in zip(numbered[1:], rows[1:], strict=True):
         if len(row) != len(COLUMNS):
-            raise ShapeError(f"{file}:{number}: has {len(row)} values; {len(COLUMNS)} are right")
+            raise ShapeError(f"{file}:{number}: has {counted(len(row), 'value')}; {len(COLUMNS)} are right")
         places.append(_place(f"{file}:{number}", row[0], row[1:4], row[4:7], row[7], frame, types))
     if not places:
         raise ShapeError(f"{file}: has no thruster below its first line")

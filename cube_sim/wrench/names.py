@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cube_sim.errors import WrenchError
+from cube_sim.nearest import among
 
 
 def thruster_names(names: Sequence[str] | None, m: int) -> tuple[str, ...]:
@@ -27,7 +28,7 @@ def left_after(names: tuple[str, ...], lost: Sequence[str]) -> list[int]:
     """
     for name in lost:
         if name not in names:
-            raise WrenchError(f"no thruster {name!r}; there are {', '.join(names)}")
+            raise WrenchError(f"no thruster {name!r}; there are {among(str(name), names)}")
     keep = [i for i, name in enumerate(names) if name not in set(lost)]
     if not keep:
         raise WrenchError(f"no thruster is left: all of {', '.join(names)} are lost")

@@ -45,7 +45,7 @@ def test_parameters_are_set_and_scaled():
 @pytest.mark.parametrize(
     ("setting", "said"),
     [
-        ("site:T9.pos=[0,0,0]", "no site 'T9'; the model has imu, T1"),
+        ("site:T9.pos=[0,0,0]", "no site 'T9'; the model has 9, the nearest T"),
         ("site:T1.size=[1]", "a site has pos and zaxis"),
         ("site:T1.pos+=[0,1]", "has 2 numbers for 3"),
         ("site:T1.pos=[0,1]", "a place has 3"),
@@ -74,3 +74,15 @@ def test_both_are_printed_beside_each_other():
     refused = CliRunner().invoke(app, ["analyze", str(CUBE), "--set", "site:X*.pos+=1"])
     assert refused.exit_code == 2
     assert "no site 'X*'" in refused.stderr
+
+
+def test_an_error_names_the_file_that_was_given_and_remarks_are_beside_each_other(tmp_path):
+    file = tmp_path / "mine.xml"
+    file.write_text(CUBE.read_text().replace('<mujoco model="cube">', '<mujoco model="another">'))
+    refused = CliRunner().invoke(app, ["analyze", str(file), "--set", "hull:mass=-1"])
+    assert refused.exit_code == 2
+    assert f"{file}: hull:mass: " in refused.stderr.replace("\n", "")
+    assert "another" not in refused.stderr
+    told = CliRunner().invoke(app, ["analyze", str(file), "--set", "hull:mass*=1.04"]).stdout
+    assert "as it is: weighs 1226 N, displaces 1226 N of water: neutral" in told
+    assert "then: weighs 1275 N, displaces 1226 N of water: sinks with 49" in told

@@ -91,11 +91,16 @@ def test_the_vehicle_is_read_where_it_stands(tmp_path):
     ("changes", "words"),
     [
         ({"setpoints": {"nobody": {"times_s": [0], "values": [0]}}}, "no actuator 'nobody' that takes set-points"),
+        ({"setpoints": {"slide": {"times_s": [0], "values": [0]}}}, "the joint 'slide' is moved by battery"),
+        (
+            {"events": [{"kind": "setpoint", "at_s": 1, "actuator": "tank", "value": v} for v in (0, 1e-3)]},
+            "scenario.json:64:15: events.1.at_s: 'tank' is told another value at 1 s, by event 0",
+        ),
         ({"setpoints": {"port": {"times_s": [0], "values": [0]}}}, "'port' is a thruster"),
         ({"setpoints": {"tank": {"times_s": [0], "values": [-1e-4]}}}, "tank follows 0 to 0.002 m^3, not -0.0001"),
         ({"setpoints": {"battery": {"times_s": [0], "values": [0.4]}}}, "battery follows -0.3 to 0.3 m, not 0.4"),
         ({"setpoints": {"tank": {"times_s": [1, 0], "values": [0, 0]}}}, "times must increase"),
-        ({"setpoints": {"tank": {"times_s": [0, 1], "values": [0]}}}, "1 values for 2 times"),
+        ({"setpoints": {"tank": {"times_s": [0, 1], "values": [0]}}}, "1 value for 2 times"),
         ({"setpoints": {"tank": {"times_s": [], "values": []}}}, "at least one time"),
         ({"events": [{"kind": "setpoint", "at_s": 1, "actuator": "stern", "value": 0}]}, "'stern' is a thruster"),
         ({"events": [{"kind": "setpoint", "at_s": 1, "actuator": "tank", "value": 3}]}, "tank follows"),

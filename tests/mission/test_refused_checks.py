@@ -64,7 +64,7 @@ def test_a_window_without_its_samples_is_refused(check, said):
         (
             {"kind": "signal",
              "signal": "pose.position", "minus": "path_error.along", "statistic": "rms", "at_most": 1},
-            "minus: path_error.along has 1 columns and cannot be taken away from pose.position, which has 3",
+            "minus: path_error.along has 1 column and cannot be taken away from pose.position, which has 3",
         ),
         (
             {"kind": "always", "all": [{"signal": "velocity.linear", "minus": "sensor_dvl.velocity", "at_most": 1}]},

@@ -219,7 +219,7 @@ def test_a_snapshot_takes_faults_along():
     [
         ("sonar", "lost", {}, "0.sensor: no sensor 'sonar'; there are imu, dvl, depth, heading, position"),
         ("imu", "lost", {}, "0.state: the inertial unit cannot be lost"),
-        ("dvl", "biased", {"offset": [1.0]}, "0.offset: 1 numbers for readings of 3"),
+        ("dvl", "biased", {"offset": [1.0]}, "0.offset: 1 number for readings of 3"),
     ],
 )
 def test_what_these_sensors_cannot_have_is_refused(sensor, state, others, expected):

@@ -14,7 +14,7 @@ from support.hanging import hanging
 from support.water_bodies import values
 
 import cube_sim
-from cube_sim.recording.carried_bodies import carried_bodies, positions_at_rest
+from cube_sim.recording.carried_bodies import carried_bodies, positions_at_rest, whole_reach
 from cube_sim.recording.export import rrd_from_mcap
 from cube_sim.recording.reading import read_recording
 from cube_sim.recording.rerun.carried import CarriedDrawing
@@ -90,6 +90,37 @@ def _transforms(rrd, entity):
     found.sort(key=lambda row: row[0])
     t, p, q = zip(*found, strict=True)
     return np.array(t), np.array(p)[:, 0], Rotation.from_quat(np.array(q)[:, 0])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_joint_brings_anything_out_of_reach(seed):
+    """Slides at their reference: what a slide without a range may do, nobody knows."""
+    rng = np.random.default_rng(seed)
+    model = _random_model(rng)
+    data, hull, farthest = mujoco.MjData(model), model.body("hull").id, 0.0
+    of_hull = model.body_rootid[model.geom_bodyid] == hull
+    for _ in range(200):
+        for joint in np.flatnonzero(model.body_rootid[model.jnt_bodyid] == hull).tolist():
+            at, kind = int(model.jnt_qposadr[joint]), model.jnt_type[joint]
+            if kind == mujoco.mjtJoint.mjJNT_HINGE:
+                data.qpos[at] = rng.uniform(-np.pi, np.pi)
+            elif kind == mujoco.mjtJoint.mjJNT_BALL:
+                data.qpos[at : at + 4] = Rotation.random(random_state=rng).as_quat()
+        mujoco.mj_kinematics(model, data)
+        away = np.linalg.norm(data.geom_xpos[of_hull] - data.xpos[hull], axis=1)
+        farthest = max(farthest, float((away + model.geom_size[of_hull, 0]).max()))
+    assert farthest <= whole_reach(model, "hull")
+
+
+def test_an_arm_that_is_folded_is_in_reach_stretched():
+    text = """<mujoco><compiler angle="radian"/><worldbody><body name="hull"><freejoint/><geom size="0.2"/>
+      <body pos="0.25 0 0"><joint axis="0 1 0"/><geom type="box" size="0.2 0.01 0.01" pos="0.2 0 0"/>
+      <body pos="0.4 0 0" euler="0 3.14159265 0"><joint axis="0 1 0"/>
+      <geom type="box" size="0.14 0.01 0.01" pos="0.14 0 0"/>
+      <body><joint type="slide" axis="1 0 0" limited="true" range="-0.1 0.3"/>
+      <geom type="box" size="0.01 0.01 0.01"/></body></body></body></body></worldbody></mujoco>"""
+    stretched = 0.25 + 0.4 + 0.3 + np.linalg.norm([0.01] * 3)
+    assert whole_reach(mujoco.MjModel.from_xml_string(text)) == pytest.approx(stretched)
 
 
 def test_a_run_and_a_fleet_show_what_hangs_on_the_hull(tmp_path):

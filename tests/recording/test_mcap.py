@@ -380,7 +380,7 @@ def test_a_file_of_another_writer_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("posse", 0.0, np.zeros(3)), "no channel 'posse'; there are actuation, path, pose"),
+        (("posse", 0.0, np.zeros(3)), "no channel 'posse'; there are 13, the nearest pose"),
         (("pose", 0.0, np.zeros(3)), r"'pose' takes position\(3\), quaternion\(4\)"),
         (("pose", 0.0, np.zeros(3), np.zeros(3)), r"shapes \[\(3,\), \(3,\)\]"),
         (("pose", 0.0, 1.0, np.zeros(4)), r"shapes \[\(\), \(4,\)\]"),

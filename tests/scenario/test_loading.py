@@ -142,6 +142,11 @@ checks:
         ("duration_s: 10", "duration_s: 2020-01-01", "4:13: duration_s: must be a number, got date"),
         ("duration_s: 10", "duration_s: !secret 3", "4:13: duration_s: cannot be read: "),
         ("hull.xml", ".", "3:8: model: . is a folder, not an MJCF file"),
+        (
+            "guidance:",
+            "control: {attitude: {mode: path}}\nguidance:",
+            "6:28: control.attitude.mode: unknown mode 'path'; did you mean along_path?",
+        ),
         ("type: line", "type: lien", "5:14: path.type: unknown type 'lien'; did you mean line?"),
         (
             "type: line, ",

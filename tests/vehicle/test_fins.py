@@ -205,7 +205,7 @@ def test_the_slope_follows_from_the_aspect_ratio():
         (RUDDER, {"helm:fin_area": 1.0}, "no site or body 'helm'; the model has rudder, hull"),
         (FOIL, {"rudder:fin_stall": 2.0}, "below pi/2"),
         (FOIL, {"rudder:fin_drag": (0.01, 1.2)}, "0 < e <= 1"),
-        (FOIL, {"rudder:fin_drag": 0.01}, "has 1 values; it takes 2"),
+        (FOIL, {"rudder:fin_drag": 0.01}, "has 1 value; it takes 2"),
         (replace(RUDDER, servo=(0.0, 0.5)), {}, "its lag .s. and its rate .rad/s. are positive"),
         (replace(RUDDER, servo=(0.001, 0.5)), {}, "unstable under RK4 with a time step of 0.005 s; take a step below"),
         (RUDDER, {"hull:velocity_products": (7, 1, 1, 2.0)}, "axis, j and k are 1 to 6"),

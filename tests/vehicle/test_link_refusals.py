@@ -25,7 +25,7 @@ MISTAKES = [
     ("fore:added_mass", [1.0, 2.0], "has 2 values; it takes 6"),
     ("fore:volume", [-0.1], "is -0.1"),
     ("fore:volume", [np.nan], "not finite"),
-    ("fore:centre_of_buoyancy", [0.0], "has 1 values; it takes 3"),
+    ("fore:centre_of_buoyancy", [0.0], "has 1 value; it takes 3"),
     ("fore:linear_damping", [-1.0, 1.0, 1.0, 1.0, 1.0, 1.0], "negative diagonal"),
     ("fore:quadratic_damping", np.eye(6) - 1.9 * np.eye(6, k=3), "feeds energy into motion"),
     ("fore:surface_half_axes", [0.1, 0.1, 0.0], "half-axes [m] are positive"),

@@ -252,12 +252,28 @@ def test_another_value_for_a_compiled_model_is_that_of_a_model_loaded_with_it():
         ({"stern:propeller_speed": (0.0, 25.0)}, "speeds of rotation .rev/s."),
         ({"stern:propeller_speed": (1, 2, 3)}, "has 3 values; it takes 2"),
         ({"stern:propeller_open_water": (0.0, 0.4)}, "rows of 3: J, K_T, K_Q"),
-        ({"stern:propeller_open_water": (0.0, 0.4, 0.05)}, "has 1 rows J, K_T, K_Q; two at least"),
+        ({"stern:propeller_open_water": (0.0, 0.4, 0.05)}, "has 1 row J, K_T, K_Q; two at least"),
         ({"stern:propeller_open_water": (0.5, 0.4, 0.05, 0.2, 0.3, 0.04)}, "J increases from row to row"),
-        ({"stern:propeller_open_water": (0.0, 0.3, 0.05, 0.5, 0.4, 0.04)}, "ahead, where J is above 0, K_T falls"),
+        ({"stern:propeller_open_water": (0.0, 0.3, 0.05, 0.5, 0.4, 0.04)}, "where J is above 0, K_T falls"),
         ({"stern:propeller_open_water": (0.2, 0.4, 0.05, 0.5, 0.3, 0.04)}, "rows from J = 0 or below"),
         ({"stern:propeller_open_water": (0.0, -0.4, 0.05, 0.5, -0.5, 0.04)}, "K_T above 0 there"),
         ({"stern:propeller_open_water": (0.0, 0.4, -0.05, 0.5, 0.3, 0.04)}, "has K_Q = -0.05 at J = 0"),
+        (
+            {"stern:propeller_open_water": (0.0, 0.4, 0.05, 0.5, 0.2, -0.01)},
+            "has K_Q = -0.01 at J = 0.5, where it pushes; 0 or more",
+        ),
+        (
+            {"stern:propeller_open_water": (0.0, 0.4, 0.05, 1.0, -0.4, -0.07)},
+            "has K_Q = -0.01 at J = 0.5, where it pushes",
+        ),
+        (
+            {"stern:propeller_open_water": (0.0, 0.4, 0.05, 0.5, 0.2, 0.01)},
+            "has K_Q = -0.03 at J = 1, where it pushes, as its last line goes on; 0 or more",
+        ),
+        (
+            {"stern:propeller_astern": (0.0, -0.3, -0.05, 0.5, -0.1, -0.02)},
+            "propeller_astern: has K_T = -0.3 at J = 0; rows of a propeller that turns backwards, with the signs",
+        ),
         ({"stern:propeller_linear": (0.4, -0.4, 0.05, -0.03)}, "stands beside stern:propeller_open_water"),
         ({"stern:propeller_wake": (1.2, 0.1)}, "w and t below 1"),
         ({"stern:propeller_slowest": (2.0, 30.0)}, "to below its full speed, 25 rev/s"),
@@ -270,6 +286,20 @@ def test_another_value_for_a_compiled_model_is_that_of_a_model_loaded_with_it():
 def test_what_makes_no_sense_is_refused(parameters, told):
     with pytest.raises(ModelError, match=told):
         cube_sim.load_model(Propelled(HULL, (STERN,)).spec(), parameters)
+
+
+def test_straight_lines_on_which_it_pushes_and_is_turned_are_refused():
+    """K_T reaches 0 at J = a_T / -b_T, K_Q at a_Q / -b_Q: it may not be before."""
+    spec = Propelled(HULL, (STERN,)).spec()
+    spec.delete(next(n for n in spec.numerics if n.name == "stern:propeller_open_water"))
+    cube_sim.load_model(spec, {"stern:propeller_linear": (0.4, -0.4, 0.05, -0.0499)})
+    with pytest.raises(ModelError, match=r"has K_Q = -0.01 at J = 1, where it pushes"):
+        cube_sim.load_model(spec, {"stern:propeller_linear": (0.4, -0.4, 0.05, -0.06)})
+
+
+def test_a_propeller_may_turn_by_itself_where_it_brakes():
+    rows = (0.0, 0.4, 0.05, 0.8, 0.1, 0.02, 1.0, -0.03, 0.004, 1.4, -0.3, -0.03)
+    cube_sim.load_model(Propelled(HULL, (STERN,)).spec(), {"stern:propeller_open_water": rows})
 
 
 @pytest.mark.parametrize("missing", ["diameter", "speed", "open_water"])

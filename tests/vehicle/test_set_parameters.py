@@ -129,3 +129,11 @@ def test_what_was_loaded_or_set_is_read(path):
         name = f"{hull_names(model)[0]}:quadratic_damping"
         cube_sim.set_parameters(model, {name: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]})
         cube_sim.Vehicle.from_model(model)
+
+
+@pytest.mark.parametrize("given", [[1.0], "hull:volume", 3])
+def test_parameters_without_names_are_refused(given):
+    model = cube_sim.load_model(CUBE)
+    for asked in (lambda: cube_sim.set_parameters(model, given), lambda: cube_sim.load_model(CUBE, given)):
+        with pytest.raises(TypeError, match="a mapping from names is right, as in"):
+            asked()

@@ -7,7 +7,9 @@ import mujoco
 import numpy as np
 import pytest
 from support.ballasted import MODEL
+from support.catalogue.steered import steered_by_fins
 from support.catalogue.vehicles import catalogue
+from support.drawn_torpedo import drawn_torpedo
 from support.lifting import Fin, Lifted
 from support.places import MODEL_FILES, MODELS
 from support.water_bodies import Body
@@ -118,5 +120,10 @@ def test_links_and_propellers_in_another_unit_are_named(path, parameter, factor,
 def test_vehicles_of_all_kinds_are_told_of_nothing():
     specs = {path.stem: mujoco.MjSpec.from_file(str(path)) for path in MODEL_FILES}
     specs |= {n: mujoco.MjSpec.from_string(e.make()) for n, e in catalogue().items() if not e.lost and n not in specs}
-    assert len(specs) > 50
+    others = {
+        **{n: e.make() for n, e in steered_by_fins().items()},
+        **{f"{s}": drawn_torpedo(s).text for s in range(9)},
+    }
+    specs |= {name: mujoco.MjSpec.from_string(text) for name, text in others.items()}
+    assert len(specs) > 65
     assert {name: said for name, spec in specs.items() if (said := unlikely_words(load_unsaid(spec)))} == {}

@@ -119,7 +119,7 @@ def test_the_law_is_its_formula_compiled_and_not():
     ("parameters", "told"),
     [
         ({"hull:thruster_voltage": 24.0}, "is 24; a voltage from 10 to 20 V is right"),
-        ({"hull:thruster_voltage_table": rows([16.0]).ravel()}, "has 1 voltages; two at least"),
+        ({"hull:thruster_voltage_table": rows([16.0]).ravel()}, "has 1 voltage; two at least"),
         ({"hull:thruster_voltage_table": (12.0, 1.0)}, "rows of 3: voltage"),
         ({"hull:thruster_power": (1.0, 1.0, 1.0)}, "has 3 values; 2, or 2 for each of 5 voltages"),
         ({"hull:thruster_characteristic": (-1, -1, 0, 0, 1, 1)}, "stands beside hull:thruster_characteristic"),

@@ -42,7 +42,7 @@ MISTAKES = [
     ("water:density", [np.nan], "not finite"),
     ("hull:thruster_dead_zone", [0.4, -0.3], "out of order"),
     ("hull:thruster_dead_zone", [-0.4, 99.0], "out of order"),
-    ("hull:thruster_dead_zone", [0.4], "has 1 values; it takes 2"),
+    ("hull:thruster_dead_zone", [0.4], "has 1 value; it takes 2"),
     ("hull:thruster_dead_zone", [np.nan, 1.0], "not finite"),
     ("hull:thruster_pwm", [1100.0, 1500.0], "has 2 values; it takes 3"),
     ("hull:thruster_pwm", [1100.0, 1900.0, 1500.0], "[1100, 1900, 1500] us is out of order"),

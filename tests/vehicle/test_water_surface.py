@@ -280,7 +280,7 @@ def test_the_compiled_law_at_the_surface_is_the_plain_one():
         ({"water:surface": [0.0, 1.0]}, "water:surface: has 2 values; it takes 1"),
         ({"water:surface": np.inf}, "water:surface: holds a value that is not finite"),
         ({"hull:surface_half_axes": [0.1, 0.0, 0.1]}, "half-axes .* are positive"),
-        ({"hull:surface_half_axes": [0.1]}, "has 1 values; it takes 3"),
+        ({"hull:surface_half_axes": [0.1]}, "has 1 value; it takes 3"),
     ],
 )
 def test_a_surface_that_cannot_be_is_refused(given, said):

@@ -45,7 +45,7 @@ def test_what_would_change_the_force_is_refused(attributes, reason):
 @pytest.mark.parametrize(
     ("replacements", "element", "reason"),
     [
-        ([(T1, T1.replace('site="T1"', 'site="TX"'))], "T1", "no site 'TX'; the model has imu, T1, T2"),
+        ([(T1, T1.replace('site="T1"', 'site="TX"'))], "T1", "no site 'TX'; the model has 9, the nearest T"),
         ([(T1, T1.replace(' name="T1"', ""))], "actuator 0", "no name"),
         (
             [("<worldbody>", '<worldbody><site name="pier"/>'), (T1, T1.replace('site="T1"', 'site="pier"'))],

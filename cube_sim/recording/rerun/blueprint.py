@@ -39,8 +39,8 @@ from cube_sim.recording.rerun.plots import (
 # From where the path is seen, in multiples of its radius: a little above, towards a corner of the x-y plane.
 _EYE_DIRECTION = np.array([-0.95, -1.2, 0.6])
 _SMALLEST_RADIUS = 1.5  # m
-_CLOSE_UP = (-2.3, -2.65, 1.75)  # in multiples of the vehicle's reach, body axes
-_HULLS_IN_SIGHT = 3.0  # so many times the vehicle's reach is in sight at least
+_CLOSE_UP = (-2.3, -2.65, 1.75)  # in multiples of the vehicle's extent, body axes
+_HULLS_IN_SIGHT = 3.0  # so many times the vehicle's extent is in sight at least
 
 CLOSE_ERROR_M = 0.12  # m, what the second plot of the path error shows either side of 0
 _LEGEND = 0.3  # of the run's duration: free time after it, where the legends of the plots stand clear of the curves
@@ -124,7 +124,7 @@ def scene(runs: Sequence[Drawn], origin: str | None = None) -> rrb.Spatial3DView
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
     centre = (low + high) / 2
     names = [name for name in (drawn.look.name or drawn.story.name for drawn in runs) if name]
-    reach = max(drawn.measures.reach for drawn in runs)
+    reach = max(drawn.extent for drawn in runs)
     radius = max(float(np.linalg.norm(high - low)) / 2, _SMALLEST_RADIUS, _HULLS_IN_SIGHT * reach)
     eye = rrb.EyeControls3D(
         kind=rrb.Eye3DKind.Orbital,
@@ -167,7 +167,7 @@ def _close_up(drawn: Drawn) -> rrb.Spatial3DView:
 
     The hull is a wire frame here, so that the thrusters inside it are seen, and they carry their names.
     """
-    places, reach = drawn.places, drawn.measures.reach
+    places, reach = drawn.places, drawn.extent
     hidden = (
         f"{places.vehicle}/axes",
         places.trail,

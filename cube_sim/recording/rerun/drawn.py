@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.recording.batch import Batch, Rows
+from cube_sim.recording.carried_bodies import whole_reach
 from cube_sim.recording.channels import Channel
 from cube_sim.recording.geometry import vehicle_reach, vehicle_shapes
 from cube_sim.recording.rerun.places import Places
@@ -29,6 +30,7 @@ class Drawn:
         points: (n, 3) what must be in sight, world axes [m]; n may be 0.
         boxes: Rerun paths of the boxes the vehicle is made of.
         measures: how large things are drawn.
+        extent: how far the vehicle reaches with all that moves on it [m].
     """
 
     places: Places
@@ -38,6 +40,7 @@ class Drawn:
     points: NDArray[np.float64]
     boxes: Sequence[str]
     measures: Measures
+    extent: float
 
 
 def drawn_from(
@@ -80,7 +83,8 @@ def drawn_from(
         for shape in vehicle_shapes(model, vehicle)
         if shape.kind == mujoco.mjtGeom.mjGEOM_BOX
     ]
-    return Drawn(places, look, tuple(channels), story, points, boxes, measures)
+    extent = max(measures.reach, whole_reach(model, vehicle))
+    return Drawn(places, look, tuple(channels), story, points, boxes, measures, extent)
 
 
 def _usual_force(forces: Rows) -> float:

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.vehicle.mjcf.numbers import Numerics, scalar
 from cube_sim.vehicle.mjcf.thruster_elements import require_ctrlrange_alone
 
@@ -70,7 +71,7 @@ def read_ballast(
     for name in numerics:
         owner, _, parameter = name.rpartition(":")
         if parameter in BALLAST_PARAMETERS and owner not in sites:
-            raise ModelError(name, f"no site '{owner}'; the model has {', '.join(sites) or 'none'}")
+            raise ModelError(name, f"no site '{owner}'; the model has {among(owner, sites)}")
     found = ((site, body) for site, body in sites.items() if is_ballast(numerics, site))
     return tuple(_ballast(numerics, site, body, hulls, pumps) for site, body in found)
 

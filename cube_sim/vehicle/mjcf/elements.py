@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.vehicle.mjcf.thruster_elements import ThrusterElement, carrier, is_thruster
 
 MASS, CENTRE_OF_MASS, INERTIA, LAG = "mass", "centre_of_mass", "inertia", "thruster_lag"
@@ -55,7 +56,7 @@ def set_elements(
         if parameter == LAG:
             _set_lag(spec, name, owner, float(given[0]), thrusters)
         elif owner not in bodies:
-            raise ModelError(name, f"no body '{owner}'; the model has {', '.join(bodies)}")
+            raise ModelError(name, f"no body '{owner}'; the model has {among(owner, bodies)}")
         else:
             _set_inertial(spec, name, spec.body(owner), given)
 

@@ -80,7 +80,7 @@ def read_fins(
     for name in numerics:
         owner, _, parameter = name.rpartition(":")
         if parameter in (AREA, PRODUCTS) and owner not in sites:
-            raise ModelError(name, f"no site '{owner}'; the model has {', '.join(sites) or 'none'}")
+            raise ModelError(name, f"no site '{owner}'; the model has {among(owner, sites)}")
         if parameter in FIN_PARAMETERS and owner in sites and f"{owner}:{AREA}" not in numerics:
             raise ModelError(f"{owner}:{AREA}", f"is missing; fin '{owner}' needs its area [m^2]")
     return tuple(

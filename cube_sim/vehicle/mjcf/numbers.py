@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import counted
 
 Numerics = Mapping[str, NDArray[np.float64]]
 
@@ -29,7 +30,7 @@ def vector(numerics: Numerics, name: str, size: int) -> NDArray[np.float64]:
     """
     values = numerics.get(name, np.zeros(size))
     if values.size != size:
-        raise ModelError(name, f"has {values.size} values; it takes {size}")
+        raise ModelError(name, f"has {counted(values.size, 'value')}; it takes {size}")
     if not np.all(np.isfinite(values)):
         raise ModelError(name, "holds a value that is not finite")
     return values.copy()
@@ -49,7 +50,7 @@ def rows(numerics: Numerics, name: str, width: int, meaning: str) -> NDArray[np.
     """
     values = numerics.get(name, np.zeros(0))
     if values.size % width:
-        raise ModelError(name, f"has {values.size} values; it takes rows of {width}: {meaning}")
+        raise ModelError(name, f"has {counted(values.size, 'value')}; it takes rows of {width}: {meaning}")
     if not np.all(np.isfinite(values)):
         raise ModelError(name, "holds a value that is not finite")
     return values.reshape(-1, width).copy()

@@ -107,6 +107,17 @@ def bodies_in_water(
     return [body for body in bodies if body in hulls]
 
 
+def require_mapping(parameters: object) -> None:
+    """Refuse parameters that are not given by name.
+
+    Raises:
+        TypeError: with what would be right.
+    """
+    if not isinstance(parameters, Mapping):
+        given = f"not a {type(parameters).__name__}: {parameters!r:.60}"
+        raise TypeError(f'a mapping from names is right, as in {{"hull:volume": 0.03}}, {given}')
+
+
 def require_parameter(name: str) -> None:
     """Refuse a name under which no parameter of the water can stand.
 
@@ -141,9 +152,9 @@ def force_owner(name: str, data: str, bodies: Sequence[str]) -> str | None:
     if owner in bodies and parameter == "force":
         return owner
     if _like_one_of(owner, bodies):
-        raise ModelError(name, f"is no force of a hull; write <hull>:force, with one of {', '.join(bodies)}")
+        raise ModelError(name, f"is no force of a hull; write <hull>:force, with one of {among(owner, bodies)}")
     if parameter == "force" and _FUNCTION.fullmatch(data.strip()):
-        raise ModelError(name, f"no hull '{owner}'; the model has {', '.join(bodies)}")
+        raise ModelError(name, f"no hull '{owner}'; the model has {among(owner, bodies)}")
     return None
 
 
@@ -180,17 +191,17 @@ def _judge(
     if not np.all(np.isfinite(values)):
         raise ModelError(name, "holds a value that is not finite")
     if parameter in HULL_PARAMETERS and owner not in bodies:
-        raise ModelError(name, f"no body '{owner}'; the model has {', '.join(bodies)}")
+        raise ModelError(name, f"no body '{owner}'; the model has {among(owner, bodies)}")
     if parameter in FIN_PARAMETERS:
         if owner not in sites and owner not in bodies:
-            raise ModelError(name, f"no site or body '{owner}'; the model has {', '.join([*sites, *bodies])}")
+            raise ModelError(name, f"no site or body '{owner}'; the model has {among(owner, [*sites, *bodies])}")
         return
     if parameter in BALLAST_PARAMETERS:
         if owner not in sites:
-            raise ModelError(name, f"no site '{owner}'; the model has {', '.join(sites) or 'none'}")
+            raise ModelError(name, f"no site '{owner}'; the model has {among(owner, sites)}")
         return
     if owner not in bodies and owner not in thrusters:
-        raise ModelError(name, f"no body or thruster '{owner}'; the model has {', '.join([*bodies, *thrusters])}")
+        raise ModelError(name, f"no body or thruster '{owner}'; the model has {among(owner, [*bodies, *thrusters])}")
 
 
 @lru_cache(maxsize=1024)  # asked again for each of a thousand models

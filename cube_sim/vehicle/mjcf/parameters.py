@@ -40,6 +40,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import counted
 from cube_sim.vehicle.characteristic import Characteristic
 from cube_sim.vehicle.mjcf.ballast import BallastParameters, read_ballast
 from cube_sim.vehicle.mjcf.body_lift import strips, velocity_products
@@ -237,7 +238,10 @@ def _current(numerics: Mapping[str, NDArray[np.float64]]) -> CurrentProfile | No
         return None
     values = numerics[CURRENT]
     if values.size == 0 or values.size % 5:
-        raise ModelError(CURRENT, f"has {values.size} values; it takes rows of five: time, height, v_x, v_y, v_z")
+        raise ModelError(
+            CURRENT,
+            f"has {counted(values.size, 'value')}; it takes rows of five: time, height, v_x, v_y, v_z",
+        )
     if not np.all(np.isfinite(values)):
         raise ModelError(CURRENT, "holds a value that is not finite")
     rows = values.reshape(-1, 5)
@@ -336,7 +340,10 @@ def _characteristic(numerics: Mapping[str, NDArray[np.float64]], actuator: str, 
     zone_name = _first(numerics, actuator, body, "thruster_dead_zone")
     pairs = numerics[curve_name]
     if pairs.size < 4 or pairs.size % 2:
-        raise ModelError(curve_name, f"has {pairs.size} values; it takes pairs of command and force [N], two at least")
+        raise ModelError(
+            curve_name,
+            f"has {counted(pairs.size, 'value')}; it takes pairs of command and force [N], two at least",
+        )
     commands, forces = pairs[0::2].copy(), pairs[1::2].copy()
     if np.any(np.diff(commands) <= 0.0):
         raise ModelError(curve_name, "its commands do not increase from pair to pair")

@@ -35,13 +35,13 @@ from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
 from cube_sim.vehicle.characteristic import Characteristic
-from cube_sim.vehicle.mjcf.numbers import Numerics, either, rows, scalar, vector
+from cube_sim.vehicle.mjcf.numbers import Numerics, either, scalar, vector
+from cube_sim.vehicle.mjcf.open_water import LINEAR, OPEN_WATER, at_zero_advance, open_water_rows, open_water_table
 
 DRY_BELOW = 0.02
 """As in `cube_sim.vehicle.laws.propeller`."""
 
-DIAMETER, LINEAR, OPEN_WATER = "propeller_diameter", "propeller_linear", "propeller_open_water"
-EFFICIENCY = "propeller_efficiency"
+DIAMETER, EFFICIENCY = "propeller_diameter", "propeller_efficiency"
 PROPELLER_PARAMETERS = (
     DIAMETER,
     "propeller_speed",
@@ -118,7 +118,7 @@ class PropellerParameters:
     @property
     def arm(self) -> float:
         """Torque on the hull per newton of thrust, at rest and ahead [m]: what the gear of its actuator says."""
-        K_T, K_Q = _at_rest(self.ahead)
+        K_T, K_Q = at_zero_advance(self.ahead)
         return -self.hand * K_Q * self.diameter / ((1.0 - self.deduction) * K_T)
 
     def curve(self) -> Characteristic:
@@ -131,7 +131,8 @@ class PropellerParameters:
         commands = np.unique(np.concatenate([-back, [0.0], ahead]))
         scale = (1.0 - self.deduction) * self.density * self.diameter**4
         largest = [
-            scale * _at_rest(side)[0] * n * n for side, n in zip((self.astern, self.ahead), self.speeds, strict=True)
+            scale * at_zero_advance(side)[0] * n * n
+            for side, n in zip((self.astern, self.ahead), self.speeds, strict=True)
         ]
         forces = np.where(commands < 0.0, -largest[0], largest[1]) * commands**2
         return Characteristic(commands, forces + 0.0, (-largest[0] * slow[0] ** 2 + 0.0, largest[1] * slow[1] ** 2))
@@ -143,7 +144,7 @@ class PropellerParameters:
         assert self.shaft is not None
         for side, most, sign in ((self.astern, self.speeds[0], -1.0), (self.ahead, self.speeds[1], 1.0)):
             n = most * share
-            K_T, _ = _at_rest(side)
+            K_T, _ = at_zero_advance(side)
             volts = volts_at_rest(self.shaft, self.density * self.diameter**5, side, n)
             commands.append(sign * volts / self.shaft.voltage)
             forces.append(sign * scale * K_T * n * n)
@@ -165,7 +166,7 @@ def volts_at_rest(
     """
     w = 2.0 * np.pi * n
     dry = np.clip(w / (DRY_BELOW * shaft.voltage / shaft.motor), 0.0, 1.0)
-    load = rho_D5 * _at_rest(side)[1] * n * n + shaft.viscous * w + shaft.dry * dry
+    load = rho_D5 * at_zero_advance(side)[1] * n * n + shaft.viscous * w + shaft.dry * dry
     return shaft.motor * w + shaft.resistance / shaft.motor * load
 
 
@@ -204,10 +205,12 @@ def propeller_of(
         raise ModelError(
             named["propeller_hand"] or "", f"is {hand:g}; 1 (right-handed), -1 (left-handed) or 0 (no torque) is right"
         )
-    ahead = _points(numerics, named, actuator)
+    ahead = open_water_rows(numerics, named[LINEAR], named[OPEN_WATER], actuator)
     astern = ahead
     if (name := named["propeller_astern"]) is not None:
-        astern = _table(numerics, name)
+        astern = open_water_table(
+            numerics, name, "of a propeller that turns backwards, with the signs of one that turns ahead, "
+        )
     if shaft is not None:
         speeds = _full_speed(shaft, density * D**5, astern), _full_speed(shaft, density * D**5, ahead)
     tables, efficiency = (ahead, astern), _efficiency(numerics, named, actuator)
@@ -274,7 +277,7 @@ def shaft_lag_s(propeller: PropellerParameters) -> float:
     """I over the slope of the torques by the speed, at full command ahead in water that does not flow [s]."""
     shaft = propeller.shaft
     assert shaft is not None
-    K_Q, n = _at_rest(propeller.ahead)[1], propeller.speeds[1]
+    K_Q, n = at_zero_advance(propeller.ahead)[1], propeller.speeds[1]
     by_water = propeller.density * propeller.diameter**5 * 2.0 * K_Q * n / (2.0 * np.pi)
     return shaft.inertia / (shaft.motor**2 / shaft.resistance + shaft.viscous + by_water)
 
@@ -343,64 +346,3 @@ def _speeds(numerics: Numerics, name: str | None, actuator: str) -> tuple[float,
             "above 0, are right"
         )  # fmt: skip
     return values[0], values[-1]
-
-
-def _points(numerics: Numerics, named: dict[str, str | None], actuator: str) -> NDArray[np.float64]:
-    linear, table = named[LINEAR], named[OPEN_WATER]
-    if linear is not None and table is not None and linear.partition(":")[0] != table.partition(":")[0]:
-        its_own = f"{actuator}:"
-        linear, table = (linear if linear.startswith(its_own) else None), (table if table.startswith(its_own) else None)
-    if linear is not None and table is not None:
-        raise ModelError(linear, f"stands beside {table}; one of the two is right")
-    if table is not None:
-        return _table(numerics, table)
-    if linear is None:
-        raise ModelError(
-            f"{actuator}:{OPEN_WATER}",
-            f"is missing; propeller '{actuator}' needs its rows J, K_T, K_Q, or {LINEAR}: a_T b_T a_Q b_Q",
-        )
-    a_T, b_T, a_Q, b_Q = vector(numerics, linear, 4).tolist()
-    if not (a_T > 0.0 and b_T <= 0.0):
-        raise ModelError(linear, f"has K_T = {a_T:g} + {b_T:g} J; K_T above 0 at J = 0 that falls with J is right")
-    if a_Q < 0.0:
-        raise ModelError(linear, f"has K_Q = {a_Q:g} at J = 0; 0 or more is right")
-    return np.array([[0.0, a_T, a_Q], [1.0, a_T + b_T, a_Q + b_Q]])
-
-
-def _table(numerics: Numerics, name: str) -> NDArray[np.float64]:
-    table = rows(numerics, name, 3, "J, K_T, K_Q")
-    if len(table) < 2:
-        raise ModelError(name, f"has {len(table)} rows J, K_T, K_Q; two at least are right")
-    J, K_T = table[:, 0], table[:, 1]
-    if np.any(np.diff(J) <= 0.0):
-        i = int(np.argmax(np.diff(J) <= 0.0))
-        raise ModelError(name, f"goes from J = {J[i]:g} to {J[i + 1]:g} in row {i + 2}; J increases from row to row")
-    for i in range(len(table) - 1):
-        b = (K_T[i + 1] - K_T[i]) / (J[i + 1] - J[i])
-        if b > 0.0 and J[i + 1] > 0.0:
-            raise ModelError(
-                name,
-                f"rises from K_T = {K_T[i]:g} to {K_T[i + 1]:g} in row {i + 2}; ahead, where J is above 0, K_T falls",
-            )
-        # dT/dn = rho D^4 n (2 K_T - J dK_T/dJ) where it pushes; the line before the first row goes on for ever.
-        ends = [(J[i], K_T[i]), (J[i + 1], K_T[i + 1])] + (
-            [(2.0 * J[0] - J[1], K_T[0] - b * (J[1] - J[0]))] if i == 0 else []
-        )
-        if any(k > 0.0 and 2.0 * k - j * b <= 0.0 for j, k in ends):
-            raise ModelError(
-                name, f"makes no more thrust with more turns about J = {J[i]:g} (row {i + 1}); it would not steer"
-            )
-    at_rest, torque = _at_rest(table)
-    if J[0] > 0.0 or J[-1] < 0.0 or at_rest <= 0.0:
-        raise ModelError(
-            name, f"has K_T = {at_rest:g} at J = 0; rows from J = 0 or below, with K_T above 0 there, are right"
-        )
-    if torque < 0.0:
-        raise ModelError(name, f"has K_Q = {torque:g} at J = 0; 0 or more is right")
-    return table
-
-
-def _at_rest(table: NDArray[np.float64]) -> tuple[float, float]:
-    """K_T and K_Q at J = 0 of rows J, K_T, K_Q."""
-    K_T, K_Q = (float(np.interp(0.0, table[:, 0], table[:, column])) for column in (1, 2))
-    return K_T, K_Q

@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among
 from cube_sim.vehicle.characteristic import Characteristic
 
 _LAGS = {
@@ -234,8 +235,8 @@ def _carrier(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> str:
         raise ModelError(name, f"has refsite '{actuator.refsite}'; a thruster pushes along its own site's z axis")
     site = spec.site(actuator.target)
     if site is None:
-        sites = ", ".join(s.name for s in spec.sites if s.name) or "none"
-        raise ModelError(name, f"no site '{actuator.target}'; the model has {sites}")
+        sites = [site.name for site in spec.sites if site.name]
+        raise ModelError(name, f"no site '{actuator.target}'; the model has {among(actuator.target, sites)}")
     body = root_body(site.parent)
     if body in ("", "world"):
         raise ModelError(name, f"its site '{actuator.target}' is on no body that has a name; a thruster pushes a hull")

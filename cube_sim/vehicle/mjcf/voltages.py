@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import counted
 from cube_sim.vehicle.characteristic import Characteristic
 from cube_sim.vehicle.mjcf.numbers import Numerics, rows
 from cube_sim.vehicle.thruster_tables import READING
@@ -74,7 +75,9 @@ def voltages_of(numerics: Numerics, name: str, power: str | None) -> VoltagePara
     voltages = np.unique(table[:, 0])
     if len(voltages) < 2 or voltages[0] <= 0.0:
         raise ModelError(
-            name, f"has {len(voltages)} voltages; two at least, above 0 V, are right (thruster_characteristic for one)"
+            name,
+            f"has {counted(len(voltages), 'voltage')}; two at least, above 0 V, are right (thruster_characteristic for "
+            "one)",
         )
     sides = [_sides(name, table[table[:, 0] == volts][:, 1:], volts) for volts in voltages]
     back, ahead = ([each[k] for each in sides] for k in (0, 1))
@@ -83,7 +86,8 @@ def voltages_of(numerics: Numerics, name: str, power: str | None) -> VoltagePara
     values = np.zeros(2) if power is None else numerics[power]
     if values.size not in (2, 2 * k) or not np.isfinite(values).all() or values.min() < 0.0:
         raise ModelError(
-            power or "", f"has {values.size} values; 2, or 2 for each of {k} voltages, none below 0, are right"
+            power or "",
+            f"has {counted(values.size, 'value')}; 2, or 2 for each of {k} voltages, none below 0, are right",
         )
     return VoltageParameters(name, voltages, curves, np.broadcast_to(values.reshape(-1, 2), (k, 2)).copy())
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import counted
 from cube_sim.vehicle.mjcf.damping import require_dissipative, require_pairwise_dissipative
 from cube_sim.vehicle.mjcf.numbers import scalar, vector
 
@@ -89,7 +90,10 @@ def _matrix(numerics: Mapping[str, NDArray[np.float64]], name: str) -> NDArray[n
         return np.diag(values)
     if values.size == 36:
         return values.reshape(6, 6).copy()
-    raise ModelError(name, f"has {values.size} values; it takes 6 (a diagonal) or 36 (a full matrix by rows)")
+    raise ModelError(
+        name,
+        f"has {counted(values.size, 'value')}; it takes 6 (a diagonal) or 36 (a full matrix by rows)",
+    )
 
 
 def _require_symmetric(name: str, matrix: NDArray[np.float64]) -> None:

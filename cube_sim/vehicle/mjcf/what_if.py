@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cube_sim.errors import ModelError
+from cube_sim.nearest import among, counted
 
 _SETTING = re.compile(r"(?P<key>[^=]+?)\s*(?P<how>[+*]?=)(?P<value>.*)", re.DOTALL)
 _SITE = re.compile(r"site:(?P<pattern>[^:]+)\.(?P<attribute>\w+)")
@@ -49,7 +50,10 @@ class Setting(NamedTuple):
         if self.how == "=":
             return self.values
         if self.values.size not in (1, old.size):
-            raise ModelError(self.text, f"has {self.values.size} numbers for {old.size}; 1 or {old.size} are right")
+            raise ModelError(
+                self.text,
+                f"has {counted(self.values.size, 'number')} for {old.size}; 1 or {old.size} are right",
+            )
         return old + self.values if self.how == "+=" else old * self.values
 
 
@@ -99,7 +103,8 @@ def set_sites(spec: mujoco.MjSpec, settings: Sequence[Setting]) -> list[Setting]
         names = [site.name for site in spec.sites if site.name]
         meant = [name for name in names if fnmatchcase(name, found["pattern"])]
         if not meant:
-            raise ModelError(setting.text, f"no site '{found['pattern']}'; the model has {', '.join(names) or 'none'}")
+            pattern = found["pattern"]
+            raise ModelError(setting.text, f"no site '{pattern}'; the model has {among(pattern, names)}")
         for name in meant:
             _set_site(spec.site(name), found["attribute"], setting)
     return others
