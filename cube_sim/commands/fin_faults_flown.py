@@ -94,7 +94,7 @@ def fin_cases(
         read: the model that the vehicle is of.
         faults: to fly beside; default `every_fin_fault`.
         lost: names of thrusters that are dead already, and of fins that are loose.
-        cost_limit: see `cube_sim.control.authority.capability`.
+        cost_limit: see `cube_sim.control.judged_capability.capability`.
         progress: called with (cases done, all cases).
     """
     asked, cases = every_fin_fault(vehicle, lost) if faults is None else faults, list[FinCase]()

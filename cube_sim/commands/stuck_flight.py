@@ -50,7 +50,7 @@ class BesideFaults:
         whole: what all its thrusters can do, or those that are not lost.
         speed_m_s: straight ahead.
         in_place: whether to stay at a point instead.
-        cost_limit: see `cube_sim.control.authority.capability`.
+        cost_limit: see `cube_sim.control.judged_capability.capability`.
     """
 
     def __init__(
@@ -139,7 +139,7 @@ def straight_ahead(file: Path, speed_m_s: float, cost_limit: float | None) -> di
     Args:
         file: of the model.
         speed_m_s: along the line.
-        cost_limit: see `cube_sim.control.authority.capability`.
+        cost_limit: see `cube_sim.control.judged_capability.capability`.
     """
     start = [0.0, 0.0, DEEP_M]
     return {

@@ -106,7 +106,7 @@ def fault_cases(
         speed_m_s: of the path.
         faults: to judge; default `every_fault`.
         lost: names of thrusters that are dead already.
-        cost_limit: see `cube_sim.control.authority.capability`.
+        cost_limit: see `cube_sim.control.judged_capability.capability`.
         read: the model that the vehicle is of, to fly it ahead; None not to.
         progress: called with (cases done, all cases).
     """
