@@ -6,13 +6,12 @@ for any other: the numbers are the same.
 
 from __future__ import annotations
 
-from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cube_sim.control.attitude_mode import DESIRED
-from cube_sim.control.ceiling import keep_below
+from cube_sim.control.ceiling import keep_under_surface
 from cube_sim.control.current import observe_current, told_of_water
 from cube_sim.control.disturbance import observe_disturbance
 from cube_sim.control.following import follow
@@ -48,7 +47,6 @@ SETTINGS = np.dtype(
         ("current_damping", np.float64),
         ("levelling_time", np.float64),
         ("least_closing", np.float64),
-        ("highest", np.float64),
         ("most_rest", np.float64, 2),
         ("attitude", np.float64, 4),
     ]
@@ -59,7 +57,7 @@ It pursues its target, or approaches the path; which attitude it asks for; the a
 hull along; the thrusters' budget is known; the target waits; it moves in a level plane only; the force is served
 before the torque. Then the times of the observers [s], 0 for none, the time over which what the current is read off
 is smeared [s], 0 where the hull does not spin, the damping of that observer, the levelling time [s], the share of its
-closing speed that the path's own speed is, the height above which the hull is not asked [m], the force and the torque
+closing speed that the path's own speed is, the force and the torque
 that are asked for again [N, N m], the attitude that is held.
 """
 
@@ -75,6 +73,7 @@ class LawParts(NamedTuple):
         normals: of `ForceBudget`, like the next two.
         bounds: of it.
         held_shares: of it.
+        ceiling: (3,n) of `cube_sim.control.ceiling.Ceiling.table`; (3,0) in endless water.
         force_first: read where the force is served before the torque.
         profile: of `cube_sim.guidance.speed.speed_at`, like the next two.
         nodes: of it.
@@ -108,6 +107,7 @@ class LawParts(NamedTuple):
     normals: Matrix
     bounds: Vector
     held_shares: Vector
+    ceiling: Matrix
     force_first: ForceFirst
     profile: Record
     nodes: Vector
@@ -195,8 +195,8 @@ def answer(parts, view, desired, followed, R, q, v, w, applied, dt, force_ratio,
         velocity, acceleration = pursuit_motion(seen, p.pursuit, slope)
     else:
         velocity, acceleration = approach_motion(seen, p.approach, speed, slope)
-    if s.highest < inf:
-        keep_below(view, velocity, acceleration, s.highest, time)
+    facets = p.normals, p.bounds, p.held_shares
+    keep_under_surface(p.ceiling, facets[0], facets[1], facets[2], force_ratio, view, velocity, acceleration, time)
     if s.dragged:
         acceleration += p.centre[0].pushed / time
     unknown = np.zeros(6)

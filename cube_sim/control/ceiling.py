@@ -17,6 +17,10 @@ SINKING_M_S = 0.2
 _LEAST_UP = 1e-6  # of a facet's normal, below which it does not bound what goes straight up
 
 
+NO_CEILING = np.zeros((3, 0))
+"""The table of endless water."""
+
+
 @dataclass(frozen=True)
 class Ceiling:
     """What a hull at the surface lacks, upright and at rest.
@@ -32,19 +36,13 @@ class Ceiling:
     wet: Vector
 
     def highest(self, up: float) -> float:
-        """The height that thrusters hold which lift so much under water [N]; inf where they do not even there.
+        """The height that thrusters hold which lift so much under water [N], see `highest_held`."""
+        return highest_held(self.table, up)
 
-        A hull that sinks whatever they do is not held by a surface.
-        """
-        spare = HELD * up * self.wet - self.missing
-        held = spare >= 0.0
-        if not held[0]:
-            return inf
-        if held.all():
-            return float(self.heights[-1])
-        k = int(np.argmin(held))
-        share = spare[k - 1] / (spare[k - 1] - spare[k])
-        return float(self.heights[k - 1] + share * (self.heights[k] - self.heights[k - 1]))
+    @property
+    def table(self) -> Matrix:
+        """(3,n) heights, what is missing, and the share that the thrusters make, as compiled laws read them."""
+        return np.ascontiguousarray(np.stack([self.heights, self.missing, self.wet]))
 
     def at(self, height: float) -> tuple[float, float]:
         """What is missing at a height [N], and the share that the thrusters still make."""
@@ -52,15 +50,65 @@ class Ceiling:
         return missing, wet
 
 
-def most_up(normals: Matrix, bounds: Vector) -> float:
-    """The force straight up of an upright hull [N] that thrusters make, and nothing beside it.
+@compiled
+def lift(normals, bounds, held_shares, force_ratio):
+    """The force straight up of an upright hull [N] that thrusters make, what is stuck included, and nothing beside it.
 
     Args:
         normals: (p,6) of the facets of what they make.
         bounds: (p,) of them [N].
+        held_shares: (p,) normals times the wrench of what is stuck [N].
+        force_ratio: share of their force that the supply leaves the thrusters.
     """
-    facing = normals[:, 2] > _LEAST_UP
-    return max(0.0, float((bounds[facing] / normals[facing, 2]).min())) if facing.any() else 0.0
+    least, facing = inf, False
+    for i in range(len(bounds)):
+        if normals[i, 2] > _LEAST_UP:
+            facing = True
+            least = min(least, (force_ratio * bounds[i] + held_shares[i]) / normals[i, 2])
+    return max(0.0, least) if facing else 0.0
+
+
+@compiled
+def highest_held(table, up):
+    """The height [m] that thrusters hold which lift so much under water; inf where they do not even there.
+
+    A hull that sinks whatever they do is not held by a surface.
+
+    Args:
+        table: (3,n) of `Ceiling.table`.
+        up: [N].
+    """
+    before = HELD * up * table[2, 0] - table[1, 0]
+    if not before >= 0.0:
+        return inf
+    for k in range(1, table.shape[1]):
+        spare = HELD * up * table[2, k] - table[1, k]
+        if not spare >= 0.0:
+            share = before / (before - spare)
+            return table[0, k - 1] + share * (table[0, k] - table[0, k - 1])
+        before = spare
+    return table[0, table.shape[1] - 1]
+
+
+@compiled
+def keep_under_surface(table, normals, bounds, held_shares, force_ratio, view, velocity, acceleration, time):
+    """Let a hull rise no higher than its thrusters hold it at the voltage of the moment, see `keep_below`.
+
+    Args:
+        table: (3,n) of `Ceiling.table`; (3,0) in endless water.
+        normals: of `lift`, like the next three.
+        bounds: of it.
+        held_shares: of it.
+        force_ratio: of it.
+        view: of `keep_below`, like the next three.
+        velocity: of it.
+        acceleration: of it.
+        time: of it.
+    """
+    if table.shape[1] > 0:
+        highest = highest_held(table, lift(normals, bounds, held_shares, force_ratio))
+        if highest < inf:
+            keep_below(view, velocity, acceleration, highest, time)
 
 
 @compiled

@@ -16,6 +16,7 @@ from cube_sim.control.attitude_mode import DESIRED, AttitudeMode
 from cube_sim.control.authority import CAPABILITY
 from cube_sim.control.balancing import BALANCE
 from cube_sim.control.balancing import MEMORY as BALANCED
+from cube_sim.control.ceiling import NO_CEILING
 from cube_sim.control.course_keeping import COURSE
 from cube_sim.control.disturbance import MEMORY as DISTURBANCE
 from cube_sim.control.fixed_attitude import FixedAttitude
@@ -49,7 +50,8 @@ class CompiledParts:
 
     Attributes:
         settings: record `SETTINGS`.
-        law: hull, loops, what is left, normals, bounds and held shares, and those of the force served first.
+        law: hull, loops, what is left, normals, bounds and held shares, what the surface leaves, and those of the force
+            served first.
         speed: of the profile.
         approach: record `APPROACH`.
         pursuit: record `PURSUIT`.
@@ -59,7 +61,7 @@ class CompiledParts:
     """
 
     settings: Record
-    law: tuple[Record, Record, Record, Matrix, Vector, Vector, ForceFirst]
+    law: tuple[Record, Record, Record, Matrix, Vector, Vector, Matrix, ForceFirst]
     speed: Parts
     approach: Record
     pursuit: Record
@@ -143,7 +145,7 @@ def compiled_parts(
     settings["waits"] = follower.waits and isinstance(approach, Approach)
     settings["least_closing"] = approach.least_closing if isinstance(approach, Approach) else 1.0
     settings["most_rest"], settings["level"] = follower.most_rest, follower.capability.level
-    settings["force_first"], settings["highest"] = first is not None, follower.highest
+    settings["force_first"] = first is not None
     if observer is not None:
         settings["disturbance_time"] = observer.time
         settings["smeared_time"] = follower.smeared_time
@@ -151,7 +153,14 @@ def compiled_parts(
             settings["current_time"], settings["current_damping"] = flow.time, flow.damping
     return CompiledParts(
         settings=settings,
-        law=(follower.loops.dynamics.record, loops, left, *budget, NOT_FORCE_FIRST if first is None else first),
+        law=(
+            follower.loops.dynamics.record,
+            loops,
+            left,
+            *budget,
+            NO_CEILING if follower.ceiling is None else follower.ceiling.table,
+            NOT_FORCE_FIRST if first is None else first,
+        ),
         speed=wanted.speed,
         approach=wanted.approach,
         pursuit=wanted.pursuit,
@@ -261,6 +270,7 @@ def resting_law() -> LawParts:
     parts = (
         *told,
         *NO_BUDGET,
+        NO_CEILING,
         NOT_FORCE_FIRST,
         *speed,
         *motion,

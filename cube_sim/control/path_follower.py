@@ -13,7 +13,7 @@ from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitud
 from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.balancing import FARTHEST_RAD
-from cube_sim.control.ceiling import Ceiling, keep_below, most_up
+from cube_sim.control.ceiling import Ceiling, keep_under_surface, lift
 from cube_sim.control.closing import closing_speed
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
@@ -137,7 +137,6 @@ class PathFollower:
         self.course: Record = np.zeros(1, COURSE) if keeping is None else keeping.record(self.loops.attitude_time)
         self.dragged = bool(self._left["dragged"].any()) and keeping is None
         self._budget = NO_BUDGET if budget is None else (budget.normals, budget.bounds, budget.held_shares)
-        self.highest = inf if self.ceiling is None else self.ceiling.highest(self.most_up)
         if left.authority is Authority.HOLONOMIC and left.held.any():
             # A thruster has stuck: whether the others have enough beside it is seen at once.
             wished = rotation_from_quaternion(self.desired)
@@ -200,8 +199,12 @@ class PathFollower:
     @property
     def most_up(self) -> float:
         """The force straight up that the thrusters make, the hull upright, beside what is stuck [N]."""
-        normals, bounds, held_shares = self._budget
-        return most_up(normals, bounds - held_shares) if len(bounds) else 0.0
+        return lift(*self._budget, 1.0)
+
+    @property
+    def highest(self) -> float:
+        """The height that the thrusters hold it at, at the full share of their force [m]; inf where none is."""
+        return inf if self.ceiling is None else self.ceiling.highest(self.most_up)
 
     @property
     def moment(self) -> MomentBudget:
@@ -223,7 +226,7 @@ class PathFollower:
             quaternion = self._compiled.answer(self, seen, followed, state, applied, dt, force_ratio)
             disturbance, current = self._estimates()
         else:
-            motion = self._motion(state, view, goal, dt)
+            motion = self._motion(state, view, goal, dt, force_ratio)
             disturbance, current = self._unknowns(state, applied, dt)
             situation = self._situation(state, view, current, force_ratio)
             attitude = mode.attitude(situation, dt)
@@ -356,7 +359,9 @@ class PathFollower:
         )
         return desired["quaternion"][0]
 
-    def _motion(self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float) -> DesiredMotion:
+    def _motion(
+        self, state: State, view: TargetView, goal: SafeModeGoal | None, dt: float, ratio: float
+    ) -> DesiredMotion:
         """The desired motion of the hull, or of its centre of oscillation where turning pushes it."""
         there = view
         if goal is None and self.capability.level:
@@ -364,24 +369,25 @@ class PathFollower:
             see_level(level)
             view = view_of(level)
         if not self.dragged:
-            return self._below(self._approach.motion(view), there) if goal is None else goal.motion(state.position)
+            above = self._approach.motion(view) if goal is None else goal.motion(state.position)
+            return self._below(above, there, ratio) if goal is None else above
         time = self._loops.velocity_time
         seen = record_of(view if goal is None else view._replace(speed=0.0))
         watch_centre(self._left, self.centre, state.rotation, state.rates, seen, dt, time)
         shift, pushed = self.centre["shift"][0], self.centre["pushed"][0]
         if goal is None:
             see_centre(seen, self.centre)
-            motion = self._below(self._approach.motion(view_of(seen)), there)
+            motion = self._below(self._approach.motion(view_of(seen)), there, ratio)
         else:
             motion = goal.motion(state.position - shift)
         return DesiredMotion(motion.velocity, motion.acceleration + pushed / time)
 
-    def _below(self, motion: DesiredMotion, view: TargetView) -> DesiredMotion:
+    def _below(self, motion: DesiredMotion, view: TargetView, ratio: float) -> DesiredMotion:
         """The same, no higher than the hull can be held."""
-        if self.highest == inf:
+        if self.ceiling is None:
             return motion
         below = DesiredMotion(*(np.array(each, dtype=np.float64) for each in motion))
-        keep_below(record_of(view), *below, self.highest, self._loops.velocity_time)
+        keep_under_surface(self.ceiling.table, *self._budget, ratio, record_of(view), *below, self._loops.velocity_time)
         return below
 
     def _situation(self, state: State, view: TargetView, current: Vector, force_ratio: float) -> Situation:

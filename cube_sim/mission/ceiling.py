@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from cube_sim.control.ceiling import Ceiling, most_up
+from cube_sim.control.ceiling import Ceiling, lift
 from cube_sim.mission.hull import CompiledHull
 from cube_sim.scenario import Scenario
 from cube_sim.vehicle.floating import UP, Buoyancy, floating_height, water_surface, weighs_less
@@ -33,11 +33,11 @@ def ceiling_of(hull: CompiledHull, scenario: Scenario) -> Ceiling | None:
     surface = water_surface(model) if scenario.surface_m is None else scenario.surface_m
     if surface == inf:
         return None
-    lift = Buoyancy.of(model, vehicle)
-    halves, centres = lift.extents(UP)
+    floats = Buoyancy.of(model, vehicle)
+    halves, centres = floats.extents(UP)
     awash, dry = surface - float((centres + halves).max()), surface - float((centres - halves).min())
     heights = np.linspace(awash, dry, _STEPS + 1)
-    missing = np.array([lift.weight - lift.carried(surface - each, UP) for each in heights.tolist()])
+    missing = np.array([floats.weight - floats.carried(surface - each, UP) for each in heights.tolist()])
     return Ceiling(heights, missing, _wet(model, hull, surface - heights))
 
 
@@ -48,7 +48,7 @@ def ceiling_words(mission: Mission) -> str:
     if ceiling is None:
         return ""
     budget = ability.budget
-    up = 0.0 if budget is None else most_up(budget.normals, budget.bounds - budget.held_shares)
+    up = 0.0 if budget is None else lift(budget.normals, budget.bounds, budget.held_shares, 1.0)
     missing, wet = ceiling.at(asked)
     if missing <= LITTLE * ceiling.missing[-1]:
         return ""

@@ -11,7 +11,7 @@ from support.vehicles import random_rotation
 
 import cube_sim
 from cube_sim.control import ceiling
-from cube_sim.control.ceiling import HELD, SINKING_M_S, Ceiling, keep_below, most_up
+from cube_sim.control.ceiling import HELD, SINKING_M_S, Ceiling, highest_held, keep_below, keep_under_surface, lift
 from cube_sim.guidance.view_record import VIEW
 from cube_sim.mission import prepare
 from cube_sim.mission.ceiling import ceiling_of
@@ -19,6 +19,7 @@ from cube_sim.mission.hull import flown_hull
 from cube_sim.scenario import load_mapping
 from cube_sim.vehicle.floating import floating_height
 from cube_sim.vehicle.vehicle import Vehicle
+from cube_sim.wrench.health import Health
 
 
 def scenario(name, surface_m=0.0, **given):
@@ -80,12 +81,52 @@ def test_the_most_lift_is_that_of_a_linear_programme(name):
     best = linprog(-A[2], A_eq=A[[0, 1, 3, 4, 5]], b_eq=np.zeros(5), bounds=limits)
     reserve = controller.most_up / -best.fun
     assert 0.9 < reserve <= 1.0 + 1e-9
-    normals, bounds, held = controller._budget
-    assert most_up(normals, 2.0 * (bounds - held)) == pytest.approx(2.0 * controller.most_up)
+    assert lift(*controller._budget, 0.4) == pytest.approx(0.4 * controller.most_up)
 
 
 def test_no_facet_that_faces_up_is_no_lift():
-    assert most_up(np.array([[1.0, 0, 0, 0, 0, 0], [0, 0, -1.0, 0, 0, 0]]), np.ones(2)) == 0.0
+    assert lift(np.array([[1.0, 0, 0, 0, 0, 0], [0, 0, -1.0, 0, 0, 0]]), np.ones(2), np.zeros(2), 1.0) == 0.0
+
+
+@pytest.mark.parametrize("force", [-20.0, 15.0, 27.0])
+@pytest.mark.parametrize("ratio", [1.0, 0.7])
+def test_what_is_stuck_adds_to_the_lift_of_the_others_or_takes_from_it(force, ratio):
+    """By a linear programme over the others, with the reserve that the budget keeps of them."""
+    mission = prepare(load_mapping(scenario("cube")))
+    A, limits = mission.ability.A, mission.ability.limits[:, [0, 3]].copy()
+    reserve = mission.controller.most_up / lifted(A, limits)
+    left = mission.ability.left(Health.whole(8).with_thruster(2, 0.0, force))
+    budget = left.budget
+    limits *= ratio * reserve
+    limits[2] = force
+    assert lift(budget.normals, budget.bounds, budget.held_shares, ratio) == pytest.approx(lifted(A, limits), rel=1e-6)
+
+
+def lifted(A, limits):
+    """The most lift of forces within limits (m,2) that make nothing else [N]."""
+    return -linprog(-A[2], A_eq=A[[0, 1, 3, 4, 5]], b_eq=np.zeros(5), bounds=limits).fun
+
+
+def test_with_less_voltage_it_is_asked_less_high_compiled_and_not():
+    loaded = load_mapping(scenario("cube"))
+    controller, of_plain = prepare(loaded).controller, plain(ceiling.__name__)
+    table, budget = controller.ceiling.table, controller._budget
+    heights = []
+    for ratio in (1.0, 0.8, 0.5, 0.2):
+        up = ratio * controller.most_up
+        heights.append(highest_held(table, up))
+        assert heights[-1] == of_plain.highest_held(table, up) == controller.ceiling.highest(up)
+        view = seen([0.0, 0.0, heights[-1] - 0.1], [0.0, 0.0, 0.5], np.array([0.0, 0.0, 3.0]), np.eye(3))
+        told = []
+        for function in (keep_under_surface, of_plain.keep_under_surface):
+            velocity, change = np.array([0.1, 0.0, 0.5]), np.zeros(3)
+            record = view if function is keep_under_surface else view.view(np.recarray)
+            function(table, *budget, ratio, record, velocity, change, 2.0)
+            told.append((*velocity, *change))
+        assert told[0] == told[1]
+        assert told[0][2] == pytest.approx(0.05, abs=1e-9)  # 0.1 m in 2 s
+    assert heights[0] == controller.highest
+    assert (np.diff(heights) < -1e-3).all()
 
 
 @pytest.mark.parametrize("seed", range(20))

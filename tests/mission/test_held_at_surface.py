@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from support.both_loops import assert_same_flight, flown
 from support.places import MODELS
 
 import cube_sim
@@ -57,6 +58,25 @@ def test_a_point_in_the_air_is_held_from_below_with_force_to_spare(name, z, extr
     said = " ".join(line.text for line in run.log if line.t == 0.0)
     highest = float(re.search(r"it is asked no higher than z = (-?[\d.]+) m", said)[1])
     assert place[late, 3].mean() == pytest.approx(highest, abs=0.02)
+
+
+@pytest.mark.flight
+def test_on_a_weak_battery_it_is_held_lower_by_either_loop(monkeypatch):
+    """At some ten volts in place of sixteen there is less than half of the lift, and less to spare."""
+    battery = {"open_circuit_V": [10.0, 10.5], "resistance_ohm": 0.02, "capacity_Wh": 20.0}
+    heights = []
+    for extra in ({}, {"battery": battery}):
+        one, _ = flown(at("cube", point(2.0), **extra), {}, True, monkeypatch)
+        rows, signals = one.signals["pose.position"], one.signals
+        late = rows[:, 0] > 40.0
+        heights.append(rows[late, 3].mean())
+        assert np.ptp(rows[late, 3]) < 0.03
+        assert signals["path_error.attitude"][late, 1].max() < 0.1
+        controller = one.mission.controller
+        ratio = one.mission.supply.force_ratio
+        assert heights[-1] == pytest.approx(controller.ceiling.highest(ratio * controller.most_up), abs=0.02)
+    assert heights[1] < heights[0] - 0.02
+    assert_same_flight(at("cube", point(2.0), battery=battery, duration_s=12), {}, monkeypatch)
 
 
 @pytest.mark.flight
