@@ -1,6 +1,6 @@
 """Train a small law to keep a place in unknown currents, then hold it against our own by the same checks.
 
-python examples/train_a_law.py [--generations 10] [--out trained_law.json]
+python examples/train_a_law.py [--generations 10] [--laws 16] [--out trained_law.json]
 
 The law has six numbers: how much force and torque an error, its integral and a velocity call for. The
 cross-entropy method (R. Rubinstein, 1999) finds them on an environment of Gymnasium: draw laws around a mean, fly each
@@ -47,8 +47,8 @@ RANDOM = {
 }
 UNSEEN = ([0.2, 0.0, 0.0], [0.0, -0.15, 0.1], [-0.15, 0.15, -0.05])
 """Currents it is judged in [m/s]."""
-LAWS, BEST, FLIGHTS = 16, 4, 2
-"""Laws in a generation, those that the next is drawn around, and flights of each."""
+BEST, FLIGHTS = 4, 2
+"""Laws that the next generation is drawn around, and flights of each."""
 
 
 class TrainedLaw:
@@ -89,13 +89,13 @@ def worth(env, gains, seed):
     return earned
 
 
-def train(generations, seed=1):
-    """(6,) gains."""
+def train(generations, count, seed=1):
+    """(6,) gains, found among so many laws a generation."""
     env = FlightEnv(SCENARIO, randomise=RANDOM, reward=FollowingReward(near_m=0.1, near_rad=0.1, effort=0.5))
     rng = np.random.default_rng(seed)
     mean, spread = np.log([10.0, 1.0, 10.0, 1.0, 0.1, 1.0]), np.full(6, 1.2)
     for generation in range(generations):
-        laws = mean + spread * rng.standard_normal((LAWS, 6))
+        laws = mean + spread * rng.standard_normal((count, 6))
         flights = rng.integers(2**31, size=FLIGHTS).tolist()  # the same for all laws of a generation
         earned = np.array([np.mean([worth(env, np.exp(law), flight) for flight in flights]) for law in laws])
         best = laws[np.argsort(earned)[-BEST:]]
@@ -120,9 +120,10 @@ def compare(gains):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--generations", type=int, default=10)
+    parser.add_argument("--laws", type=int, default=16, help="of a generation")
     parser.add_argument("--out", type=Path, default=Path("trained_law.json"))
     asked = parser.parse_args()
-    gains = train(asked.generations)
+    gains = train(asked.generations, asked.laws)
     asked.out.write_text(json.dumps({"gains": gains.tolist()}), encoding="utf-8")
     print(f"\n{asked.out}: gains {np.array2string(gains, precision=3)}")
     compare(gains)

@@ -136,7 +136,7 @@ PROMISED = {
         train_a_law,
     )
 }
-ARGUMENTS = {"train_a_law": ["--generations", "2"]}
+ARGUMENTS = {"train_a_law": ["--generations", "2", "--laws", "6"]}
 """What is shorter than the reader's run."""
 
 

@@ -12,6 +12,8 @@ from cube_sim.campaign.sample_flight import FlownSample, SampleFlights, Task, di
 from cube_sim.errors import CubeSimError
 
 MISSING = "a cluster takes Dask: pip install 'cube-sim[cluster]'"
+ANSWER_S = 10.0
+"""So long a scheduler may take to answer [s]."""
 AHEAD = 2
 """So many pieces of work wait for each thread of the cluster."""
 PIECE_S = 1.0
@@ -46,7 +48,7 @@ def on_cluster(task: Task, samples: Iterable[int], address: str) -> Iterator[Flo
 
     identity = identity_of(task.loaded)
     try:
-        client = Client(address, timeout="10s", set_as_default=False)
+        client = Client(address, timeout=ANSWER_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise CubeSimError(f"--cluster {address}: no scheduler answers: {' '.join(str(error).split())}") from None
     flights, waiting = SampleFlights(task), iter(samples)

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 
 import pytest
 from distributed import Client
-from support.command_line import cube_sim
+from support.command_line import call
 from support.dask_cluster import FIRST_DEATH, cluster_of, process
 from support.own_code import PID
 from support.scenario_files import FLIGHT
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.flight
 
 SAMPLES = """\
 samples:
-  count: 40
+  count: 24
   vary:
     current_m_s: {distribution: direction, high: 0.3}
   lost_thrusters: {losses: [0, 1], choose: random, at_s: 5}
@@ -37,7 +37,7 @@ def dask(tmp_path):
 def test_one_worker_killed_on_the_way_changes_no_byte(dask, tmp_path, monkeypatch):
     address, workers = dask
     monkeypatch.setattr(cluster, "PIECE_S", 0.3)
-    file = written(tmp_path, SAMPLES, FLIGHT.replace("duration_s: 0.5", "duration_s: 20"))
+    file = written(tmp_path, SAMPLES, FLIGHT.replace("duration_s: 0.5", "duration_s: 10"))
     flown, killed = [], []
 
     def told(how_far):
@@ -48,7 +48,7 @@ def test_one_worker_killed_on_the_way_changes_no_byte(dask, tmp_path, monkeypatc
 
     swept(file, tmp_path / "cluster", cluster=address, progress=told)
     assert workers[0].wait() == -signal.SIGKILL
-    assert killed[0] < 40 == flown[-1]
+    assert killed[0] < 24 == flown[-1]
     assert flown == sorted(set(flown))
     swept(file, tmp_path / "threads", workers=2)
     assert (tmp_path / "cluster" / "rows.parquet").read_bytes() == (tmp_path / "threads" / "rows.parquet").read_bytes()
@@ -57,7 +57,7 @@ def test_one_worker_killed_on_the_way_changes_no_byte(dask, tmp_path, monkeypatc
 def test_a_worker_that_comes_later_flies_too(dask, tmp_path):
     address, workers = dask
     workers[1].kill()
-    file = written(tmp_path, SAMPLES.replace("40", "24"), FLIGHT.replace("duration_s: 0.5", "duration_s: 20"))
+    file = written(tmp_path, SAMPLES.replace("24", "16"), FLIGHT.replace("duration_s: 0.5", "duration_s: 10"))
     late = ("distributed.cli.dask_worker", address, "--no-nanny", "--nthreads", "2", "--no-dashboard", "--name", "late")
     with ExitStack() as stack:
 
@@ -104,9 +104,12 @@ def test_workers_that_have_other_files_are_refused(dask, tmp_path, monkeypatch):
         swept(file, tmp_path / "out", cluster=address)
 
 
-def test_nobody_there_is_told(tmp_path):
+def test_nobody_there_is_told(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(cluster, "ANSWER_S", 0.5)
     file = written(tmp_path, SAMPLES.replace("at_s: 5", "at_s: 0.1"))
-    done = cube_sim("sweep", file, "--out", "out", "--cluster", "tcp://127.0.0.1:1", cwd=tmp_path)
-    assert done.returncode == 3
-    assert done.stderr.startswith("--cluster tcp://127.0.0.1:1: no scheduler answers: ")
-    assert len(done.stderr.splitlines()) == 1
+    code, _, said = call(
+        monkeypatch, capsys, "sweep", file, "--out", tmp_path / "out", "--cluster", "tcp://127.0.0.1:1"
+    )
+    assert code == 3
+    assert said.startswith("--cluster tcp://127.0.0.1:1: no scheduler answers: ")
+    assert len(said.splitlines()) == 1

@@ -212,19 +212,18 @@ def test_output_that_finds_no_room_is_one_line_and_changes_no_verdict(tmp_path):
 def test_closed_streams_change_neither_the_code_nor_what_is_recorded(tmp_path):
     """`cube-sim judge RUN >&- 2>&-`, as a shell runs it."""
     path, out = write(tmp_path, FLIGHT), tmp_path / "out"
+    every = (">&-", "2>&-", "<&- >&- 2>&-")
     ends = [
-        (("schema",), 0),
-        (("run", path, "--out", out, "--record", "mcap"), 0),
-        (("judge", out), 0),
-        (("run", path, "--record", "none", "--set", "checks.0.at_most=-1"), 1),
-        (("export", out, tmp_path / "tables", "--channel", "pose"), 0),
-        (("judge", tmp_path / "nothing"), 2),
+        (("schema",), 0, every[:1]),
+        (("run", path, "--out", out, "--record", "mcap"), 0, every),
+        (("judge", out), 0, every),
+        (("run", path, "--record", "none", "--set", "checks.0.at_most=-1"), 1, every[:1]),
+        (("export", out, tmp_path / "tables", "--channel", "pose"), 0, every[2:]),
+        (("judge", tmp_path / "nothing"), 2, every[1:]),
     ]
-    for arguments, code in ends:
+    for arguments, code, closings in ends:
         command = shlex.join([sys.executable, "-m", "cube_sim", *map(str, arguments)])
-        for closed in (">&-", "2>&-", "<&- >&- 2>&-"):
-            if arguments[0] == "export":
-                shutil.rmtree(tmp_path / "tables", ignore_errors=True)
+        for closed in closings:
             done = subprocess.run(
                 ["sh", "-c", f"{command} {closed}"], cwd=tmp_path, capture_output=True, text=True, timeout=300
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 
 import numpy as np
@@ -17,7 +18,8 @@ from support.catalogue.vehicles import Entry, catalogue
 
 GAIN_DB, PHASE_DEG = 6.0, 40.0
 OURS = ("cube", "cube_as_built", "bluerov2_heavy")
-WHOLE = [name for name, entry in catalogue().items() if not entry.lost]
+WHOLE = [name for name, entry in catalogue().items() if not entry.lost and not re.fullmatch(r"drawn\d_[1-9]", name)]
+"""Of the drawn layouts one for each number of thrusters; the campaign looks at all of them, at every speed."""
 UNSEEN = [(3, 31), (4, 32), (5, 33), (6, 34), (8, 35)]
 """Thrusters and seeds of drawn layouts that the catalogue does not have."""
 LESS = {"cube_as_built-T1T2T3": 5.5}

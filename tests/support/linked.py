@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import cube_sim
-from cube_sim.spatial import skew
+from cube_sim.spatial import cross, skew
 from support.water_bodies import DENSITY, GRAVITY, Body, coriolis_matrix, random_body, values
 
 
@@ -126,7 +126,7 @@ class Linked:
         for body, Rb, Vb, bb, Jb in zip(bodies, R, V, bias, J, strict=True):
             v_c = Rb.T @ np.asarray(self.hull.current)
             V_r = Vb - np.append(v_c, np.zeros(3))
-            turn = np.append(-np.cross(Vb[3:], v_c), np.zeros(3))  # d/dt of the current in turning axes
+            turn = np.append(-cross(Vb[3:], v_c), np.zeros(3))  # d/dt of the current in turning axes
             up = Rb.T @ np.array([0.0, 0.0, 1.0])
             W, B = body.mass * self.gravity * up, DENSITY * body.volume * self.gravity * up
             F = (
@@ -135,7 +135,7 @@ class Linked:
                 - body.linear @ V_r
                 - body.quadratic @ (np.abs(V_r) * V_r)
                 + body.added @ turn
-                + np.append(B - W, np.cross(body.cb, B) - np.cross(body.cg, W))
+                + np.append(B - W, cross(body.cb, B) - cross(body.cg, W))
             )
             M += Jb.T @ (body.rigid + body.added) @ Jb
             force = force + Jb.T @ (F - (body.rigid + body.added) @ bb)
@@ -143,7 +143,7 @@ class Linked:
         q_dot = 0.5 * np.array(
             [
                 -w @ q[1:],
-                *(q[0] * w + np.cross(q[1:], w)),
+                *(q[0] * w + cross(q[1:], w)),
             ]
         )
         return np.concatenate([R0 @ V0[:3], q_dot, speeds, np.linalg.solve(M, force)])
@@ -178,12 +178,15 @@ def inertial(body: Body) -> str:
 
 def inward(rotation: np.ndarray, place: np.ndarray) -> np.ndarray:
     """X (6,6): the twist of a body at `place` on another, from that one's; both in their own axes."""
-    return np.block([[rotation.T, -rotation.T @ skew(place)], [np.zeros((3, 3)), rotation.T]])
+    X = np.zeros((6, 6))
+    X[:3, :3] = X[3:, 3:] = rotation.T
+    X[:3, 3:] = -rotation.T @ skew(place)
+    return X
 
 
 def motion_cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """a x b of two twists [v; w]."""
-    return np.append(np.cross(a[3:], b[:3]) + np.cross(a[:3], b[3:]), np.cross(a[3:], b[3:]))
+    return np.append(cross(a[3:], b[:3]) + cross(a[:3], b[3:]), cross(a[3:], b[3:]))
 
 
 def random_link(rng: np.random.Generator, parent: int, kind: str = "hinge", damped: bool = True) -> Link:

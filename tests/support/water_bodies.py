@@ -122,7 +122,10 @@ def positive(rng: np.random.Generator, n: int) -> np.ndarray:
 def coriolis_matrix(M: np.ndarray, nu: np.ndarray) -> np.ndarray:
     """C(nu) (6,6) of Fossen 2011, theorem 3.2, as blocks of skew matrices."""
     p, h = M[:3] @ nu, M[3:] @ nu
-    return np.block([[np.zeros((3, 3)), -skew(p)], [-skew(p), -skew(h)]])
+    C = np.zeros((6, 6))
+    C[:3, 3:] = C[3:, :3] = -skew(p)
+    C[3:, 3:] = -skew(h)
+    return C
 
 
 def fossen(body: Body, state: np.ndarray, wrench: np.ndarray | None = None) -> np.ndarray:
