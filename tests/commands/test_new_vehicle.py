@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import mujoco
@@ -48,7 +49,15 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def unflown(monkeypatch):
+def few_panels(monkeypatch):
+    """How exact added mass is is another's test."""
+    panels = import_module("cube_sim.hull_shape.added_mass")
+    monkeypatch.setattr(panels, "COARSE", 400)
+    monkeypatch.setattr(panels, "FINE", 1000)
+
+
+@pytest.fixture
+def unflown(monkeypatch, few_panels):
     """Choosing a scenario is another's test."""
 
     def write(model, file, hull, voltages=None):
@@ -396,7 +405,7 @@ def test_a_table_of_ones_own_is_taken_at_its_voltage_and_without_power(here, unf
 
 
 @pytest.mark.parametrize("there", [False, True])
-def test_where_writing_fails_nothing_stays(there, here, monkeypatch, capsys):
+def test_where_writing_fails_nothing_stays(there, here, few_panels, monkeypatch, capsys):
     def write(model, file, hull, voltages=None):
         assert model.exists()
         file.write_text("half")
