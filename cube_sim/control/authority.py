@@ -102,6 +102,10 @@ class Capability:
     turned: TurnedRound | None = None
     by_flow: bool = False
 
+    def __getstate__(self) -> dict[str, object]:
+        """What a copy takes over, taken at once: another thread may be filling in what is cached here."""
+        return dict(self.__dict__)
+
     @property
     def lost(self) -> Matrix:
         """N (6, 6 - rank) of the combinations N' w = b, forces above torques."""

@@ -68,6 +68,10 @@ class ForceBudget:
         gains = np.ascontiguousarray(budget.normals @ self.matrix)
         return replace(budget, moving=MomentBudget(gains, self.which, self.share, own.offsets, budget.bounds, limits))
 
+    def __getstate__(self) -> dict[str, object]:
+        """What a copy takes over, taken at once: another thread may be filling in what is cached here."""
+        return dict(self.__dict__)
+
     @cached_property
     def normals(self) -> Matrix:
         """(p,6) of the facets."""
