@@ -3,7 +3,8 @@
 What a fin makes depends on the flow. At the velocity and the deflections of the moment the fins are linear,
 W(delta) = W(delta_0) + B (delta - delta_0), and the least squares of what is wanted less what fins and thrusters make
 share it out. Fins cost no power, so they come first where both could make it. What they make undeflected is the hull's
-own (`cube_sim.vehicle.lift`) and counts for nothing here.
+own (`cube_sim.vehicle.lift`) and counts for nothing here, but for what it is less once they stall, see
+`FinParts.stalls`.
 
 A deflection is asked for within the fin's travel, short of its stall, and no farther from where the fin is than its
 servo turns it at full rate: asked for more, it would turn no faster.
@@ -21,7 +22,7 @@ from cube_sim.allocation.box_least_squares import nearest_in_box
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import component, cross_tuples, dot, minus, minus6, plus, plus6, stacked, to_body, triple
 from cube_sim.vehicle.laws.body_lift import deflected_wrench
-from cube_sim.vehicle.laws.fin import CHORD, NORMAL, PLACE, STALL, fin_wrench
+from cube_sim.vehicle.laws.fin import CHORD, NORMAL, PLACE, STALL, attached_wrench, fin_wrench
 
 FIN_PRICE, THRUSTER_PRICE = 1e-8, 1e-5
 """What full deflection and full force cost, as shares of the squared wrench of the strongest of all (choices): next to
@@ -53,6 +54,9 @@ class FinParts(NamedTuple):
         forces: (m,2) least and largest force of each [N]; both the same of one that does not respond.
         beyond: (6,6) projector onto what no thruster makes, in the scale of `scale`.
         scale: (6,) by which wrenches are compared [1, 1/m].
+        stalls: whether what a stall takes from fins that are not deflected is made up for, too. The hull's own numbers
+            leave it out, and a hull that its fins steer is told by them which torque it takes. One whose thrusters hold
+            it keeps it as damping.
     """
 
     table: NDArray[np.float64]
@@ -64,6 +68,7 @@ class FinParts(NamedTuple):
     forces: NDArray[np.float64]
     beyond: NDArray[np.float64]
     scale: NDArray[np.float64]
+    stalls: bool
 
 
 @compiled
@@ -107,7 +112,7 @@ def share_with_fins(parts, demand, nu_r, deflections, force_ratio, wanted, made,
         largest = 0.0
         for i in range(k):
             fin, size = p.table[i], max(abs(p.travel[i, 0]), abs(p.travel[i, 1]))
-            undeflected, there = turned_fin(p, i, 0.0, nu_r), turned_fin(p, i, wanted[i], nu_r)
+            undeflected, there = undeflected_fin(p, i, nu_r), turned_fin(p, i, wanted[i], nu_r)
             ahead, back = turned_fin(p, i, wanted[i] + STEP_RAD, nu_r), turned_fin(p, i, wanted[i] - STEP_RAD, nu_r)
             slope, base = minus6(ahead, back), minus6(there, undeflected)
             square = 0.0
@@ -134,7 +139,7 @@ def share_with_fins(parts, demand, nu_r, deflections, force_ratio, wanted, made,
         for i in range(k):
             wanted[i] = x[i] * max(abs(p.travel[i, 0]), abs(p.travel[i, 1]))
     for i in range(k):
-        more = minus6(turned_fin(p, i, wanted[i], nu_r), turned_fin(p, i, 0.0, nu_r))
+        more = minus6(turned_fin(p, i, wanted[i], nu_r), undeflected_fin(p, i, nu_r))
         for a in range(6):
             made[a] += component(more, a)
     return leave_the_rest(p, demand, made, rest)
@@ -147,6 +152,12 @@ def turned_fin(parts, i, deflection, nu_r):
     if len(parts.linear) + len(parts.square) == 0:
         return lift
     return plus6(lift, deflected_wrench(parts.linear, parts.square, float(i), deflection, nu_r))
+
+
+@compiled
+def undeflected_fin(parts, i, nu_r):
+    """What the hull itself has of fin i, a 6-tuple [N, N m]; arguments as for `turned_fin`."""
+    return attached_wrench(parts.table[i], nu_r) if parts.stalls else turned_fin(parts, i, 0.0, nu_r)
 
 
 @compiled

@@ -37,17 +37,20 @@ COURSE = np.dtype(
         ("makes", np.float64, (6, 4)),
         ("slips", np.float64, (2, 4)),
         ("turning", np.float64, (4, 2)),
-        ("aside", np.float64, 2),
+        ("levers", np.float64, 2),
         ("most_rate", np.float64, 2),
         ("most_slip", np.float64, 2),
         ("learning_time", np.float64),
         ("learned", np.float64, 2),
         ("water", np.float64, 3),
+        ("turned_for", np.float64),
+        ("turned_away", np.bool_),
     ]
 )
 """Numbers of `CourseKeeping`, whose names these are, and whether it steers. The time [s] in which it learns, and what
 it has learned: by how much its nose is to point higher and farther to the left than reckoned [rad]. And the velocity of
-the water in which fins are turned (3,) [m/s], world axes: out."""
+the water in which fins are turned (3,) [m/s], world axes: out. For how long the hull has turned away by itself [s], and
+whether it is to lose its way because of it, see `cube_sim.control.turned_away`."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,7 @@ class CourseKeeping:
         slips: (2,4) slip velocities aside and up [m/s] at which hull and fins balance a wrench (Y, Z, M, N), the torque
             being the fins'.
         turning: (4,2) wrench (Y, Z, M, N) of the water on a hull that turns at 1 rad/s about y and z, taken negative.
-        aside: (2,) force against a slip aside and up [N s/m].
+        levers: (2,) on which fins turn the hull about y and z [m].
         most_rate: (2,) rates about y and z up to which it is asked to turn [rad/s].
         most_slip: (2,) slip aside and up, up to which it is asked to slip [rad].
         slip_time: in which a slip follows the heading [s].
@@ -71,7 +74,7 @@ class CourseKeeping:
     makes: Matrix
     slips: Matrix
     turning: Matrix
-    aside: Vector
+    levers: Vector
     most_rate: Vector
     most_slip: Vector
     slip_time: float
@@ -94,7 +97,7 @@ class CourseKeeping:
         balance = np.asarray(
             -np.linalg.pinv(np.column_stack([slip, -makes[np.ix_(SLIP_ROWS, [2, 3])]])), dtype=np.float64
         )
-        rates, slips = np.empty(2), np.empty(2)
+        rates, slips, levers = np.empty(2), np.empty(2), np.array([_lever(columns, k) for k in range(2)])
         for slip_axis, about in ((0, 1), (1, 0)):  # a slip aside is held about z, one up about y
             needed = abs(float(D[4 + about, 1 + slip_axis])) * speed_m_s
             slips[slip_axis] = min(MOST_SLIP_RAD, SLIP_SHARE * most[about] / max(needed, 1e-12))
@@ -102,15 +105,13 @@ class CourseKeeping:
         for k in range(2):
             answer = balance @ turning[:, k]
             lean = float(np.abs(answer[:2]).max()) / speed_m_s
-            lever = _lever(columns, k)
             rates[k] = min(
                 TURN_SHARE * most[k] / max(abs(float(answer[2 + k])), 1e-12),
                 LEANING_RAD[steady[k]] / max(lean, 1e-12),
-                STEEPEST_FLOW_RAD[steady[k]] / max(lean + lever / speed_m_s, 1e-12),
+                STEEPEST_FLOW_RAD[steady[k]] / max(lean + float(levers[k]) / speed_m_s, 1e-12),
             )
-        aside = np.maximum(np.diag(D)[1:3], 1e-9)
-        slip_time = float(np.max(np.diag(hull.total_mass)[1:3] / aside))
-        return CourseKeeping(speed_m_s, makes, balance[:2], turning, aside, rates, slips, slip_time)
+        slip_time = float(np.max(np.diag(hull.total_mass)[1:3] / np.maximum(np.diag(D)[1:3], 1e-9)))
+        return CourseKeeping(speed_m_s, makes, balance[:2], turning, levers, rates, slips, slip_time)
 
     def lateral_time(self, attitude_time: float) -> float:
         """In which a cross-track error is removed [s], no faster."""
@@ -119,10 +120,22 @@ class CourseKeeping:
     def record(self, attitude_time: float) -> Record:
         """Its numbers, as compiled laws read them: (1,) of `COURSE`; behind an attitude's loop of a time [s]."""
         record = np.zeros(1, COURSE)
-        for name in ("speed", "makes", "slips", "turning", "aside", "most_rate", "most_slip"):
+        for name in ("speed", "makes", "slips", "turning", "levers", "most_rate", "most_slip"):
             record[name] = getattr(self, name)
         record["steered"], record["learning_time"] = True, self.lateral_time(attitude_time)
         return record
+
+
+def turning_diameter(left: Capability, hull: Dynamics, speed_m_s: float) -> float:
+    """Of the tightest level turn at a speed [m/s] that a hull is asked for whose fins steer it [m]; 0 of any other.
+
+    Args:
+        left: as for `CourseKeeping.of`, like the next.
+        hull: see there.
+        speed_m_s: through the water.
+    """
+    keeping = CourseKeeping.of(left, hull, speed_m_s)
+    return 0.0 if keeping is None else 2.0 * speed_m_s / float(keeping.most_rate[1])
 
 
 def _makes(columns: Matrix) -> tuple[Matrix, Vector]:

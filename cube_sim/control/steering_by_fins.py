@@ -9,6 +9,7 @@ from math import atan2, sqrt
 
 import numpy as np
 
+from cube_sim.control.turned_away import turns_away
 from cube_sim.control.turning_on import tell_attitude
 from cube_sim.native.compiled import compiled
 from cube_sim.tuples import (
@@ -132,6 +133,9 @@ def keep_course(
     about_x = -rest[3] - M[3, 3] * (2.0 * rates[0] + roll / k.attitude_time) / k.attitude_time
     surge = steady_wrench(hull, (fast, 0.0, 0.0), (R[2, 0], R[2, 1], R[2, 2]))[0] - rest[0]
     surge += M[0, 0] * (fast - flow[0]) / k.velocity_time
+    drift = drift_in(course, rest, share)
+    if turns_away(course, minus(flow, drift), rates, w_ref, share, k.attitude_time, dt):
+        surge = min(surge, 0.0)
     if ends:
         surge = max(surge, 0.0)  # astern, the propeller would take the flow off the fins
     velocity, force = to_body(R, wanted), to_world(R, (surge, 0.0, 0.0))
@@ -139,7 +143,7 @@ def keep_course(
         asked = c.makes[i, 0] * surge + c.makes[i, 1] * about_x + c.makes[i, 2] * tau[4] + c.makes[i, 3] * tau[5]
         m.asked[i] = out.wrench[i] = asked
     m.has_asked = True
-    seen = plus(water, to_world(R, (0.0, rest[1] / (c.aside[0] * share), rest[2] / (c.aside[1] * share))))
+    seen = plus(water, to_world(R, drift))
     for i in range(3):
         m.force[i], m.velocity[i], m.torque[i] = force[i], wanted[i], tau[3 + i]
         out.velocity[i], out.rates[i], c.water[i] = velocity[i], w_ref[i], seen[i]
@@ -232,6 +236,25 @@ def level_axes(R, ahead_W):
     axes[0, 1], axes[1, 1], axes[2, 1] = -sin_h, cos_h, 0.0
     axes[0, 2], axes[1, 2], axes[2, 2] = -z * cos_h, -z * sin_h, level
     return axes
+
+
+@compiled
+def drift_in(course, unknown, share):
+    """By how much faster the water would flow for the hull to be pushed so, a 3-tuple [m/s], body axes.
+
+    Water that is not known yet pushes a hull aside and turns it by its slip; so does a fin, on its own lever. What is
+    not explained is taken for the two together. So a fin that makes less than is reckoned is no water: turned into a
+    flow that is not there, it would make less still.
+
+    Args:
+        course: record of `cube_sim.control.course_keeping.COURSE`.
+        unknown: wrench (6-tuple) that the model does not explain [N, N m], body axes.
+        share: of the speed through the water in that of the path.
+    """
+    s, by = course[0].slips, -1.0 / share
+    aside = by * (s[0, 0] * unknown[1] + s[0, 1] * unknown[2] + s[0, 2] * unknown[4] + s[0, 3] * unknown[5])
+    up = by * (s[1, 0] * unknown[1] + s[1, 1] * unknown[2] + s[1, 2] * unknown[4] + s[1, 3] * unknown[5])
+    return 0.0, aside, up
 
 
 @compiled

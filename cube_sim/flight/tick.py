@@ -136,7 +136,8 @@ def _steer(mission: Mission, decision: Decision, known: State) -> FinAnswer | No
     deflections = mission.data.act[mission.fins.fins.activations]
     water = decision.current if decision.fins_water is None else decision.fins_water
     seen = decision.wrench, known, water, deflections, mission.force_ratio
-    return mission.fins.share(mission.fins.parts(mission.allocator, mission.events.fins_told), *seen)
+    steer = decision.fins_water is not None
+    return mission.fins.share(mission.fins.parts(mission.allocator, mission.events.fins_told, steer), *seen)
 
 
 def _write(

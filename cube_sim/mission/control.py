@@ -11,6 +11,7 @@ import numpy as np
 from cube_sim.actuation.directions.selection_criteria import final_approach
 from cube_sim.control.authority import OUT_OF_PLANE, Authority, Capability
 from cube_sim.control.controller import Controller
+from cube_sim.control.course_keeping import turning_diameter
 from cube_sim.control.current import CurrentObserver
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.loop_times import LoopTimes, angular_acceleration, mean_delay
@@ -47,6 +48,9 @@ from cube_sim.wrench.matrix import lever_arm
 REST = 3.0
 """How many times the force at which the widest dead zone ends is asked for again where it could not be made; and the
 torque that it makes on the thrusters' rms arm."""
+LIMIT_M, LIMIT_DIAMETERS = 10.0, 2.0
+"""How far from its target a vehicle is that has lost it, where nothing is said: no less than that many diameters of the
+tightest turn that fins hold, in which such a hull comes back (choices)."""
 BY_FINS = (
     "the planar law has a torque that pushes nothing aside, and leaves depth to the water; fins steer this vehicle, and"
     " hold its depth: leave control.law out, motion_6dof follows the path by them"
@@ -137,7 +141,7 @@ def controller_of(
         pointing_time=times.pointing,
         observer=None if time is None else DisturbanceObserver(dynamics, time),
         current_observer=None if flow is None or time is None else CurrentObserver(dynamics, flow),
-        safe_mode=_safe_mode(scenario, believed),
+        safe_mode=_safe_mode(scenario, believed, within_limit, dynamics),
         most_rest=REST * widest * np.array([1.0, lever_arm(believed.vehicle.actuation_matrix, SPATIAL)]),
         speed=scenario.guidance.speed_m_s if control.attitude_time_s is None else 0.0,
         radius=ability.radius_m,
@@ -196,9 +200,11 @@ def _loop_times(scenario: Scenario, times: LoopTimes) -> dict[str, float]:
     return stated
 
 
-def _safe_mode(scenario: Scenario, believed: CompiledHull) -> SafeMode:
+def _safe_mode(scenario: Scenario, believed: CompiledHull, left: Capability, hull: Dynamics) -> SafeMode:
     block = scenario.control.safe_mode
     limit, rises_to = block.distance_limit_m, block.surface_m
+    if limit == 0.0:
+        limit = max(LIMIT_M, LIMIT_DIAMETERS * turning_diameter(left, hull, scenario.guidance.speed_m_s))
     floats = False
     if scenario.surface_m is not None:  # a vehicle that would rise above its draught drives its thrusters dry
         floats_at = scenario.surface_m + floating_height(*believed, block.drop_weight_N)

@@ -78,7 +78,7 @@ class FinSteering:
         together = np.column_stack([allocator.A, at_speed.matrix])
         return FinSteering(flown.fins, fins, scenario.control_period_s, lever_arm(together, SPATIAL))
 
-    def parts(self, allocator: FaultTolerant, known: FinHealth) -> FinParts:
+    def parts(self, allocator: FaultTolerant, known: FinHealth, keeps_course: bool = False) -> FinParts:
         """What the sharing knows, with thrusters and fins in the state that is believed.
 
         A fin that does not steer is asked for where it is: what it makes there counts, and is nobody's to change.
@@ -86,6 +86,7 @@ class FinSteering:
         Args:
             allocator: over the thrusters.
             known: of the fins.
+            keeps_course: whether they steer the hull.
         """
         health, scale = allocator.health, SPATIAL.scale(self.length_m)
         forces = np.ascontiguousarray(allocator.limits_now[:, [0, 3]] * health.efficiency[:, None])
@@ -99,7 +100,7 @@ class FinSteering:
         travel = np.clip(fins.travel, known.travel[:, :1], known.travel[:, 1:])
         travel[known.loose] = -np.pi, np.pi  # wherever the flow turns it
         tables = fins.table, fins.linear, fins.square
-        return FinParts(*tables, travel, reach, allocator.A, forces, beyond, scale)
+        return FinParts(*tables, travel, reach, allocator.A, forces, beyond, scale, keeps_course)
 
     def share(
         self, parts: FinParts, wrench: Vector, known: State, current: Vector, deflections: Vector, force_ratio: float

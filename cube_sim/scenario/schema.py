@@ -36,7 +36,6 @@ from cube_sim.scenario.values import (
     Angles3,
     Block,
     Coordinate,
-    Extent,
     HullVelocity,
     Name,
     Newtons2,
@@ -120,10 +119,13 @@ class SafeModeBlock(Block):
         description="Weight in water of the ballast dropped when it surfaces, at the centre of mass; its inertia is"
         " taken as none [N].",
     )
-    distance_limit_m: Extent | None = Field(
-        default=10.0,
+    distance_limit_m: float | None = Field(
+        default=0.0,
+        ge=0,
+        le=1e6,
         description="Distance from its target at which a vehicle that was nearer gives the path up, until other"
-        " thrusters work; null: never [m].",
+        " thrusters work; null: never [m]. Default, 0: 10 m, for a vehicle that its fins steer no less than twice the"
+        " diameter of the tightest turn that they hold.",
     )
     patience_s: Seconds = Field(
         default=10.0, description="Time beyond that limit, coming no nearer, until it is given up [s]."

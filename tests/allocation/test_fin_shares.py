@@ -25,7 +25,7 @@ def row(fin: Fin) -> np.ndarray:
     return np.array([0.0, *fin.place, *fin.chord, *fin.normal, *numbers])
 
 
-def parts(fins, thrusters, forces, reach=10.0) -> FinParts:
+def parts(fins, thrusters, forces, reach=10.0, stalls=False) -> FinParts:
     A = np.array(thrusters, dtype=float).reshape(-1, 6).T.copy()
     scale = np.array([1.0] * 3 + [1.0 / 0.5] * 3)
     moving = scale[:, None] * A
@@ -35,7 +35,7 @@ def parts(fins, thrusters, forces, reach=10.0) -> FinParts:
     travel = np.tile([-TRAVEL, TRAVEL], (k, 1))
     limits = np.array(forces, dtype=float).reshape(-1, 2)
     none = np.zeros((0, 6))
-    return FinParts(table, none, none, travel, np.full(k, reach), A, limits, beyond, scale)
+    return FinParts(table, none, none, travel, np.full(k, reach), A, limits, beyond, scale, stalls)
 
 
 def shared(given, demand, nu_r=AHEAD, deflections=None, ratio=1.0, law=share_with_fins):

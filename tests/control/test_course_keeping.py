@@ -11,7 +11,8 @@ from cube_sim.control.asked import MEMORY
 from cube_sim.control.attitude_mode import DESIRED
 from cube_sim.control.course_keeping import CourseKeeping
 from cube_sim.control.following import FOLLOWED
-from cube_sim.control.steering_by_fins import WAY, gliding, keep_course, velocity_through_water
+from cube_sim.control.steering_by_fins import WAY, drift_in, gliding, keep_course, velocity_through_water
+from cube_sim.control.turned_away import STALLED, turns_away
 from cube_sim.flight import Flight
 from cube_sim.guidance.view_record import VIEW
 from cube_sim.spatial import rotation_from_quaternion
@@ -108,3 +109,55 @@ def test_the_slip_that_its_fins_hold_is_less_for_a_hull_with_smaller_fins(tmp_pa
         changes = {"model": str(tmp_path / "drawn.xml"), "parameters": {}, "guidance.speed_m_s": drawn.speed_m_s}
         most.append(kept(Flight(LINE, {**ONE_TICK, **changes}).mission.controller).most_slip[0])
     assert most[0] < 0.1 < most[1]
+
+
+def test_of_what_is_not_explained_only_water_is_taken_for_water(follower):
+    """By its model: a slip's force and torque are water; a fin's are none, nor are both together."""
+    keeping, hull = kept(follower), follower.loops.dynamics
+    course = keeping.record(1.4)
+    D = steady_wrench_slope(hull.record, np.array([1.2, 0, 0, 0, 0, 0.0]), np.zeros(6))
+    water = D @ np.array([0.0, 0.1, -0.05, 0.0, 0.0, 0.0])
+    water[[0, 3]] = 0.0
+    fin = 3.0 * keeping.makes[:, 3] - 2.0 * keeping.makes[:, 2]
+    np.testing.assert_allclose(drift_in(course, tuple(water), 1.0), [0.0, 0.1, -0.05], atol=1e-9)
+    np.testing.assert_allclose(drift_in(course, tuple(fin), 1.0), 0.0, atol=1e-9)
+    np.testing.assert_allclose(drift_in(course, tuple(water + fin), 0.5), [0.0, 0.2, -0.1], atol=1e-9)
+
+
+@pytest.mark.parametrize("about", ["y", "z"])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_thrust_is_off_from_when_it_turns_away_until_it_has_stopped(follower, about, side):
+    course, dt = kept(follower).record(1.4), 0.1
+    most, lever = course["most_rate"][0], course["levers"][0]
+    k = 0 if about == "y" else 1
+
+    def after(rate, slip, wanted=0.0, ticks=1):
+        flow, rates, asked = [1.2, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+        flow[2 - k], rates[1 + k], asked[1 + k] = (1.0 if k == 0 else -1.0) * side * slip, side * rate, side * wanted
+        told = tuple(flow), tuple(rates), tuple(asked), 1.0, 1.4, dt
+        return [bool(turns_away(course, *told)) for _ in range(ticks)][-1]
+
+    fast, steep = 1.2 * most[k], 1.2 * STALLED
+    assert not after(0.8 * most[k], steep, ticks=40)  # no faster than it may be asked to
+    assert not after(fast, 0.5 * (1.2 * STALLED - lever[k] * fast), ticks=40)  # its fins have not stalled
+    assert not after(fast, steep, wanted=2.0 * fast, ticks=40)  # it is asked to
+    assert not after(fast, steep, ticks=13)
+    assert not after(0.8 * most[k], steep)  # it has stopped by itself in time
+    assert not after(fast, steep, ticks=13)
+    assert after(fast, steep, ticks=3)
+    assert after(0.5 * most[k], 0.1)
+    assert not after(0.39 * most[k], 0.1)
+    assert after(fast, steep, ticks=16)
+    assert not after(-0.5 * most[k], steep)  # it turns back
+
+
+@pytest.mark.parametrize("stated", [None, 10.0, 4.0], ids=["default", "10 m", "4 m"])
+@pytest.mark.parametrize("speed", [1.0, 1.5])
+def test_it_may_be_farther_from_its_target_than_it_turns(stated, speed):
+    """What is stated stays; a hull that its thrusters hold anywhere has 10 m."""
+    limit = {} if stated is None else {"control.safe_mode.distance_limit_m": stated}
+    steered = Flight(LINE, {**ONE_TICK, **limit, "guidance.speed_m_s": speed}).mission.controller
+    turn = 2.0 * speed / kept(steered).most_rate[1]
+    assert steered.safe_mode.limit == (max(10.0, 2.0 * turn) if stated is None else stated)
+    held = Flight(SCENARIOS / "cube_helix.yaml", {**ONE_TICK, **limit}).mission.controller
+    assert held.safe_mode.limit == (stated or 10.0)

@@ -14,6 +14,9 @@ from support.water_bodies import Body
 import cube_sim
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
+from cube_sim.vehicle.fins import lift_tables
+from cube_sim.vehicle.laws.fin import attached_wrench
+from cube_sim.vehicle.plugin.packing import packed_parameters
 from cube_sim.vehicle.vehicle import Vehicle
 
 X, Y, Z = np.eye(3)
@@ -57,6 +60,17 @@ def test_a_fin_that_stalls_is_known_as_long_as_it_does_not():
     without = missing(cube_sim.load_model(Lifted(HULL).spec()), nu_r)
     assert np.linalg.norm(without) < 1e-10
     assert np.linalg.norm(left) < 0.15 * lifted
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_fin_that_is_not_deflected_is_to_the_sharing_what_it_is_to_the_hull(seed):
+    rng = np.random.default_rng(seed)
+    chord = np.array([0.8, 0.0, -0.6]) if seed % 2 else X
+    fin = Fin("keel", 0.3 * rng.normal(size=3), chord, Y, 0.02, 3.0, stall=0.3)
+    model, nu = cube_sim.load_model(Lifted(HULL, (fin,)).spec()), rng.normal(size=6)
+    by_products = np.einsum("ijk,j,k->i", Vehicle.from_model(model).lift.fins, nu, np.abs(nu))
+    table = lift_tables(packed_parameters(model))[2]
+    np.testing.assert_allclose(attached_wrench(table[0], tuple(nu)), by_products, atol=1e-9)
 
 
 def test_strips_are_known_nearly_where_it_slips_more_than_it_turns():

@@ -9,6 +9,7 @@ import numpy as np
 
 from cube_sim.allocation.flown import FlownAllocator, SearchCodes
 from cube_sim.control.diagnosis import Diagnosis
+from cube_sim.control.path_follower import PathFollower
 from cube_sim.flight.compiled.callees import ESTIMATING, SHARING, no_fins, nothing_sensed
 from cube_sim.flight.compiled.loop import fly
 from cube_sim.flight.compiled.parts import (
@@ -171,7 +172,8 @@ def _fins(mission: Mission) -> FinServos:
     fins = mission.fins.fins
     n = len(fins.names)
     room = np.zeros(n), np.zeros(n), np.zeros(6), np.zeros(6)
-    parts = mission.fins.parts(mission.allocator, mission.events.fins_told)
+    steer = isinstance(mission.controller, PathFollower) and mission.controller.keeps_course
+    parts = mission.fins.parts(mission.allocator, mission.events.fins_told, steer)
     return FinServos(True, fins.actuators, fins.activations, parts, *room)
 
 

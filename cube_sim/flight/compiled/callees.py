@@ -55,9 +55,8 @@ STEERING = Callee(
 def no_fins() -> FinParts:
     """Arguments of `steer_fins` of the right types, for a vehicle without fins."""
     pairs, products = np.zeros((0, 2)), np.zeros((0, PRODUCT_COLUMNS))
-    return FinParts(
-        np.zeros((0, COLUMNS)), products, products, pairs, np.zeros(0), np.zeros((6, 0)), pairs, np.eye(6), np.ones(6)
-    )
+    fins = np.zeros((0, COLUMNS)), products, products, pairs, np.zeros(0)
+    return FinParts(*fins, np.zeros((6, 0)), pairs, np.eye(6), np.ones(6), False)
 
 
 SHARING = Callee(

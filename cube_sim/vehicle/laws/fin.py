@@ -92,6 +92,28 @@ def fin_wrench(fin, deflection, nu_r):
 
 
 @compiled
+def attached_wrench(fin, nu_r):
+    """The wrench of a fin that is not deflected, did it never stall, a 6-tuple [N, N m], body axes at the body origin.
+
+    -rho S/2 |u| (a n along the normal + C_D0 u along the chord), as hulls reckon with it (`cube_sim.vehicle.lift`): |u|
+    is that of the hull, along the axis of the body that is nearest to the chord.
+
+    Args:
+        fin: as in `fin_wrench`, like the next.
+        nu_r: see there.
+    """
+    place = (fin[PLACE], fin[PLACE + 1], fin[PLACE + 2])
+    chord = (fin[CHORD], fin[CHORD + 1], fin[CHORD + 2])
+    normal = (fin[NORMAL], fin[NORMAL + 1], fin[NORMAL + 2])
+    x, y, z = abs(chord[0]), abs(chord[1]), abs(chord[2])
+    ahead = x * abs(nu_r[0]) if x >= y and x >= z else (y * abs(nu_r[1]) if y >= z else z * abs(nu_r[2]))
+    half, flow = fin[HALF_DENSITY_AREA] * ahead, plus(nu_r[:3], cross_tuples(nu_r[3:], place))
+    along, across = -half * fin[DRAG] * dot(chord, flow), -half * fin[SLOPE] * dot(normal, flow)
+    force = plus(times(along, chord), times(across, normal))
+    return stacked(force, cross_tuples(place, force))
+
+
+@compiled
 def servo_rate(target, deflection, lag_s, limit):
     """How fast a servo turns its fin [rad/s]: towards its target with a lag, no faster than its limit.
 
