@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import ctypes
-import json
 import os
 
 import llvmlite.binding as llvm
 import numba
 import pytest
 from numba import types
-from support.places import CUBE
-from support.processes import printed_by
 
 from cube_sim.native import object_cache
 
@@ -83,26 +80,6 @@ def test_code_with_a_symbol_nobody_has_is_not_kept():
     llvm.initialize_native_target()
     text = "declare void @nobody_has_this()\ndefine void @f() {\n call void @nobody_has_this()\n ret void\n}"
     assert object_cache.emit(text, "f", "f") is None
-
-
-@pytest.mark.flight
-def test_the_water_comes_from_disk_at_the_second_start(tmp_path):
-    """Without numba's compiler, and with the same bits as the start that compiled it."""
-    program = """
-import json, sys
-import mujoco, cube_sim
-model = cube_sim.load_model(sys.argv[1])
-data = mujoco.MjData(model)
-data.ctrl[:] = [0.3, -0.5, 0.9, 0.1, 0.0, 1.0, -1.0, 0.2]
-mujoco.mj_step(model, data, nstep=200)
-print(json.dumps([data.qpos.tobytes().hex(), "cube_sim.vehicle.plugin.callbacks" in sys.modules]))
-"""
-    runs = []
-    for _ in range(2):
-        environment = {"CUBE_SIM_CACHE_DIR": str(tmp_path), "PATH": "", "HOME": str(tmp_path)}
-        runs.append(json.loads(printed_by(program, CUBE, environment=environment)))
-    assert runs[0][0] == runs[1][0]
-    assert [compiled for _, compiled in runs] == [True, False]
 
 
 @pytest.fixture

@@ -190,8 +190,11 @@ def test_what_a_compiled_force_takes_from_outside_is_that_of_its_load():
 
 
 @pytest.mark.flight
-def test_a_model_with_a_force_starts_without_the_compiler_the_second_time(tmp_path):
-    """INFANTE's lift comes from disk; with a force that leans on numba's linear algebra, numba is loaded, not run."""
+def test_the_water_and_what_else_acts_start_without_the_compiler_the_second_time(tmp_path):
+    """To the same bits. The water and INFANTE's lift come from disk.
+
+    With a force that leans on numba's linear algebra, numba is loaded, not run.
+    """
     program = """
 import json, sys
 import mujoco, numpy as np, cube_sim
@@ -204,18 +207,24 @@ def tether(time, position, rotation, velocity, through_water):
 forces = {"hull": tether} if sys.argv[2] == "tether" else {}
 model = cube_sim.load_model(sys.argv[1], forces=forces)
 data = mujoco.MjData(model)
+data.ctrl[:] = np.linspace(-0.5, 1.0, model.nu)
 data.qvel[:] = [1.0, 0.2, 0.0, 0.0, 0.0, 0.1]
 mujoco.mj_step(model, data, nstep=20)
-print(json.dumps([data.qpos.tobytes().hex(), "numba" in sys.modules]))
+loaded = [name in sys.modules for name in ("numba", "cube_sim.vehicle.plugin.callbacks")]
+print(json.dumps([data.qpos.tobytes().hex(), *loaded]))
 """
-    for kind, needs_numba in (("lift", False), ("tether", True)):
+    found = {}
+    for kind, model in (("water", "cube"), ("lift", "infante"), ("tether", "infante")):
         runs = []
         for start in ("first", "second"):
             environment = {**os.environ, "CUBE_SIM_CACHE_DIR": str(tmp_path)}
-            printed = printed_by(program, MODELS / "infante.xml", kind, start, environment=environment)
+            printed = printed_by(program, MODELS / f"{model}.xml", kind, start, environment=environment)
             runs.append(json.loads(printed))
         assert runs[0][0] == runs[1][0]
-        assert runs[1][1] is needs_numba
+        found[kind] = [compiling for _, *compiling in runs]
+    assert found["water"] == [[True, True], [False, False]]
+    assert found["lift"][1] == [False, False]
+    assert found["tether"][1][0]
     assert sorted(path.name.partition(".")[2] for path in tmp_path.glob("user_force-*")) == ["numba.o", "o"]
 
 
