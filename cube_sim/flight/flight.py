@@ -32,7 +32,18 @@ from cube_sim.spatial import State
 from cube_sim.vehicle.plugin.warnings import collect_warnings
 from cube_sim.vehicle.state import read_state
 
-_CHANGING = "controller", "supply", "events", "fault_finding", "drop_weight", "estimation", "stops", "phases", "inflow"
+_CHANGING = (
+    "controller",
+    "supply",
+    "events",
+    "fault_finding",
+    "fin_finding",
+    "drop_weight",
+    "estimation",
+    "stops",
+    "phases",
+    "inflow",
+)
 """What of a mission changes in a flight, beside MuJoCo's data, its model's numbers and the allocation."""
 
 

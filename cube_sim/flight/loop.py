@@ -26,6 +26,7 @@ from cube_sim.flight.tick import NotANumberError, tick
 from cube_sim.mission import Mission
 from cube_sim.mission.divergence import divergence, why_broken_off
 from cube_sim.mission.fault_response import record_actuation, respond_to_faults
+from cube_sim.mission.fin_finding import columns_of
 from cube_sim.mission.fin_response import record_fin_health
 from cube_sim.native.forked import flying, require_its_own_threads
 from cube_sim.recording.signal_store import SignalStore
@@ -180,7 +181,9 @@ class Loop:
             How far the next tick has come, None where it has all been flown; and what `tell` raised.
         """
         mission, tick = self.mission, self.tick
-        most = self._at_once, mission.events.ticks_before(tick, self._period)
+        if mission.fin_finding is not None and mission.fin_finding.look(tick):
+            return NOT_BEGUN, None
+        most = self._at_once, quiet_ticks(mission, tick)
         ticks = min(ticks, mission.scenario.ticks - tick + (not moving), *most)
         if warnings or tick < self._python_until or ticks <= 0 or not self._watches.surface.under_water:
             return NOT_BEGUN, None
@@ -332,6 +335,8 @@ class Loop:
         write_power(self._rows, 0, t, supply.power, supply.energy, supply.voltage, supply.charge)
         try:
             tells_nothing = judged or not self._watches.surface.under_water  # thrusters in the air are not faulty
+            if mission.fin_finding is not None:
+                mission.fin_finding.look(self.tick)
             news = respond_to_faults(mission, store, t, tells_nothing, self._known) or other_voltage or self.tick == 0
             if news and not mission.inflow.varies:
                 record_actuation(mission, store, t, mission.force_ratio)
@@ -345,6 +350,8 @@ class Loop:
             return
         self._applied, self._wanted = allocation.wrench, decision.quaternion
         self._watches.note(t, self._rows, 0, mission.force_ratio, decision.pace)
+        if mission.fin_finding is not None:
+            mission.fin_finding.note(*columns_of(self._rows.fins[:1], len(mission.fin_finding.found.jammed)))
         if decision.given_up != self._given_up:
             self._log_given_up(t, decision.given_up)
             if decision.given_up:
@@ -418,6 +425,17 @@ class Loop:
         self._store.log(t, "WARNING", f"{PATH_GIVEN_UP.begins}{reason}" if reason else PATH_GIVEN_UP.ends)
         if reason and mission.scenario.control.safe_mode.action == "surface" and mission.drop_weight.drop():
             self._store.log(t, "WARNING", BALLAST_DROPPED.begins)
+
+
+def quiet_ticks(mission: Mission, tick: int) -> int:
+    """How many ticks, from this one on, have nothing for Python to do before them: no event, no look at the fins.
+
+    Args:
+        mission: that is flown.
+        tick: its number.
+    """
+    quiet = mission.events.ticks_before(tick, mission.scenario.control_period_s)
+    return quiet if mission.fin_finding is None else min(quiet, mission.fin_finding.ticks_before_look(tick))
 
 
 def each_second(told: Callable[[float], None] | None) -> Callable[[float], None]:

@@ -16,6 +16,7 @@ from cube_sim.flight.shortfall import Afloat, Thrust
 from cube_sim.flight.unattainable_log import UnattainableLog
 from cube_sim.mission import Mission
 from cube_sim.mission.fault_response import record_actuation
+from cube_sim.mission.fin_finding import columns_of
 from cube_sim.mission.navigation import estimated
 from cube_sim.mission.pace_log import PaceLog
 from cube_sim.mission.surface_watch import SurfaceWatch
@@ -164,6 +165,9 @@ def take_over(flown: FlownTicks, first: int, mission: Mission, watches: Watches,
             told = np.flatnonzero(changed)
             record_actuation(mission, store, np.array(times)[told], flown.force_ratio[told])
         watches.surface.note_under_water(times[last])
+        if mission.fin_finding is not None:
+            k = len(mission.fin_finding.found.jammed)
+            mission.fin_finding.note(*columns_of(rows.fins[: flown.ticks], k))
         store.extend(times[0], times[last], rows.named(), ours=True)
     known, n = None, len(times)
     if estimation is not None and n:

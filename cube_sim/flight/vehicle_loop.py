@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cube_sim.flight.action import OWN
 from cube_sim.flight.compiled import BEGIN, FAILED, FORWARDED, STOPPED, TICKED, Stretch, begin_ticks
-from cube_sim.flight.loop import FEW_TICKS, PYTHON_TICKS, Loop
+from cube_sim.flight.loop import FEW_TICKS, PYTHON_TICKS, Loop, quiet_ticks
 from cube_sim.flight.taken_over import Begun, take_over
 from cube_sim.mission import Mission
 from cube_sim.recording.batch import Batch
@@ -46,8 +46,11 @@ class VehicleLoop(Loop):
 
     def begin_stretch(self, most: int) -> bool:
         """Whether compiled code can fly the next tick, and up to so many."""
+        finding = self.mission.fin_finding
+        if self._stretch is None and finding is not None and finding.look(self.tick):
+            return False
         if self._stretch is None and not self.ended and self.tick >= self._python_until:
-            count = min(most, FEW_TICKS, self.mission.events.ticks_before(self.tick, self._period))
+            count = min(most, FEW_TICKS, quiet_ticks(self.mission, self.tick))
             if count > 0 and self._watches.surface.under_water:
                 flying = self._applied, self._watches.surface.boxes
                 self._stretch = begin_ticks(self.mission, self._engine, self.tick, count, *flying)

@@ -1,6 +1,6 @@
-"""The controller learns of the faults of fins where it is told, and goes on with the others.
+"""The controller learns of the faults of fins, told or by what is found of them, and goes on with the others.
 
-Nobody looks for them. But where its fins stand the controller sees at every tick, told or not.
+Where its fins stand the controller sees at every tick, whatever it believes.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ def learn_of_fins(mission: Mission, recorder: SignalStore, t: float) -> bool:
     """
     events, fins = mission.events, mission.fins
     believed = events.fin_health if mission.scenario.control.faults == "told" else events.fins_told
+    if mission.fin_finding is not None:
+        believed = mission.fin_finding.found
     if fins is None or believed is events.fins_told:
         return False
     events.fins_told = believed

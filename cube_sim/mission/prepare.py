@@ -21,7 +21,8 @@ from cube_sim.mission.copying import packed, unpacked
 from cube_sim.mission.drop_weight import DropWeight
 from cube_sim.mission.events import Events
 from cube_sim.mission.fault_finding import FaultFinding
-from cube_sim.mission.fins import FinSteering, fins_at
+from cube_sim.mission.fin_finding import FinFinding
+from cube_sim.mission.fins import FinSteering, believed_fins, fins_at
 from cube_sim.mission.hull import CompiledHull, believed_hull, flown_hull, initial_state
 from cube_sim.mission.knowledge import believed_dynamics
 from cube_sim.mission.moment import inflow_of
@@ -45,6 +46,7 @@ from cube_sim.scenario.path_blocks import PythonPathBlock
 from cube_sim.spatial import Matrix
 from cube_sim.vehicle.carried_joints import CarriedJoints, carried_joints
 from cube_sim.vehicle.dynamics import Dynamics
+from cube_sim.vehicle.fins import Fins
 from cube_sim.vehicle.laws.inflow import Inflow
 from cube_sim.vehicle.power_supply import PowerSupply
 from cube_sim.vehicle.state import read_state
@@ -68,6 +70,7 @@ class Mission:
         supply: what feeds the thrusters.
         events: what happens on the way.
         fault_finding: finds thruster faults; None when the scenario tells the controller, or lets it ignore them.
+        fin_finding: finds faults of fins; None for a vehicle without, and as for those of thrusters.
         drop_weight: ballast that can be let go.
         estimation: makes the state the controller gets of sensors; None when it gets the true one.
         channels: what will be recorded.
@@ -92,6 +95,7 @@ class Mission:
     supply: PowerSupply
     events: Events
     fault_finding: FaultFinding | None
+    fin_finding: FinFinding | None
     drop_weight: DropWeight
     estimation: StateEstimation | None
     channels: tuple[Channel, ...]
@@ -163,6 +167,8 @@ def mission_of(
     require_signals(loaded, vehicle, channels)
     require_possible_events(loaded, vehicle)
     require_a_value_per_thruster(loaded, vehicle)
+    finds = scenario.control.faults == "diagnosed"
+    fins = believed_fins(believed.vehicle, scenario.knowledge)
     allocator = allocator_of(loaded, believed.vehicle, codes)
     dynamics = believed_dynamics(believed.vehicle.dynamics, scenario.knowledge, believed.vehicle.lift)
     ability = _ability(loaded, allocator, dynamics, path, believed.vehicle)
@@ -174,6 +180,7 @@ def mission_of(
     mujoco.mj_kinematics(model, data)
     start = motion_of(read_state(vehicle, data))
     faults = sensor_faults(scenario)
+    events = Events(scenario, model, vehicle, faults)
     mission = Mission(
         scenario=scenario,
         model=model,
@@ -185,8 +192,9 @@ def mission_of(
         allocator=allocator,
         fins=FinSteering.of(vehicle, believed.vehicle, allocator, scenario),
         supply=supply,
-        events=Events(scenario, model, vehicle, faults),
-        fault_finding=FaultFinding(flown, scenario, inflow) if scenario.control.faults == "diagnosed" else None,
+        events=events,
+        fault_finding=FaultFinding(flown, scenario, inflow) if finds else None,
+        fin_finding=_fin_finding(fins, scenario, events) if finds else None,
         drop_weight=DropWeight(safe_mode.drop_weight_N, vehicle),
         estimation=StateEstimation.of(scenario, vehicle, path, own_sensors(loaded, codes, start), faults),
         channels=channels,
@@ -203,6 +211,10 @@ def mission_of(
     if codes.keys() & {"control.law", "control.attitude", "guidance.law"}:
         tried(loaded, mission)
     return mission
+
+
+def _fin_finding(fins: Fins | None, scenario: Scenario, events: Events) -> FinFinding | None:
+    return None if fins is None else FinFinding(fins, scenario.control_period_s, events.fins_told)
 
 
 def _path(loaded: Loaded, codes: Codes) -> tuple[Path, Matrix]:

@@ -168,7 +168,8 @@ class ControlBlock(Block):
     )
     faults: Literal["diagnosed", "told", "ignored"] = Field(
         default="diagnosed",
-        description="How the controller learns of thruster faults: from commands and responses, at once, or never.",
+        description="How the controller learns of faults of thrusters and fins: from commands and responses, at once,"
+        " or never.",
     )
     cost_limit: float | None = Field(
         default=None,

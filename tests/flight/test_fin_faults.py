@@ -96,7 +96,7 @@ def test_what_is_recorded_and_said(mission):
 
 
 def test_untold_nobody_believes_it(mission):
-    flight = Flight({**mission, "duration_s": 3, "events": [event(1.0)], "control": {"faults": "diagnosed"}})
+    flight = Flight({**mission, "duration_s": 3, "events": [event(1.0)], "control": {"faults": "ignored"}})
     flight.fly_to_its_end()
     assert flight.signals["fin_health.state"][-1, 1] == 3.0
     assert not flight.signals["fin_health.believed"][:, 1:].any()

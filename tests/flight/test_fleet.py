@@ -89,6 +89,7 @@ vehicles:
     model: {MODELS / "remus100.xml"}
     path: {{type: line, start_m: [0, -30, -20], end_m: [200, -30, -20]}}
     initial: {{position_m: [0, -28, -20], velocity_m_s: [1.5, 0, 0]}}
+    events: [{{kind: fins, at_s: 4, fins: [rudder], state: jammed, angle_deg: 6}}]
 """
 
 
@@ -107,6 +108,7 @@ def test_forces_that_read_commands_fly_side_by_side_as_alone(tmp_path):
         assert compared > 10
     race = np.abs(store.signals["second/fins.deflection"][:, 1:]).max()
     assert race > 0.01
+    assert store.signals["remus/fin_health.believed"][-1, 1:].any()  # found, as alone
 
 
 @pytest.mark.flight
