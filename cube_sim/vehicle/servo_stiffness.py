@@ -58,8 +58,8 @@ def stiff_servo_words(model: mujoco.MjModel, root: int) -> list[str]:
     what = f"the servo {named} of joint" if servos else "the spring and damper of joint"
     return [
         f"{what} '{model.joint(joint).name}' is stiff for the time step of {model.opt.timestep:g} s: beyond "
-        f"{longest:.2g} s the motion explodes; take a step of {_TAKEN * longest:.2g} s, or a softer "
-        f"{'kp and kv' if servos else 'stiffness and damping'}"
+        f"{longest:.2g} s the motion explodes; take a step of {_TAKEN * longest:.2g} s (physics.step_s of a scenario), "
+        f"or a softer {'kp and kv' if servos else 'stiffness and damping'}"
     ]
 
 
