@@ -10,7 +10,7 @@ import time
 
 import pyarrow.parquet as pq
 import pytest
-from support.command_line import cube_sim, started
+from support.command_line import call, cube_sim, started
 from support.own_code import PID
 from support.scenario_files import FLIGHT
 from support.sweeps import SAMPLES, rows_of, swept, written
@@ -271,24 +271,26 @@ def test_the_command_says_what_came_of_it(flown, tmp_path):
     assert again.returncode == 1
 
 
-def test_a_required_rate_is_the_verdict(tmp_path):
+def test_a_required_rate_is_the_verdict(tmp_path, monkeypatch, capsys):
     file = written(tmp_path, SAMPLES + "  required: {pass_rate: 0.1}\n")
-    done = cube_sim("sweep", file, "--out", "out", "--json", cwd=tmp_path)
-    assert (done.returncode, json.loads(done.stdout)["verdict"]) == (0, "PASS")
-    part = cube_sim("sweep", file, "--out", "part", "--json", "--shard", "1/3", cwd=tmp_path)
-    assert (part.returncode, json.loads(part.stdout)["verdict"]) == (0, None)
-    few = cube_sim("sweep", file, "--out", "few", "--json", "--set", "samples.required.pass_rate=0.9", cwd=tmp_path)
-    assert (few.returncode, json.loads(few.stdout)["verdict"]) in {(3, "ERROR"), (1, "FAIL")}
+
+    def verdict(out, *more):
+        code, told, _ = call(monkeypatch, capsys, "sweep", file, "--out", tmp_path / out, "--json", *more)
+        return code, json.loads(told)["verdict"]
+
+    assert verdict("out") == (0, "PASS")
+    assert verdict("part", "--shard", "1/3") == (0, None)
+    assert verdict("few", "--set", "samples.required.pass_rate=0.9") in {(3, "ERROR"), (1, "FAIL")}
 
 
 @pytest.mark.parametrize(("rate", "least"), [(0.5, 5), (0.95, 59), (0.99, 299)])
-def test_too_few_to_show_a_rate_is_noted_beforehand(tmp_path, rate, least):
+def test_too_few_to_show_a_rate_is_noted_beforehand(tmp_path, monkeypatch, capsys, rate, least):
     for count, noted in ((least - 1, True), (least, False)):
         file = written(tmp_path, f"samples:\n  count: {count}\n  required: {{pass_rate: {rate}}}\n")
-        done = cube_sim("validate", file, cwd=tmp_path)
+        code, _, noticed = call(monkeypatch, capsys, "validate", file)
         words = f"NOTE {file}:13:25: samples.required.pass_rate: {count} samples cannot show {rate}"
         said = f"{words} at 0.95 confidence, even if all pass; {least} can\n"
-        assert (done.returncode, done.stderr) == (0, said if noted else "")
+        assert (code, noticed) == (0, said if noted else "")
 
 
 @pytest.mark.parametrize(
