@@ -9,6 +9,7 @@ from cube_sim.mission.ceiling import ceiling_words
 from cube_sim.mission.model_options import option_words
 from cube_sim.mission.slow_pumps import slow_pump_words
 from cube_sim.mission.surface_watch import path_above_surface, top_over_origin
+from cube_sim.mission.tight_turns import tight_turn_words
 from cube_sim.mission.way_of_flying import cannot_follow, steered_at_speed_only
 from cube_sim.vehicle.floating import water_surface
 from cube_sim.vehicle.remarks import cautions
@@ -24,9 +25,10 @@ def first_warnings(mission: Mission) -> list[str]:
     follows = cannot_follow(mission.ability, mission.outline)
     still = None if mission.path.length > 0.0 else steered_at_speed_only(mission.ability)
     fast = mission.too_fast(mission.ability.within_limit)
+    tight = None if follows else tight_turn_words(mission)
     return [
         *cautions(mission.model, mission.vehicle),
         *option_words(mission.scenario),
         *slow_pump_words(mission.setpoints, mission.vehicle.ballast, mission.scenario.duration_s),
-        *(each for each in (near, follows, still, fast) if each is not None),
+        *(each for each in (near, follows, tight, still, fast) if each is not None),
     ]

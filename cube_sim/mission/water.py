@@ -93,9 +93,13 @@ def initial_currents(scenario: Scenario) -> Matrix:
     return np.array([scenario.current_m_s] if profile is None else profile.velocities_m_s)
 
 
-def fastest_current(scenario: Scenario) -> float:
-    """The largest speed of the water that a scenario tells of, at any time and depth [m/s]."""
+def told_currents(scenario: Scenario) -> Matrix:
+    """(n,3) velocities of the water that a scenario tells of, at any time and depth [m/s]."""
     profiles = ((event.current_m_s, event.profile) for event in current_events(scenario))
     later = [np.array([one] if profile is None else profile.velocities_m_s) for one, profile in profiles]
-    said = [initial_currents(scenario), *later]
-    return float(np.max(np.linalg.norm(np.concatenate(said), axis=1)))
+    return np.concatenate([initial_currents(scenario), *later])
+
+
+def fastest_current(scenario: Scenario) -> float:
+    """The largest speed of the water that a scenario tells of, at any time and depth [m/s]."""
+    return float(np.max(np.linalg.norm(told_currents(scenario), axis=1)))
