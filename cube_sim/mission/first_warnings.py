@@ -6,6 +6,7 @@ from math import inf
 
 from cube_sim.mission import Mission
 from cube_sim.mission.ceiling import ceiling_words
+from cube_sim.mission.knowledge import unlikely_factor_words
 from cube_sim.mission.model_options import option_words
 from cube_sim.mission.slow_pumps import slow_pump_words
 from cube_sim.mission.surface_watch import path_above_surface, top_over_origin
@@ -16,7 +17,7 @@ from cube_sim.vehicle.remarks import cautions
 
 
 def first_warnings(mission: Mission) -> list[str]:
-    """A sentence for each thing that is most likely a mistake: of vehicle, options, pumps, surface, path and speed."""
+    """A sentence for each thing that is most likely a mistake: of vehicle, water, knowledge, pumps, path and speed."""
     surface, near = water_surface(mission.model), None
     if surface < inf:
         near = path_above_surface(mission.outline, surface, top_over_origin(mission.model, mission.vehicle))
@@ -29,6 +30,7 @@ def first_warnings(mission: Mission) -> list[str]:
     return [
         *cautions(mission.model, mission.vehicle),
         *option_words(mission.scenario),
+        *unlikely_factor_words(mission.scenario.knowledge),
         *slow_pump_words(mission.setpoints, mission.vehicle.ballast, mission.scenario.duration_s),
         *(each for each in (near, follows, tight, still, fast) if each is not None),
     ]

@@ -10,6 +10,9 @@ from cube_sim.vehicle.dynamics import Dynamics
 from cube_sim.vehicle.lift import HullLift
 from cube_sim.vehicle.vehicle import Vehicle
 
+UNLIKELY_FACTOR = 5.0
+"""Nobody knows a vehicle so badly (a choice); none at all of a part, or little, is tried on purpose."""
+
 
 def believed_dynamics(true: Dynamics, knowledge: KnowledgeBlock, lift: HullLift | None = None) -> Dynamics:
     """The equations of motion the controller reckons with.
@@ -62,3 +65,13 @@ def believed_planar_model(true: PlanarModel, vehicle: Vehicle, knowledge: Knowle
         K_uv=mixed(true.K_uv, 0.0, munk),
         K_ur=mixed(true.K_ur, weight_of_turning, added[1, 5]),
     )
+
+
+def unlikely_factor_words(knowledge: KnowledgeBlock) -> list[str]:
+    """A sentence for each factor that nobody's ignorance explains: most likely it is the number itself."""
+    factors = {name: getattr(knowledge, name) for name in ("mass", "added_mass", "drag", "thrust", "fins")}
+    return [
+        f"knowledge.{name} is a factor on what the model has, and the controller believes {factor:g} times that"
+        for name, factor in factors.items()
+        if factor > UNLIKELY_FACTOR
+    ]

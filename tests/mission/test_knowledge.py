@@ -9,7 +9,7 @@ import cube_sim
 from cube_sim.errors import ScenarioError
 from cube_sim.mission import prepare
 from cube_sim.mission.hull import believed_hull, flown_hull
-from cube_sim.mission.knowledge import believed_dynamics, believed_planar_model
+from cube_sim.mission.knowledge import believed_dynamics, believed_planar_model, unlikely_factor_words
 from cube_sim.mission.planar_identification import identify_planar_model
 from cube_sim.scenario import load
 from cube_sim.scenario.knowledge_block import KnowledgeBlock
@@ -99,3 +99,18 @@ def test_the_planar_model_mixes_its_coefficients_by_their_cause():
     slicker = believed_planar_model(true, hull.vehicle, KnowledgeBlock(drag=0.5))
     assert slicker.D_uu == pytest.approx(0.5 * true.D_uu)
     assert slicker.m_u == pytest.approx(true.m_u)
+
+
+@pytest.mark.parametrize(
+    ("factors", "told"),
+    [
+        ({}, []),
+        ({"mass": 1.3, "drag": 0.0, "thrust": 0.7, "added_mass": 5.0}, []),
+        (
+            {"mass": 18.5},
+            ["knowledge.mass is a factor on what the model has, and the controller believes 18.5 times that"],
+        ),
+    ],
+)
+def test_a_number_in_place_of_a_factor_is_told(factors, told):
+    assert unlikely_factor_words(KnowledgeBlock(**factors)) == told
