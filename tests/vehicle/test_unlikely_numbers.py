@@ -87,6 +87,9 @@ def edited(old, new, text=MODEL):
         (edited('volume" data="0.054"', 'volume" data="54"'), "hull:volume is 54 m^3, and 'hull' has a mass of 54 kg"),
         (edited('mass="50"', 'mass="50000"'), "hull:volume is 0.054 m^3, and 'hull' has a mass of 5e+04 kg"),
         (edited('water:density" data="1000"', 'water:density" data="1.025"'), "water:density is 1.025 kg/m^3"),
+        (edited('gravity="0 0 -9.81"', 'gravity="0 0 -9810"'), "gravity is 9810 m/s^2"),
+        (edited('inertia="0.6 9 9"', 'inertia="6e5 9e6 9e6"'), "inertia of 'hull' is 6e+05 9e+06 9e+06 kg m^2"),
+        (edited('inertia="0.6 9 9"', 'inertia="6e-4 9e-3 9e-3"'), "inertia of 'hull' is 0.0006 0.009 0.009 kg m^2"),
     ],
 )
 def test_ballast_sites_and_volumes_in_another_unit_are_named(spec, told):
@@ -95,6 +98,21 @@ def test_ballast_sites_and_volumes_in_another_unit_are_named(spec, told):
     said = [str(each.message) for each in warned]
     assert [each.startswith(told) for each in said] == [True], said
     assert cautions(model, cube_sim.Vehicle.from_model(model))[0] == said[0]
+
+
+def test_gravity_that_points_up_is_named():
+    with pytest.warns(UserWarning, match=r"^gravity is 0 0 9\.81 m/s\^2 and points up"):
+        cube_sim.load_model(edited('gravity="0 0 -9.81"', 'gravity="0 0 9.81"'))
+
+
+@pytest.mark.parametrize("factor", [1e9, 1e6, 1e4, 1e3, 1e-3, 1e-6])
+@pytest.mark.parametrize("path", MODEL_FILES, ids=lambda path: path.stem)
+def test_inertia_in_another_unit_is_named_on_all_kinds_of_vehicles(path, factor):
+    model = load_unsaid(path)
+    model.body_inertia[:] *= factor
+    said = [each for each in unlikely_words(model) if each.startswith("inertia of 'hull'")]
+    assert len(said) == 1
+    assert "is it in [kg m^2]?" in said[0]
 
 
 @pytest.mark.parametrize(
