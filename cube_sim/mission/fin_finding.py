@@ -47,6 +47,7 @@ class FinFinding:
 
     Attributes:
         found: what is believed of them by now.
+        of_no_use: what was, and left no way to follow a path.
     """
 
     def __init__(self, fins: Fins, period_s: float, told: FinHealth) -> None:
@@ -56,7 +57,7 @@ class FinFinding:
         self._rows: list[tuple[Vector, Vector, Vector]] = []
         self._looked, k = 0, len(fins.names)
         self._far, self._distance = np.zeros(k, dtype=np.int64), np.zeros(k)
-        self.found = told
+        self.found, self.of_no_use = told, told
 
     def note(self, wanted: Matrix, stood: Matrix) -> None:
         """Take in ticks.

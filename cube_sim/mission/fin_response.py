@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cube_sim.control.authority import Authority
 from cube_sim.mission.fins import FinSteering
 from cube_sim.mission.prepare import Mission
 from cube_sim.recording.signal_store import SignalStore
@@ -17,7 +18,7 @@ NOT_MADE_UP = 0.05
 
 
 def learn_of_fins(mission: Mission, recorder: SignalStore, t: float) -> bool:
-    """Hand what is now believed of the fins to the controller.
+    """Hand what is now believed of the fins to the controller; not what is found and leaves it no way to follow a path.
 
     Args:
         mission: whose MuJoCo data are up to date at t.
@@ -33,11 +34,18 @@ def learn_of_fins(mission: Mission, recorder: SignalStore, t: float) -> bool:
         believed = mission.fin_finding.found
     if fins is None or believed is events.fins_told:
         return False
+    left = mission.ability.left(mission.allocator.health, believed)
+    text = believed.describe(fins.fins.names) or "all fins whole"
+    if mission.fin_finding is not None and left.authority is Authority.SAFE:
+        # It may come back, and what it still makes steers better than nothing.
+        if believed is not mission.fin_finding.of_no_use:
+            mission.fin_finding.of_no_use = believed
+            without = "without it the path cannot be followed, so it flies on as if all were whole"
+            recorder.log(t, "WARNING", f"{text}, it seems; {without}")
+        return False
     events.fins_told = believed
     record_fin_health(mission, recorder, t)
-    left = mission.ability.left(mission.allocator.health, believed)
     mission.controller.reconfigure(left)
-    text = believed.describe(fins.fins.names) or "all fins whole"
     missed = _held_by_others(mission, fins)
     recorder.log(t, "WARNING", "; ".join(filter(None, (text, f"{left.authority.name}: {left.reason}", missed))))
     return True

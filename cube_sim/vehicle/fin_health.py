@@ -77,7 +77,10 @@ class FinHealth(NamedTuple):
                 said.append(f"{name} jammed {where}")
             elif np.isfinite(self.travel[i]).any():
                 low, high = np.degrees(self.travel[i])
-                said.append(f"{name} turns from {low:.1f} to {high:.1f} deg only")
+                less, more = f"to no less than {low:.1f} deg", f"to no more than {high:.1f} deg"
+                both = f"from {low:.1f} to {high:.1f} deg only"
+                told = both if np.isfinite(low + high) else less if np.isfinite(low) else more
+                said.append(f"{name} turns {told}")
             elif np.isfinite(self.rate[i]):
                 said.append(f"{name} turns by {np.degrees(self.rate[i]):.1f} deg/s at most")
         return ", ".join(said)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.both_loops import assert_same_flight
 from support.finned import x_tail
-from support.places import SCENARIO_FILES
+from support.places import SCENARIO_FILES, SCENARIOS
 
 from cube_sim.flight import Flight
 
@@ -96,3 +96,24 @@ def test_a_snapshot_goes_on_to_the_bit(mission):
     one.fly(150)
     assert np.array_equal(one.signals["fins.deflection"][-150:], first)
     assert one.mission.fin_finding.found.codes.any()
+
+
+@pytest.mark.parametrize("fault", [{"state": "loose"}, {"state": "jammed", "angle_deg": 4}], ids=str)
+def test_what_leaves_no_way_to_steer_is_told_and_not_given_in_to(fault):
+    """A cruciform tail has nothing beside its rudder: it flies as if nobody looked, and is back once that is."""
+    events = [{"kind": "fins", "at_s": 30.0, "fins": ["rudder"], **fault},
+              {"kind": "fins", "at_s": 36.0, "fins": ["rudder"], "state": "recovered"}]  # fmt: skip
+    flown = {}
+    for faults in ("diagnosed", "ignored"):
+        flight = Flight(SCENARIOS / "remus100_line.yaml", {"events": events, "control.faults": faults})
+        flight.fly_to_its_end()
+        flown[faults] = flight
+    found, ignored = flown["diagnosed"], flown["ignored"]
+    off = found.signals["path_error.cross_track"]
+    assert np.array_equal(off, ignored.signals["path_error.cross_track"])
+    assert off[off[:, 0] > 30.0, 1].max() > 1.0
+    assert off[-1, 1] < 0.05
+    said = [line.text for line in found.log if "as if all were whole" in line.text]
+    assert said
+    assert all(text.startswith("rudder ") for text in said)
+    assert not any("as if all were whole" in line.text for line in ignored.log)
