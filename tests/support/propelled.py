@@ -71,8 +71,9 @@ class Propeller:
             "open_water": REMUS if self.ahead is None else self.ahead,
             "wake": self.wake,
             "slowest": self.slowest,
-            "hand": [self.hand],
         }
+        if self.hand != 0.0:
+            given["hand"] = [self.hand]
         if self.astern is not None:
             given["astern"] = self.astern
         return {f"{self.name}:propeller_{key}": value for key, value in given.items()}

@@ -16,6 +16,7 @@ from support.water_bodies import Body
 
 import cube_sim
 from cube_sim.vehicle.loading import load_unsaid
+from cube_sim.vehicle.mjcf.open_water import best_efficiency
 from cube_sim.vehicle.remarks import cautions, remarks
 from cube_sim.vehicle.unlikely.words import unlikely_words
 
@@ -103,6 +104,30 @@ def test_ballast_sites_and_volumes_in_another_unit_are_named(spec, told):
 def test_gravity_that_points_up_is_named():
     with pytest.warns(UserWarning, match=r"^gravity is 0 0 9\.81 m/s\^2 and points up"):
         cube_sim.load_model(edited('gravity="0 0 -9.81"', 'gravity="0 0 9.81"'))
+
+
+@pytest.mark.parametrize(
+    ("parameter", "values", "told"),
+    [
+        ("propeller_open_water", (0, 0.45, 0.65, 0.4, 0.3, 0.48, 0.9, 0.06, 0.18), "turns 5.8% of its .* not 10 K_Q"),
+        (
+            "propeller_open_water",
+            (0, 4.5, 0.065, 0.4, 3.0, 0.048, 0.9, 0.6, 0.018),
+            "turns [0-9]+% of .* which none does",
+        ),
+        ("propeller_open_water", (0, 0.45, 0.0065, 0.4, 0.3, 0.0048, 0.9, 0.06, 0.0018), "turns 584% of .* none does"),
+        ("propeller_wake", (0.85, 0.9), "has a wake fraction w of 0.85 and a thrust deduction t of 0.9; .* not 1 - w"),
+    ],
+)
+def test_other_coefficients_of_propellers_than_those_asked_for_are_named(parameter, values, told):
+    with pytest.warns(UserWarning, match=f"the propeller at 'propeller' {told}"):
+        cube_sim.load_model(REMUS, {f"propeller:{parameter}": values})
+
+
+def test_the_best_efficiency_is_that_of_straight_lines():
+    """K_T = a (1 - J), K_Q = c: J (1 - J) a / (2 pi c) is largest at J = 1/2."""
+    best, J = best_efficiency(np.array([[0.0, 0.4, 0.02], [0.5, 0.2, 0.02]]))
+    assert (best, J) == pytest.approx((0.4 / (8.0 * np.pi * 0.02), 0.5), rel=1e-12)
 
 
 @pytest.mark.parametrize("factor", [1e9, 1e6, 1e4, 1e3, 1e-3, 1e-6])

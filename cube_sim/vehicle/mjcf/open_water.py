@@ -16,6 +16,10 @@ from cube_sim.nearest import counted
 from cube_sim.vehicle.mjcf.numbers import Numerics, rows, vector
 
 LINEAR, OPEN_WATER = "propeller_linear", "propeller_open_water"
+_SAMPLES = 400
+"""Of J, where the best efficiency is looked for."""
+_LEAST = 1e-9
+"""J K_T below which it is rounding, where K_T reaches 0."""
 
 
 def open_water_rows(numerics: Numerics, linear: str | None, table: str | None, actuator: str) -> NDArray[np.float64]:
@@ -100,6 +104,26 @@ def _pushing(table: NDArray[np.float64]) -> list[tuple[float, float]]:
             J, _, K_Q = (row + row[1] / (row[1] - after[1]) * (after - row)).tolist()
             found += [(J, K_Q)] if J > 0.0 else []
     return found
+
+
+def best_efficiency(table: NDArray[np.float64]) -> tuple[float, float]:
+    """Largest open-water efficiency J K_T / (2 pi K_Q) where a propeller pushes, and the J of it.
+
+    Sampled; infinite where K_Q is 0.
+
+    Args:
+        table: (n,3) J, K_T, K_Q, as `open_water_rows` returns them.
+    """
+    J = np.linspace(0.0, max(each for each, _ in _pushing(table)), _SAMPLES + 1)[1:]
+    on = np.clip(np.searchsorted(table[:, 0], J) - 1, 0, len(table) - 2)
+    share = (J - table[on, 0]) / (table[on + 1, 0] - table[on, 0])
+    K_T, K_Q = (table[on, k] + share * (table[on + 1, k] - table[on, k]) for k in (1, 2))
+    power = 2.0 * np.pi * np.maximum(K_Q, 0.0)
+    useful = J * np.maximum(K_T, 0.0)
+    with np.errstate(divide="ignore"):
+        efficiency = np.divide(useful, power, out=np.zeros_like(J), where=useful > _LEAST)
+    best = int(np.argmax(efficiency))
+    return float(efficiency[best]), float(J[best])
 
 
 def at_zero_advance(table: NDArray[np.float64]) -> tuple[float, float]:

@@ -94,7 +94,7 @@ class PropellerParameters:
         deduction: t.
         speeds: (2,) of rotation at the commands -1 and 1 [rev/s].
         slowest: (2,) below which it stands, backwards and ahead [rev/s].
-        hand: 1, -1 or 0.
+        hand: 1 or -1; 0 where nobody says it.
         ahead: (n,3) J, K_T, K_Q of one that turns ahead.
         astern: (k,3) of one that turns backwards.
         shaft: what turns it; None where its speed follows its command.
@@ -201,10 +201,9 @@ def propeller_of(
     if not (wake < 1.0 and deduction < 1.0):
         raise ModelError(named["propeller_wake"] or "", f"is {wake:g} {deduction:g}; w and t below 1 are right")
     hand = 0.0 if named["propeller_hand"] is None else scalar(numerics, named["propeller_hand"])
-    if hand not in (-1.0, 0.0, 1.0):
-        raise ModelError(
-            named["propeller_hand"] or "", f"is {hand:g}; 1 (right-handed), -1 (left-handed) or 0 (no torque) is right"
-        )
+    if (name := named["propeller_hand"]) is not None and hand not in (-1.0, 1.0):
+        right = "1 (right-handed) or -1 (left-handed) is right; left out, the hull gets no torque of it"
+        raise ModelError(name, f"is {hand:g}; {right}")
     ahead = open_water_rows(numerics, named[LINEAR], named[OPEN_WATER], actuator)
     astern = ahead
     if (name := named["propeller_astern"]) is not None:
