@@ -101,6 +101,33 @@ def test_ballast_sites_and_volumes_in_another_unit_are_named(spec, told):
     assert cautions(model, cube_sim.Vehicle.from_model(model))[0] == said[0]
 
 
+@pytest.mark.parametrize("gear", ["1", "-2"])
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('kp="2000"', 'kp="-2000"', "servo 'battery' has a kp of -2000: it pushes joint 'slide' away from where it is"),
+        ('ctrlrange="-0.3 0.3"', 'ctrlrange="-300 300"', "servo 'battery' takes commands from -300 to 300 m, and its"),
+        ('ctrlrange="-0.3 0.3"', 'ctrlrange="-0.3 17"', "servo 'battery' takes commands from -0.3 to 17 m, and its"),
+        ('ctrlrange="-0.3 0.3"', 'ctrlrange="-2 5"', None),
+    ],
+)
+def test_servos_that_push_away_and_commands_far_beyond_the_joint_are_named(old, new, gear, told):
+    text = MODEL.replace(old, new).replace('kv="400" gear="1 0 0 0 0 0"', f'kv="400" gear="{gear} 0 0 0 0 0"')
+    said = unlikely_words(load_unsaid(mujoco.MjSpec.from_string(text)))
+    assert [each.startswith(str(told)) for each in said] == ([True] if told else [])
+
+
+@pytest.mark.parametrize(("reactions", "told"), [((0.0, 0.0), 1), ((0.1, 0.1), 1), ((0.1, -0.1), 0)])
+def test_thrusters_at_one_site_are_named_unless_they_turn_against_one_another(reactions, told):
+    text = MODEL
+    for name, reaction in zip(("port", "starboard"), reactions, strict=True):
+        text = text.replace(f'name="{name}" site="{name}"', f'name="{name}" site="port" gear="0 0 1 0 0 {reaction}"')
+    said = unlikely_words(load_unsaid(mujoco.MjSpec.from_string(text)))
+    assert [each.startswith("thrusters 'port' and 'starboard' both push at site 'port'") for each in said] == told * [
+        True
+    ]
+
+
 def test_gravity_that_points_up_is_named():
     with pytest.warns(UserWarning, match=r"^gravity is 0 0 9\.81 m/s\^2 and points up"):
         cube_sim.load_model(edited('gravity="0 0 -9.81"', 'gravity="0 0 9.81"'))

@@ -1,8 +1,9 @@
-"""Sites of thrusters, fins and ballast that lie far off their hull."""
+"""Sites of thrusters, fins and ballast that lie far off their hull, and those that two thrusters push at."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
 import mujoco
 import numpy as np
@@ -33,3 +34,22 @@ def unlikely_places(model: mujoco.MjModel, water: WaterParameters, sizes: Mappin
                 f"site '{model.site(site).name}' lies {away:.3g} m from the centre of mass of '{hull}', which "
                 f"displaces {sizes[hull]:.2g} m^3; is its pos in [m]?"
             )
+    yield from _shared(model, sizes)
+
+
+def _shared(model: mujoco.MjModel, sizes: Mapping[str, float]) -> Iterator[str]:
+    """Sentences on sites of two thrusters that push as one, but for pairs that turn against one another."""
+    on: dict[int, list[int]] = {}
+    for i in range(model.nu):
+        if (
+            is_thruster(model, i)
+            and model.body(model.body_rootid[model.site_bodyid[model.actuator_trnid[i, 0]]]).name in sizes
+        ):
+            on.setdefault(int(model.actuator_trnid[i, 0]), []).append(i)
+    for site, thrusters in on.items():
+        for one, other in pairwise(thrusters):
+            if model.actuator_gear[one, 5] * model.actuator_gear[other, 5] >= 0.0:
+                yield (
+                    f"thrusters '{model.actuator(one).name}' and '{model.actuator(other).name}' both push at site "
+                    f"'{model.site(site).name}', and so along one line; has each a site of its own?"
+                )

@@ -13,6 +13,7 @@ from cube_sim.vehicle.unlikely.bodies import unlikely_bodies
 from cube_sim.vehicle.unlikely.fins import unlikely_fins
 from cube_sim.vehicle.unlikely.places import unlikely_places
 from cube_sim.vehicle.unlikely.propellers import unlikely_propellers
+from cube_sim.vehicle.unlikely.servos import unlikely_servos
 from cube_sim.vehicle.unlikely.sizes import sizes_of
 
 
@@ -34,6 +35,7 @@ def unlikely_words(model: mujoco.MjModel, hull: str | None = None) -> list[str]:
         *unlikely_fins(model, water.fins, sizes),
         *unlikely_ballast(model, water, sizes),
         *unlikely_propellers(water, sizes),
+        *unlikely_servos(model, [each.body for each in water.hulls]),
     ]
 
 
