@@ -176,7 +176,8 @@ def _immerse(
     bodies = {body.name: _carrier(body) for body in spec.bodies if body.name and body.name != "world"}
     thrusters = thruster_elements(spec)
     sites = {site.name: site.parent.name for site in spec.sites if site.name}
-    bodies_in_water(one_water(numerics), list(bodies), [each.name for each in thrusters if each], sites)
+    others = [actuator.name for actuator, each in zip(spec.actuators, thrusters, strict=True) if each is None]
+    bodies_in_water(one_water(numerics), list(bodies), [each.name for each in thrusters if each], sites, others)
     pumps = pump_elements(spec, numerics)
     servos = servo_elements(spec, [site for site in sites if f"{site}:{AREA}" in numerics], pumps.values())
     parameters = read_parameters(numerics, bodies, thrusters, sites, servos, pumps)

@@ -303,6 +303,14 @@ def test_a_propeller_may_turn_by_itself_where_it_brakes():
     cube_sim.load_model(Propelled(HULL, (STERN,)).spec(), {"stern:propeller_open_water": rows})
 
 
+def test_a_propeller_that_lacks_its_biastype_is_told_so():
+    spec = Propelled(HULL, (STERN,)).spec()
+    spec.actuators[0].biastype = mujoco.mjtBias.mjBIAS_NONE
+    told = "stern:propeller_[a-z_]*: is of the actuator 'stern', which is no thruster; biastype=\"user\" makes it one"
+    with pytest.raises(ModelError, match=told):
+        cube_sim.load_model(spec)
+
+
 @pytest.mark.parametrize("missing", ["diameter", "speed", "open_water"])
 def test_what_is_missing_is_named(missing):
     spec = Propelled(HULL, (STERN,)).spec()

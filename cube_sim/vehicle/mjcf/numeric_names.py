@@ -82,7 +82,11 @@ def one_water(numerics: Numerics) -> dict[str, NDArray[np.float64]]:
 
 
 def bodies_in_water(
-    numerics: Numerics, bodies: Sequence[str], thrusters: Collection[str], sites: Collection[str] = ()
+    numerics: Numerics,
+    bodies: Sequence[str],
+    thrusters: Collection[str],
+    sites: Collection[str] = (),
+    others: Collection[str] = (),
 ) -> list[str]:
     """Names of the bodies that have parameters of a hull, in body order.
 
@@ -91,6 +95,7 @@ def bodies_in_water(
         bodies: names of all bodies.
         thrusters: names of the actuators that are thrusters.
         sites: names of all sites, which may be fins.
+        others: names of the actuators that are no thrusters.
 
     Raises:
         ModelError: a numeric of the water that belongs to nothing, or that holds a value that is not finite.
@@ -103,7 +108,7 @@ def bodies_in_water(
             _require_colon(name, ["water"], _OF_WATER)
             _require_colon(name, [*sites], FIN_PARAMETERS + BALLAST_PARAMETERS)
             if ":" in name:
-                _judge(name, values, bodies, thrusters, hulls, sites)
+                _judge(name, values, bodies, thrusters, hulls, sites, others)
     return [body for body in bodies if body in hulls]
 
 
@@ -178,6 +183,7 @@ def _judge(
     thrusters: Collection[str],
     hulls: Collection[str],
     sites: Collection[str],
+    others: Collection[str],
 ) -> None:
     owner, _, parameter = name.rpartition(":")
     if owner == "water" or _of_nearly_water(owner, parameter):
@@ -200,6 +206,8 @@ def _judge(
         if owner not in sites:
             raise ModelError(name, f"no site '{owner}'; the model has {among(owner, sites)}")
         return
+    if owner in others and owner not in bodies and owner not in thrusters:
+        raise ModelError(name, f"is of the actuator '{owner}', which is no thruster; biastype=\"user\" makes it one")
     if owner not in bodies and owner not in thrusters:
         raise ModelError(name, f"no body or thruster '{owner}'; the model has {among(owner, [*bodies, *thrusters])}")
 
