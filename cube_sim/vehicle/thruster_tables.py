@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cube_sim.csv_columns import wrong_columns
 from cube_sim.errors import ModelError
 from cube_sim.nearest import counted
 from cube_sim.spatial import Matrix
@@ -47,44 +48,51 @@ def read_tables(file: Path) -> Tables:
         raise ModelError(str(file), "is not UTF-8 text") from None
     numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     rows = [[cell.strip() for cell in row] for row in csv.reader(line for _, line in numbered)]
-    if not rows or tuple(rows[0]) != COLUMNS:
-        raise ModelError(str(file), f"does not begin with the columns {','.join(COLUMNS)}")
-    found: dict[str, dict[float, list[tuple[float, float, float]]]] = {}
+    if not rows:
+        raise ModelError(str(file), f"is empty; a line of {','.join(COLUMNS)} and one for each pulse are right")
+    if (wrong := wrong_columns(rows[0], COLUMNS)) is not None:
+        raise ModelError(f"{file}:{numbered[0][0]}", wrong)
+    found: dict[str, dict[float, list[tuple[float, float, float, int]]]] = {}
     for (number, _), row in zip(numbered[1:], rows[1:], strict=True):
         name, volts, command, force, power = _row(f"{file}:{number}", row)
         if force != 0.0 or command != 0.0:
-            found.setdefault(name, {}).setdefault(volts, []).append((command, force, power))
+            found.setdefault(name, {}).setdefault(volts, []).append((command, force, power, number))
     tables = {name: {volts: np.array(sorted(each)) for volts, each in of.items()} for name, of in found.items()}
     for name, of in tables.items():
         for volts, table in of.items():
             pushes = table[table[:, 1] != 0.0]
             back, ahead = pushes[pushes[:, 0] < 0.0], pushes[pushes[:, 0] > 0.0]
-            if not len(back) or not len(ahead) or back[:, 1].max() > 0.0 or ahead[:, 1].min() < 0.0:
+            turned = pushes[pushes[:, 0] * pushes[:, 1] < 0.0]
+            if not len(back) or not len(ahead) or len(turned):
                 raise ModelError(
-                    str(file),
+                    _line(file, (turned if len(turned) else pushes if len(pushes) else table)[:, 3].min()),
                     f"{name} at {volts:g} V does not push back below {REST_US:g} us and ahead above; of one that is "
                     "wired the other way round the axis is turned instead",
                 )
             for side in (back, ahead):
                 if len(side) == 1 and abs(side[0, 0]) != 1.0:
                     raise ModelError(
-                        str(file),
+                        _line(file, side[0, 3]),
                         f"{name} at {volts:g} V has one row a side, at {REST_US + FULL_US * side[0, 0]:g} us; full "
                         "throttle is right where there is one only",
                     )
-                _require_rising(str(file), f"{name} at {volts:g} V", side, READING * np.ptp(pushes[:, 1]))
+                _require_rising(file, f"{name} at {volts:g} V", side, READING * np.ptp(pushes[:, 1]))
     if not tables:
         raise ModelError(str(file), "has no row with a force")
-    return tables
+    return {name: {volts: table[:, :3].copy() for volts, table in of.items()} for name, of in tables.items()}
 
 
-def _require_rising(file: str, what: str, side: Matrix, allowed: float) -> None:
+def _line(file: Path, number: float) -> str:
+    return f"{file}:{number:.0f}"
+
+
+def _require_rising(file: Path, what: str, side: Matrix, allowed: float) -> None:
     falls = np.diff(side[:, 1])
     if falls.min(initial=0.0) < -allowed:
         i = int(np.argmin(falls))
         (one, two), (high, low) = REST_US + FULL_US * side[i : i + 2, 0], side[i : i + 2, 1]
         raise ModelError(
-            file,
+            _line(file, side[i + 1, 3]),
             f"{what} falls from {high:g} kgf at {one:g} us to {low:g} kgf at {two:g} us; force rises with the pulse, "
             "from full reverse (below 0) to full ahead",
         )

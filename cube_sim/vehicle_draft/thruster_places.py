@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cube_sim.csv_columns import wrong_columns
 from cube_sim.errors import ShapeError
 from cube_sim.hull_shape.reading import FRAMES
 from cube_sim.nearest import counted
@@ -34,12 +35,14 @@ class ThrusterPlace:
         place: (3,) of its propeller [m], body axes.
         axis: (3,) unit, the way it pushes the hull at a positive command, body axes.
         kind: its type.
+        where: it is given, in the words of an error.
     """
 
     name: str
     place: Vector
     axis: Vector
     kind: str
+    where: str = ""
 
 
 def places_of_flags(flags: Sequence[str], frame: str, types: Sequence[str]) -> list[ThrusterPlace]:
@@ -62,7 +65,7 @@ def places_of_flags(flags: Sequence[str], frame: str, types: Sequence[str]) -> l
         places.append(
             _place(f"--thruster {flag}", name, parts[0].split(","), _axis_words(parts[1]), parts[2], frame, types)
         )
-    _require_names_apart("--thruster", places)
+    _require_names_apart(places)
     return places
 
 
@@ -87,8 +90,8 @@ def places_of_file(file: Path, frame: str, types: Sequence[str]) -> list[Thruste
     if not numbered:
         raise ShapeError(f"{file}: is empty; a line of {','.join(COLUMNS)} and one for each thruster are right")
     rows = [[cell.strip() for cell in row] for row in csv.reader(line for _, line in numbered)]
-    if tuple(rows[0]) != COLUMNS:
-        raise ShapeError(f"{file}:{numbered[0][0]}: the first line names other columns than {','.join(COLUMNS)}")
+    if (wrong := wrong_columns(rows[0], COLUMNS)) is not None:
+        raise ShapeError(f"{file}:{numbered[0][0]}: {wrong}")
     places = []
     for (number, _), row in zip(numbered[1:], rows[1:], strict=True):
         if len(row) != len(COLUMNS):
@@ -96,7 +99,7 @@ def places_of_file(file: Path, frame: str, types: Sequence[str]) -> list[Thruste
         places.append(_place(f"{file}:{number}", row[0], row[1:4], row[4:7], row[7], frame, types))
     if not places:
         raise ShapeError(f"{file}: has no thruster below its first line")
-    _require_names_apart(str(file), places)
+    _require_names_apart(places)
     return places
 
 
@@ -120,8 +123,8 @@ def require_near(places: Sequence[ThrusterPlace], middle: Vector, size: Vector) 
         away = float(np.linalg.norm(place.place - middle))
         if away > FURTHEST * float(np.linalg.norm(size)):
             raise ShapeError(
-                f"thruster {place.name}: is {away:.3g} m from the middle of a hull {size.max():.3g} m long; places are "
-                "metres, from the origin of the mesh or the middle of the box"
+                f"{place.where}: thruster {place.name} is {away:.3g} m from the middle of a hull {size.max():.3g} m "
+                "long; places are metres, from the origin of the mesh or the middle of the box"
             )
 
 
@@ -144,7 +147,7 @@ def _place(
     if length < 1e-9:
         raise ShapeError(f"{where}: its axis has no length; the direction in which it pushes the hull is right")
     turn = FRAMES[frame]
-    return ThrusterPlace(name, turn @ at, turn @ along / length, kind.upper())
+    return ThrusterPlace(name, turn @ at, turn @ along / length, kind.upper(), where)
 
 
 def _three(where: str, what: str, words: list[str]) -> Vector:
@@ -157,8 +160,12 @@ def _three(where: str, what: str, words: list[str]) -> Vector:
     return values
 
 
-def _require_names_apart(where: str, places: Sequence[ThrusterPlace]) -> None:
-    names = [place.name for place in places]
-    twice = sorted({name for name in names if names.count(name) > 1} | ({"hull", "imu", "around"} & set(names)))
-    if twice:
-        raise ShapeError(f"{where}: the name {twice[0]} is taken already; each thruster needs its own")
+def _require_names_apart(places: Sequence[ThrusterPlace]) -> None:
+    taken = {"hull", "imu", "around"}
+    for place in places:
+        if place.name in taken:
+            raise ShapeError(
+                f"{place.where}: the name {place.name} is taken already; each thruster needs its own, and hull, imu "
+                "and around are the vehicle's"
+            )
+        taken.add(place.name)

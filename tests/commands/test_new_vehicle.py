@@ -351,12 +351,13 @@ def test_a_hull_of_an_unlikely_size_is_taken_where_its_owner_insists_and_told(he
             ("rov", *MASS, *SIZE, "--thruster", "T1 0,0,0:x"),
             "--thruster T1 0,0,0:x: is not of the form NAME=x,y,z:axis:TYPE, for example T1=0.15,-0.11,0:1,1,0:T200",
         ),
-        (("rov", *MASS, *SIZE, *FLAGS, *FLAGS[:2]), "--thruster: the name T1 is taken already; each"),
-        (("rov", *MASS, *SIZE, "--thruster", "T1=150,0,0:x:T200"), "thruster T1: is 150 m from the middle of"),
+        (("rov", *MASS, *SIZE, *FLAGS, *FLAGS[:2]), f"{' '.join(FLAGS[:2])}: the name T1 is taken already; each"),
+        (("rov", *MASS, *SIZE, "--thruster", "T1=150,0,0:x:T200"), "--thruster T1=150,0,0:x:T200: thruster T1 is 150"),
         (("rov", *MASS, *SIZE, *FLAGS, "--voltage-v", "nan"), "T200: has tables from 10 to 20 V, not at nan"),
         (("rov", "--mass-kg", "nan", *SIZE, *FLAGS), "--mass-kg nan: a mass [kg] is positive"),
         (("rov", *MASS, "--mesh", "there.stl", *FLAGS), "there.stl: cannot be read: Is a directory"),
         (("rov", *MASS, *SIZE, "--thrusters", "few.csv"), "few.csv:3: has 7 values; 8 are right"),
+        (("rov", *MASS, *SIZE, "--thrusters", "far.csv"), "far.csv:4: thruster T2 is 140 m from the middle of a hull"),
         (("rov", *MASS, *SIZE, "--thrusters", "zero.csv"), "zero.csv:4: its axis has no length; the direction in"),
     ],
 )  # fmt: skip
@@ -367,6 +368,7 @@ def test_a_mistake_is_one_line_and_nothing_is_written(given, told, here, unflown
     write_stl(here / "mm.stl", ellipsoid((400.0, 300.0, 300.0), 0))
     (here / "cut.urdf").write_text(URDF[:300])
     (here / "few.csv").write_text(FRD.replace("1,-1,0,T200", "1,-1,0"))
+    (here / "far.csv").write_text(FRD.replace("T2, 0.14", "T2, 140"))
     (here / "zero.csv").write_text(FRD.replace(" 1, 1,0", " 0, 0,0"))
     before = sorted(here.rglob("*"))
     code, stdout, stderr = call(monkeypatch, capsys, "new", "vehicle", *given)

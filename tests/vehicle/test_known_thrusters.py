@@ -125,10 +125,10 @@ def test_a_table_of_one_voltage_serves_that_one(tmp_path):
         ("M1,12,1000,-1,0", ":12: a name, a voltage above 0, a pulse of 1100 to 1900 us are right"),
         ("M1,12,one,-1,0", ":12: '12,one,-1,0' are not four numbers"),
         ("M1,12,1100", ":12: has 3 values; 5 are right"),
-        ("M2,12,1100,-1,0\nM2,12,1800,2,0", ": M2 at 12 V has one row a side, at 1800 us; full throttle is right"),
+        ("M2,12,1100,-1,0\nM2,12,1800,2,0", ":13: M2 at 12 V has one row a side, at 1800 us; full throttle is right"),
         ("M1,12,1100,18500,0", ":12: 18500 kgf is more than a thruster makes (500); kilograms-force are right"),
-        ("M1,12,1800,2.1,0", ": M1 at 12 V falls from 2.1 kgf at 1800 us to 2 kgf at 1900 us; force rises with"),
-        ("M1,12,1800,-1.9,0", ": M1 at 12 V does not push back below 1500 us and ahead above"),
+        ("M1,12,1800,2.1,0", ":7: M1 at 12 V falls from 2.1 kgf at 1800 us to 2 kgf at 1900 us; force rises with"),
+        ("M1,12,1800,-1.9,0", ":12: M1 at 12 V does not push back below 1500 us and ahead above"),
     ],
 )
 def test_mistakes_in_tables_are_one_line_with_their_place(row, told, tmp_path):
