@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, StringConstraints, model_serializer, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    StringConstraints,
+    model_serializer,
+    model_validator,
+)
 from pydantic.types import Strict
 
 from cube_sim.scenario.values import Block, Number, refuse
@@ -49,14 +57,34 @@ NEVER_NEGATIVE = "rms", "max_abs", "min_abs", "std", *SHARES, *COUNTS, "settling
 SIGNAL = r"^([a-z0-9_]+/)?[a-z0-9_]+\.[a-z0-9_]+$"
 """What a signal is called: channel.field, among several vehicles vehicle/channel.field."""
 
+_COLUMN = re.compile(r"(?P<signal>([a-z0-9_]+/)?[a-z0-9_]+\.[a-z0-9_]+)(\.(?P<after>\w+)|\[(?P<number>[0-9]+)\])")
+_LETTERS = {"quaternion": "wxyz"}
+"""Columns of a field by their letters, where they are others than x, y, z."""
+
+
+def _without_column(name: object) -> object:
+    """Refuse `pose.position.z` with the component that it means; whatever else is wrong is left to others."""
+    if isinstance(name, str) and (found := _COLUMN.fullmatch(name)) is not None:
+        signal, column = found["signal"], found["number"] or found["after"]
+        letters = _LETTERS.get(signal.rpartition(".")[2], "xyz")
+        if not column.isdecimal():
+            column = str(letters.index(column)) if len(column) == 1 and column in letters else "<column, from 0>"
+        refuse(
+            f"must be channel.field, got '{name}'; for one of its columns write signal: {signal}, component: {column}"
+        )
+    return name
+
+
 SignalName = Annotated[
     str,
     StringConstraints(pattern=SIGNAL),
+    BeforeValidator(_without_column),
     Field(description="Recorded signal as channel.field, for example path_error.cross_track."),
 ]
 Minus = Annotated[
     str | None,
     StringConstraints(pattern=SIGNAL),
+    BeforeValidator(_without_column),
     Field(description="Signal that is taken away from it at each instant, of the same columns, unit and times."),
 ]
 Component = Annotated[
