@@ -68,6 +68,10 @@ class Authority(IntEnum):
     TURNED = 7
 
 
+POINTING = (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
+"""Ways of flying in which the attitude has to point the thrust."""
+
+
 @dataclass(frozen=True)
 class Capability:
     """What is left, and the projection of demands onto it.
@@ -124,7 +128,7 @@ class Capability:
     @property
     def steers_by_attitude(self) -> bool:
         """Whether force has to be pointed where it is needed."""
-        return self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE, Authority.TRIM)
+        return self.authority in (*POINTING, Authority.TRIM)
 
     @property
     def dragged_force(self) -> Matrix:
@@ -170,5 +174,5 @@ class Capability:
         record["projector"], record["shift"] = self.onto_range
         record["dragged"] = np.linalg.solve(total_mass[:3, :3], self.dragged_force @ total_mass[3:, 3:])
         record["by_flow"] = self.by_flow
-        record["by_momentum"] = self.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
+        record["by_momentum"] = self.authority in POINTING
         return record

@@ -10,15 +10,14 @@ import numpy as np
 from cube_sim.control.along_path import AlongPath
 from cube_sim.control.asked import MEMORY
 from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
-from cube_sim.control.authority import Authority, Capability
+from cube_sim.control.authority import POINTING, Authority, Capability
 from cube_sim.control.balanced_attitude import BalancedAttitude, on_course
 from cube_sim.control.balancing import FARTHEST_RAD
 from cube_sim.control.ceiling import Ceiling, keep_under_surface, lift
-from cube_sim.control.closing import closing_speed
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
 from cube_sim.control.course_keeping import COURSE, CourseKeeping
-from cube_sim.control.course_trim import BEGINS_AT, SLOWER, CourseTrims, level_motion
+from cube_sim.control.course_trim import BEGINS_AT, CourseTrims
 from cube_sim.control.current import CurrentObserver, told_of_water
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
@@ -30,13 +29,13 @@ from cube_sim.control.loops import MotionLoops
 from cube_sim.control.moment_budget import NOTHING_MOVES, MomentBudget
 from cube_sim.control.oscillation_centre import CENTRE, begin_centre, see_centre, watch_centre
 from cube_sim.control.pace import LEAST_PACE, NO_BUDGET
-from cube_sim.control.pointing_zero import most_turning, zero_time
 from cube_sim.control.priority import force_with_torque, yield_attitude
 from cube_sim.control.refuge import KeptMotion, Refuge
 from cube_sim.control.resting import Rest, nearest_rest
 from cube_sim.control.roomiest_attitude import has_enough
 from cube_sim.control.safe_mode import CLOSE_M, POINTING_M, LossOfTargetMonitor, SafeMode, SafeModeGoal
 from cube_sim.control.shortage import SHORTAGE, watch_shortage
+from cube_sim.control.slowed_loops import slowed_approach, slowed_loops
 from cube_sim.control.steering_by_fins import keep_course
 from cube_sim.control.thrown import LoopSpeeds
 from cube_sim.control.turning_to_trim import TurningToTrim
@@ -46,17 +45,9 @@ from cube_sim.guidance.view_record import record_of, see_level, view_of
 from cube_sim.spatial import Matrix, Record, State, Vector, rotation_from_quaternion
 from cube_sim.tuples import turned_to_world
 
-POINTING = (Authority.PLANE, Authority.LINE, Authority.UNICYCLE)
-"""Ways of flying in which the attitude has to point the thrust."""
-SLOWER_ACROSS = 2.0
-"""The cross-track error is then removed this many times more slowly than that of the velocity."""
 BALANCING = 0.6
 """Share of the time of the attitude's loop in which the balance of force and torque is sought, where it points the
 thrust; where roll or pitch is left to the water, all of it."""
-MOST_WAITING = 4.0
-"""The loop whose attitude points the thrust is made no slower than this many times its time (a choice)."""
-ROOM_TO_TURN = 2.0
-"""A hull that is to turn slowly may turn this many times as fast as the path does in its tightest turn (a choice)."""
 RESTING = 0.9
 """Share of their force with which thrusters hold a hull at rest in an attitude that it is to come to (a choice)."""
 OVERPOWERED = "in no attitude can the others make up for what is stuck"
@@ -161,24 +152,12 @@ class PathFollower:
         elif self._goal is not None:
             self._goal.set_reason(left.reason)
         if keeping is not None:
-            if isinstance(self.approach, Approach):
-                self._approach = self.approach.no_faster_than(keeping.lateral_time(self.loops.attitude_time))
-        elif left.authority in POINTING:
-            # Force across the line has to wait for the attitude, so the velocity loop must be the slower one.
-            pointing = self._pointing_time(left)
-            slower, turn = max(self.loops.velocity_time, SLOWER * pointing), self.loops.most_rate
-            if isinstance(self.approach, Approach):
-                hull, speed = self.loops.dynamics, self.approach.most_speed
-                level = level_motion(left, hull, speed, self.pointing_time, self.radius)
-                if level is not None:
-                    slower = max(slower, zero_time(left, hull, *level))
-                    room = ROOM_TO_TURN * speed / self.radius
-                    turn = max(most_turning(left, hull, *level, slower, turn), min(turn, room))
-                self._approach = self.approach.no_faster_than(SLOWER_ACROSS * slower)
-            self._loops = replace(self.loops, velocity_time=slower, attitude_time=pointing, most_rate=turn)
-        elif isinstance(self.approach, Approach):
-            affords = closing_speed(left, self.loops.dynamics, self.approach.lateral_time)
-            self._approach = self.approach.at_closing_speed(affords)
+            self._approach = slowed_approach(self.approach, keeping, self.loops.attitude_time)
+        else:
+            trims_at = self.speed if self.dragged else 0.0
+            self._loops, self._approach = slowed_loops(
+                left, self.loops, self.approach, self.pointing_time, self.radius, trims_at
+            )
         self._compiled = compiled_parts(
             self, self._approach, self._loops.record, self._left, self._budget, self._first, self.dragged
         )
@@ -492,15 +471,6 @@ class PathFollower:
     def _held_in(self) -> AttitudeMode | None:
         """The attitude in which a place is held beside what is stuck; None for no other than usual."""
         return None if self._holding is None else self._holding.attitude
-
-    def _pointing_time(self, left: Capability) -> float:
-        """How fast the attitude points the thrust [s]: where turning pushes the hull in another trim, no faster."""
-        if not (self.dragged and self.speed > 0.0 and self.radius < inf):
-            return self.pointing_time
-        trims = CourseTrims.of(left, self.loops.dynamics, self.speed, 0.0, self.pointing_time)
-        slowest = None if trims is None else trims.slowest_elsewhere_rad_s(np.eye(3), self.radius)
-        wanted = 0.0 if slowest is None else 1.0 / slowest
-        return min(max(self.pointing_time, wanted), MOST_WAITING * self.pointing_time)
 
     def _balanced_from(self, rotation: Matrix) -> BalancedAttitude:
         """A search for balance that begins in an attitude."""

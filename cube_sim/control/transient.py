@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cube_sim.control.authority import Authority, Capability
+from cube_sim.control.authority import POINTING, Authority, Capability
 from cube_sim.control.closing import unit_box
 from cube_sim.control.foreseen import Foreseen, in_metres
 from cube_sim.control.pace import LEAST_PACE, Facets
@@ -183,7 +183,7 @@ def transient(
         return Transient(inf, left.reason)
     if left.budget is None:
         return Transient(inf, "the limits of the thrusters are not known")
-    if left.authority in (Authority.PLANE, Authority.LINE, Authority.UNICYCLE):
+    if left.authority in POINTING:
         return Transient(inf, "the attitude has to point the thrust that is left")
     if left.turned is not None:
         return Transient(inf, left.turned.words, wanders_m=max(left.turned.wanders_m, LEAST_TOLD_M))
