@@ -12,7 +12,7 @@ import cube_sim
 from cube_sim.actuation.directions.subspaces import subspaces
 from cube_sim.actuation.path_following.requirements import PathRequirements
 from cube_sim.actuation.path_following.verdict import Outcome, judge
-from cube_sim.control import authority
+from cube_sim.control import judged_capability
 from cube_sim.control.authority import Authority
 from cube_sim.control.judged_capability import remaining_capability
 from cube_sim.control.yielding import WaterHold
@@ -53,7 +53,7 @@ def test_a_path_is_not_given_up_for_being_poorly_steered_at_a_lower_speed(hull, 
     A, limits, whole = hull.actuation_matrix, hull.thrusters.limits, Health.whole(hull.actuation_matrix.shape[1])
     slow = 0.97 * unstable_m_s(hull)
     assert judged(hull, slow).outcome is Outcome.WEAK
-    monkeypatch.setattr(authority, "FASTEST_JUDGED_M_S", slow)
+    monkeypatch.setattr(judged_capability, "FASTEST_JUDGED_M_S", slow)
     for speed, expected in ((slow, Authority.SAFE), (0.5, Authority.PLANE)):
         left = remaining_capability(A, limits, whole, hold=WaterHold.of(hull.dynamics, speed))
         assert left.authority is expected

@@ -5,7 +5,7 @@ import pytest
 from support.places import SCENARIOS
 
 import cube_sim
-from cube_sim.control import authority
+from cube_sim.control import judged_capability
 from cube_sim.control.authority import Authority
 from cube_sim.control.path_follower import PathFollower
 from cube_sim.mission import ability, prepare
@@ -26,7 +26,7 @@ def asked(monkeypatch):
 
     def judge(A, limits_N, health, cost_limit=None, hold=None):
         limits.append(cost_limit)
-        return authority.remaining_capability(A, limits_N, health, cost_limit, hold)
+        return judged_capability.remaining_capability(A, limits_N, health, cost_limit, hold)
 
     monkeypatch.setattr(ability, "remaining_capability", judge)
     return limits
