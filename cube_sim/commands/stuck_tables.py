@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 import numpy as np
 from rich.table import Table
@@ -38,9 +39,7 @@ FIN_HEADERS = {
 
 def faults_table(cases: tuple[FaultCase, ...]) -> Table:
     """Every single fault; why there is no bound stands below."""
-    table = Table(box=None, pad_edge=False, header_style="dim")
-    for header, side in HEADERS.items():
-        table.add_column(header.replace("[", "\\["), justify="left" if side == "left" else "right", no_wrap=True)
+    table = _headed(HEADERS)
     notes = _notes(cases)
     for case in cases:
         force = case.fault.force_N
@@ -59,9 +58,7 @@ def faults_table(cases: tuple[FaultCase, ...]) -> Table:
 
 def fins_table(cases: tuple[FinCase, ...]) -> Table:
     """Every single fault of a fin."""
-    table = Table(box=None, pad_edge=False, header_style="dim")
-    for header, side in FIN_HEADERS.items():
-        table.add_column(header.replace("[", "\\["), justify="left" if side == "left" else "right", no_wrap=True)
+    table = _headed(FIN_HEADERS)
     for case in cases:
         angle = case.fault.angle_rad
         table.add_row(
@@ -73,6 +70,13 @@ def fins_table(cases: tuple[FinCase, ...]) -> Table:
             f"{case.off_m:.2g}",
             f"{case.speed_m_s:.2f}",
         )
+    return table
+
+
+def _headed(headers: Mapping[str, str]) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    for header, side in headers.items():
+        table.add_column(header.replace("[", "\\["), justify="left" if side == "left" else "right", no_wrap=True)
     return table
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.both_loops import assert_same_flight
-from support.finned import x_tail
+from support.finned import mission_of, x_tail
 from support.places import SCENARIOS
 
 from cube_sim.control.authority import Authority
@@ -32,17 +32,7 @@ def event(at_s=20.0, fin="x1", **what):
 def mission(tmp_path):
     model = tmp_path / "x_tail.xml"
     model.write_text(x_tail())
-    return {
-        "schema_version": 1,
-        "name": "x_tail",
-        "model": str(model),
-        "duration_s": 60,
-        "path": {"type": "line", "start_m": [0, 0, -10], "end_m": [200, 0, -10]},
-        "initial": {"position_m": [0, 0.5, -10], "velocity_m_s": [1.5, 0, 0]},
-        "guidance": {"speed_m_s": 1.5},
-        "control": {"faults": "told"},
-        "checks": [{"kind": "allowed_forces"}],
-    }
+    return mission_of(model) | {"control": {"faults": "told"}}
 
 
 def off_path(flight, from_s):

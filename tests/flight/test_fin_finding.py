@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.both_loops import assert_same_flight
-from support.finned import x_tail
+from support.finned import mission_of, x_tail
 from support.places import SCENARIO_FILES, SCENARIOS
 
 from cube_sim.flight import Flight
@@ -24,16 +24,7 @@ DIVE = {"type": "helix", "centre_m": [0, 10, -10], "radius_m": 10.0, "pitch_m": 
 def mission(tmp_path):
     model = tmp_path / "x_tail.xml"
     model.write_text(x_tail())
-    return {
-        "schema_version": 1,
-        "name": "x_tail",
-        "model": str(model),
-        "duration_s": 60,
-        "path": {"type": "line", "start_m": [0, 0, -10], "end_m": [200, 0, -10]},
-        "initial": {"position_m": [0, 0.5, -10], "velocity_m_s": [1.5, 0, 0]},
-        "guidance": {"speed_m_s": 1.5},
-        "checks": [{"kind": "allowed_forces"}],
-    }
+    return mission_of(model)
 
 
 @pytest.mark.parametrize("wrong", [{}, {"current_m_s": [0.1, -0.15, 0.02]}, {"knowledge.fins": 0.7}], ids=str)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -49,3 +51,17 @@ def x_tail(area: float = 0.012, bow_planes: bool = False, side_thrusters: bool =
     for end, more in (("</custom>", numbers), ("</body>", sites), ("</actuator>", servos)):
         text = text.replace(end, f"{more}{end}", 1)
     return text
+
+
+def mission_of(model: Path) -> dict[str, Any]:
+    """A minute along a line at 1.5 m/s, of a vehicle whose file this is."""
+    return {
+        "schema_version": 1,
+        "name": "x_tail",
+        "model": str(model),
+        "duration_s": 60,
+        "path": {"type": "line", "start_m": [0, 0, -10], "end_m": [200, 0, -10]},
+        "initial": {"position_m": [0, 0.5, -10], "velocity_m_s": [1.5, 0, 0]},
+        "guidance": {"speed_m_s": 1.5},
+        "checks": [{"kind": "allowed_forces"}],
+    }
