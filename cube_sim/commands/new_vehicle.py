@@ -197,6 +197,7 @@ def _hull(
     from cube_sim.hull_shape.reading import FRAMES, read_mesh
     from cube_sim.vehicle_draft.hull import WeighedMass, hull_of_box, hull_of_mesh, mass_of
 
+    surface = None if mesh is None else read_mesh(mesh, unit, frame)
     begin_compiling(hidden=False)
     centre_of_mass = None if centre is None else FRAMES[frame] @ _numbers("--centre-of-mass-m", centre)
     weighed = mass_of(mass or 0.0, centre_of_mass)
@@ -210,8 +211,8 @@ def _hull(
             links.inertia,
             f"{links.links} links of {urdf.name}",
         )
-    if mesh is not None:
-        return hull_of_mesh(read_mesh(mesh, unit, frame), mesh.name, weighed, neutral)
+    if mesh is not None and surface is not None:
+        return hull_of_mesh(surface, mesh.name, weighed, neutral)
     extent = _numbers("--size-m", size or "")
     if min(extent) <= 0.0:
         raise ShapeError(f"--size-m {size}: length, width and height [m] are positive")

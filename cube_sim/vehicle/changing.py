@@ -50,6 +50,8 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
         TypeError: `parameters` are no mapping.
     """
     require_mapping(parameters)
+    if not isinstance(model, mujoco.MjModel):
+        raise TypeError(f"one mujoco.MjModel is right, not a {type(model).__name__}: of several, one after the other")
     numerics = {each.name: each.data.copy() for each in map(model.numeric, range(model.nnumeric - 1))}
     elements: dict[str, NDArray[np.float64]] = {}
     packed = packing.packed_parameters(model)
@@ -73,7 +75,7 @@ def set_parameters(model: mujoco.MjModel, parameters: Mapping[str, ArrayLike]) -
             numerics[name] = given
     read = water_of(model, numerics)
     trial = model if not elements else _with_elements(model, elements)
-    changed = _packed(trial, read, packed, CURRENT in parameters)
+    changed = _packed(trial, read, packed, parameters)
     require_time_step(trial)
     means = _means(model)
     _set_elements(model, elements)
@@ -140,7 +142,7 @@ def _set_means(model: mujoco.MjModel, before: tuple[float, float]) -> None:
 
 
 def _packed(
-    model: mujoco.MjModel, read: WaterParameters, before: NDArray[np.float64], current_given: bool
+    model: mujoco.MjModel, read: WaterParameters, before: NDArray[np.float64], given: Mapping[str, ArrayLike]
 ) -> NDArray[np.float64]:
     """The packed values, what is no parameter as before."""
     ids, link_ids = ([model.body(each.body).id for each in several] for several in (read.hulls, read.links))
@@ -165,7 +167,8 @@ def _packed(
     )
     fixed = [i for i in range(layout.HEADER_SIZE) if i != layout.SURFACE]
     if packed.size != before.size or not np.array_equal(packed[fixed], before[fixed]):
-        raise ModelError("", "these parameters take another number of records than the model has: load it with them")
+        said = "takes other terms than the model was compiled with: give it to load_model, once"
+        raise ModelError(", ".join(given), said)
     table = before[int(before[layout.THRUSTERS]) :][: model.nu]
     for at in table[table >= 0.0].astype(int).tolist():
         for state in _STATES:
@@ -174,7 +177,7 @@ def _packed(
     if pushes_at >= 0:
         end = pushes_at + 1 + pushes * COLUMNS
         packed[pushes_at:end] = before[pushes_at:end]
-    if current_at >= 0 and not current_given:
+    if current_at >= 0 and CURRENT not in given:
         n_t, n_z = int(before[current_at]), int(before[current_at + 1])
         end = current_at + 2 + n_t + n_z + 3 * n_t * n_z
         packed[current_at:end] = before[current_at:end]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from cube_sim.spatial import Vector
 from cube_sim.vehicle.feeding import feeding_words
 from cube_sim.vehicle.fins import Fins, lift_tables
 from cube_sim.vehicle.floating import floating_height
@@ -19,6 +20,9 @@ NEUTRAL = 1e-3
 """Share of its weight by which a vehicle's buoyancy may differ and still be called neutral (a choice)."""
 TILTED_DEG = 3.0
 """Tilt at rest that is worth a word (a choice)."""
+ASLANT_DEG = 30.0
+"""Tilt at rest beyond which a hull is most likely no more as it was meant, where its thrusters cannot hold it level (a
+choice)."""
 UPSIDE_DOWN_DEG = 135.0
 """Tilt at rest from which on a hull lies on its back rather than on its side (a choice)."""
 LEAST_ARM_M = 1e-6
@@ -31,8 +35,7 @@ def remarks(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
     weight, lift = vehicle.mass * g, vehicle.displaced_mass * g
     said = [_buoyancy(model, vehicle, weight, lift), *_ballast(vehicle, lift - weight)]
     if g > 0.0:
-        moment = _most(vehicle, slice(3, 5))
-        said += _at_rest(lift * vehicle.centre_of_buoyancy - weight * vehicle.centre_of_mass, weight, moment)
+        said += _at_rest(_righting(vehicle), weight, _most(vehicle, slice(3, 5)))
     return said + stiff_words(model, vehicle) + _fins_ahead(model, vehicle) + _own_force(model, vehicle)
 
 
@@ -50,7 +53,23 @@ def cautions(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
             f"{how} with {abs(less):.3g} N, and its {_givers(vehicle)} give {push:.3g} N at most, whichever way it "
             "points"
         )
+    righting, moment = _righting(vehicle), _most(vehicle, slice(3, 5))
+    if _tilt_deg(righting) > ASLANT_DEG and moment < float(np.linalg.norm(righting)):
+        weight = vehicle.mass * float(np.linalg.norm(vehicle.gravity))
+        said += _at_rest(righting, weight, moment)
     return said
+
+
+def _righting(vehicle: Vehicle) -> Vector:
+    """Lift times its place less weight times its own (3,) [N m], body axes: along z where it rests upright."""
+    g = float(np.linalg.norm(vehicle.gravity))
+    return g * (vehicle.displaced_mass * vehicle.centre_of_buoyancy - vehicle.mass * vehicle.centre_of_mass)
+
+
+def _tilt_deg(righting: Vector) -> float:
+    """Tilt at rest [deg]; 0 where nothing rights it."""
+    size = float(np.linalg.norm(righting))
+    return float(np.degrees(np.arccos(np.clip(righting[2] / size, -1.0, 1.0)))) if size > 0.0 else 0.0
 
 
 def _most(vehicle: Vehicle, rows: slice) -> float:
@@ -105,11 +124,11 @@ def _ballast(vehicle: Vehicle, less: float) -> list[str]:
     return [*said, f"it is neutral with its ballast at {-less / per_litre[0]:.3g} l"]
 
 
-def _at_rest(righting: np.ndarray, weight: float, moment: float) -> list[str]:
+def _at_rest(righting: Vector, weight: float, moment: float) -> list[str]:
     size = float(np.linalg.norm(righting))
     if size <= LEAST_ARM_M * weight:
         return ["its centre of buoyancy lies in its centre of mass: nothing rights it"]
-    tilt = float(np.degrees(np.arccos(np.clip(righting[2] / size, -1.0, 1.0))))
+    tilt = _tilt_deg(righting)
     if tilt <= TILTED_DEG:
         return []
     if tilt > UPSIDE_DOWN_DEG:

@@ -42,7 +42,8 @@ def _stiff_water(model: mujoco.MjModel, vehicle: Vehicle) -> list[str]:
             return [
                 f"{what} at {USUAL_SPEED_M_S:g} m/s or rad/s is stiff for the time step of {model.opt.timestep:g} s: "
                 f"{stiffness:.2g} of {limit:g}, beyond which the motion explodes; take a step of "
-                f"{0.1 * limit * model.opt.timestep / stiffness:.2g} s (physics.step_s of a scenario)"
+                f"{0.1 * limit * model.opt.timestep / stiffness:.2g} s, a tenth of the longest (a scenario's "
+                "physics.step_s)"
             ]
     return []
 

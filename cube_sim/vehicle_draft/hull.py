@@ -129,11 +129,12 @@ def _hull(mesh: ClosedMesh, weighed: WeighedMass, neutral: bool, what: str, draw
     mesh = mesh.moved(np.eye(3), origin)
     solid = solid_of(mesh)
     times = DENSITY * solid.volume / weighed.mass
+    unit = f"a {'smaller' if times > 1.0 else 'larger'} --unit"
     unlikely = (
         ""
         if 1.0 / UNLIKELY <= times <= UNLIKELY
         else f"{what}: displaces {DENSITY * solid.volume:.3g} kg of water, and the vehicle weighs {weighed.mass:.3g} "
-        f"kg; is the unit right ({'--unit mm' if drawn else '--size-m is in metres'})?"
+        f"kg; is the unit right ({unit if drawn else '--size-m is in metres'})?"
     )
     if unlikely and not sure:
         raise ShapeError(f"{unlikely} Say --neutral if it is")

@@ -319,7 +319,15 @@ def test_a_hull_of_an_unlikely_size_is_taken_where_its_owner_insists_and_told(he
             "a closed box of 18 x 13 x 10 m: displaces 2.34e+06 kg of water, and the vehicle weighs 11.5 kg; is the "
             "unit right (--size-m is in metres)? --neutral does not mend that",
         ),
-        (("rov", *MASS, "--mesh", "mm.stl", *FLAGS), "mm.stl: displaces 9.13e+10 kg of water, and the vehicle weighs"),
+        (
+            ("rov", *MASS, "--mesh", "mm.stl", *FLAGS),
+            "mm.stl: displaces 9.13e+10 kg of water, and the vehicle weighs 11.5 kg; is the unit right (a smaller "
+            "--unit)? Say --neutral if it is",
+        ),
+        (
+            ("rov", *MASS, "--mesh", "mm.stl", "--unit", "mm", "--mass-kg", "1e6", *FLAGS),
+            "mm.stl: displaces 91.3 kg of water, and the vehicle weighs 1e+06 kg; is the unit right (a larger --unit)?",
+        ),
         (
             ("rov", *MASS, "--size-m", "460,340,250", *FLAGS),
             "a closed box of 460 x 340 x 250 m: displaces 3.91e+10 kg of water, and the vehicle weighs 11.5 kg; is the "

@@ -2,6 +2,7 @@
 
 import mujoco
 import pytest
+from support.catalogue.vehicles import catalogue
 from support.command_line import call
 from support.edited_cube import T1, edited_text
 from support.flights import FORCES_ONLY
@@ -59,6 +60,26 @@ def test_a_weight_that_no_thruster_holds_is_cautioned_of():
     (said,) = cautioned(CUBE, {"hull:mass": 200.0})
     assert said == "sinks with 736 N, and its thrusters give 412 N at most, whichever way it points"
     assert cautioned(CUBE, {"hull:mass": 130.0}) == []
+
+
+@pytest.mark.parametrize(
+    ("centre", "told"),
+    [
+        ([0.02, 0.0, 0.02], []),
+        ([0.3, 0.0, 0.02], ["left to itself it rests tilted by 86 deg; level it has to be held with 368 N m, and its"]),
+        ([0.0, 0.0, -2.0], ["its centre of mass lies above its centre of buoyancy: left to itself it turns over"]),
+    ],
+)
+def test_a_hull_that_its_thrusters_do_not_hold_upright_is_cautioned_of(centre, told):
+    found = cautioned(CUBE, {"hull:centre_of_buoyancy": centre})
+    assert [text[: len(start)] for text, start in zip(found, told, strict=True)] == told
+
+
+def test_no_vehicle_of_the_catalogue_is_called_aslant():
+    for entry in catalogue().values():
+        if not entry.lost:
+            found = cautioned(mujoco.MjSpec.from_string(entry.make()))
+            assert not [text for text in found if "tilted" in text or "turns over" in text], entry.name
 
 
 def test_a_tilt_that_no_thruster_holds_is_told_with_what_they_can():

@@ -137,3 +137,17 @@ def test_parameters_without_names_are_refused(given):
     for asked in (lambda: cube_sim.set_parameters(model, given), lambda: cube_sim.load_model(CUBE, given)):
         with pytest.raises(TypeError, match="a mapping from names is right, as in"):
             asked()
+
+
+def test_names_that_are_no_text_and_several_models_are_refused():
+    model = cube_sim.load_model(CUBE)
+    with pytest.raises(TypeError, match="names of parameters are text, .* not 3"):
+        cube_sim.set_parameters(model, {3: 4.0})
+    with pytest.raises(TypeError, match=r"one mujoco.MjModel is right, not a list: of several, one after the other"):
+        cube_sim.set_parameters([model, model], {"hull:volume": 0.13})
+
+
+def test_what_the_model_was_compiled_without_is_named():
+    model = cube_sim.load_model(MODELS / "remus100_propeller.xml")
+    with pytest.raises(ModelError, match=r"^hull:coriolis_of_added_mass: takes other terms .* give it to load_model"):
+        cube_sim.set_parameters(model, {"hull:coriolis_of_added_mass": 1})

@@ -121,6 +121,9 @@ def require_mapping(parameters: object) -> None:
     if not isinstance(parameters, Mapping):
         given = f"not a {type(parameters).__name__}: {parameters!r:.60}"
         raise TypeError(f'a mapping from names is right, as in {{"hull:volume": 0.03}}, {given}')
+    for name in parameters:
+        if not isinstance(name, str):
+            raise TypeError(f'names of parameters are text, as in {{"hull:volume": 0.03}}, not {name!r:.60}')
 
 
 def require_parameter(name: str) -> None:
