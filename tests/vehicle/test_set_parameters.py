@@ -141,7 +141,7 @@ def test_parameters_without_names_are_refused(given):
 
 def test_names_that_are_no_text_and_several_models_are_refused():
     model = cube_sim.load_model(CUBE)
-    with pytest.raises(TypeError, match="names of parameters are text, .* not 3"):
+    with pytest.raises(TypeError, match=r"names of parameters are text, .* not 3"):
         cube_sim.set_parameters(model, {3: 4.0})
     with pytest.raises(TypeError, match=r"one mujoco.MjModel is right, not a list: of several, one after the other"):
         cube_sim.set_parameters([model, model], {"hull:volume": 0.13})
