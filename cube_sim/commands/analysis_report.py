@@ -63,8 +63,7 @@ class Report:
         critical: up to which speed it keeps margins, even where it is flown off its course; None where nothing flies
             it, and in the plane, where other laws do.
         stuck: every single thruster dead and stuck; None where that was not asked for.
-        stuck_fins: every single fin loose and jammed; None where that was not asked for, and none where the whole
-            vehicle does not follow paths.
+        stuck_fins: every single fin loose and jammed; None where that was not asked for.
         remarks: on the vehicle left to itself.
         table: every loss of up to the number asked for, on top of the lost ones; None when that was 0 and no picture
             was wanted.
@@ -191,8 +190,7 @@ def report_on(
     if stuck:
         asked, read = {"lost": gone, "cost_limit": cost_limit, "progress": progress}, ReadModel(model, loaded)
         cases = fault_cases(vehicle, requirements.speed_m_s, read=read, **asked)
-        # At a speed at which they do not steer it whole either, no fault of theirs says anything.
-        of_fins = fin_cases(vehicle, requirements.speed_m_s, read, **asked) if analysis.verdict.follows else ()
+        of_fins = fin_cases(vehicle, requirements.speed_m_s, read, **asked)
     noted = (*kept_words(loaded), *unlikely_words(loaded, vehicle.name), *remarks(loaded, vehicle))
     if fins is not None and not planar and fails_without_fins(vehicle, gone, requirements.speed_m_s, cost_limit):
         noted = (*noted, STEERED_AT_SPEED_ONLY)

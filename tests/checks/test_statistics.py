@@ -263,17 +263,21 @@ def test_a_longer_run_takes_no_more_memory(statistic, name):
     """But for a percentile, which keeps the numbers of its window, 8 bytes each, 16 where they are held."""
     limit = 0.99 if statistic.startswith("share_") else 1e9
     asked = {"kind": "signal", "signal": name, "statistic": statistic, "at_most": limit} | NEEDED.get(statistic, {})
-    kept = []
-    for minutes in (2, 20):
-        evaluation = Evaluation([TypeAdapter(AnyCheck).validate_python(asked)], BEFOREHAND)
-        tracemalloc.start()
-        for minute in range(minutes):
-            times = 60.0 * minute + np.arange(3000) * 0.02
-            rows = np.column_stack([times, np.sin(times)])
-            evaluation.take({name: rows, "pose.position": rows})
-        del times, rows
-        kept.append(tracemalloc.get_traced_memory()[0])
-        tracemalloc.stop()
-    more = kept[1] - kept[0]
+    # Whatever else runs in this process, as what compiles beside it, takes memory once: not each of three times.
+    more = min(_kept(asked, 20) - _kept(asked, 2) for _ in range(3))
     numbers = 18 * 3000 * (16 if name == HELD else 8)
     assert (numbers <= more < 1.1 * numbers) if statistic == "percentile" else more < 20_000
+
+
+def _kept(asked, minutes):
+    """What the evaluation of a check keeps [bytes], after so much of a run."""
+    evaluation = Evaluation([TypeAdapter(AnyCheck).validate_python(asked)], BEFOREHAND)
+    tracemalloc.start()
+    for minute in range(minutes):
+        times = 60.0 * minute + np.arange(3000) * 0.02
+        rows = np.column_stack([times, np.sin(times)])
+        evaluation.take({asked["signal"]: rows, "pose.position": rows})
+    del times, rows
+    kept = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    return kept

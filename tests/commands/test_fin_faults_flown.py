@@ -107,9 +107,3 @@ def test_a_rudder_and_a_stern_plane_have_nobody_to_stand_in_for_them(monkeypatch
         ("rudder", "loose", False),
     ]
     assert "cannot turn (yaw)" in told["stuck_fins"][1]["reason"]
-
-
-def test_at_a_speed_at_which_no_whole_fin_steers_none_is_flown():
-    told = CliRunner().invoke(app, ["analyze", str(MODELS / "nps_auv2.xml"), "--stuck", "--json"]).output
-    assert json.loads(told)["stuck_fins"] == []
-    assert "give --speed 1" in json.loads(told)["verdict"]["reason"]
