@@ -106,7 +106,8 @@ class BalancedAttitude:
         p = self.parameters
         p["judged_wish"], p["judged_speed"], p["judged_climb"] = judged["course_wish"], judged["speed"], judged["climb"]
         if trim is not None and not p["trimmed"][0]:
-            self.memory["rotation"][0] = on_course(trim, judged)
+            ahead, aside = (float(x) for x in judged["heading"])
+            self.memory["rotation"][0] = np.array([[ahead, -aside, 0.0], [aside, ahead, 0.0], [0.0, 0.0, 1.0]]) @ trim
         p["trimmed"] = trim is not None
         if trim is not None:
             p["trim"] = trim
@@ -143,12 +144,6 @@ class BalancedAttitude:
             situation.force_ratio,
         )
         return DesiredAttitude(*desired[0])
-
-
-def on_course(trim: Matrix, judged: Record) -> Matrix:
-    """R_WB (3,3) of a trim, body axes in those of the course that a record `MEMORY` holds."""
-    ahead, aside = (float(x) for x in judged["heading"])
-    return np.array([[ahead, -aside, 0.0], [aside, ahead, 0.0], [0.0, 0.0, 1.0]]) @ trim
 
 
 def _of_what_is_made(left: Capability, budget: ForceBudget) -> tuple[Matrix, Vector, Vector]:

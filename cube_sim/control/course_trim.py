@@ -39,9 +39,6 @@ SLOWER = 2.0
 CAUGHT = 0.8
 """By how much a slip that grows by itself may grow in the time of the velocity loop, as a logarithm (a choice): below 1
 that loop catches it, see `qualities`."""
-UNHURRIED = 1.0
-"""How many times slower than the slowest motion of a trim the loop that points the thrust is at least, or it hastens it
-(a choice)."""
 BEGINS_AT, BEGINS_IN = 0.125, 12
 """Share of its speed from which a hull has to come to a trim as it speeds up, and in how many steps it is followed."""
 GOES_ALONG_RAD = 0.5
@@ -93,13 +90,10 @@ class CourseTrims:
         torques = np.linalg.norm(left.yielding[3:], axis=0) > 0.0
         return CourseTrims(left, attitudes, torques, righting, time_s if np.any(left.dragged_force) else 0.0)
 
-    def nearest(
-        self, wish: Matrix, before: Matrix | None = None, radius_m: float = inf, rests: bool = True
-    ) -> Matrix | None:
+    def nearest(self, wish: Matrix, before: Matrix | None = None, radius_m: float = inf) -> Matrix | None:
         """The trim (3,3) to wish for instead; None where the one next to the wish will do, and where there is none.
 
-        One that is hastened, steered faster than it allows, is left for one that is not, where there is such. One to
-        which the hull does not come as it speeds up, as at rest no water holds it there, is left for any other.
+        One that is hastened, steered faster than it allows, is left for one that is not, where there is such.
         Where no trim is near a wish along the course, the search for balance ends in any of them. Then one is wished
         for if the path turns: not all go on into its turns. A wish across the course is another one as the path turns.
         With one line of force there is hardly a choice.
@@ -108,17 +102,15 @@ class CourseTrims:
             wish: the attitude (3,3) the mission asks for, body axes in those of the course.
             before: the trim wished for until now, in those of its course; it is kept as long as it will do.
             radius_m: of the tightest turn of the path; infinite where it has none.
-            rests: whether it has yet to speed up; one under way need not come to its trim from rest.
         """
         R, found, far = self.next_to(wish)
-        least, kept = 0.0, False
+        hastened = False
         along = _near(np.eye(3), wish)
         searched = far and along and self.left.authority is Authority.PLANE
         turning = searched and np.isfinite(radius_m)
         if found[0] and self.good(R, kept=before is None and not turning)[0]:
-            kept, begins = True, not rests or before is not None or not along or self.begins(R[0])
-            least = self.unhurried(R[0]) if begins else 0.0
-            if begins and least >= UNHURRIED and (not turning or self._turns(R[0], radius_m)):
+            hastened = self.hastened(R[0])
+            if not hastened and (not turning or self._turns(R[0], radius_m)):
                 return None
         elif before is None and far and not turning and not (searched and found[0] and self.sways(R)[0]):
             return None
@@ -127,34 +119,12 @@ class CourseTrims:
             if found[0] and self.good(R, kept=True)[0]:
                 return R[0]
         R, found = self.attitudes.trimmed(spread_attitudes()[::EVERY])
-        chosen, slowness = self._chosen(R[found], wish, radius_m, kept, rests)
-        return chosen if least == 0.0 or slowness >= UNHURRIED else None
-
-    def _chosen(self, R: Matrix, wish: Matrix, radius_m: float, kept: bool, rests: bool) -> tuple[Matrix | None, float]:
-        """Of attitudes (q,3,3) in trim the nearest good one that is not hastened, or the least hastened one.
-
-        And how little it is. Where the trim next to the wish will be `kept`, no hull is turned over. Where it will not,
-        one is taken to which the hull does not come from rest, where there is no other; and where none is good one that
-        would be kept.
-        """
-        good = self.good(R)
-        if not np.any(good) and not kept:
-            good = self.good(R, kept=True) & (self.qualities(R)[0] >= ENOUGH)
-        if kept:
-            good &= R[:, 2, 2] > 0.0
-        R, chosen, most, nearest = R[good], None, 0.0, None
+        R = R[found]
+        R = R[self.good(R)]
         for i in np.argsort(-np.einsum("kij,ij->k", R, wish), kind="stable"):
-            if not self._turns(R[i], radius_m):
-                continue
-            nearest = R[i] if nearest is None and not kept else nearest
-            if rests and not self.begins(R[i]):
-                continue
-            slowness = self.unhurried(R[i])
-            if slowness >= UNHURRIED:
-                return R[i], slowness
-            if slowness > most:
-                chosen, most = R[i], slowness
-        return (nearest if chosen is None else chosen), most
+            if self._turns(R[i], radius_m) and not (hastened and self.hastened(R[i])):
+                return R[i]
+        return None
 
     def slowest_elsewhere_rad_s(self, wish: Matrix, radius_m: float) -> float | None:
         """How slowly it must be steered in the trim it takes for a path that turns; None where one is near the wish.
@@ -166,12 +136,8 @@ class CourseTrims:
         return None if trim is None else self.slowest_rad_s(trim)
 
     def hastened(self, R: Matrix) -> bool:
-        """Whether the loop that points the thrust is too fast for the motion of a trim (3,3) with the place held."""
-        return self.unhurried(R) < UNHURRIED
-
-    def unhurried(self, R: Matrix) -> float:
-        """How many times slower than the slowest motion of a trim (3,3) that loop is; infinite where none counts."""
-        return self.slowest_rad_s(R) * self.time if self.time > 0.0 else inf
+        """Whether the loop that points the thrust is faster than the motion of a trim (3,3) with the place held."""
+        return self.time > 0.0 and self.slowest_rad_s(R) * self.time < 1.0
 
     def is_sure(self, wish: Matrix) -> bool:
         """Whether the trim next to a wish (3,3) is near, good, not hastened, and come to from rest."""

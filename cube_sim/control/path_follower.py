@@ -11,13 +11,13 @@ from cube_sim.control.along_path import AlongPath
 from cube_sim.control.asked import MEMORY
 from cube_sim.control.attitude_mode import DESIRED, AttitudeMode, DesiredAttitude, Situation
 from cube_sim.control.authority import POINTING, Authority, Capability
-from cube_sim.control.balanced_attitude import BalancedAttitude, on_course
+from cube_sim.control.balanced_attitude import BalancedAttitude
 from cube_sim.control.balancing import FARTHEST_RAD
 from cube_sim.control.ceiling import Ceiling, keep_under_surface, lift
 from cube_sim.control.compiled_parts import NEVER_BALANCED, CompiledParts, compiled_parts
 from cube_sim.control.controller import Decision
 from cube_sim.control.course_keeping import COURSE, CourseKeeping
-from cube_sim.control.course_trim import BEGINS_AT, CourseTrims
+from cube_sim.control.course_trim import CourseTrims
 from cube_sim.control.current import CurrentObserver, told_of_water
 from cube_sim.control.disturbance import DisturbanceObserver
 from cube_sim.control.following import FOLLOWED, follow
@@ -38,7 +38,6 @@ from cube_sim.control.shortage import SHORTAGE, watch_shortage
 from cube_sim.control.slowed_loops import slowed_approach, slowed_loops
 from cube_sim.control.steering_by_fins import keep_course
 from cube_sim.control.thrown import LoopSpeeds
-from cube_sim.control.turning_to_trim import TurningToTrim
 from cube_sim.guidance.approach import Approach
 from cube_sim.guidance.law import DesiredMotion, MotionLaw, Target, TargetView
 from cube_sim.guidance.view_record import record_of, see_level, view_of
@@ -110,7 +109,6 @@ class PathFollower:
         self._holding: Holding | None = None
         self._rests = False
         self.balanced: BalancedAttitude | None = None
-        self._way: TurningToTrim | None = None
         self.monitor = LossOfTargetMonitor(self.safe_mode)
         self.coupling = force_with_torque(self.loops.dynamics.total_mass)
         self.reconfigure(self.capability)
@@ -121,7 +119,6 @@ class PathFollower:
             left = replace(left, budget=left.budget.made_to_move())
         self.capability = left
         self.balanced, self._loops, self._approach = None, self.loops, self.approach
-        self._way = None
         self.refuge, self._holding = Refuge(), None
         budget, turned = left.budget, left.turned
         self._left = left.record(self.loops.dynamics.total_mass)
@@ -204,7 +201,7 @@ class PathFollower:
         goal = self._safe_mode_goal(state, view, force_ratio, dt)
         mode = self._mode(state, force_ratio)
         followed = np.zeros(1, FOLLOWED)
-        if seen is not None and goal is None and self._way is None and self._compiled is not None:
+        if seen is not None and goal is None and self._compiled is not None:
             quaternion = self._compiled.answer(self, seen, followed, state, applied, dt, force_ratio)
             disturbance, current = self._estimates()
         else:
@@ -451,12 +448,9 @@ class PathFollower:
         if self.capability.steers_by_attitude or self.pressed:
             if self.balanced is None:
                 self.balanced = self._balanced_from(state.rotation)
-            elif self._way is not None and (self._goal is not None or self._way.is_over(state)):
-                self.balanced = self._balanced_at_trim(self.balanced, self._way)
-                self._way = None
-            elif self._way is None and self.balanced.stale and self._goal is None:
-                self.balanced = self._judged_again(self.balanced, state)
-            return self.balanced if self._way is None else self._way
+            elif self.balanced.stale and self._goal is None:
+                self.balanced = self._judged_again(self.balanced, state.rotation)
+            return self.balanced
         self.balanced = None
         return self._wish
 
@@ -483,34 +477,18 @@ class PathFollower:
             most_rate=self._loops.most_rate,
         )
 
-    def _judged_again(self, balanced: BalancedAttitude, state: State) -> BalancedAttitude:
+    def _judged_again(self, balanced: BalancedAttitude, rotation: Matrix) -> BalancedAttitude:
         """The same with the wish that suits its course, or a search that begins anew where that is far from before."""
-        judged, before, rotation = balanced.memory[0], balanced.trim, state.rotation
-        rests = float(np.linalg.norm(rotation @ state.velocity - self.current)) < BEGINS_AT * float(judged["speed"])
+        judged, before = balanced.memory[0], balanced.trim
         course = float(judged["speed"]), float(judged["climb"])
         trims = CourseTrims.of(self.capability, self.loops.dynamics, *course, self.pointing_time)
         radius = inf if balanced.judged else self.radius  # one under way stays in the trim that it has come to
-        trim = None if trims is None else trims.nearest(judged["course_wish"], before, radius, rests)
+        trim = None if trims is None else trims.nearest(judged["course_wish"], before, radius)
         old, new = (judged["course_wish"] if R is None else R for R in (before, trim))
         following = balanced
         if np.trace(old.T @ new) < 1.0 + 2.0 * np.cos(FARTHEST_RAD):
             following = self._balanced_from(rotation)
-            if trim is not None and rests and self.radius == inf:  # else there is a force to point all the way
-                self._way = self._way_to(trim, judged, rotation)
         following.wish_for(trim, judged)
-        return following
-
-    def _way_to(self, trim: Matrix, judged: Record, rotation: Matrix) -> TurningToTrim | None:
-        """The way to a trim (3,3) on the course judged, of a hull that is far from it."""
-        wished = on_course(trim, judged)
-        return TurningToTrim(rotation, wished, self.loops.most_rate) if TurningToTrim.is_far(rotation, wished) else None
-
-    def _balanced_at_trim(self, balanced: BalancedAttitude, way: TurningToTrim) -> BalancedAttitude:
-        """A search for balance with the same wish, begun anew where the way to it has led."""
-        following, judged = self._balanced_from(way.rotation), balanced.memory[0]
-        following.memory["heading"] = judged["heading"]
-        following.wish_for(balanced.trim, judged)
-        following.memory["rotation"] = way.rotation
         return following
 
     def _is_under_way(self, state: State, force_ratio: float) -> bool:
@@ -595,7 +573,7 @@ class PathFollower:
             return None
         if taken and not self.force_first:
             return None  # what is to move the hull gives way to the attitude there
-        if self._way is not None or (self.balanced is not None and self.balanced.stale):
+        if self.balanced is not None and self.balanced.stale:
             return None
         return self._compiled
 
