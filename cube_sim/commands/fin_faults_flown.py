@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cube_sim.commands.stuck_flight import DEEP_M, SETTLED_S, ReadModel, straight_ahead
+from cube_sim.commands.stuck_flight import DEEP_M, SETTLED_S, ReadModel, straight_ahead, where_stuck
 from cube_sim.control.authority import Authority
 from cube_sim.control.pace import LEAST_PACE
 from cube_sim.control.turned_round import NEAR_M
@@ -29,8 +29,6 @@ FLOWN_S = 60.0
 """So long it flies on with the fault (a choice)."""
 JUDGED_S = 15.0
 """At the end of that it has to be on its course for so long (a choice)."""
-SHARES = (0.5, 1.0)
-"""Of its travel at which a fin jams."""
 
 
 class FinFault(NamedTuple):
@@ -71,8 +69,7 @@ def every_fin_fault(vehicle: Vehicle, gone: tuple[str, ...] = ()) -> list[FinFau
     if vehicle.fins is not None:
         for name, (low, high) in zip(vehicle.fins.names, vehicle.fins.travel.tolist(), strict=True):
             if name not in gone:
-                angles = [share * end for share in SHARES for end in (low, high) if end != 0.0]
-                faults += [FinFault(name), *(FinFault(name, angle) for angle in angles)]
+                faults += [FinFault(name), *(FinFault(name, angle) for angle in where_stuck(low, high))]
     return faults
 
 

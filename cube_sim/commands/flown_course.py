@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from cube_sim.commands.stuck_flight import DEEP_M, straight_ahead
 from cube_sim.control.authority import Capability
 from cube_sim.control.course_trim import CourseTrims
 from cube_sim.control.loop_times import USUAL_PERIOD_S, LoopTimes, mean_delay
@@ -29,7 +30,6 @@ LEAST_ADVANCE = 0.5
 """Share of the speed by which it is to advance at least."""
 SLOWER = (0.5, 0.25)
 """Shares of the speed that are tried where it does not follow at all of it."""
-DEEP_M = -20.0
 
 
 def is_doubtful(left: Capability, vehicle: Vehicle, speed_m_s: float) -> bool:
@@ -102,16 +102,11 @@ def _late_off_m(signals: Mapping[str, Matrix], from_s: float, speed_m_s: float) 
 def _line(model: Path, lost: Sequence[str], speed_m_s: float, duration_s: float) -> dict[str, Any]:
     """The scenario."""
     events = [{"kind": "thrusters", "at_s": 0.0, "thrusters": list(lost), "state": "dead"}] if lost else []
-    return {
-        "schema_version": 1,
-        "name": "level_line",
-        "model": str(model.resolve()),
+    return straight_ahead(model.resolve(), speed_m_s, None) | {
         "duration_s": float(round(duration_s)),
         "path": {"type": "line", "start_m": [0, 0, DEEP_M], "end_m": [2.0 * speed_m_s * duration_s, 0, DEEP_M]},
         "initial": {"position_m": [0, BESIDE_M, DEEP_M], "attitude_deg": [0, 0, 0]},
-        "guidance": {"speed_m_s": speed_m_s},
         "control": {"faults": "told"},
         "events": events,
         "stop": [{"kind": "given_up"}],
-        "checks": [{"kind": "allowed_forces"}],
     }

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from cube_sim.vehicle.fins import FinsAtSpeed
+from cube_sim.vehicle.remarks import NEUTRAL
 from cube_sim.vehicle.vehicle import Vehicle
 
 _Z = 2
-_WORTH = 1e-3
-"""Share of its weight by which a vehicle's lift is worth a word: that of `cube_sim.vehicle.remarks`."""
 
 
 def lift_words(vehicle: Vehicle, fins: FinsAtSpeed, speed_m_s: float) -> list[str]:
@@ -24,7 +23,7 @@ def lift_words(vehicle: Vehicle, fins: FinsAtSpeed, speed_m_s: float) -> list[st
     less = (vehicle.displaced_mass - vehicle.mass) * g
     thrust = float(np.abs(vehicle.actuation_matrix[_Z]) @ np.abs(vehicle.thrusters.limits).max(axis=1))
     lift = float(np.abs(fins.matrix[_Z]) @ np.abs(fins.limits).max(axis=1))
-    if abs(less) <= max(thrust + lift, _WORTH * vehicle.mass * g) or lift == 0.0:
+    if abs(less) <= max(thrust + lift, NEUTRAL * vehicle.mass * g) or lift == 0.0:
         return []
     how, points = ("rises", "down") if less > 0.0 else ("sinks", "up")
     return [

@@ -32,6 +32,8 @@ SETTLED_S = 20.0
 """It flies so long before the fault (a choice)."""
 DEEP_M = -20.0
 """So deep that the surface is of no matter."""
+SHARES = (0.5, 1.0)
+"""Of what it can do at which a thruster, or a fin, sticks."""
 
 
 class ReadModel(NamedTuple):
@@ -153,3 +155,8 @@ def straight_ahead(file: Path, speed_m_s: float, cost_limit: float | None) -> di
         "control": {} if cost_limit is None else {"cost_limit": cost_limit},
         "checks": [{"kind": "allowed_forces"}],
     }
+
+
+def where_stuck(low: float, high: float) -> list[float]:
+    """Half of either end, and the ends, of what a thruster or a fin can do; an end at 0 is none."""
+    return [share * end for share in SHARES for end in (low, high) if end != 0.0]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cube_sim.actuation import PathRequirements, analyse
-from cube_sim.commands.stuck_flight import BesideFaults, ReadModel
+from cube_sim.commands.stuck_flight import BesideFaults, ReadModel, where_stuck
 from cube_sim.control.authority import Authority, Capability
 from cube_sim.control.force_first import LITTLE_TORQUE
 from cube_sim.control.foreseen import Foreseen
@@ -32,8 +32,6 @@ from cube_sim.wrench.health import Health
 
 OBSERVER_S = 1.0
 """Time of the observer of the disturbance in a scenario that does not say."""
-SHARES = (0.5, 1.0)
-"""Of its limits at which a thruster sticks."""
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -84,8 +82,7 @@ def every_fault(vehicle: Vehicle, gone: tuple[str, ...] = ()) -> list[Fault]:
     faults = []
     for name, (low, _, _, high) in zip(vehicle.thrusters.names, vehicle.thrusters.limits.tolist(), strict=True):
         if name not in gone:
-            forces = [share * limit for share in SHARES for limit in (low, high) if limit != 0.0]
-            faults += [Fault(name), *(Fault(name, force) for force in forces)]
+            faults += [Fault(name), *(Fault(name, force) for force in where_stuck(low, high))]
     return faults
 
 

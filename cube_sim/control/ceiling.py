@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -15,8 +16,6 @@ HELD = 0.5
 SINKING_M_S = 0.2
 """A hull that is above is asked to go down no faster (a choice)."""
 _LEAST_UP = 1e-6  # of a facet's normal, below which it does not bound what goes straight up
-
-
 NO_CEILING = np.zeros((3, 0))
 """The table of endless water."""
 
@@ -39,7 +38,7 @@ class Ceiling:
         """The height that thrusters hold which lift so much under water [N], see `highest_held`."""
         return highest_held(self.table, up)
 
-    @property
+    @cached_property
     def table(self) -> Matrix:
         """(3,n) heights, what is missing, and the share that the thrusters make, as compiled laws read them."""
         return np.ascontiguousarray(np.stack([self.heights, self.missing, self.wet]))

@@ -348,8 +348,9 @@ class PathFollower:
             see_level(level)
             view = view_of(level)
         if not self.dragged:
-            above = self._approach.motion(view) if goal is None else goal.motion(state.position)
-            return self._below(above, there, ratio) if goal is None else above
+            if goal is not None:
+                return goal.motion(state.position)
+            return self._below(self._approach.motion(view), there, ratio)
         time = self._loops.velocity_time
         seen = record_of(view if goal is None else view._replace(speed=0.0))
         watch_centre(self._left, self.centre, state.rotation, state.rates, seen, dt, time)

@@ -251,10 +251,22 @@ def drift_in(course, unknown, share):
         unknown: wrench (6-tuple) that the model does not explain [N, N m], body axes.
         share: of the speed through the water in that of the path.
     """
-    s, by = course[0].slips, -1.0 / share
-    aside = by * (s[0, 0] * unknown[1] + s[0, 1] * unknown[2] + s[0, 2] * unknown[4] + s[0, 3] * unknown[5])
-    up = by * (s[1, 0] * unknown[1] + s[1, 1] * unknown[2] + s[1, 2] * unknown[4] + s[1, 3] * unknown[5])
+    aside, up = slip_under(course, -1.0 / share, (unknown[1], unknown[2], unknown[4], unknown[5]))
     return 0.0, aside, up
+
+
+@compiled
+def slip_under(course, by, load):
+    """Slip velocities aside and up, a pair, at which hull and fins balance a load, times a factor.
+
+    Args:
+        course: record of `cube_sim.control.course_keeping.COURSE`.
+        by: the factor.
+        load: (Y, Z, M, N), a 4-tuple [N, N m].
+    """
+    s = course[0].slips
+    aside = by * (s[0, 0] * load[0] + s[0, 1] * load[1] + s[0, 2] * load[2] + s[0, 3] * load[3])
+    return aside, by * (s[1, 0] * load[0] + s[1, 1] * load[1] + s[1, 2] * load[2] + s[1, 3] * load[3])
 
 
 @compiled
@@ -279,9 +291,6 @@ def slip_of(hull, course, R_0, share, pitching, yawing, unknown):
         share * (t[2, 0] * pitching + t[2, 1] * yawing) - righted[1] - unknown[4],
         share * (t[3, 0] * pitching + t[3, 1] * yawing) - righted[2] - unknown[5],
     )
-    by, most = 1.0 / (share * share * c.speed), c.most_slip
-    aside = by * (c.slips[0, 0] * load[0] + c.slips[0, 1] * load[1] + c.slips[0, 2] * load[2] + c.slips[0, 3] * load[3])
-    upward = by * (
-        c.slips[1, 0] * load[0] + c.slips[1, 1] * load[1] + c.slips[1, 2] * load[2] + c.slips[1, 3] * load[3]
-    )
+    aside, upward = slip_under(course, 1.0 / (share * share * c.speed), load)
+    most = c.most_slip
     return min(max(aside, -most[0]), most[0]), min(max(upward, -most[1]), most[1])

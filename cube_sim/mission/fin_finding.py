@@ -15,6 +15,7 @@ comes nearer. What a slow servo does is not found.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from cube_sim.spatial import Matrix, Vector
 from cube_sim.vehicle.fin_health import FinHealth
 from cube_sim.vehicle.fins import Fins
+from cube_sim.wrench.health import Health
 
 LOOK_S = 1.0
 """So often they are compared (a choice)."""
@@ -37,6 +39,13 @@ NEARER = 0.7
 """Of its distance to where it is told to be that a fin which comes no nearer has left after these (a choice)."""
 
 
+class NoUse(NamedTuple):
+    """What is wrong with fins that left no way to follow a path, beside thrusters in the state they were in then."""
+
+    fins: FinHealth | None = None
+    thrusters: Health | None = None
+
+
 class FinFinding:
     """Watches the fins of a vehicle.
 
@@ -47,7 +56,7 @@ class FinFinding:
 
     Attributes:
         found: what is believed of them by now.
-        of_no_use: what was, and left no way to follow a path.
+        of_no_use: what was last, and left no way to follow a path.
     """
 
     def __init__(self, fins: Fins, period_s: float, told: FinHealth) -> None:
@@ -57,7 +66,7 @@ class FinFinding:
         self._rows: list[tuple[Vector, Vector, Vector]] = []
         self._looked, k = 0, len(fins.names)
         self._far, self._distance = np.zeros(k, dtype=np.int64), np.zeros(k)
-        self.found, self.of_no_use = told, told
+        self.found, self.of_no_use = told, NoUse()
 
     def note(self, wanted: Matrix, stood: Matrix) -> None:
         """Take in ticks.

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from cube_sim.control.authority import Authority
+from cube_sim.mission.fin_finding import NoUse
 from cube_sim.mission.fins import FinSteering
 from cube_sim.mission.prepare import Mission
 from cube_sim.recording.signal_store import SignalStore
@@ -34,12 +35,15 @@ def learn_of_fins(mission: Mission, recorder: SignalStore, t: float) -> bool:
         believed = mission.fin_finding.found
     if fins is None or believed is events.fins_told:
         return False
-    left = mission.ability.left(mission.allocator.health, believed)
+    finding, health = mission.fin_finding, mission.allocator.health
+    if finding is not None and finding.of_no_use.fins is believed and finding.of_no_use.thrusters is health:
+        return False  # judged before
+    left = mission.ability.left(health, believed)
     text = believed.describe(fins.fins.names) or "all fins whole"
-    if mission.fin_finding is not None and left.authority is Authority.SAFE:
+    if finding is not None and left.authority is Authority.SAFE:
         # It may come back, and what it still makes steers better than nothing.
-        if believed is not mission.fin_finding.of_no_use:
-            mission.fin_finding.of_no_use = believed
+        told, finding.of_no_use = finding.of_no_use.fins, NoUse(believed, health)
+        if believed is not told:
             without = "without it the path cannot be followed, so it flies on as if all were whole"
             recorder.log(t, "WARNING", f"{text}, it seems; {without}")
         return False
